@@ -1,5 +1,4 @@
-"""The one-time preparation in a process of its own, of low priority: numba holds up all threads of a process
-while it compiles.
+"""The one-time preparation in a process of its own: numba holds up all threads of one that compiles.
 
 What it compiles lies on disk, where the window and the training find it. It ends with the process that
 started it, however that ends.
@@ -26,7 +25,7 @@ from app.kernels.progress import Preparation, tasks
 
 SECONDS_TO_END: Final = 2.0
 NICE: Final = 5
-"""The window comes first; what runs beside it on the computer does not, as a person waits for this."""
+"""Once the first method is ready, which a person waits for; then what is done in the window comes first."""
 
 
 class Preparer:
@@ -74,13 +73,14 @@ def work(pipe: Connection, first: Preset) -> None:
     rest_while_waiting()
     for name in {"SIGINT", "SIGHUP"} & vars(signal).keys():
         signal.signal(getattr(signal, name), signal.SIG_IGN)
-    psutil.Process().nice(psutil.BELOW_NORMAL_PRIORITY_CLASS if sys.platform == "win32" else NICE)
     threading.Thread(target=_end_with, args=(pipe,), daemon=True).start()
     # Loaded in this process only.
     from app.kernels.steps import prepare
 
     with suppress(BrokenPipeError):
         for now in prepare(first):
+            if now.done == 1:
+                psutil.Process().nice(psutil.BELOW_NORMAL_PRIORITY_CLASS if sys.platform == "win32" else NICE)
             pipe.send(now)
 
 

@@ -11,19 +11,15 @@ import cv2
 import numpy as np
 import pytest
 
-from app.__main__ import main
 from app.files.image_files import read_image
-from app.files.image_series import Series, open_series
+from app.files.image_series import open_series
 from app.files.provenance import NOTICE, digest, read_provenance
-from app.files.timing import Timing
 from enhance import EnhanceParams, enhance, measure
 from enhance.baselines import BASELINES
 from enhance.surround import inside
 from enhance.vessel import VesselParams, enhance_vessels
-from renderer.clip import ClipError
 from renderer.sources import open_clip
 from tests.app.conftest import Call, tissue
-from tests.app.files.test_video import without
 
 Cli = Callable[..., Call]
 
@@ -204,38 +200,6 @@ def test_what_is_left_out_is_as_asked(folder: Path, tmp_path: Path, vesselsplat:
         assert sum("detail" in omission["what"] for omission in picture["omitted"]) == count
 
 
-def test_a_video_keeps_its_frames_and_its_speed(tmp_path: Path, vesselsplat: Cli) -> None:
-    given, out = tmp_path / "in.mp4", tmp_path / "out.mp4"
-    writer = cv2.VideoWriter(str(given), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
-    for index in range(5):
-        writer.write(cv2.resize(tissue(index), (64, 48)))
-    writer.release()
-    call = vesselsplat("enhance", given, out, "--statistics", "clip")
-    assert (call.code, call.error) == (0, "")
-    clip = open_clip(out)
-    assert (len(clip), clip.size, clip.frames_per_second) == (5, (64, 48), 10.0)
-    beside = json.loads((tmp_path / "out.mp4.json").read_text())
-    assert [picture["picture"] for picture in beside["pictures"]] == [f"frame-{i:06d}" for i in range(5)]
-    frames = tmp_path / "frames"
-    assert vesselsplat("enhance", given, frames).code == 0
-    assert len(list(frames.iterdir())) == 5
-
-
-@pytest.mark.parametrize(("flags", "steady"), [((), True), (("--statistics", "image"), False)])
-def test_a_video_has_one_statistics_unless_told_otherwise(
-    tmp_path: Path, vesselsplat: Cli, flags: tuple[str, ...], steady: bool
-) -> None:
-    given = tmp_path / "in.mp4"
-    writer = cv2.VideoWriter(str(given), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
-    for index in range(5):
-        writer.write(cv2.resize(tissue(index, 120 + 20 * index), (64, 48)))
-    writer.release()
-    call = vesselsplat("enhance", given, tmp_path / "out.mp4", *flags, "--json")
-    used = [picture["statistics"] for picture in json.loads(call.out)["pictures"]]
-    assert (len({one["level"] for one in used}) == 1) == steady
-    assert {one["scope"] for one in used} == {"clip" if steady else "image"}
-
-
 def test_a_clip_folder_is_its_images(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     call = vesselsplat("enhance", clip_path, tmp_path / "out", "--json")
     images = sorted(path.stem for path in (clip_path / "images").iterdir())
@@ -294,25 +258,6 @@ def test_a_batch_passes_over_folders_of_maps(folder: Path, tmp_path: Path, vesse
     assert "left out, masks beside the images: mask/" in call.error
     alone = vesselsplat("enhance", case / "mask", tmp_path / "alone")
     assert (alone.code, alone.error) == (0, "")
-
-
-def test_a_video_of_several_sizes_is_refused_before_it_is_begun(
-    folder: Path, tmp_path: Path, vesselsplat: Cli
-) -> None:
-    cv2.imwrite(str(folder / "9.png"), np.zeros((30, 60, 3), np.uint8))
-    call = vesselsplat("enhance", folder, tmp_path / "out.mp4")
-    assert call.code == 2
-    assert "60x40" in call.error
-    assert "1 of 4 images (9.png)" in call.error
-
-
-def test_a_folder_of_videos_says_what_to_do(tmp_path: Path, vesselsplat: Cli) -> None:
-    (tmp_path / "in").mkdir()
-    (tmp_path / "in" / "a.mp4").write_bytes(b"x")
-    call = vesselsplat("enhance", tmp_path / "in", tmp_path / "out")
-    assert call.code == 2
-    assert "a.mp4" in call.error
-    assert "--recursive" in call.error
 
 
 def test_two_pictures_of_one_output_name_are_refused(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
@@ -382,47 +327,6 @@ def test_clip_statistics_serve_the_preset(folder: Path, tmp_path: Path, vesselsp
     pictures = json.loads(vesselsplat("enhance", folder, tmp_path / "out", *flags).out)["pictures"]
     assert len({picture["statistics"]["z"] for picture in pictures}) == 1
     assert pictures[0]["statistics"]["scope"] == "clip"
-
-
-@pytest.mark.parametrize("statistics", ["image", "clip"])
-def test_a_video_that_breaks_off_leaves_what_was_whole(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, statistics: str
-) -> None:
-    given, out = tmp_path / "in.mp4", tmp_path / "out.mp4"
-    given.write_bytes(b"video")
-
-    def read(index: int) -> np.ndarray:
-        if index == 3:
-            raise ClipError(f"frame 3 of 8 cannot be decoded: {given}")
-        return tissue(index)
-
-    names = tuple(str(index) for index in range(8))
-    series = Series(names, (given,) * 8, read, is_video=True, timing=Timing(12.0, like=given))
-    monkeypatch.setattr("app.commands.enhance.open_series", lambda path, options: series)
-    without(monkeypatch, "PyAV", "ffmpeg")
-    assert main(["enhance", str(given), str(out), "--statistics", statistics]) == 0
-    captured = capfd.readouterr()
-    stopped, sound = captured.err.splitlines()
-    assert stopped == f"stopped after 3 of 8 frames: frame 3 of 8 cannot be decoded: {given}"
-    assert sound.startswith("sound is not kept")
-    assert "3 enhanced" in captured.out
-    clip = open_clip(out)
-    assert (len(clip), clip.size, clip.frames_per_second) == (3, (60, 40), 12.0)
-    assert "stopped after 3" in json.loads((tmp_path / "out.mp4.json").read_text())["notices"][0]
-
-
-def test_a_truncated_video_becomes_a_shorter_one(tmp_path: Path, vesselsplat: Cli) -> None:
-    given, out = tmp_path / "in.avi", tmp_path / "out.mp4"
-    writer = cv2.VideoWriter(str(given), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (64, 48))
-    for index in range(40):
-        writer.write(cv2.resize(tissue(index), (64, 48)))
-    writer.release()
-    given.write_bytes(given.read_bytes()[: given.stat().st_size // 2])
-    call = vesselsplat("enhance", given, out)
-    assert call.code == 0
-    assert call.error.count("\n") == 1
-    assert "cut off" in call.error
-    assert 2 <= len(open_clip(out)) < 40
 
 
 def test_names_that_differ_by_suffix_alone_keep_it(tmp_path: Path, vesselsplat: Cli) -> None:

@@ -23,11 +23,8 @@ from app.gui.window import Window
 from app.gui.work.settings import TEXT_PERCENTS, Places, Settings, Theme
 from assets import phantom_path
 from tests.app.gui.conftest import FakeJob
-from tests.benchmarks.gui_soak import quieten
+from tests.benchmarks.person import UNPACED, Context, Person, quieten
 from tests.benchmarks.picture_scenes import SCENES, Model
-from tests.benchmarks.soak_deeds import Context, Person
-
-UNPACED = 1e9
 
 
 def main() -> None:

@@ -19,16 +19,14 @@ import traceback
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from imgui_bundle import imgui
 from imgui_bundle.immapp import testing
 
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.settings import Places, Settings
-from tests.benchmarks.soak_deeds import DEEDS, Context, Deed, Person
+from tests.benchmarks.person import Context, Person, quieten
+from tests.benchmarks.soak_deeds import DEEDS, Deed
 from tests.benchmarks.soak_health import Health, children
-
-FOREVER = 1e9
 
 
 def main() -> None:
@@ -99,13 +97,6 @@ def one_round(person: Person, health: Health, deeds: Iterable[Deed]) -> None:
     health.due = True
     person.wait(lambda: not health.due, "a frame")
     print(health.readings[-1], " ", " ".join(done), flush=True)
-
-
-def quieten(ctx: Context) -> None:
-    """The engine keeps no log, which would grow, and no watch, which would end a long test."""
-    io = ctx.engine_io
-    io.config_verbose_level = io.config_verbose_level_on_error = imgui.test_engine.TestVerboseLevel.error
-    io.config_watchdog_warning = io.config_watchdog_kill_test = io.config_watchdog_kill_app = FOREVER
 
 
 if __name__ == "__main__":

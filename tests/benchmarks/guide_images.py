@@ -30,10 +30,9 @@ from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Started
 from tests.app.gui.conftest import FakeJob
-from tests.benchmarks.gui_pictures import UNPACED, window_in
-from tests.benchmarks.gui_soak import quieten
+from tests.benchmarks.gui_pictures import window_in
+from tests.benchmarks.person import UNPACED, Context, K, Person, quieten
 from tests.benchmarks.picture_scenes import OMITTED, STEPS, progress
-from tests.benchmarks.soak_deeds import Context, K, Person
 
 SIZE = (1280, 720)
 BETWEEN = (0, 22, 1280, 602)

@@ -30,7 +30,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.train.events import Evaluated, Finished, Omission, Progress, Started, Warned
 from tests.app.gui.conftest import FakeJob
-from tests.benchmarks.soak_deeds import K, Person
+from tests.benchmarks.person import K, Person
 
 STEPS = 3000
 OMITTED = (

@@ -121,6 +121,8 @@ def _draw_chosen(state: AppState) -> None:
         _draw_encoder(state)
     imgui.spacing()
     _draw_progress(state)
+    if offer.form != "cameras" and state.exports.what != "window":
+        note(REPLAY)
     _draw_last(state)
 
 
@@ -231,7 +233,6 @@ def _draw_progress(state: AppState) -> None:
         button(
             "Export###start",
             partial(export_actions.start, state),
-            REPLAY,
             reason=reason,
             color=color,
             width=10,

@@ -10,6 +10,7 @@ from app.gui.style import theme
 from app.gui.style.widgets import centered, choose, em, muted
 from app.gui.work.reported import Chart, Scale, current, plain
 from app.gui.work.reported_tables import ReportPart, ShownTable
+from app.report.diagrams import Point
 
 TABLE_FLAGS = (
     imgui.TableFlags_.sortable | imgui.TableFlags_.sort_tristate | imgui.TableFlags_.row_bg
@@ -53,8 +54,19 @@ def draw_report(state: AppState) -> None:
 def _draw_chart(state: AppState, chart: Chart) -> None:
     now = current(chart, state.enhancement.params)
     size = ImVec2(-1, max(em(12), imgui.get_content_region_avail().y * 0.62))
-    if not implot.begin_plot(f"##{chart.title}{chart.measure}", size, theme.PLOT):
-        return
+    if implot.begin_plot(f"##{chart.title}{chart.measure}", size, theme.PLOT):
+        _plot(chart, now)
+        implot.end_plot()
+    # Also while the diagram is scrolled out of sight: the height of the page stays.
+    if now is not None:
+        text = f"Now: {now.setting}, {plain(now.error)} in {plain(1e3 * now.seconds)} ms"
+        imgui.text_colored(theme.now().accent, f"{text}, the default" if now.is_default else text)
+    elif chart.part == "enhancement":
+        muted("The current settings are not among those measured.")
+
+
+def _plot(chart: Chart, now: Point | None) -> None:
+    """The lines of a diagram, the fronts, and where the current settings are."""
     implot.setup_axes(chart.against, chart.measure)
     _setup(implot.ImAxis_.x1, chart.across, logarithmic=True)
     _setup(implot.ImAxis_.y1, chart.up, logarithmic=chart.logarithmic)
@@ -75,12 +87,6 @@ def _draw_chart(state: AppState, chart: Chart) -> None:
     if now is not None:
         _draw_dot(chart, now)
     _explain_nearest(chart)
-    implot.end_plot()
-    if now is not None:
-        text = f"Now: {now.setting}, {plain(now.error)} in {plain(1e3 * now.seconds)} ms"
-        imgui.text_colored(theme.now().accent, f"{text}, the default" if now.is_default else text)
-    elif chart.part == "enhancement":
-        muted("The current settings are not among those measured.")
 
 
 def _setup(axis: int, scale: Scale, *, logarithmic: bool) -> None:
@@ -90,8 +96,8 @@ def _setup(axis: int, scale: Scale, *, logarithmic: bool) -> None:
         implot.setup_axis_ticks(axis, list(scale.ticks), scale.labels)
 
 
-def _draw_dot(chart: Chart, now: object) -> None:
-    place = implot.plot_to_pixels(*chart.place(now))  # type: ignore[arg-type]
+def _draw_dot(chart: Chart, now: Point) -> None:
+    place = implot.plot_to_pixels(*chart.place(now))
     draw = implot.get_plot_draw_list()
     implot.push_plot_clip_rect()
     draw.add_circle_filled(place, em(0.38), imgui.get_color_u32(theme.now().accent))

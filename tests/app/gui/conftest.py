@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 import pytest
+from imgui_bundle import imgui
 
 from app.enhancement.frame_enhancer import PictureMaker
 from app.gui.actions import job_actions
@@ -22,6 +25,7 @@ from renderer.clip import ByteImage, Clip, Frame
 from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
+from tests.app.gui.chooser import Chooser
 from tests.app.gui.exporting import Exporter
 from tests.app.gui.settling import show_live
 from tests.app.gui.ui import Ui
@@ -157,6 +161,15 @@ def ui() -> Iterator[Ui]:
     made = Ui()
     yield made
     made.close()
+
+
+@pytest.fixture
+def chooser(ui: Ui, places: Places, monkeypatch: pytest.MonkeyPatch) -> Chooser:
+    """Where no program of the desktop asks in the window's place."""
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    ui.io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard
+    return Chooser(ui, AppState(places, Settings(acknowledged=True)))
 
 
 @pytest.fixture

@@ -1,9 +1,8 @@
-"""The file dialog: the desktop's where there is one, else the window's, by keyboard and by mouse."""
+"""The window's own file dialog, by keyboard and by mouse."""
 
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 import time
 from pathlib import Path
@@ -15,28 +14,15 @@ from imgui_bundle import imgui
 
 from app.errors import UserError
 from app.gui.actions import actions, browse_actions
-from app.gui.frame import dialogs
-from app.gui.frame.dialogs import Dialogs, has_desktop_dialogs
 from app.gui.panels import file_browser
-from app.gui.panels.file_browser import draw_browser
 from app.gui.state.app_state import AppState
-from app.gui.state.browsing import Browsing
-from app.gui.state.choosing import QUESTIONS, Kind, Purpose
-from app.gui.update.channels import Channels
+from app.gui.state.choosing import QUESTIONS
 from app.gui.work.listing import SIDE, Listing, ListRequest, list_folder, thumbnail_of
-from app.gui.work.settings import Places, Settings, load_settings
-from renderer.clip import ByteImage
+from app.gui.work.settings import Places, load_settings
+from tests.app.gui.chooser import Chooser
 from tests.app.gui.settling import keep_all
-from tests.app.gui.ui import Ui
 
 K = imgui.Key
-
-
-@pytest.fixture(autouse=True)
-def no_desktop(monkeypatch: pytest.MonkeyPatch) -> None:
-    """No program that asks in the window's place."""
-    monkeypatch.setattr(sys, "platform", "linux")
-    monkeypatch.setattr(shutil, "which", lambda name: None)
 
 
 @pytest.fixture
@@ -49,77 +35,9 @@ def folder(tmp_path: Path) -> Path:
     return inside
 
 
-class Chooser:
-    """The dialog of a window, with its background work done between frames."""
-
-    def __init__(self, ui: Ui, state: AppState) -> None:
-        self.ui, self.state = ui, state
-        self.channels, self.dialogs = Channels(), Dialogs()
-        self.chosen: list[Path] = []
-        self.shown: dict[str, ByteImage] = {}
-
-    def ask(self, kind: Kind, purpose: Purpose, folder: Path, name: str = "") -> None:
-        self.state.window.folders = {purpose: folder}
-        actions.choose_path(self.state, kind, lambda state, path: self.chosen.append(path), purpose, name)
-        self.frames(4)
-
-    @property
-    def browsing(self) -> Browsing:
-        assert self.state.window.browsing is not None
-        return self.state.window.browsing
-
-    def draw(self) -> None:
-        imgui.button("below")
-        self.dialogs.follow(self.state)
-        draw_browser(self.state, self.texture)
-
-    def texture(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
-        self.shown[slot] = image
-        return imgui.ImTextureRef(1)
-
-    def frames(self, count: int = 3) -> None:
-        for _ in range(count):
-            for row in self.channels.rows:
-                if row.channel in (self.channels.listing, self.channels.small_files):
-                    row.ask(self.state)
-                    row.channel.run_waiting()
-                    row.answer(self.state)
-            self.ui.frame(self.draw)
-
-    def press(self, *keys: imgui.Key) -> None:
-        for down in (True, False):
-            for key in keys:
-                self.ui.io.add_key_event(key, down)
-            self.frames(1)
-        self.frames(3)
-
-    def type(self, text: str) -> None:
-        self.ui.io.add_input_characters_utf8(text)
-        self.frames(2)
-
-    def names(self) -> list[str]:
-        return [entry.name for entry in self.browsing.entries]
-
-
-@pytest.fixture
-def chooser(ui: Ui, places: Places) -> Chooser:
-    ui.io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard
-    return Chooser(ui, AppState(places, Settings(acknowledged=True)))
-
-
 def listed(folder: Path) -> Listing:
     (found,) = list_folder(ListRequest(folder))
     return found
-
-
-def test_on_linux_a_missing_dialog_program_is_not_taken_for_a_cancel(
-    monkeypatch: pytest.MonkeyPatch, chooser: Chooser, folder: Path
-) -> None:
-    assert not has_desktop_dialogs()
-    chooser.ask("folder", "folder", folder)
-    assert chooser.browsing.folder == folder
-    monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}" if name == "kdialog" else None)
-    assert has_desktop_dialogs()
 
 
 def test_folders_come_first_in_natural_order_and_hidden_things_never(chooser: Chooser, folder: Path) -> None:
@@ -405,48 +323,3 @@ def test_a_video_has_a_thumbnail_without_pyav(folder: Path, monkeypatch: pytest.
     (image,) = thumbnail_of(folder / "scope.mp4")
     assert image is not None
     assert np.abs(image.reshape(-1, 3).mean(axis=0) - (200, 0, 0)).max() < 12
-
-
-class FakeDesktop:
-    """A dialog of the desktop that has been answered."""
-
-    asked: list[tuple[object, ...]]
-
-    def __init__(self, answer: str | list[str]) -> None:
-        self.answer, self.asked = answer, []
-
-    def __call__(self, *given: object) -> FakeDesktop:
-        self.asked.append(given)
-        return self
-
-    def ready(self, timeout: int) -> bool:
-        return True
-
-    def result(self) -> str | list[str]:
-        return self.answer
-
-
-def test_the_desktop_s_dialog_is_asked_with_folder_and_kinds_and_remembered(
-    chooser: Chooser, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(dialogs, "has_desktop_dialogs", lambda: True)
-    opens, saves, nothing = (
-        FakeDesktop([str(folder / "2.png")]),
-        FakeDesktop(str(folder / "mine")),
-        FakeDesktop(""),
-    )
-    monkeypatch.setattr(dialogs.desktop, "open_file", opens)
-    monkeypatch.setattr(dialogs.desktop, "save_file", saves)
-    monkeypatch.setattr(dialogs.desktop, "select_folder", nothing)
-    chooser.ask("file", "file", folder.parent)
-    ((title, start, filters),) = opens.asked
-    assert (title, start) == ("Open a file", str(folder.parent))
-    assert filters[:2] == [
-        "Everything that opens",
-        " ".join(f"*{s}" for s in QUESTIONS["file"].filters[0].suffixes),
-    ]
-    assert chooser.state.folder_of("file") == folder
-    chooser.ask("save", "session", folder, "liver.vesselsplat")
-    assert saves.asked[0][1] == str(folder / "liver.vesselsplat")
-    chooser.ask("folder", "folder", folder)
-    assert chooser.chosen == [folder / "2.png", folder / "mine.vesselsplat"]

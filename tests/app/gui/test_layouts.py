@@ -158,7 +158,7 @@ def test_what_is_below_keeps_its_share_when_the_window_grows_before_and_while_it
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         def share() -> float:
-            view, pictures = (ctx.window_info(f"//{name}").window.size.y for name in ("3D view", "Pictures"))
+            view, pictures = (ctx.window_info(f"//{name}").window.size.y for name in ("3D view", "Images"))
             return float(view / (view + pictures))
 
         def grow(height: int) -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from imgui_bundle import ImVec2, imgui
 
 from app.errors import UserError
 from app.files.provenance import provenance, strict_json
@@ -130,6 +132,26 @@ def test_a_report_joins_what_is_open_and_is_drawn(state: AppState, path: Path) -
     state.reports.shown = None
     ui.frame(lambda: draw_report(state))
     ui.close()
+
+
+def test_the_page_keeps_its_height_when_the_diagram_is_scrolled_out_of_sight(
+    state: AppState, path: Path
+) -> None:
+    (opened,) = open_path(OpenRequest(path))
+    actions.show_opened(state, path, opened)
+    ui, heights = Ui(), []
+
+    def draw(top: float) -> None:
+        draw_report(state)
+        imgui.dummy(ImVec2(0, 3000))
+        imgui.set_scroll_y(top)
+        heights.append(imgui.get_cursor_pos_y())
+
+    for top in (0.0, 1200.0):
+        for _ in range(4):
+            ui.frame(partial(draw, top))
+    ui.close()
+    assert heights[-1] == pytest.approx(heights[3], abs=1)  # Rounded with the scrolled position.
 
 
 def test_another_file_is_refused_in_one_line(tmp_path: Path) -> None:

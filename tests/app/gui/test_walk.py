@@ -21,9 +21,8 @@ from app.gui.work.settings import Places, Settings
 from app.runs.run_folder import RunFolder
 from assets import phantom_path
 from tests.app.gui.window_thread import files_touched
-from tests.benchmarks.soak_deeds import Context, K, Person, compare, reconstruct
-
-UNPACED = 1e9
+from tests.benchmarks.person import UNPACED, Context, K, Person, quieten
+from tests.benchmarks.soak_deeds import compare, reconstruct
 
 
 def run_window(window: Window, drive: testing.TestFunction) -> None:
@@ -33,6 +32,7 @@ def run_window(window: Window, drive: testing.TestFunction) -> None:
 
 
 def person_at(ctx: Context, window: Window) -> Person:
+    quieten(ctx)
     return Person(ctx, window, phantom_path(), Random(0), UNPACED)
 
 

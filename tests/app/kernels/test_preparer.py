@@ -70,6 +70,25 @@ def test_closing_the_window_ends_it() -> None:
     assert not process.is_running()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="another scale of priorities")
+def test_it_steps_back_once_the_first_method_is_ready() -> None:
+    made, before = Preparer(), psutil.Process().nice()
+    made.start()
+    process, seen = psutil.Process(made._process.pid), set()
+
+    def is_second() -> bool:
+        lowered, now = process.nice() == preparer.NICE, made.poll()
+        assert now is not None
+        seen.add((lowered, now.done > 0))
+        return now.done > 0
+
+    assert before < preparer.NICE
+    wait(is_second, "the first step")
+    assert process.nice() == preparer.NICE
+    made.close()
+    assert (False, False) in seen
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="no such signal")
 def test_it_ends_with_a_window_that_is_killed(tmp_path: Path) -> None:
     code = (

@@ -41,7 +41,7 @@ from app.gui.work.settings import Places, Settings
 from enhance import ImageError
 from renderer.clip import ClipError
 from tests.benchmarks.attack.session_mutations import damaged_session
-from tests.benchmarks.gui_soak import Context, quieten
+from tests.benchmarks.person import Context, quieten
 
 SECONDS = 10.0
 """For one session to be taken up, drawn and used."""

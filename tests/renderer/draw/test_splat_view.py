@@ -16,7 +16,6 @@ from renderer.draw.splat_view import Precision, SplatView
 from renderer.measuring.stability.scenes import joined
 from renderer.rasterize.cpu import render
 from renderer.splats import Splats
-from renderer.unobserved import line_mask
 from tests.renderer.draw.oracle import levels, psnr, reference
 from tests.renderer.scenes import random_splats, turned_camera
 
@@ -201,20 +200,6 @@ def test_a_view_without_an_upload_shows_the_background(ctx: moderngl.Context) ->
     view, framebuffer = SplatView(ctx), ctx.simple_framebuffer((24, 16))
     view.draw(CAMERA, framebuffer, background=(1.0, 0.0, 1.0))
     assert framebuffer.read(components=4) == bytes((255, 0, 255, 255)) * (24 * 16)
-    view.release()
-    framebuffer.release()
-
-
-def test_hatching_lies_behind_the_splats(ctx: moderngl.Context) -> None:
-    lines, view = (0.4, 0.5, 0.6), SplatView(ctx, precision="float")
-    framebuffer = ctx.simple_framebuffer((CAMERA.width, CAMERA.height), 4, dtype="f4")
-    view.upload(scene(5))
-    sums = view.read_color(CAMERA)
-    view.draw(CAMERA, framebuffer, background=BACKGROUND, lines=lines)
-    behind = np.where(line_mask(CAMERA.height, CAMERA.width)[..., None], lines, BACKGROUND)
-    np.testing.assert_allclose(
-        read_image(framebuffer), sums[..., :3] + (1 - sums[..., 3:]) * behind, atol=1e-5
-    )
     view.release()
     framebuffer.release()
 
