@@ -13,6 +13,11 @@ from renderer.camera import Camera
 from renderer.clip import Frame
 from renderer.rasterize.binning import TILE
 
+MARGIN = 3
+"""Pixels that an edge takes to fall from tissue to nothing. Chosen on frames held out of training (1000
+steps, seed 0, pulling and mesentery): without, tissue that few frames show is 5 dB worse on the latter; with
+2 and 4, 2.4 and 1 dB."""
+
 
 @dataclass(frozen=True, eq=False)
 class TrainFrame:
@@ -45,9 +50,11 @@ def train_frame(frame: Frame, unseen: NDArray[np.bool_] | None = None) -> TrainF
 
 
 def unseen_by(frames: Iterable[Frame]) -> NDArray[np.bool_]:
-    """(H, W) where none of the frames, of one camera that stands still, shows tissue."""
-    seen: NDArray[np.bool_] = np.logical_or.reduce([frame.tissue_mask for frame in frames])
-    return ~seen
+    """(H, W) where none of the frames, of one camera that stands still, shows tissue within MARGIN."""
+    seen = np.logical_or.reduce([frame.tissue_mask for frame in frames])
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * MARGIN + 1, 2 * MARGIN + 1))
+    reached: NDArray[np.bool_] = cv2.dilate(seen.astype(np.uint8), disc) > 0
+    return ~reached
 
 
 def tissue_tiles(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:

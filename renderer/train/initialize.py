@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,6 +26,17 @@ RESOLVED = 0.5
 LOWEST_PERCENTILE, HIGHEST_PERCENTILE = 0.1, 99.9
 EVENNESS = 0.5
 """Share of the samples that are spread evenly over all pixels that any frame shows."""
+DETAIL = 0.7
+"""Share of the density, in our own methods, that goes with the detail there. Chosen on frames held out of
+training (1000 steps, seed 0) among 0, 0.3, 0.5, 0.7, 0.8 and 1: pulling 37.51, 37.67, 37.74, 37.80, 37.73 and
+37.85 dB; mesentery 34.87 for 0, 35.29, 35.24 and 35.33 for 0.5 to 0.8; a phantom that is alike all over 36.8
+to 37.0. Blurs of 1.5 and 6 px are as good as that of 3. After 3000 steps of pulling, 38.66 for 38.46 dB."""
+HALVINGS = 40
+"""Of an interval, until float32 holds no better."""
+BLUR = 3.0
+"""Standard deviation in pixels over which detail is averaged."""
+MOST_DETAIL = 98.0
+"""Percentile that stands for more: highlights and edges of the mask are no finer tissue."""
 
 
 def with_points(frames: Iterable[Frame], points: SparsePoints | None) -> Iterator[Frame]:
@@ -62,19 +74,20 @@ def require_resolved(clip: Clip, size: float) -> None:
         raise ClipError(f"{expected}; got one at {farthest:.3g}: {clip.path}")
 
 
-def sampled(frames: Sequence[Frame], config: TrainConfig) -> RawGaussians:
+def sampled(frames: Sequence[Frame], config: TrainConfig, detail: float = 0.0) -> RawGaussians:
     """Random tissue pixels of the given frames, placed behind the centre of their pixel.
 
     Half of the Gaussians are spread over the frames, so that what is often seen, and often judged, has the
-    more of them; half over all pixels that any frame shows, so that what is seldom seen has no gaps. A
-    Gaussian's size follows from the spacing that the samples have about its pixel.
+    more of them; half over all pixels that any frame shows, so that what is seldom seen has no gaps. Both
+    lie denser where there is more detail, to the share `detail` in [0, 1]. A Gaussian's size follows from the
+    spacing that the samples have about its pixel.
 
     Where a frame has no depth on tissue, the depth around it places them (`filled_depth`).
     """
     rng = np.random.default_rng(config.seed)
     # The frames themselves may be more than memory holds.
     measured = [place for place in range(len(frames)) if _has_depth(frames[place])]
-    density = Density.of(frames[place] for place in measured)
+    density = Density.of((frames[place] for place in measured), detail)
     totals = np.array([density.weights(frames[place].tissue_mask).sum() for place in measured])
     ends = np.rint(np.cumsum(totals) / totals.sum() * config.n_gaussians).astype(int)
     shares = np.diff(ends, prepend=0)
@@ -82,8 +95,8 @@ def sampled(frames: Sequence[Frame], config: TrainConfig) -> RawGaussians:
         _sample(frames[place], int(share), density, rng)
         for place, share in zip(measured, shares, strict=True)
     ]
-    means, pixel_sizes, colors, densities = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-    spacing = pixel_sizes / np.sqrt(len(means) * densities)
+    means, pixel_sizes, colors, pixels = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    spacing = pixel_sizes / np.sqrt(density.expected(len(means)).reshape(-1)[pixels])
     return round_gaussians(means, config.initial_spacing * spacing, colors, config.initial_opacity)
 
 
@@ -93,23 +106,51 @@ class Density:
 
     seen: NDArray[np.float32]
     """(H, W), the number of frames that show tissue there."""
+    detail: NDArray[np.float32]
+    """(H, W), how much denser than elsewhere they lie there, by the frames that show it; about 1."""
 
     @classmethod
-    def of(cls, frames: Iterable[Frame]) -> Density:
+    def of(cls, frames: Iterable[Frame], share: float) -> Density:
         """Of frames of one size."""
-        return cls(sum(frame.tissue_mask.astype(np.float32) for frame in frames))  # type: ignore[arg-type]
+        both = sum(
+            np.stack([frame.tissue_mask, frame.tissue_mask * relative_detail(frame, share)])
+            for frame in frames
+        )
+        seen, detail = np.asarray(both, np.float32)
+        return cls(seen, detail / np.maximum(seen, np.float32(1)))
 
     def weights(self, tissue: BoolImage) -> NDArray[np.float32]:
         """(H, W) relative frequency of a sample in a pixel of a frame; 0 where it shows no tissue."""
         often = self.seen.sum() / np.count_nonzero(self.seen)
         rarity = often / np.maximum(self.seen, np.float32(1))
-        return np.asarray(tissue * ((1 - EVENNESS) + EVENNESS * rarity), np.float32)
+        return np.asarray(tissue * self.detail * ((1 - EVENNESS) + EVENNESS * rarity), np.float32)
 
-    @property
-    def of_all(self) -> NDArray[np.float32]:
-        """(H, W) share of all samples in a pixel; its sum is 1."""
-        total = self.seen * self.weights(self.seen > 0)
-        return np.asarray(total / total.sum(), np.float32)
+    def expected(self, count: int) -> NDArray[np.float32]:
+        """(H, W) how many of `count` samples fall into a pixel, of which a frame gives one at most."""
+        wanted = (self.seen * self.weights(self.seen > 0)).astype(np.float64)
+        low, high = 0.0, float(self.seen.max() / wanted[wanted > 0].min())
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            too_many = np.minimum(middle * wanted, self.seen).sum() > count
+            low, high = (low, middle) if too_many else (middle, high)
+        return np.minimum(high * wanted, self.seen).astype(np.float32)
+
+
+def relative_detail(frame: Frame, share: float) -> NDArray[np.float32]:
+    """(H, W) 1 - share, and share times the mean slope of the brightness about a pixel over that of all
+    tissue; the border of the mask has no part in it."""
+    grey = cv2.cvtColor(frame.image, cv2.COLOR_RGB2GRAY).astype(np.float32)
+    inner = cv2.erode(frame.tissue_mask.astype(np.uint8), np.ones((5, 5), np.uint8)).astype(np.float32)
+    across, down = cv2.Sobel(grey, cv2.CV_32F, 1, 0), cv2.Sobel(grey, cv2.CV_32F, 0, 1)
+    slope = np.sqrt(across * across + down * down)  # cv2.magnitude depends on where its arrays lie in memory.
+    inside = cv2.GaussianBlur(inner, (0, 0), BLUR)
+    around = cv2.GaussianBlur(slope * inner, (0, 0), BLUR) / np.maximum(inside, np.float32(1e-3))
+    if not frame.tissue_mask.any():
+        return np.ones_like(grey)
+    around = np.minimum(around, np.percentile(around[frame.tissue_mask], MOST_DETAIL)).astype(np.float32)
+    mean = float(around[frame.tissue_mask].mean(dtype=np.float64))
+    relative = around / np.float32(mean) if mean > 0 else np.ones_like(grey)
+    return np.asarray((1 - share) + share * relative, np.float32)
 
 
 def round_gaussians(
@@ -134,9 +175,9 @@ def _has_depth(frame: Frame) -> bool:
 
 def _sample(
     frame: Frame, share: int, density: Density, rng: np.random.Generator
-) -> tuple[Float32Array, Float32Array, Float32Array, Float32Array]:
-    """World positions (S, 3), size of a pixel at their depth (S,), colours (S, 3) and the share that their
-    pixel has of all samples (S,); S <= share."""
+) -> tuple[Float32Array, Float32Array, Float32Array, NDArray[np.int64]]:
+    """World positions (S, 3), size of a pixel at their depth (S,), colours (S, 3) and their pixels (S,) in
+    row order; S <= share."""
     assert frame.depth is not None
     measured = frame.depth_mask
     lowest, highest = np.percentile(frame.depth[measured], (LOWEST_PERCENTILE, HIGHEST_PERCENTILE))
@@ -149,4 +190,4 @@ def _sample(
     points = frame.camera.unproject(depth).reshape(-1, 3)[chosen]
     colors = frame.image.reshape(-1, 3)[chosen] / np.float32(255)
     pixel_sizes = depth.reshape(-1)[chosen] / np.float32(frame.camera.fx)
-    return points.astype(np.float32), pixel_sizes, colors, density.of_all.reshape(-1)[chosen]
+    return points.astype(np.float32), pixel_sizes, colors, chosen

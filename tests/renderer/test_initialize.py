@@ -7,7 +7,7 @@ import numpy as np
 from renderer.camera import Camera
 from renderer.clip import Frame
 from renderer.train.config import TrainConfig
-from renderer.train.initialize import EVENNESS, sampled
+from renderer.train.initialize import DETAIL, EVENNESS, relative_detail, sampled
 
 WIDTH, HEIGHT, COUNT = 64, 48, 10
 CAMERA = Camera(60.0, 60.0, WIDTH / 2, HEIGHT / 2, WIDTH, HEIGHT)
@@ -56,3 +56,28 @@ def test_tissue_without_depth_gets_its_gaussians_too() -> None:
     right = np.count_nonzero(raw.means[:, 0] > 0) / len(raw)
     np.testing.assert_allclose(right, 0.5, atol=0.06)
     np.testing.assert_allclose(raw.means[:, 2], 50, rtol=1e-5)
+
+
+def test_detailed_tissue_gets_more_and_smaller_gaussians() -> None:
+    given = frames(shown=COUNT)
+    for frame in given:
+        frame.image[:] = 100
+        frame.image[:, WIDTH // 2 :: 2] = 140
+        frame.image[:, WIDTH // 2 + 1 :: 4] = 60
+    raw = sampled(given, CONFIG, DETAIL)
+    right = raw.means[:, 0] > 0
+    # All of DETAIL goes there, but for what the blur takes over the border.
+    assert 0.7 < np.mean(right) < (1 - DETAIL) / 2 + DETAIL
+    away = np.abs(raw.means[:, 0]) > 50 * WIDTH / 4 / CAMERA.fx  # Beyond the blur.
+    halves = away & ~right, away & right
+    left_size, right_size = (np.exp(np.median(raw.log_scales[half])) for half in halves)
+    left_count, right_count = (np.count_nonzero(half) for half in halves)
+    np.testing.assert_allclose(left_size / right_size, np.sqrt(right_count / left_count), rtol=0.1)
+
+
+def test_the_border_of_a_mask_is_no_detail() -> None:
+    (frame,) = frames(shown=1)[:1]
+    frame.image[:] = 90
+    frame.tissue_mask[10:20, 10:30] = False
+    frame.image[10:20, 10:30] = 255
+    np.testing.assert_allclose(relative_detail(frame, DETAIL)[frame.tissue_mask], 1, atol=1e-5)

@@ -23,7 +23,7 @@ from renderer.deformation.spline_motion import SplineMotion
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array
 from renderer.train.config import TrainConfig
-from renderer.train.initialize import sampled
+from renderer.train.initialize import DETAIL, sampled
 from renderer.train.losses import LossWeights
 from renderer.train.needs import Needs
 from renderer.train.rates import Rate, RowRates
@@ -41,7 +41,7 @@ def recipe(config: TrainConfig, needs: Needs) -> Recipe:
         return SplineTrainer(_at_rest(raw, frames, needs, config), _spline_rates(config, size))
 
     return Recipe(
-        initialize=partial(sampled, config=config),
+        initialize=partial(sampled, config=config, detail=DETAIL),
         make_trainer=make_trainer,
         rates=row_rates(config, needs),
         stages=stages(config),
