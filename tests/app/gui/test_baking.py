@@ -147,6 +147,7 @@ def test_scrubbing_draws_what_the_model_would_without_asking_it(
     ctx: moderngl.Context, drifting: AppState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     graphics, wanted = GraphicsViewport(ctx, Textures(ctx)), {}
+    actions.choose_background(drifting, "black")
     for index in (0, 2, 5):
         actions.seek(drifting, index)
         assert drifting.view_request is not None

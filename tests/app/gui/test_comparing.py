@@ -26,6 +26,7 @@ from enhance.baselines import clahe
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
+from renderer.unobserved import GREY
 from tests.app.gui.conftest import image_of, make_clip, start_live
 from tests.app.gui.scenes import scene_of
 from tests.app.gui.settling import settle
@@ -59,7 +60,7 @@ def test_every_source_shows_what_its_name_says(
     state.enhancement.stored = {"A": EnhanceParams(z=0.2), "B": VesselParams(strength=3.0)}
     state.enhancement.params, state.enhancement.scope = EnhanceParams(z=0.7), "image"
     actions.seek(state, 2)
-    rendered = render(model.at(2 / 6), state.source.clip.cameras[2], (0.0, 0.0, 0.0), near=0.05).image
+    rendered = render(model.at(2 / 6), state.source.clip.cameras[2], GREY, near=0.05).image
     expected = {
         "original": image_of(2),
         "enhanced": enhance(image_of(2), EnhanceParams(z=0.7)).image,

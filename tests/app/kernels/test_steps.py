@@ -40,8 +40,9 @@ from renderer.train.config import Method, TrainConfig
 NEVER_CALLED = {
     "renderer.deformation.row_products._block",
     "renderer.train.similarity._slopes",
+    "renderer.rasterize.picture.adjoint_of",
 }
-"""By Python: part of another kernel; of a loss that no method has yet."""
+"""By Python, or by the app: part of another kernel; of a loss that no method has yet; of drawing by torch."""
 SETTINGS: tuple[EnhancementSettings, ...] = (
     *PRESETS.values(),
     EnhanceParams(strength=0.5, d_factor=2.0, omit_below=0.0),

@@ -22,6 +22,7 @@ from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
 from renderer.near_plane import near_plane
 from renderer.splat_files import read_splats
+from renderer.unobserved import GREY
 from tests.app.conftest import Call
 
 Cli = Callable[..., Call]
@@ -79,7 +80,7 @@ def test_render_draws_what_is_left_and_says_so(run: RunFolder, tmp_path: Path, v
     model = edits.applied(run.model())
     drawn = draw_on_cpu(model.at(record.time(4)), record.camera(4), near_plane(model, record.camera(4)))
     path = tmp_path / "frame-000004.png"
-    assert np.array_equal(cv2.imread(str(path))[..., ::-1], drawn.bytes)
+    assert np.array_equal(cv2.imread(str(path))[..., ::-1], drawn.over(GREY))
     facts = read_provenance(path)["edits"]
     assert (facts["n_deleted"], facts["n_hidden"]) == (len(edits.deleted), len(edits.hidden))
 
