@@ -11,6 +11,7 @@ from tests.benchmarks.stability_faults.faults import Change, Fault, edited, repl
 PROJECTION, TILES = "renderer.projection", "renderer.rasterize.tiles"
 BINNING, CPU, HARMONICS = "renderer.rasterize.binning", "renderer.rasterize.cpu", "renderer.harmonics"
 BLENDING = "renderer.measuring.stability.blending"
+PICTURE = "renderer.rasterize.picture"
 DRAWN, SLOPES = ("projection", "pictures"), ("gradients",)
 BROKEN = ("broken splat",)
 
@@ -177,7 +178,11 @@ def _raster() -> list[Fault]:
             "other",
             "depth is not divided by alpha",
             ("depths",),
-            edited(CPU, "planes[PLANE_DEPTH] / weight", "planes[PLANE_DEPTH]"),
+            edited(
+                PICTURE,
+                "depth[y, x] = planes[PLANE_DEPTH, y, x] / seen",
+                "depth[y, x] = planes[PLANE_DEPTH, y, x]",
+            ),
             quick=True,
         ),
         Fault(
@@ -222,18 +227,14 @@ def _raster_backward() -> list[Fault]:
             "float16",
             "the adjoint",
             SLOPES,
-            edited(
-                CPU,
-                "adjoint[BY_DEPTH] = by_depth / weight",
-                "adjoint[BY_DEPTH] = (by_depth / weight).astype(np.float16)",
-            ),
+            rounded(f"{CPU}:adjoint_of", 5),
         ),
         Fault(
             "gradient of blending",
             "dropped",
             "the background",
             (*SLOPES, *BROKEN),
-            edited(CPU, "by_alpha - behind - adjoint", "by_alpha - adjoint"),
+            edited(PICTURE, "by_alpha[y, x] - behind - far", "by_alpha[y, x] - far"),
             quick=True,
         ),
         Fault(
@@ -241,14 +242,14 @@ def _raster_backward() -> list[Fault]:
             "dropped",
             "the expected depth's share",
             SLOPES,
-            edited(CPU, "- behind - adjoint[BY_DEPTH] * rendered.depth", "- behind"),
+            edited(PICTURE, "- behind - far * expected", "- behind"),
         ),
         Fault(
             "gradient of blending",
             "sign",
             "of alpha",
             SLOPES,
-            edited(CPU, "by_alpha - behind", "-by_alpha - behind"),
+            edited(PICTURE, "weight = by_alpha[y, x] - behind", "weight = -by_alpha[y, x] - behind"),
         ),
         Fault(
             "gradient of blending",

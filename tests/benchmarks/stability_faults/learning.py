@@ -283,8 +283,8 @@ def _initialisation() -> list[Fault]:
         edit(
             "dropped",
             "how many samples lie in a pixel",
-            "np.sqrt(len(means) * densities)",
-            "np.sqrt(len(means) * densities.mean() ** 2)",
+            "np.sqrt(density.expected(len(means)).reshape(-1)[pixels])",
+            "np.sqrt(density.expected(1).reshape(-1)[pixels])",
         ),
     ]
 
