@@ -139,14 +139,14 @@ class Density:
 def relative_detail(frame: Frame, share: float) -> NDArray[np.float32]:
     """(H, W) 1 - share, and share times the mean slope of the brightness about a pixel over that of all
     tissue; the border of the mask has no part in it."""
+    if share == 0 or not frame.tissue_mask.any():
+        return np.ones(frame.tissue_mask.shape, np.float32)
     grey = cv2.cvtColor(frame.image, cv2.COLOR_RGB2GRAY).astype(np.float32)
     inner = cv2.erode(frame.tissue_mask.astype(np.uint8), np.ones((5, 5), np.uint8)).astype(np.float32)
     across, down = cv2.Sobel(grey, cv2.CV_32F, 1, 0), cv2.Sobel(grey, cv2.CV_32F, 0, 1)
     slope = np.sqrt(across * across + down * down)  # cv2.magnitude depends on where its arrays lie in memory.
     inside = cv2.GaussianBlur(inner, (0, 0), BLUR)
     around = cv2.GaussianBlur(slope * inner, (0, 0), BLUR) / np.maximum(inside, np.float32(1e-3))
-    if not frame.tissue_mask.any():
-        return np.ones_like(grey)
     around = np.minimum(around, np.percentile(around[frame.tissue_mask], MOST_DETAIL)).astype(np.float32)
     mean = float(around[frame.tissue_mask].mean(dtype=np.float64))
     relative = around / np.float32(mean) if mean > 0 else np.ones_like(grey)

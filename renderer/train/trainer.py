@@ -117,7 +117,8 @@ def train(
     recipe = recipe_for(config, needs)
     raw = recipe.initialize(seeds)
     model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size, pictures)
-    unseen = unseen_by(frames) if clip.camera_is_fixed else None
+    judged = clip.camera_is_fixed and recipe.losses.opacity > 0
+    unseen = unseen_by(frames) if judged else None
     taken = (train_frame(frames.take(place), unseen) for place in range(len(frames)))
     pool = _Pool(FrameStore.of(taken, spilled), config.seed, needs.has_masks, spilled)
     del frames, seeds, taken
