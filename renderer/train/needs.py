@@ -131,7 +131,8 @@ def _of_curves(clip: Clip, config: TrainConfig, needs: Needs) -> Iterator[Omissi
         yield Omission("control values", why, f"{fewer} of {len(clip)} per curve", part)
     if needs.n_controls > MIN_CONTROLS and "moments" not in config.keep:
         saves = f"{needs.n_controls - MIN_CONTROLS} of {needs.n_controls} per curve and step"
-        yield Omission("moments of far controls", "they have no gradient", saves, "moments")
+        why = "a frame has no gradient for them"
+        yield Omission("updates of control values at other times", why, saves, "moments")
 
 
 def _why_no_harmonics(clip: Clip, config: TrainConfig) -> str:

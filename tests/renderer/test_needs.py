@@ -83,7 +83,12 @@ def test_pulled_tissue_moves_before_a_fixed_camera() -> None:
     assert needs.has_depth
     assert needs.has_masks
     assert needs.n_controls == 17
-    assert what(needs) == {"harmonics", "control values", "moments of far controls", "tiles without tissue"}
+    assert what(needs) == {
+        "harmonics",
+        "control values",
+        "updates of control values at other times",
+        "tiles without tissue",
+    }
 
 
 def test_what_is_left_out_is_told_in_numbers() -> None:
@@ -94,7 +99,9 @@ def test_what_is_left_out_is_told_in_numbers() -> None:
     assert told["tiles without tissue"][1] == "13% of the tiles"  # 2 x 2 of 6 x 5
     assert "masking" not in told
     assert "masking" in what(needs_of(plane_clip(), SMALL))
-    assert "moments of far controls" in what(needs_of(moving_sheet(), replace(SMALL, n_controls=7)))
+    assert "updates of control values at other times" in what(
+        needs_of(moving_sheet(), replace(SMALL, n_controls=7))
+    )
     degree_1 = needs_of(plane_clip(), replace(SMALL, sh_degree=1))
     assert "36 of 59 numbers per Gaussian" in {omission.saves for omission in degree_1.omitted}
 
@@ -138,7 +145,7 @@ def test_moments_are_forced_back() -> None:
     far = []
     for keep in ((), ("moments",)):
         config = replace(SMALL, n_controls=8, keep=keep)
-        assert ("moments of far controls" in what(needs_of(clip, config))) == (not keep)
+        assert ("updates of control values at other times" in what(needs_of(clip, config))) == (not keep)
         frames = [clip.read_frame(index) for index in (0, 11)]
         recipe = recipe_for(config, needs_of(clip, config))
         raw = recipe.initialize(frames)

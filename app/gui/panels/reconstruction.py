@@ -196,7 +196,7 @@ def _draw_messages(run: Reconstruction) -> None:
             imgui.text_colored(theme.now().warning, capital(legible(warning)))
         for omission in run.omitted:
             muted(f"Left out: {omission.what}")
-            explain(f"{omission.why} Saves {omission.saves}.")
+            explain(f"{capital(omission.why)}. Saves {omission.saves}.")
 
 
 def _draw_curves(run: Reconstruction) -> None:

@@ -19,10 +19,13 @@ from app.gui.state.app_state import AppState
 from app.gui.state.panes import frame_share, hides_enhancement
 from app.gui.style import theme
 from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, stack_tags
+from app.kernels.progress import rounded
+from app.scenes.backgrounds import Background
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED
 from app.scenes.view_request import FrameImage, ViewRequest
 from renderer.clip import ByteImage
+from renderer.unobserved import GREY
 
 TURN = 2.2
 """Radians for a drag across the whole view."""
@@ -221,7 +224,7 @@ def _pick(state: AppState, request: ViewRequest, area: Area) -> None:
 
 def _draw_picture(state: AppState, shown: OnScreen | None, frame_texture: FrameTexture, area: Area) -> None:
     draw = imgui.get_window_draw_list()
-    draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.grey(0.0)))
+    draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(ground(state.background)))
     if shown is not None:
         low, high = Sight(shown.request.camera, area).bounds
         draw.add_image(shown.texture, low, high, shown.uv0, shown.uv1)
@@ -231,6 +234,12 @@ def _draw_picture(state: AppState, shown: OnScreen | None, frame_texture: FrameT
         draw_marks(state, shown.request, area)
         if shown.scale is not None:
             draw_color_bar(shown.scale, area)
+
+
+def ground(background: Background) -> ImVec4:
+    """What a pane is filled with until its picture is there, and beside it: as where nothing was observed."""
+    red, green, blue = GREY if isinstance(background, str) else background
+    return ImVec4(red, green, blue, 1.0)
 
 
 def frame_over(state: AppState) -> FrameImage | None:
@@ -254,7 +263,7 @@ def made_by(model: Scene, other: Scene | None) -> str:
 def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     """What the view says of itself: what it is of, how new, how fine; of two, the first speaks for both."""
     if shown is None:
-        return [("DRAWING…", theme.TAG_CAUTION)]
+        return _waiting_tags(state)
     model, second = shown.request.scene, state.scene.second.shown
     tags: list[Tag] = []
     moment = model.moment(shown.request.time)
@@ -282,6 +291,16 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     if shown.request.reduced:
         tags.append(("REDUCED RESOLUTION while moving", theme.TAG_CAUTION))
     return tags
+
+
+def _waiting_tags(state: AppState) -> list[Tag]:
+    """Why there is no picture yet."""
+    preparation = state.window.preparation
+    if preparation is None or not state.lacks("3D view"):
+        return [("DRAWING…", theme.TAG_CAUTION)]
+    left = rounded(preparation.seconds_until("3D view"))
+    said = f"One-time preparation of the 3D view: {left} left"
+    return [("PREPARING…", theme.TAG_CAUTION), (said, theme.TAG_ORIGINAL)]
 
 
 def _is_under_frame(state: AppState) -> bool:

@@ -102,6 +102,9 @@ def _hear(state: AppState, event: object) -> None:
             run.status = "running"
         case Finished():
             run.status = "finished"
+            if run.progress is not None:
+                # What came after the last step took its time, too.
+                run.progress = replace(run.progress, wall_seconds=event.wall_seconds)
             job_actions.show_finished_model(state, event.model)
             actions.announce(
                 state, f"reconstruction finished: {in_all(event.wall_seconds, event.seconds, '.0f')}"

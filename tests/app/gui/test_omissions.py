@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from app.gui.actions import actions, history_actions, job_actions
+from app.gui.panels import reconstruction
+from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
@@ -14,9 +18,10 @@ from app.gui.work.omissions import Omissions, OmissionsRequest, look
 from app.runs.train_run import TrainRequest
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig
-from renderer.train.events import Started
+from renderer.train.events import Omission, Started
 from renderer.train.trainer import train
 from tests.app.gui.conftest import FakeJob
+from tests.app.gui.ui import Ui
 
 
 def test_it_is_what_training_says_when_it_starts(clip_path: Path) -> None:
@@ -105,3 +110,14 @@ def test_what_is_kept_reaches_the_job_as_from_the_command_line_and_is_undone(
     history_actions.undo(state)
     history_actions.undo(state)
     assert state.runs.reconstruction.config == TrainConfig()
+
+
+def test_what_a_run_left_out_is_explained_in_sentences(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run, said = opened.runs.reconstruction, list[str]()
+    run.status = "running"
+    run.started = Started(0, 100, 30, (Omission("tiles", "no tissue to compare with", "24% of the tiles"),))
+    monkeypatch.setattr(reconstruction, "explain", said.append)
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert "No tissue to compare with. Saves 24% of the tiles." in said

@@ -269,9 +269,11 @@ def test_a_job_is_followed_from_start_to_end(
     assert run.status == "paused"
     assert state.scene.model is not None
     assert state.scene.model.live
-    job.inbox = [Resumed(), Warned("few Gaussians"), Evaluated(100, 31.0), Finished(100, 12.0, model)]
+    job.inbox = [Resumed(), Warned("few Gaussians"), Evaluated(100, 31.0)]
+    job.inbox.append(Finished(100, 12.0, model, wall_seconds=40.0))
     update(state, channels, 0.3)
     assert (run.status, run.warnings, run.told.evaluated[-1].psnr) == ("finished", ["few Gaussians"], 31.0)
+    assert run.progress == replace(progress, wall_seconds=40.0)
     follow_run(state)
     assert not state.scene.model.live
     assert job.told[-1] == "close"

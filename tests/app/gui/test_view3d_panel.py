@@ -15,17 +15,20 @@ from app.gui.actions import actions, camera_actions, comparing, export_actions, 
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels import scene_marks
 from app.gui.panels.scene_marks import Sight
-from app.gui.panels.view3d import frame_over, view_tags
+from app.gui.panels.view3d import draw_view3d, frame_over, view_tags
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
 from app.gui.style.widgets import Area
 from app.gui.work.selecting import pick
 from app.gui.work.settings import Places
+from app.kernels.progress import Preparation, tasks
 from app.runs.run_folder import RunFolder
+from app.scenes.backgrounds import BackgroundName
 from app.scenes.drawer import draw_view
 from app.scenes.view_request import read_frame
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
+from renderer.unobserved import GREY
 from tests.app.gui.conftest import start_live
 from tests.app.gui.exporting import Exporter
 from tests.app.gui.settling import show_finished
@@ -34,6 +37,7 @@ from tests.app.gui.ui import (
     StillSecond,
     StillViewport,
     Ui,
+    no_texture,
     texts,
     view3d,
 )
@@ -293,6 +297,41 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
     text = texts(view_tags(opened, replace(shown, request=opened.view_request)))
     assert "LIVE" not in text
     assert "REDUCED" not in text
+
+
+class EmptyViewport(StillViewport):
+    """Has no picture yet."""
+
+    def show(self, state: AppState) -> OnScreen | None:
+        return None
+
+
+@pytest.mark.parametrize("name", ["grey", "hatched", "smooth", "black"])
+def test_before_the_first_picture_the_pane_has_its_background(
+    ui: Ui, opened: AppState, model: DynamicGaussians, name: BackgroundName
+) -> None:
+    start_live(opened, model)
+    actions.choose_background(opened, name)
+    waiting = EmptyViewport()
+    ui.frame(lambda: draw_view3d(opened, waiting, waiting, no_texture))
+    level = 0 if name == "black" else round(255 * GREY[0])
+    filled = imgui.IM_COL32(level, level, level, 255)
+    drawn = {vertex.col for part in imgui.get_draw_data().cmd_lists for vertex in part.vtx_buffer}
+    assert filled in drawn
+    assert (imgui.IM_COL32(0, 0, 0, 255) in drawn) == (name == "black")
+
+
+def test_before_the_first_picture_the_pane_says_what_it_waits_for(
+    opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    assert texts(view_tags(opened, None)) == "DRAWING…"
+    todo = tasks()
+    opened.window.preparation = Preparation(todo, 2)
+    told = texts(view_tags(opened, None))
+    assert told == "PREPARING… | One-time preparation of the 3D view: about 30 s left"
+    opened.window.preparation = Preparation(todo, 4)
+    assert texts(view_tags(opened, None)) == "DRAWING…"
 
 
 @pytest.mark.parametrize("name", ["original", "enhanced"])
