@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final
 
 from app.errors import UserError
 from app.files.provenance import digest
@@ -24,6 +25,9 @@ from renderer.splat_files import SplatFileError, is_named_as_splats, read_splats
 from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
 
+ESTIMATES: Final = ("monocular", "brightness")
+"""Depths that no length follows from."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Scene:
@@ -39,6 +43,8 @@ class Scene:
     """How it was trained, so how it is drawn."""
     unit: str
     """Of lengths."""
+    is_guessed: bool = False
+    """Its depth was estimated: shapes are coarse, and lengths tell nothing."""
     record: SceneRecord
     """What an export says of it."""
     path: Path | None = None
@@ -194,6 +200,7 @@ def run_scene(
         distance=middle_distance(model, footage.cameras[0]),
         mode=config.render_mode,
         unit=footage.unit,
+        is_guessed=_is_guessed(footage),
         record=record or SceneRecord(run=RunSource(name=name)),
         path=folder.path if record else None,
         iteration=training.iteration,
@@ -202,6 +209,13 @@ def run_scene(
         first=part.first,
         test_indices=footage.test_indices,
     )
+
+
+def _is_guessed(footage: Clip | RunRecord) -> bool:
+    """A record holds what was asked for, and an estimate is made only where it is."""
+    if isinstance(footage, RunRecord):
+        return footage.clip.options.depth in ESTIMATES
+    return footage.depth_origin in ESTIMATES
 
 
 def _readable_record(folder: RunFolder, name: str) -> SceneRecord | None:

@@ -26,6 +26,8 @@ SHARE = 0.12
 SEGMENTS = 32
 """Of the scale."""
 
+NO_DISTANCE = "No distance: depth is guessed, without a scale"
+
 
 @dataclass(frozen=True)
 class Sight:
@@ -80,8 +82,8 @@ def draw_marks(state: AppState, request: ViewRequest, area: Area) -> None:
     for end in shown:
         draw.add_circle_filled(end, em(0.22), ink)
     if len(shown) == 2:
-        text = measured.text(request.scene.unit)
-        if request.time != measured.time:
+        text = NO_DISTANCE if request.scene.is_guessed else measured.text(request.scene.unit)
+        if not request.scene.is_guessed and request.time != measured.time:
             text += f" at {request.scene.moment(measured.time)}"
         tag(text, _beside_line(shown, text, area), theme.TAG_CAUTION)
 

@@ -62,8 +62,10 @@ class Measurement:
         one."""
         if self.distance is None:
             return ""
-        if unit == SCENE_UNITS or self.error == 0:
-            return f"{self.distance:.3g} {'units' if unit == SCENE_UNITS else unit}"
+        if unit == SCENE_UNITS:
+            return f"{self.distance:.3g} units (no scale)"
+        if self.error == 0:
+            return f"{self.distance:.3g} {unit}"
         # Two digits of the error, as many decimals of the distance.
         places = max(0, min(3, 1 - math.floor(math.log10(self.error))))
         return f"{self.distance:.{places}f} ± {self.error:.{places}f} {unit}"

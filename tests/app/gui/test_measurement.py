@@ -12,7 +12,7 @@ def test_two_points_are_a_straight_distance_in_the_scene_s_unit() -> None:
     both = Measurement().with_point(A, 0.25).with_point(B, 0.25)
     assert both.distance == pytest.approx(5.0)
     assert both.text("mm") == "5 mm"
-    assert both.text("scene units") == "5 units"
+    assert both.text("scene units") == "5 units (no scale)"
 
 
 def test_points_of_two_moments_are_no_distance() -> None:

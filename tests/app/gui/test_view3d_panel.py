@@ -165,6 +165,7 @@ def test_clicks_measure_and_drags_still_turn(
         ui.frame(draw)
     request = opened.view_request
     assert request is not None
+    assert opened.scene.model is not None
     expected = 60 / request.camera.fx * 50.0  # On the model's sheet, which is 50 before the camera.
     assert opened.scene.viewer.measurement.distance == pytest.approx(expected, rel=1e-3)
     assert "mm" in opened.scene.viewer.measurement.text("mm")
@@ -179,6 +180,11 @@ def test_clicks_measure_and_drags_still_turn(
     ui.frame(draw)
     ((across, _),) = labels
     assert across > 480  # Beside both points, over neither.
+    opened.scene.model = replace(opened.scene.model, is_guessed=True)
+    shown: list[str] = []
+    monkeypatch.setattr(scene_marks, "tag", lambda text, position, color: shown.append(text) or 0.0)
+    ui.frame(draw)
+    assert shown == ["No distance: depth is guessed, without a scale"]
     camera_actions.toggle_measuring(opened)
     assert opened.scene.viewer.measurement.points == ()
 
