@@ -47,6 +47,8 @@ LEAST_DIFFERENCE = 8.0
 reconstructed, do not flatten it."""
 LOOKED_AT = 8
 """Moments of a video, whose values its scale holds."""
+NO_EXTENT = 2e-9
+"""Scales that are shorter are of values all alike, as motion is at the start."""
 Looked = TypeVar("Looked")
 
 
@@ -73,13 +75,17 @@ class Scale:
 
     @property
     def ticks(self) -> tuple[float, ...]:
-        """Round values inside, ends included."""
+        """Round values inside, ends included; of one without any extent, its one value."""
+        if self.high - self.low < NO_EXTENT:
+            return (self.low,)
         step = nice_step((self.high - self.low) / 4)
         first, last = math.ceil(self.low / step - 1e-6), math.floor(self.high / step + 1e-6)
         return tuple(step * index for index in range(first, last + 1))
 
     def text(self, value: float) -> str:
         """As it stands at the bar."""
+        if self.high - self.low < NO_EXTENT:
+            return f"{value:.3g}"
         step = nice_step((self.high - self.low) / 4)
         return f"{value:.{max(0, -math.floor(math.log10(step) + 1e-9))}f}"
 

@@ -254,3 +254,12 @@ def test_along_a_path_there_are_no_frames_to_differ_from(
 
 def test_every_view_has_a_shape_and_an_explanation() -> None:
     assert SHAPES.keys() == EXPLAINED.keys()
+
+
+def test_where_nothing_has_moved_the_scale_has_one_value() -> None:
+    """As at the first frame: not a row of zeros."""
+    nothing = np.zeros((4, 5), np.float32)
+    drawn = Drawn(np.zeros((4, 5, 3), np.float32), nothing, np.ones_like(nothing))
+    scale = composed("motion", drawn, "mm").scale
+    assert scale is not None
+    assert [scale.text(tick) for tick in scale.ticks] == ["0"]
