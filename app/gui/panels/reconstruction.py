@@ -31,6 +31,8 @@ from app.runs.wall_clock import in_all
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.train.events import Evaluated, Omission, Progress
 
+CONTINUES = "From the last checkpoint."
+STARTS_OVER = "No checkpoint: starts over."
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
 FIRST_USE = "Once on a computer: about a minute, longer while it is busy."
 """Kernels are compiled then."""
@@ -109,9 +111,10 @@ def _draw_end(state: AppState, run: Reconstruction) -> None:
         note(f"{capital(legible(run.failure))}.", theme.now().danger)
         note(run.way_out)
     own = "" if job_actions.can_continue(state) else "It can continue only on its own clip: open that first."
+    kept = CONTINUES if run.has_checkpoint else STARTS_OVER
     reason = run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
     ways = (
-        ("Continue", job_actions.continue_reconstruction, "From the run's last checkpoint.", own),
+        ("Continue", job_actions.continue_reconstruction, kept, own),
         ("View model", run_actions.look_at_present, LOOK_TEXT, reason),
     )
     for (label, act, text, why), width in in_line(ways):

@@ -10,7 +10,7 @@ from imgui_bundle import imgui, imgui_ctx
 
 from app.files.legible import legible, named
 from app.gui.actions import laid_out, queue_actions, run_actions
-from app.gui.panels.reconstruction import LOOK_TEXT
+from app.gui.panels.reconstruction import CONTINUES, LOOK_TEXT, STARTS_OVER
 from app.gui.panels.run_measures import draw_run_measures
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
@@ -95,7 +95,7 @@ def _draw_beside(state: AppState, run: ListedRun) -> None:
 
 def _draw_unfinished(state: AppState, run: ListedRun) -> None:
     """Beside the button before, as far as there is room."""
-    kept = "Continue from the last checkpoint." if run.has_checkpoint else "No checkpoint: starts over."
+    kept = CONTINUES if run.has_checkpoint else STARTS_OVER
     reason = run_actions.why_not_continue(state, run)
     beside("Continue")
     button("Continue", partial(run_actions.continue_run, state, run), kept, reason=reason)

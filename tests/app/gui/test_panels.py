@@ -12,7 +12,7 @@ from app.gui.panels import reconstruction
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.menus import SEPARATOR, fitting
-from app.gui.panels.reconstruction import FIRST_USE, draw_reconstruction
+from app.gui.panels.reconstruction import CONTINUES, FIRST_USE, STARTS_OVER, draw_reconstruction
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import CHOICES, draw_welcome
 from app.gui.state.app_state import AppState
@@ -161,3 +161,18 @@ def test_the_cameras_panel_draws_every_state(ui: Ui, opened: AppState, model: Dy
         ui.frame(draw)
     path_actions.toggle_path(opened)
     ui.frame(draw)
+
+
+@pytest.mark.parametrize("has_checkpoint", [False, True])
+def test_continue_says_whether_a_run_goes_on_or_starts_over(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch, has_checkpoint: bool
+) -> None:
+    run, said = opened.runs.reconstruction, dict[str, str]()
+    run.status, run.has_checkpoint = "cancelled", has_checkpoint
+
+    def noted(label: str, act: object, text: str = "", **others: object) -> None:
+        said[label] = text
+
+    monkeypatch.setattr(reconstruction, "button", noted)
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert said["Continue"] == (CONTINUES if has_checkpoint else STARTS_OVER)
