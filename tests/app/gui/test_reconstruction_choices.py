@@ -180,7 +180,7 @@ def test_a_run_with_guessed_depth_has_no_lengths_in_mm(places: Places, tmp_path:
     distance = (
         Measurement().with_point(Located((0.0, 0.0, 1.0)), 0.0).with_point(Located((0.0, 0.5, 1.0)), 0.0)
     )
-    assert distance.text(state.scene.model.unit) == "0.5 units"
+    assert distance.text(state.scene.model.unit) == "0.5 units (no scale)"
 
 
 def test_a_run_cut_short_goes_on_with_the_depth_that_it_had(places: Places, tmp_path: Path) -> None:
