@@ -24,6 +24,7 @@ COMMANDS = {
     "export": "export a finished run as splat files, a video or camera poses",
     "evaluate": "measure a finished run on its held-out frames",
     "metrics": "measure DV/BV and contrast of images",
+    "sweep": "every clip with every setting, measured, on this machine or a cluster; one table",
     "report": "report of error against run time, contrast against noise, stability and omissions",
     "replay": "reproduce an exported file from its provenance and compare",
     "phantom": "write a synthetic clip with exact ground truth",

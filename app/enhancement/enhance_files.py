@@ -112,7 +112,7 @@ def enhance_into(
         UserError, ClipError: nothing that can be read, or what cannot be enhanced or written.
     """
     notices, failed = list(series.notices), dict[int, Unreadable]()
-    pooled = _pooled(series, setting, notices, watch) if setting.pools(series) else None
+    pooled = pooled_statistics(series, setting, notices, watch) if setting.pools(series) else None
     images = _pictures(series, notices, failed=failed)
     pictures = watch("enhance", series, _enhanced(series, ahead(images), setting, pooled))
     try:
@@ -165,7 +165,10 @@ def _tissue(series: Series, setting: Setting) -> Tissue:
     return lambda image: steady if image.shape[:2] == size else inside([image])
 
 
-def _pooled(series: Series, setting: Setting, notices: list[str], watch: Watch) -> Statistics:
+def pooled_statistics(
+    series: Series, setting: Setting, notices: list[str], watch: Watch = unwatched
+) -> Statistics:
+    """Of all pictures, or of evenly spread ones, as the setting says. Raises UserError: one is unusable."""
     look, count = setting.params, setting.pooled
     assert look is not None
     if count is None and setting.statistics == "automatic":

@@ -18,7 +18,7 @@ from app.report.plots import diagrams_figure, growth_figure, svg
 from app.report.section import Cell, Column, Section, Table, is_number, said
 
 
-def page(sections: Mapping[str, Section], facts: Mapping[str, Any]) -> str:
+def page(sections: Mapping[str, Section], facts: Mapping[str, Any], title: str = "VesselSplat report") -> str:
     """`facts`: what is said at the top, by name."""
     head = "".join(f'<a href="#{name}">{escape(one.title)}</a>' for name, one in sections.items())
     body = "\n".join(_section(name, one) for name, one in sections.items())
@@ -26,8 +26,8 @@ def page(sections: Mapping[str, Section], facts: Mapping[str, Any]) -> str:
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8"/>\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1"/>\n'
-        f"<title>VesselSplat report</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
-        f"<header><h1>VesselSplat report</h1><p>{escape(NOTICE)} Visibility only, neither detection nor "
+        f"<title>{escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
+        f"<header><h1>{escape(title)}</h1><p>{escape(NOTICE)} Visibility only, neither detection nor "
         f"diagnosis.</p>{_facts(facts)}</header>\n<nav>{head}</nav>\n<main>\n{body}\n</main>\n"
         f"<script>\n{script}</script>\n</body>\n</html>\n"
     )

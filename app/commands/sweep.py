@@ -1,0 +1,203 @@
+"""`vesselsplat sweep SPEC.toml --out DIR`: every clip with every setting, measured, in one table."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from app.console.progress import Terminal, progress
+from app.errors import UserError
+from app.files.atomic import write_bytes
+from app.files.provenance import provenance, strict_json
+from app.report.section import Table as Measured
+from app.report.section import said
+from app.sweeps.engines.opening import open_engine
+from app.sweeps.jobs import JobFolder
+from app.sweeps.page import best, differences, over_all, sweep_page
+from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
+from app.sweeps.spec import read_spec
+from app.sweeps.summary import SHOWN, Summary
+from app.sweeps.sweep import run_jobs
+from app.sweeps.table import Row, rows, write_tables
+from app.sweeps.worker import sweep_locked
+
+PAGE = "sweep.html"
+PRINTED = 24
+"""Rows of a table; the page has all."""
+NAMED = 3
+"""Failed jobs whose reasons are printed."""
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "sweep",
+        metavar="SPEC.toml|DIR",
+        type=Path,
+        help="the sweep to run, or with --table the folder of one",
+    )
+    parser.add_argument("--out", type=Path, metavar="DIR", help="folder to write into")
+    parser.add_argument(
+        "--on",
+        default="local",
+        metavar="local|dask|tcp://HOST:PORT|slurm",
+        help="where jobs run: processes on this machine, a new or a running dask cluster, or Slurm "
+        "(default local)",
+    )
+    parser.add_argument("--workers", type=int, metavar="N", help="jobs at once (default: as the cores allow)")
+    parser.add_argument(
+        "--dry-run", action="store_true", help="say how many jobs there are and how long they take"
+    )
+    parser.add_argument("--retry", action="store_true", help="repeat failed jobs")
+    parser.add_argument(
+        "--table", action="store_true", help="means, differences and best settings of a sweep"
+    )
+    parser.add_argument(
+        "--measures", nargs="+", metavar="NAME", help="with --table: other measures than the usual"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
+def run(flags: argparse.Namespace) -> None:
+    if flags.table:
+        _tell(flags.sweep, flags.measures, flags.json)
+        return
+    if flags.out is None:
+        raise UserError("expected --out DIR, the folder to write into, or --table")
+    if flags.workers is not None and flags.workers < 1:
+        raise UserError(f"--workers: expected 1 or more, got {flags.workers}")
+    plan = planned(read_spec(flags.sweep), flags.sweep.absolute().parent)
+    if flags.dry_run:
+        _preview(plan, flags)
+        return
+    carry_out(plan, flags.out, on=flags.on, workers=flags.workers, retry=flags.retry)
+    _tell(flags.out, flags.measures, flags.json)
+    require_all_done(plan, flags.out)
+
+
+def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: bool) -> None:
+    """Run what is left, then write the tables and the page.
+
+    Raises:
+        UserError: another process runs a sweep there, or the engine is gone.
+    """
+    recorded(plan, folder)
+    with sweep_locked(folder):
+        if retry:
+            for job in plan.jobs:
+                JobFolder.of(folder, job.key).forget_failure()
+        try:
+            _run(plan, folder, on, workers)
+        except KeyboardInterrupt as interrupt:
+            now = state(plan.jobs, folder)
+            done = f"{now.finished} of {len(plan.jobs)} jobs are finished"
+            raise KeyboardInterrupt(f"interrupted; {done}, the same command resumes") from interrupt
+        finally:
+            write_summary(folder)
+
+
+def require_all_done(plan: Plan, folder: Path) -> None:
+    """Raises UserError: jobs failed; the first of them are named."""
+    places = [(job, JobFolder.of(folder, job.key)) for job in plan.jobs]
+    failed = [(job, place) for job, place in places if place.has_failed]
+    if failed:
+        told = "; ".join(
+            f"{job.clip}: {(place.failed_facts() or {}).get('reason')}" for job, place in failed[:NAMED]
+        )
+        more = f"; {len(failed) - NAMED} more in table.csv" if len(failed) > NAMED else ""
+        raise UserError(f"{len(failed)} of {len(plan.jobs)} jobs failed (--retry repeats them): {told}{more}")
+
+
+def _run(plan: Plan, folder: Path, on: str, workers: int | None) -> None:
+    if not state(plan.jobs, folder).left:
+        return
+    spec = plan.spec
+    with (
+        open_engine(on, workers=workers, threads=spec.threads, slurm=spec.slurm, folder=folder) as engine,
+        progress(f"sweep on {engine.workers} workers", len(plan.jobs)) as report,
+    ):
+        run_jobs(plan, folder, engine, report)
+
+
+def write_summary(folder: Path) -> list[Row]:
+    """The tables and the page of what is there so far."""
+    record = read_sweep(folder)
+    table = rows(record, folder)
+    write_tables(table, folder)
+    write_bytes(folder / PAGE, sweep_page(record, table, folder.absolute().name).encode())
+    return table
+
+
+def _preview(plan: Plan, flags: argparse.Namespace) -> None:
+    now = state(plan.jobs, flags.out)
+    seconds, measured = estimate(plan.jobs, flags.out)
+    facts = {
+        "clips": len(plan.clips),
+        "jobs": len(plan.jobs),
+        "finished": now.finished,
+        "failed": now.failed,
+        "left": now.left,
+        "worker_seconds_left": seconds,
+        "measured_jobs": measured,
+    }
+    if flags.json:
+        sys.stdout.write(strict_json(provenance(**facts)) + "\n")
+        return
+    took = (
+        f"{_duration(seconds)} of one worker, by {measured} finished jobs"
+        if seconds is not None
+        else "unknown: no job has been measured yet"
+    )
+    sys.stdout.write(
+        f"{len(plan.jobs)} jobs on {len(plan.clips)} clips: {now.finished} finished, {now.failed} failed, "
+        f"{now.left} left\ntime left: {took}\n"
+    )
+
+
+def _duration(seconds: float) -> str:
+    hours, minutes = divmod(round(seconds / 60), 60)
+    if hours:
+        return f"{hours} h {minutes} min"
+    return f"{minutes} min" if seconds >= 90 else f"{seconds:.0f} s"
+
+
+def _tell(folder: Path, measures: Sequence[str] | None, as_json: bool) -> None:
+    record = read_sweep(folder)
+    table = rows(record, folder)
+    summary = Summary.of(table, record.varied)
+    chosen = _chosen(summary, measures or SHOWN[record.task], named=measures is not None)
+    parts = [over_all(summary, chosen), *differences(summary, chosen), best(summary, chosen)]
+    counts = {name: sum(row.state == name for row in table) for name in ("finished", "failed", "left")}
+    if as_json:
+        facts: dict[str, Any] = {"counts": counts, "tables": parts, "jobs": [row.flat() for row in table]}
+        sys.stdout.write(strict_json(provenance(**facts)) + "\n")
+        return
+    for part in parts:
+        if part.rows:
+            _print(part)
+    told = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+    sys.stdout.write(f"{folder}: {told or 'no jobs'}; table.csv, table.jsonl, {PAGE}\n")
+
+
+def _chosen(summary: Summary, measures: Sequence[str], *, named: bool) -> list[str]:
+    known = summary.measures
+    for name in measures:
+        if named and name not in known:
+            raise UserError(f"--measures: expected names among {', '.join(known)}, got {name!r}")
+    return [name for name in measures if name in known]
+
+
+def _print(part: Measured) -> None:
+    table = Table(title=part.title, title_justify="left", title_style="", caption=part.note or None)
+    for column in part.columns:
+        table.add_column(column.name, overflow="fold")
+    for row in part.rows[:PRINTED]:
+        table.add_row(*(said(cell, column) for cell, column in zip(row, part.columns, strict=True)))
+    console = Terminal(width=max(Terminal().width, 140))
+    console.print(table)
+    if len(part.rows) > PRINTED:
+        console.print(f"{len(part.rows) - PRINTED} more rows in {PAGE}")

@@ -1,0 +1,62 @@
+"""Processes on this machine."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Iterator
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from typing import Any
+
+from app.console.startup import rest_while_waiting
+from app.sweeps.engines.engine import Engine
+from app.sweeps.worker import end_with
+
+AHEAD = 2
+"""Jobs that wait beside those that run, so that no worker does."""
+
+
+@contextmanager
+def local(workers: int | None, threads: int) -> Iterator[Engine]:
+    """As many workers as there are cores for `threads` each, unless told otherwise."""
+    count = workers or max(1, (os.cpu_count() or 1) // threads)
+    executor = Processes(count)
+    try:
+        yield Engine("local", executor, count, count + AHEAD)
+    finally:
+        executor.end()
+
+
+class Processes(Executor):
+    """A pool of processes that is replaced when one of them was killed; its pending jobs then fail with
+    BrokenExecutor, and can be submitted again."""
+
+    def __init__(self, workers: int) -> None:
+        self._workers = workers
+        self._pool = self._new()
+
+    def _new(self) -> ProcessPoolExecutor:
+        context = multiprocessing.get_context("spawn")
+        return ProcessPoolExecutor(self._workers, context, _begin, (os.getpid(),))
+
+    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+        try:
+            return self._pool.submit(function, *given, **named)
+        except BrokenExecutor:
+            self._pool = self._new()
+            return self._pool.submit(function, *given, **named)
+
+    def end(self) -> None:
+        """Without waiting for what runs: a training goes on from its checkpoint the next time."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        for process in multiprocessing.active_children():
+            process.terminate()
+
+
+def _begin(parent: int) -> None:
+    """In a new worker. Ctrl+C in a terminal reaches it, too; the parent decides."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    rest_while_waiting()
+    end_with(parent)

@@ -1,0 +1,135 @@
+"""All jobs of a sweep, and which of them are done."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass as checked_dataclass
+
+from app.console.progress import progress
+from app.errors import UserError
+from app.files.atomic import make_folder, write_bytes
+from app.files.provenance import digest, provenance, strict_json
+from app.sweeps.jobs import Job, JobFolder
+from app.sweeps.settings import TaskName
+from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for
+from renderer.json_files import read_text
+
+SWEEP: Final = "sweep.json"
+"""In a sweep's folder: which jobs it has, in order."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is asked for."""
+
+    spec: Spec
+    jobs: tuple[Job, ...]
+    clips: Mapping[str, Path]
+    """Where they lie, by their digests."""
+
+    def clip_of(self, job: Job) -> Path:
+        return self.clips[job.clip_sha256]
+
+
+@checked_dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="ignore"))
+class SweepRecord:
+    """What a sweep's folder says of it."""
+
+    task: TaskName
+    varied: tuple[str, ...]
+    jobs: tuple[str, ...]
+    """Keys, in the order of the spec."""
+
+
+RECORD: Final = TypeAdapter(SweepRecord)
+
+
+@dataclass(frozen=True)
+class State:
+    """Of a sweep's jobs, how many."""
+
+    finished: int
+    failed: int
+    left: int
+
+
+def planned(spec: Spec, folder: Path) -> Plan:
+    """`folder`: of the file with the spec. Raises UserError: a setting, a clip or their number."""
+    settings = all_settings(spec)
+    paths = clip_paths(spec, folder)
+    jobs_asked_for(spec, len(paths))
+    clips: dict[str, Path] = {}
+    names: dict[str, str] = {}
+    with progress("reading clips", len(paths)) as report:
+        for done, path in enumerate(paths, 1):
+            sha256 = digest(path)
+            clips.setdefault(sha256, path)
+            names[sha256] = clips[sha256].name
+            report(done, path.name)
+    jobs = [
+        Job(spec.task, names[sha256], sha256, setting, spec.frames)
+        for sha256 in clips
+        for setting in settings
+    ]
+    return Plan(spec, tuple({job.key: job for job in jobs}.values()), clips)
+
+
+def recorded(plan: Plan, folder: Path) -> None:
+    """Write which jobs the sweep has, so that tables can be made of it. What other sweeps did in the same
+    folder stays there."""
+    make_folder(folder)
+    keys = [job.key for job in plan.jobs]
+    facts = provenance(task=plan.spec.task, varied=plan.spec.varied, jobs=keys, spec=plan.spec)
+    write_bytes(folder / SWEEP, strict_json(facts).encode())
+
+
+def is_sweep(path: Path) -> bool:
+    return (path / SWEEP).is_file()
+
+
+def read_sweep(folder: Path) -> SweepRecord:
+    """Raises UserError: no folder of a sweep."""
+    if not is_sweep(folder):
+        raise UserError(f"expected the folder of a sweep, with {SWEEP}, found none in {folder}")
+    try:
+        return RECORD.validate_json(read_text(folder / SWEEP))
+    except ValidationError as error:
+        raise UserError(f"expected the {SWEEP} of a sweep: {folder / SWEEP}") from error
+
+
+def state(jobs: Sequence[Job], folder: Path) -> State:
+    places = [JobFolder.of(folder, job.key) for job in jobs]
+    finished = sum(place.is_finished for place in places)
+    failed = sum(place.has_failed for place in places)
+    return State(finished, failed, len(jobs) - finished - failed)
+
+
+def estimate(jobs: Sequence[Job], folder: Path) -> tuple[float | None, int]:
+    """Seconds of one worker for the jobs that are not done, from those that are, of the same method where
+    there are any; None where none is done. And how many were measured."""
+    known: dict[str, list[float]] = {}
+    left: list[Job] = []
+    for job in jobs:
+        result = JobFolder.of(folder, job.key).result()
+        if result is None:
+            left.append(job)
+        elif isinstance(seconds := result.get("seconds"), int | float):
+            known.setdefault(_kind(job), []).append(float(seconds))
+    every = [seconds for group in known.values() for seconds in group]
+    if not every:
+        return None, 0
+    return sum(_mean(known.get(_kind(job), every)) for job in left), len(every)
+
+
+def _kind(job: Job) -> str:
+    told: dict[str, Any] = job.settings.told()
+    return f"{told.get('method')} {told.get('iterations')}"
+
+
+def _mean(values: Sequence[float]) -> float:
+    return sum(values) / len(values)

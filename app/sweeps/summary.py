@@ -1,0 +1,158 @@
+"""What a sweep's table says: means and spreads, paired differences, the best settings, and fronts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from statistics import NormalDist, fmean, stdev
+from typing import Final
+
+from app.report.diagrams import Diagram, Point
+from app.sweeps.settings import TaskName
+from app.sweeps.table import Row, Value
+
+HIGHER: Final = frozenset(
+    {"psnr", "psnr_masked", "psnr_tissue", "psnr_seldom", "ssim", "coverage", "dv", "dv_bv"}
+    | {"vessel_contrast", "color_difference"}
+)
+"""Measures of which more is better; of all others, less is."""
+SHOWN: Final[dict[TaskName, tuple[str, ...]]] = {
+    "train": ("psnr", "psnr_seldom", "ssim", "depth_rmse_mm", "wall_seconds"),
+    "enhance": ("vessel_contrast", "color_difference", "noise_gain", "milliseconds"),
+}
+"""By default."""
+CERTAINTY: Final = 0.95
+QUANTILES: Final = (
+    12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,
+    2.201, 2.179, 2.160, 2.145, 2.131, 2.120, 2.110, 2.101, 2.093, 2.086,
+)  # fmt: skip
+"""Student's t at 97.5 %, for 1 to 20 degrees of freedom."""
+
+Setting = tuple[tuple[str, Value], ...]
+"""The varied settings of a job."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Of a measure over several jobs."""
+
+    count: int
+    mean: float
+    deviation: float
+    """Standard deviation of a sample; NaN of one value."""
+
+    @classmethod
+    def of(cls, values: Sequence[float]) -> Spread:
+        if not values:
+            return cls(0, math.nan, math.nan)
+        return cls(len(values), fmean(values), stdev(values) if len(values) > 1 else math.nan)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Of a measure between two settings, over jobs of the same clip and seed."""
+
+    spread: Spread
+    half_width: float
+    """Of the interval of 95 % for the mean, by Student's t; NaN of one pair."""
+
+    @property
+    def is_clear(self) -> bool:
+        """Zero lies outside the interval."""
+        return abs(self.spread.mean) > self.half_width
+
+    @classmethod
+    def of(cls, values: Sequence[float]) -> Difference:
+        spread = Spread.of(values)
+        if spread.count < 2:
+            return cls(spread, math.nan)
+        return cls(spread, quantile(spread.count - 1) * spread.deviation / math.sqrt(spread.count))
+
+
+def quantile(freedom: int) -> float:
+    """Of Student's t at 97.5 %: from the table, beyond it by two terms of its expansion about the normal
+    (Abramowitz & Stegun 26.7.5), within 0.001."""
+    if freedom <= len(QUANTILES):
+        return QUANTILES[freedom - 1]
+    z = NormalDist().inv_cdf((1 + CERTAINTY) / 2)
+    return z + (z**3 + z) / (4 * freedom) + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
+
+
+@dataclass(frozen=True, eq=False)
+class Summary:
+    """Of the finished jobs of a table, by the settings in which they differ."""
+
+    varied: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+    @classmethod
+    def of(cls, table: Iterable[Row], varied: Sequence[str]) -> Summary:
+        return cls(tuple(varied), tuple(row for row in table if row.state == "finished"))
+
+    @property
+    def settings(self) -> tuple[Setting, ...]:
+        """In the order of the sweep."""
+        return tuple(dict.fromkeys(map(self.setting, self.rows)))
+
+    @property
+    def clips(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(row.clip for row in self.rows))
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """Those that some job has."""
+        named = (name for row in self.rows for name, value in row.measures.items() if value is not None)
+        return tuple(dict.fromkeys(named))
+
+    def setting(self, row: Row) -> Setting:
+        return tuple((name, row.settings.get(name)) for name in self.varied if name in row.settings)
+
+    def spread(self, setting: Setting, measure: str, clip: str | None = None) -> Spread:
+        """Over seeds, of one clip; over clips of the means over seeds, of all."""
+        if clip is not None:
+            return Spread.of(self._values(setting, measure, lambda row: row.clip == clip))
+        means = [self.spread(setting, measure, one) for one in self.clips]
+        return Spread.of([one.mean for one in means if one.count])
+
+    def difference(self, setting: Setting, base: Setting, measure: str) -> Difference:
+        """What `setting` has more than `base`."""
+        ours, theirs = self._paired(setting, measure), self._paired(base, measure)
+        return Difference.of([ours[pair] - theirs[pair] for pair in ours if pair in theirs])
+
+    def best(self, measure: str, clip: str | None = None) -> Setting | None:
+        """None: nothing was measured."""
+        sign = -1 if measure in HIGHER else 1
+        means = {setting: self.spread(setting, measure, clip).mean for setting in self.settings}
+        known = {setting: mean for setting, mean in means.items() if not math.isnan(mean)}
+        return min(known, key=lambda setting: sign * known[setting]) if known else None
+
+    def diagram(self, measure: str) -> Diagram:
+        """Every setting by its mean seconds and its mean measure; one series a value of the first setting."""
+        points = []
+        for setting in self.settings:
+            seconds = Spread.of([float(row.costs["seconds"]) for row in self._of(setting)])  # type: ignore[arg-type]
+            mean = self.spread(setting, measure).mean
+            if seconds.count and not math.isnan(mean):
+                series = f"{setting[0][0]} {setting[0][1]}" if setting else "all"
+                points.append(Point(series=series, setting=said(setting), seconds=seconds.mean, error=mean))
+        return Diagram(measure=measure, points=tuple(points), more_is_better=measure in HIGHER)
+
+    def _of(self, setting: Setting) -> list[Row]:
+        return [row for row in self.rows if self.setting(row) == setting]
+
+    def _values(self, setting: Setting, measure: str, wanted: Callable[[Row], bool]) -> list[float]:
+        values = (row.measures.get(measure) for row in self._of(setting) if wanted(row))
+        return [value for value in values if value is not None]
+
+    def _paired(self, setting: Setting, measure: str) -> dict[tuple[str, Value], float]:
+        pairs = {
+            (row.clip_sha256, row.settings.get("seed")): row.measures.get(measure)
+            for row in self._of(setting)
+        }
+        return {pair: value for pair, value in pairs.items() if value is not None}
+
+
+def said(setting: Setting) -> str:
+    """In words."""
+    return ", ".join(f"{name} {'auto' if value is None else value}" for name, value in setting) or "as set"

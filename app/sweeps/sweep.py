@@ -1,0 +1,106 @@
+"""Runs the jobs of a sweep on an engine, and keeps what comes of each."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from app.errors import UserError
+from app.files.atomic import write_bytes
+from app.sweeps.clip_transfer import packed
+from app.sweeps.engines.engine import Engine
+from app.sweeps.jobs import PICTURE, JobFolder
+from app.sweeps.plan import Plan
+from app.sweeps.worker import Order, Outcome, carry_out_order, made_known
+
+MOST_LOSSES: Final = 5
+"""Workers that may be lost with one job before it counts as failed: it may be what ends them."""
+LOOK: Final = 1.0
+"""Seconds after which progress is told although nothing was finished."""
+
+Report = Callable[[int, str], None]
+"""Jobs done of all, and what is to be said beside."""
+
+
+def run_jobs(plan: Plan, folder: Path, engine: Engine, report: Report) -> None:
+    """Do what is neither done nor failed; `folder` is recorded.
+
+    Raises:
+        UserError: the engine is gone; finished jobs are kept.
+    """
+    token = made_known(folder)
+    places = {job.key: JobFolder.of(folder, job.key) for job in plan.jobs}
+    waiting = deque(
+        Order(job, plan.clip_of(job), folder.absolute(), token, plan.spec.threads)
+        for job in plan.jobs
+        if not (places[job.key].is_finished or places[job.key].has_failed)
+    )
+    done, failed = len(plan.jobs) - len(waiting), sum(place.has_failed for place in places.values())
+    running: dict[Future[Outcome], Order] = {}
+    losses: Counter[str] = Counter()
+    report(done, _note(failed, 0))
+    while waiting or running:
+        while waiting and len(running) < engine.window:
+            order = waiting.popleft()
+            running[engine.executor.submit(carry_out_order, order)] = order
+        finished, _ = wait(running, LOOK, FIRST_COMPLETED)
+        for future in finished:
+            order = running.pop(future)
+            answer = _followed_up(order, _outcome(future, engine, order, losses))
+            if isinstance(answer, Order):
+                waiting.appendleft(answer)
+                continue
+            _keep(places[order.job.key], order, answer)
+            done, failed = done + 1, failed + (answer.state == "failed")
+        report(done, _note(failed, len(running)))
+
+
+def _note(failed: int, running: int) -> str:
+    told = [f"{running} running"] if running else []
+    return ", ".join([*told, *([f"{failed} failed"] if failed else [])])
+
+
+LOST: Final = Outcome("", "failed", "")
+"""In place of an outcome where the worker was lost and the job is to be tried again."""
+
+
+def _outcome(future: Future[Outcome], engine: Engine, order: Order, losses: Counter[str]) -> Outcome:
+    """What a worker said; LOST where it ended without a word, and failed after the last of several times."""
+    try:
+        return future.result()
+    except CancelledError as error:
+        raise UserError(
+            f"the connection to {engine.name} was lost: finished jobs are kept, the same command resumes"
+        ) from error
+    except Exception as error:
+        losses[order.job.key] += 1
+        if losses[order.job.key] < MOST_LOSSES:
+            return LOST
+        reason = f"its worker ended {MOST_LOSSES} times before the job was done"
+        return Outcome(order.job.key, "failed", reason, f"{type(error).__name__}: {error}")
+
+
+def _followed_up(order: Order, outcome: Outcome) -> Order | Outcome:
+    """The order to give once more, or the outcome that stands."""
+    if outcome is LOST:
+        return order
+    if outcome.state != "needs the clip":
+        return outcome
+    try:
+        return replace(order, content=packed(order.clip))
+    except (UserError, OSError) as error:
+        return replace(outcome, state="failed", reason=f"the worker does not see the clip; {error}")
+
+
+def _keep(place: JobFolder, order: Order, outcome: Outcome) -> None:
+    if outcome.state == "failed":
+        place.fail(order.job, outcome.reason, outcome.details)
+        return
+    if outcome.picture is not None:
+        write_bytes(place.path / PICTURE, outcome.picture)
+    if outcome.facts is not None:
+        place.finish(order.job, outcome.facts)

@@ -1,0 +1,112 @@
+"""The table of a sweep: one row a job, with every setting and every measure."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from app.files.atomic import replaced, write_bytes
+from app.files.provenance import strict_json
+from app.sweeps.jobs import JobFolder
+from app.sweeps.plan import SweepRecord
+
+Value = str | float | int | bool | None
+COSTS: Final = ("seconds", "peak_memory_mb", "threads", "machine", "version")
+"""What a job took and where; the rest of a row is the same wherever it is done, but for times."""
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One job."""
+
+    job: str
+    clip: str
+    clip_sha256: str
+    state: str
+    """finished, failed, or left to do."""
+    reason: str
+    """Why it failed."""
+    settings: dict[str, Value]
+    measures: dict[str, float | None]
+    costs: dict[str, Value]
+
+    def flat(self) -> dict[str, Value]:
+        """One value a column. A setting and a measure of one name cannot be."""
+        head: dict[str, Value] = {
+            "job": self.job,
+            "clip": self.clip,
+            "state": self.state,
+            "reason": self.reason,
+        }
+        return head | self.settings | self.measures | self.costs
+
+
+def rows(record: SweepRecord, folder: Path) -> list[Row]:
+    """In the order of the sweep."""
+    return [_row(key, JobFolder.of(folder, key)) for key in record.jobs]
+
+
+def _row(key: str, place: JobFolder) -> Row:
+    facts = place.result()
+    state = "finished" if facts else "failed" if place.has_failed else "left"
+    told = facts or place.failed_facts() or {}
+    settings = {name: _cell(value) for name, value in dict(told.get("settings") or {}).items()}
+    return Row(
+        job=key,
+        clip=str(told.get("clip", "")),
+        clip_sha256=str(told.get("clip_sha256", "")),
+        state=state,
+        reason=str(told.get("reason", "")),
+        settings=settings,
+        measures=dict(told.get("measures") or {}),
+        costs={name: told.get(name) for name in COSTS} if facts else {},
+    )
+
+
+def _cell(value: Any) -> Value:
+    """Several values as one text, as the flags of `tune` take them."""
+    if isinstance(value, list):
+        return "/".join(map(str, value))
+    return value if isinstance(value, str | float | int | bool) or value is None else strict_json(value)
+
+
+def write_tables(table: Sequence[Row], folder: Path) -> tuple[Path, ...]:
+    """CSV and JSON lines; Parquet where pyarrow is installed. All replace what was there."""
+    flat = [row.flat() for row in table]
+    columns = list(dict.fromkeys(name for row in flat for name in row))
+    paths = [folder / "table.csv", folder / "table.jsonl"]
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, restval="")
+    writer.writeheader()
+    writer.writerows({name: "" if value is None else value for name, value in row.items()} for row in flat)
+    write_bytes(paths[0], text.getvalue().encode())
+    write_bytes(paths[1], "".join(f"{strict_json(row)}\n" for row in flat).encode())
+    if _write_parquet(flat, columns, folder / "table.parquet"):
+        paths.append(folder / "table.parquet")
+    return tuple(paths)
+
+
+def _write_parquet(flat: Sequence[dict[str, Value]], columns: Sequence[str], path: Path) -> bool:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError:
+        return False
+    arrays = {name: _uniform([row.get(name) for row in flat]) for name in columns}
+    with replaced(path) as temporary:
+        parquet.write_table(pyarrow.table(arrays), temporary)
+    return True
+
+
+def _uniform(values: list[Value]) -> list[Any]:
+    """Of one type, as a column must be: numbers, truths, or texts."""
+    known = [value for value in values if value is not None]
+    if all(isinstance(value, bool) for value in known):
+        return values
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in known):
+        return [None if value is None else float(value) for value in values]
+    return [None if value is None else str(value) for value in values]

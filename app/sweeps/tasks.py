@@ -1,0 +1,111 @@
+"""What is done in one job, in a worker: measures, and one image to look at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from app.enhancement.enhance_files import Setting, enhanced, pooled_statistics
+from app.enhancement.methods import MethodEnhancer, load_kernels
+from app.enhancement.parameter_grid import Measures, measured
+from app.enhancement.records import EnhancedPicture
+from app.evaluation.evaluate import Evaluation, FrameMeasures, open_evaluation
+from app.evaluation.mean import mean_of_finite
+from app.files.image_files import write_image
+from app.files.image_series import open_series
+from app.files.provenance import provenance, write_png
+from app.files.records import Source
+from app.runs.run_folder import RunFolder
+from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, run_training
+from app.scenes.cpu_rendering import draw_on_cpu
+from app.sweeps.jobs import PICTURE, RUN, Job
+from app.sweeps.settings import Enhancing, Training
+from enhance.ridges import field_of_view, vessel_mask
+from renderer.near_plane import near_plane
+
+Numbers = dict[str, float | None]
+"""Measures by name; None: not measured, or not finite."""
+
+
+def carry_out(job: Job, clip: Path, folder: Path) -> Numbers:
+    """Do the job, with what is to be kept in `folder`, which exists.
+
+    Raises:
+        UserError, ClipError, ImageError, OSError: it cannot be done; each says why.
+    """
+    if isinstance(job.settings, Enhancing):
+        return _enhance(job.settings, job.frames, clip, folder)
+    return _train(job.settings, clip, folder)
+
+
+def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Numbers:
+    """Means over evenly spread images; the middle one is written."""
+    series = open_series(clip)
+    setting = Setting(wanted.method, wanted.params, pixels=wanted.pixels)
+    pooled = pooled_statistics(series, setting, []) if setting.pools(series) else None
+    indices = series.spread(frames)
+    kept, enhancer, found = indices[len(indices) // 2], MethodEnhancer(), list[Measures]()
+    for index in indices:
+        image = series.read(index)
+        if index == indices[0] and wanted.params is not None:
+            load_kernels(wanted.params, image)
+        record = EnhancedPicture(
+            source=Source.of(series.sources[index]),
+            picture=series.names[index],
+            frame=series.frame(index),
+            method=wanted.method,
+            params=wanted.params,
+            pixels=wanted.pixels if wanted.params else "all",
+            statistics=pooled,
+        )
+        began = perf_counter()
+        result, record = enhanced(record, image, enhancer)
+        milliseconds = 1000 * (perf_counter() - began)
+        view = field_of_view(image)
+        found.append(measured(result, image, vessel_mask(image, tissue_mask=view), view, milliseconds))
+        if index == kept and result.dtype.kind != "f":
+            write_image(folder / PICTURE, result, record.signed)
+    return _means(found, [field.name for field in fields(Measures)]) | {"images": float(len(found))}
+
+
+def _train(wanted: Training, clip: Path, folder: Path) -> Numbers:
+    """Train, going on from the checkpoint of a job that was killed, and evaluate."""
+    run = folder / RUN
+    request = TrainRequest(
+        clip_path=clip,
+        run_path=run,
+        config=wanted.config,
+        clip_options=wanted.options,
+        input=wanted.input,
+        enhance_params=wanted.params or RECONSTRUCTION_PARAMS,
+        resume=RunFolder(run).is_run,
+    )
+    for _ in run_training(request):
+        pass
+    evaluation = open_evaluation(run)
+    frames = list(evaluation.frames())
+    report = evaluation.report(frames)
+    _write_render(evaluation, folder / PICTURE)
+    return {name: _finite(value) for name, value in report["mean"].items()}
+
+
+def _write_render(evaluation: Evaluation, path: Path) -> None:
+    """The middle one of the evaluated frames."""
+    index = evaluation.indices[len(evaluation.indices) // 2]
+    record, model = evaluation.record, evaluation.model
+    camera = evaluation.clip.cameras[index]
+    drawn = draw_on_cpu(
+        model.at(record.time(index)), camera, near_plane(model, camera), record.config.render_mode
+    )
+    write_png(path, drawn.bytes, provenance(clip=record.clip.name, frame=index, method=record.config.method))
+
+
+def _means(found: Sequence[Measures | FrameMeasures], names: Sequence[str]) -> Numbers:
+    return {name: mean_of_finite(getattr(one, name) for one in found) for name in names}
+
+
+def _finite(value: Any) -> float | None:
+    return mean_of_finite([None if value is None else float(value)])

@@ -1,0 +1,174 @@
+"""A worker's part of a sweep: it gets an order, finds the clip, does the job, and says what came of it.
+
+All that crosses between processes and machines is here; it is plain values, and no engine is known.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+import secrets
+import sys
+import tempfile
+import threading
+import time
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Final, Literal
+
+from filelock import FileLock, Timeout
+
+from app.errors import UserError, sentence
+from app.sweeps.jobs import PICTURE, Job, JobFolder
+
+TOKEN: Final = ".sweep"
+"""A file with a random word in a sweep's folder, by which a worker knows it again."""
+WATCHED: Final = 1.0
+"""Seconds between two looks at whether the process that started a worker is still there."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """One job for one worker."""
+
+    job: Job
+    clip: Path
+    """Where it lies for the one who asks."""
+    sweep: Path
+    token: str
+    threads: int
+    content: bytes | None = None
+    """Of the clip, where the worker cannot see it; see `clip_transfer`."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of an order."""
+
+    key: str
+    state: Literal["finished", "failed", "needs the clip"]
+    reason: str = ""
+    details: str = ""
+    facts: dict[str, Any] | None = None
+    """Of the result: measures and what they cost; None where the worker wrote them itself."""
+    picture: bytes | None = None
+    """An image for the job's folder, where the worker cannot see that."""
+
+
+def carry_out_order(order: Order) -> Outcome:
+    """Do a job unless it is done; never raises but for what ends the process."""
+    key = order.job.key
+    shared = JobFolder.of(order.sweep, key) if _sees(order) else None
+    if shared and shared.is_finished:
+        return Outcome(key, "finished")
+    limit_threads(order.threads)
+    from app.sweeps.clip_transfer import Missing, located
+    from enhance import ImageError
+    from renderer.clip import ClipError
+
+    try:
+        clip = located(order.clip, order.job.clip_sha256, order.content)
+        if shared:
+            shared.path.mkdir(parents=True, exist_ok=True)
+            shared.finish(order.job, _done(order, clip, shared.path))
+            return Outcome(key, "finished")
+        with tempfile.TemporaryDirectory(prefix="vesselsplat-job-") as folder:
+            facts = _done(order, clip, Path(folder))
+            picture = Path(folder, PICTURE)
+            return Outcome(
+                key, "finished", facts=facts, picture=picture.read_bytes() if picture.exists() else None
+            )
+    except Missing:
+        return Outcome(key, "needs the clip")
+    except (UserError, ClipError, ImageError) as error:
+        return Outcome(key, "failed", " ".join(str(error).split()))
+    except MemoryError:
+        return Outcome(key, "failed", "out of memory")
+    except OSError as error:
+        return Outcome(key, "failed", sentence(error), traceback.format_exc())
+    except Exception as error:
+        return Outcome(key, "failed", f"{type(error).__name__}: {error}", traceback.format_exc())
+
+
+def _done(order: Order, clip: Path, folder: Path) -> dict[str, Any]:
+    from app.runs.memory import peak_memory_mb
+    from app.sweeps.tasks import carry_out
+
+    began = time.perf_counter()
+    measures = carry_out(order.job, clip, folder)
+    return {
+        "measures": measures,
+        "seconds": time.perf_counter() - began,
+        "peak_memory_mb": peak_memory_mb(),
+        "threads": order.threads,
+        "machine": machine(),
+    }
+
+
+def _sees(order: Order) -> bool:
+    """Whether the sweep's folder is on this machine, too, and the same."""
+    try:
+        return (order.sweep / TOKEN).read_text() == order.token
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
+def made_known(sweep: Path) -> str:
+    """The word by which workers know the folder; written when it is not there yet."""
+    place = sweep / TOKEN
+    if not place.exists():
+        place.write_text(secrets.token_hex(16))
+    return place.read_text()
+
+
+@contextmanager
+def sweep_locked(sweep: Path) -> Iterator[None]:
+    """Nobody else hands out this sweep's jobs meanwhile. Raises UserError: another process does."""
+    lock = FileLock(sweep / ".lock", blocking=False)
+    try:
+        lock.acquire()
+    except Timeout as error:
+        raise UserError(f"the sweep is being run by another process: {sweep}") from error
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def limit_threads(count: int) -> None:
+    """Of numba and OpenCV in this process, as far as they were given that many at their start."""
+    import cv2
+    import numba
+
+    most = numba.config.NUMBA_NUM_THREADS  # type: ignore[attr-defined]
+    numba.set_num_threads(min(count, most))
+    cv2.setNumThreads(count)
+
+
+@cache
+def machine() -> str:
+    """Processor and number of cores."""
+    return f"{_processor()}, {os.cpu_count()} cores"
+
+
+def _processor() -> str:
+    if sys.platform == "linux":
+        for line in Path("/proc/cpuinfo").read_text(errors="replace").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def end_with(parent: int) -> None:
+    """End this process when the one that started it is gone, which a pool's worker would not notice."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(WATCHED)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

@@ -1,0 +1,63 @@
+"""`vesselsplat sweep` as a person uses it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.app.conftest import Call
+
+Cli = Callable[..., Call]
+
+
+@pytest.fixture
+def spec(tmp_path: Path) -> Path:
+    """Two images, one of which is damaged, and two settings."""
+    image = np.random.default_rng(4).integers(40, 200, (24, 32, 3), dtype=np.uint8)
+    assert cv2.imwrite(str(tmp_path / "good.png"), image)
+    (tmp_path / "bad.png").write_bytes((tmp_path / "good.png").read_bytes()[:200])
+    path = tmp_path / "sweep.toml"
+    path.write_text('clips = ["*.png"]\ntask = "enhance"\ngrid = {method = ["paper", "clahe"]}\n')
+    return path
+
+
+@pytest.mark.slow
+def test_a_failed_job_is_one_line_the_rest_is_done_and_repeated_on_request(
+    vesselsplat: Cli, spec: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    asked = vesselsplat("sweep", spec, "--out", out, "--dry-run")
+    assert asked.code == 0
+    assert "4 jobs on 2 clips: 0 finished, 0 failed, 4 left\ntime left: unknown" in asked.out
+    assert not out.exists()
+    done = vesselsplat("sweep", spec, "--out", out, "--workers", 1)
+    assert done.code == 2
+    assert "2 of 4 jobs failed (--retry repeats them): bad.png: " in done.error.splitlines()[-1]
+    assert "Traceback" not in done.error
+    assert "2 finished, 2 failed" in done.out
+    assert {"table.csv", "table.jsonl", "sweep.html", "sweep.json"} <= {path.name for path in out.iterdir()}
+    (tmp_path / "bad.png").write_bytes((tmp_path / "good.png").read_bytes())
+    again = vesselsplat("sweep", spec, "--out", out, "--workers", 1, "--retry", "--json")
+    assert again.code == 0
+    assert json.loads(again.out)["counts"] == {"finished": 2, "failed": 0, "left": 0}
+
+
+def test_mistakes_are_one_line(vesselsplat: Cli, spec: Path, tmp_path: Path) -> None:
+    for flags, told in (
+        ((spec,), "expected --out DIR"),
+        ((tmp_path / "none.toml", "--out", tmp_path / "out"), "none.toml"),
+        ((tmp_path, "--table"), "expected the folder of a sweep"),
+        ((spec, "--out", tmp_path / "out", "--workers", 0), "--workers: expected 1 or more, got 0"),
+        ((spec, "--out", tmp_path / "out", "--on", "tcp://127.0.0.1:9"), "tcp://127.0.0.1:9"),
+        ((spec, "--out", tmp_path / "good.png"), "good.png"),
+    ):
+        called = vesselsplat("sweep", *flags)
+        assert called.code == 2, called
+        assert told in called.error
+        assert called.error.count("\n") <= 2  # The clips are read before the engine is opened.
+        assert "Traceback" not in called.error

@@ -1,0 +1,148 @@
+"""Where jobs run: real processes, killed ones, dask and submitit."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from app.errors import UserError
+from app.sweeps.engines.engine import Engine
+from app.sweeps.engines.opening import open_engine
+from app.sweeps.engines.slurm import submitted_by
+from app.sweeps.plan import planned, recorded, state
+from app.sweeps.spec import Slurm, spec_of
+from app.sweeps.sweep import run_jobs
+from tests.app.conftest import ROOT
+
+SPEC = """
+clips = ["{clip}"]
+task = "train"
+seeds = [{seeds}]
+[settings]
+iterations = {iterations}
+n_gaussians = 100
+"""
+
+
+@pytest.fixture
+def sweep(tmp_path: Path, clip_path: Path) -> Path:
+    """Eight short trainings."""
+    path = tmp_path / "sweep.toml"
+    path.write_text(SPEC.format(clip=clip_path.as_posix(), seeds="0, 1, 2, 3, 4, 5, 6, 7", iterations=3))
+    return path
+
+
+def started(sweep: Path, *flags: str) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "app", "sweep", str(sweep), "--out", str(sweep.parent / "out"), *flags]
+    return subprocess.Popen(
+        command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+
+
+def results(sweep: Path) -> dict[str, dict[str, object]]:
+    """Measures by job that do not depend on time."""
+    timed = ("ms_per_frame", "wall_seconds", "train_seconds")
+    found = {}
+    for path in (sweep.parent / "out" / "jobs").glob("*/result.json"):
+        measures = json.loads(path.read_text())["measures"]
+        found[path.parent.name] = {name: value for name, value in measures.items() if name not in timed}
+    return found
+
+
+def wait_for_results(sweep: Path, count: int) -> None:
+    until = time.monotonic() + 240
+    while len(results(sweep)) < count:
+        assert time.monotonic() < until
+        time.sleep(0.1)
+
+
+@pytest.mark.slow
+def test_killed_workers_and_a_killed_client_lose_nothing(sweep: Path) -> None:
+    first = started(sweep, "--workers", "2")
+    wait_for_results(sweep, 1)
+    workers = [
+        child for child in psutil.Process(first.pid).children() if "spawn_main" in " ".join(child.cmdline())
+    ]
+    assert workers
+    workers[0].kill()
+    wait_for_results(sweep, 2)
+    workers = psutil.Process(first.pid).children()
+    first.kill()
+    first.communicate()
+    _, alive = psutil.wait_procs(workers, timeout=20)
+    assert not alive  # Workers end with the one that started them.
+    done = results(sweep)
+    written = {key: (sweep.parent / "out" / "jobs" / key / "result.json").stat().st_mtime_ns for key in done}
+    out, error = started(sweep, "--workers", "2", "--json").communicate(timeout=240)
+    assert error.count("failed") == 0
+    facts = json.loads(out)
+    assert facts["counts"] == {"finished": 8, "failed": 0, "left": 0}
+    again = {key: (sweep.parent / "out" / "jobs" / key / "result.json").stat().st_mtime_ns for key in done}
+    assert written == again  # None was done twice.
+    assert len(results(sweep)) == 8
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_ends_in_one_line_and_leaves_no_process(sweep: Path) -> None:
+    running = started(sweep, "--workers", "2")
+    wait_for_results(sweep, 1)
+    workers = psutil.Process(running.pid).children()
+    os.killpg(running.pid, signal.SIGINT)
+    _, error = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert "jobs are finished, the same command resumes" in error.splitlines()[-1]
+    assert "Traceback" not in error
+    _, alive = psutil.wait_procs(workers, timeout=20)
+    assert not alive
+    assert (sweep.parent / "out" / "table.csv").is_file()
+
+
+@pytest.mark.slow
+def test_dask_and_processes_give_the_same_table(sweep: Path, tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    done = started(sweep, "--on", "dask", "--workers", "2")
+    out, error = done.communicate(timeout=240)
+    assert done.returncode == 0, error
+    assert "8 finished" in out
+    by_dask = results(sweep)
+    (sweep.parent / "out").rename(tmp_path / "dask")
+    done = started(sweep, "--workers", "2")
+    done.communicate(timeout=240)
+    assert results(sweep) == by_dask
+    assert len(by_dask) == 8
+
+
+@pytest.mark.slow
+def test_submitit_runs_jobs_as_futures(tmp_path: Path, clip_path: Path) -> None:
+    pytest.importorskip("submitit")
+    path = tmp_path / "sweep.toml"
+    text = SPEC.format(clip=clip_path.as_posix(), seeds="0, 1", iterations=2)
+    path.write_text(text)
+    import tomllib
+
+    plan = planned(spec_of(tomllib.loads(text), path), tmp_path)
+    folder = tmp_path / "out"
+    recorded(plan, folder)
+    with submitted_by("local", 1, Slurm(minutes=5), folder) as executor:
+        run_jobs(plan, folder, Engine("slurm", executor, 2, 2), lambda done, note: None)
+    assert state(plan.jobs, folder).finished == 2
+    assert not list(folder.glob(".slurm-*"))
+
+
+def test_places_that_are_not_there_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    for on, told in (("moon", "expected local, dask"), ("slurm", "found no srun")):
+        with (
+            pytest.raises(UserError, match=told),
+            open_engine(on, workers=1, threads=1, slurm=Slurm(), folder=tmp_path),
+        ):
+            pass

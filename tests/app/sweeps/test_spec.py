@@ -1,0 +1,120 @@
+"""The file of a sweep: what it asks for, and one line for what it cannot mean."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.errors import UserError
+from app.sweeps.design import Range, Sample
+from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for, read_spec, spec_of
+
+PLACE = Path("sweep.toml")
+
+
+def spec(**given: object) -> Spec:
+    return spec_of({"clips": ["a.png"], "task": "enhance"} | given, PLACE)
+
+
+def test_every_variant_meets_every_point_of_the_grid_and_every_seed() -> None:
+    asked = spec(
+        task="train",
+        variants=[{"method": "static"}, {"method": "vesselsplat", "smoothing": 0.01}],
+        grid={"iterations": [10, 20], "node_columns": [5, 8, 9]},
+        seeds=[3, 4],
+    )
+    settings = [one.told() for one in all_settings(asked)]
+    found = {(s["method"], s["iterations"], s["node_columns"], s["seed"]) for s in settings}
+    assert len(settings) == len(found) == 2 * 2 * 3 * 2 == jobs_asked_for(asked, clips=1)
+    assert {s["smoothing"] for s in settings if s["method"] == "vesselsplat"} == {0.01}
+    assert asked.varied == ("method", "smoothing", "iterations", "node_columns")
+
+
+def test_combinations_that_say_the_same_are_one_job() -> None:
+    assert len(all_settings(spec(grid={"z": ["auto", 0.5, 0.5]}))) == 2
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"clips": []}, "clips"),
+        ({"task": "mesh"}, "task: expected 'enhance' or 'train'"),
+        ({"colour": 1}, "colour"),
+        ({"grid": {"z": []}}, "grid.z"),
+        ({"settings": {"z": 2.0}}, "z: expected"),
+        ({"settings": {"zz": 0.2}}, "expected settings among"),
+        ({"settings": {"method": "clahe", "z": 0.2}}, "method clahe: expected settings among method, pixels"),
+        ({"settings": {"method": "best"}}, "method: expected one of paper, vessel"),
+        ({"settings": {"z": 0.1}, "grid": {"z": [0.2]}}, "expected each setting in one place, got z in two"),
+        ({"seeds": [1]}, "seeds: expected none"),
+        ({"task": "train", "settings": {"preset": "vessel"}}, "preset: has no effect"),
+        ({"task": "train", "seeds": [1], "settings": {"seed": 2}}, "got seed in two"),
+        ({"task": "train", "seeds": [-1]}, "seeds.0"),
+        ({"sample": {"count": 3, "ranges": {"z": {"from": 0.5, "to": 0.2}}}}, "expected from < to"),
+        ({"sample": {"count": 3, "ranges": {"z": {"from": 0, "to": 1, "scale": "log"}}}}, "from > 0"),
+        ({"sample": {"count": 0, "ranges": {"z": {"from": 0, "to": 1}}}}, "sample.count"),
+        ({"threads": 0}, "threads"),
+        ({"slurm": {"minutes": 0}}, "slurm.minutes"),
+    ],
+)
+def test_a_mistake_is_one_line_with_its_place(given: dict[str, object], told: str) -> None:
+    with pytest.raises(UserError) as caught:
+        all_settings(spec(**given))
+    assert told in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_more_jobs_than_can_be_meant_are_refused_before_they_are_made() -> None:
+    asked = spec(grid={"z": [0.1] * 1000, "p": [0.1] * 1000})
+    with pytest.raises(UserError, match="expected at most 100000 jobs, got 1000000"):
+        jobs_asked_for(asked, clips=1)
+
+
+@pytest.mark.parametrize("text", [b"clips = [", b"\xff\xfe", b"a = 1\na = 2\n"])
+def test_a_file_that_is_no_toml_is_one_line(tmp_path: Path, text: bytes) -> None:
+    (tmp_path / "sweep.toml").write_bytes(text)
+    with pytest.raises(UserError, match=r"expected a sweep in TOML"):
+        read_spec(tmp_path / "sweep.toml")
+
+
+def test_patterns_find_images_videos_and_folders_alone(tmp_path: Path) -> None:
+    for name in ("b.png", "a.mp4", "notes.txt", ".hidden.png"):
+        (tmp_path / name).write_bytes(b"")
+    (tmp_path / "clip").mkdir()
+    found = clip_paths(spec(clips=["*", "b.png"]), tmp_path)
+    assert [path.name for path in found] == ["a.mp4", "b.png", "clip"]
+    with pytest.raises(UserError, match=r"found nothing at c\*\.png"):
+        clip_paths(spec(clips=["c*.png"]), tmp_path)
+
+
+@given(count=st.integers(1, 40), seed=st.integers(0, 1000), names=st.integers(1, 4))
+def test_a_latin_hypercube_has_a_point_in_each_part_of_each_range(count: int, seed: int, names: int) -> None:
+    ranges = {f"x{i}": Range(**{"from": 0.0, "to": 1.0}) for i in range(names)}
+    points = Sample(count=count, ranges=ranges, seed=seed).points()
+    for name in ranges:
+        parts = sorted(int(np.floor(min(point[name], 1 - 1e-9) * count + 1e-6)) for point in points)
+        assert parts == list(range(count))
+
+
+@given(share=st.floats(0, 1), low=st.floats(1e-3, 10), span=st.floats(0.1, 100))
+def test_values_stay_within_their_range(share: float, low: float, span: float) -> None:
+    for scale in ("linear", "log"):
+        one = Range(**{"from": low, "to": low + span, "scale": scale})
+        assert low <= one.at(share) <= low + span
+    whole = Range(**{"from": 2, "to": 9, "whole": True})
+    assert isinstance(whole.at(share), int)
+    assert 2 <= whole.at(share) <= 9
+
+
+def test_a_log_range_is_even_in_ratios() -> None:
+    assert Range(**{"from": 0.01, "to": 1.0, "scale": "log"}).at(0.5) == pytest.approx(0.1)
+
+
+def test_a_sample_repeats_by_its_seed_and_differs_by_another() -> None:
+    ranges = {"z": Range(**{"from": 0.0, "to": 1.0})}
+    first, again, other = (Sample(count=5, ranges=ranges, seed=seed).points() for seed in (1, 1, 2))
+    assert first == again != other

@@ -1,0 +1,90 @@
+"""Means, spreads and differences of a sweep, against figures worked out by hand."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from app.sweeps.summary import Difference, Spread, Summary, quantile, said
+from app.sweeps.table import Row
+
+
+def row(clip: str, method: str, seed: int, **measures: float | None) -> Row:
+    return Row(
+        job=f"{clip}{method}{seed}",
+        clip=clip,
+        clip_sha256=clip,
+        state="finished",
+        reason="",
+        settings={"method": method, "seed": seed, "iterations": 9},
+        measures=dict(measures),
+        costs={"seconds": 2.0 if method == "a" else 3.0},
+    )
+
+
+@pytest.fixture
+def summary() -> Summary:
+    rows = [
+        row("x", "a", 0, psnr=30.0, bv=1.0),
+        row("x", "a", 1, psnr=32.0, bv=3.0),
+        row("y", "a", 0, psnr=20.0, bv=5.0),
+        row("x", "b", 0, psnr=31.0, bv=1.0),
+        row("x", "b", 1, psnr=34.0, bv=2.0),
+        row("y", "b", 0, psnr=None, bv=1.0),
+    ]
+    failed = Row("f", "x", "x", "failed", "why", {"method": "c", "seed": 0}, {}, {})
+    return Summary.of([*rows, failed], ["method"])
+
+
+A, B = (("method", "a"),), (("method", "b"),)
+
+
+def test_spread_over_seeds_and_over_clips(summary: Summary) -> None:
+    assert summary.settings == (A, B)
+    assert summary.spread(A, "psnr", "x") == Spread(2, 31.0, pytest.approx(math.sqrt(2)))
+    assert summary.spread(A, "psnr") == Spread(2, 25.5, pytest.approx(11 / math.sqrt(2)))
+    assert summary.spread(B, "psnr").count == 1
+
+
+def test_differences_are_of_the_same_clip_and_seed(summary: Summary) -> None:
+    found = summary.difference(B, A, "psnr")
+    assert found.spread.count == 2
+    assert found.spread.mean == 1.5
+    # Two pairs, 1 and 2: t(1) * s / sqrt(2) = 12.706 * 0.7071 / 1.4142.
+    assert found.half_width == pytest.approx(12.706 / 2)
+    assert not found.is_clear
+
+
+def test_the_best_setting_is_the_largest_or_the_smallest_as_the_measure_means(summary: Summary) -> None:
+    assert summary.best("psnr", "x") == B
+    assert summary.best("bv", "x") == B
+    assert summary.best("psnr") == B
+    assert summary.best("psnr", "y") == A
+    assert summary.best("ssim") is None
+
+
+def test_the_diagram_has_a_point_a_setting(summary: Summary) -> None:
+    points = {point.setting: (point.seconds, point.error) for point in summary.diagram("psnr").points}
+    assert points == {"method a": (2.0, 25.5), "method b": (3.0, 32.5)}
+    assert summary.diagram("psnr").more_is_better
+    assert not summary.diagram("bv").more_is_better
+
+
+@pytest.mark.parametrize(
+    ("freedom", "value"),
+    [(1, 12.7062), (9, 2.2622), (21, 2.0796), (30, 2.0423), (60, 2.0003), (1000, 1.9623)],
+)
+def test_quantiles_of_students_t(freedom: int, value: float) -> None:
+    assert quantile(freedom) == pytest.approx(value, abs=1e-3)
+
+
+def test_equal_values_differ_clearly_from_zero_unless_they_are_zero() -> None:
+    assert Difference.of([1.0, 1.0, 1.0]).is_clear
+    assert not Difference.of([0.0, 0.0]).is_clear
+    assert not Difference.of([5.0]).is_clear
+    assert Difference.of([]).spread.count == 0
+
+
+def test_what_is_left_to_the_program_is_auto() -> None:
+    assert said((("z", None), ("p", 0.5))) == "z auto, p 0.5"

@@ -1,0 +1,190 @@
+"""The loop that hands jobs out: nothing lost, nothing twice, whatever becomes of the workers."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from app.errors import UserError
+from app.sweeps.clip_transfer import located, packed
+from app.sweeps.engines.engine import Engine
+from app.sweeps.jobs import FAILURE, PICTURE, RESULT, JobFolder
+from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
+from app.sweeps.spec import spec_of
+from app.sweeps.sweep import MOST_LOSSES, run_jobs
+from app.sweeps.table import rows
+from app.sweeps.worker import Order, Outcome, carry_out_order, sweep_locked
+
+Answer = Callable[[Order], Outcome]
+
+
+class Here(Executor):
+    """Answers at once, in this process."""
+
+    def __init__(self, answer: Answer = carry_out_order) -> None:
+        self.orders: list[Order] = []
+        self._answer = answer
+
+    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        (order,) = given
+        self.orders.append(order)
+        try:
+            future.set_result(self._answer(order))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Plan:
+    """Two pictures, three settings."""
+    random = np.random.default_rng(list(tmp_path.name.encode()))
+    for name in ("a", "b"):
+        image = random.integers(40, 200, (24, 32, 3), dtype=np.uint8)
+        assert cv2.imwrite(str(tmp_path / f"{name}.png"), image)
+    given = {"clips": ["*.png"], "task": "enhance", "grid": {"z": [0.2, 0.4, 0.6]}}
+    return planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, plan: Plan) -> Path:
+    recorded(plan, tmp_path / "sweep")
+    return tmp_path / "sweep"
+
+
+def silent(done: int, note: str) -> None:
+    """Progress is not looked at."""
+
+
+def carried_out(plan: Plan, folder: Path, executor: Here, window: int = 2) -> None:
+    run_jobs(plan, folder, Engine("here", executor, 1, window), silent)
+
+
+def test_every_job_has_a_result_and_a_picture_and_none_is_done_twice(plan: Plan, folder: Path) -> None:
+    first, again = Here(), Here()
+    carried_out(plan, folder, first)
+    assert len(first.orders) == 6
+    for job in plan.jobs:
+        place = JobFolder.of(folder, job.key)
+        result = place.result()
+        assert result is not None
+        assert result["measures"]["vessel_contrast"] is not None or result["measures"]["dv"] is not None
+        assert result["seconds"] > 0
+        assert (place.path / PICTURE).is_file()
+    carried_out(plan, folder, again)
+    assert again.orders == []
+
+
+def test_a_lost_worker_costs_its_job_another_try(plan: Plan, folder: Path) -> None:
+    lost: list[str] = []
+
+    def answer(order: Order) -> Outcome:
+        if order.job.key not in lost:
+            lost.append(order.job.key)
+            raise RuntimeError("killed")
+        return carry_out_order(order)
+
+    carried_out(plan, folder, Here(answer))
+    assert len(lost) == 6
+    assert state(plan.jobs, folder).finished == 6
+
+
+def test_a_job_that_ends_every_worker_fails_and_the_rest_goes_on(plan: Plan, folder: Path) -> None:
+    bad = plan.jobs[1].key
+
+    def answer(order: Order) -> Outcome:
+        if order.job.key == bad:
+            raise RuntimeError("killed")
+        return carry_out_order(order)
+
+    executor = Here(answer)
+    carried_out(plan, folder, executor)
+    assert sum(order.job.key == bad for order in executor.orders) == MOST_LOSSES
+    now = state(plan.jobs, folder)
+    assert (now.finished, now.failed, now.left) == (5, 1, 0)
+    facts = JobFolder.of(folder, bad).failed_facts()
+    assert facts is not None
+    assert "its worker ended 5 times" in facts["reason"]
+
+
+def test_a_failed_job_keeps_its_reason_until_it_is_repeated(plan: Plan, folder: Path) -> None:
+    bad = plan.clips[plan.jobs[0].clip_sha256]
+    kept = bad.read_bytes()
+    bad.write_bytes(b"no image")
+    carried_out(plan, folder, Here())
+    failed = [row for row in rows(read_sweep(folder), folder) if row.state == "failed"]
+    assert len(failed) == 3
+    bad.write_bytes(kept)
+    executor = Here()
+    carried_out(plan, folder, executor)
+    assert executor.orders == []
+    for job in plan.jobs:
+        JobFolder.of(folder, job.key).forget_failure()
+    carried_out(plan, folder, executor)
+    assert state(plan.jobs, folder).finished == 6
+
+
+def test_a_worker_that_sees_no_folder_gives_the_same_results_through_the_engine(
+    plan: Plan, folder: Path, tmp_path: Path
+) -> None:
+    carried_out(plan, folder, Here())
+    seen = {row.job: row.measures for row in rows(read_sweep(folder), folder)}
+    shutil.rmtree(folder / "jobs")
+
+    def far(order: Order) -> Outcome:
+        return carry_out_order(
+            replace(order, clip=tmp_path / "elsewhere" / order.clip.name, sweep=tmp_path / "elsewhere")
+        )
+
+    executor = Here(far)
+    carried_out(plan, folder, executor, window=1)
+    sent = [order for order in executor.orders if order.content is not None]
+    assert len(sent) == 2  # Once a clip and worker.
+    for row in rows(read_sweep(folder), folder):
+        steady = {name: value for name, value in row.measures.items() if name != "milliseconds"}
+        assert steady == {name: seen[row.job][name] for name in steady}
+        assert (JobFolder.of(folder, row.job).path / PICTURE).is_file()
+
+
+def test_a_clip_that_changed_is_another_one(plan: Plan, folder: Path) -> None:
+    changed = plan.clips[plan.jobs[0].clip_sha256]
+    assert cv2.imwrite(str(changed), np.full((24, 32, 3), 90, np.uint8))
+    carried_out(plan, folder, Here())
+    now = state(plan.jobs, folder)
+    assert (now.finished, now.failed) == (3, 3)
+
+
+def test_content_is_checked_against_the_digest(tmp_path: Path, clip_path: Path) -> None:
+    content = packed(clip_path)
+    with pytest.raises(UserError, match="got another's"):
+        located(tmp_path / "nowhere", "0" * 64, content)
+
+
+def test_the_time_left_comes_from_jobs_of_the_same_method(plan: Plan, folder: Path) -> None:
+    assert estimate(plan.jobs, folder) == (None, 0)
+    for job in plan.jobs[:2]:
+        JobFolder.of(folder, job.key).finish(job, {"measures": {}, "seconds": 10.0})
+    assert estimate(plan.jobs, folder) == (40.0, 2)
+
+
+def test_two_processes_do_not_run_one_sweep(folder: Path) -> None:
+    with sweep_locked(folder), pytest.raises(UserError, match="another process"), sweep_locked(folder):
+        pass
+
+
+def test_a_half_written_result_is_no_result(plan: Plan, folder: Path) -> None:
+    place = JobFolder.of(folder, plan.jobs[0].key)
+    place.path.mkdir(parents=True)
+    (place.path / RESULT).write_text('{"measures": {')
+    assert not place.is_finished
+    (place.path / FAILURE).write_text("[]")
+    assert place.failed_facts() is None
