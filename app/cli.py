@@ -25,6 +25,7 @@ COMMANDS = {
     "evaluate": "measure a finished run on its held-out frames",
     "metrics": "measure DV/BV and contrast of images",
     "sweep": "every clip with every setting, measured, on this machine or a cluster; one table",
+    "protocol": "the field's comparison of methods on clips, beside published figures",
     "report": "report of error against run time, contrast against noise, stability and omissions",
     "replay": "reproduce an exported file from its provenance and compare",
     "phantom": "write a synthetic clip with exact ground truth",

@@ -41,6 +41,21 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="the sweep to run, or with --table the folder of one",
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder to write into")
+    add_engine_flags(parser)
+    parser.add_argument(
+        "--dry-run", action="store_true", help="say how many jobs there are and how long they take"
+    )
+    parser.add_argument(
+        "--table", action="store_true", help="means, differences and best settings of a sweep"
+    )
+    parser.add_argument(
+        "--measures", nargs="+", metavar="NAME", help="with --table: other measures than the usual"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
+def add_engine_flags(parser: argparse.ArgumentParser) -> None:
+    """Where and how jobs run."""
     parser.add_argument(
         "--on",
         default="local",
@@ -49,17 +64,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "(default local)",
     )
     parser.add_argument("--workers", type=int, metavar="N", help="jobs at once (default: as the cores allow)")
-    parser.add_argument(
-        "--dry-run", action="store_true", help="say how many jobs there are and how long they take"
-    )
     parser.add_argument("--retry", action="store_true", help="repeat failed jobs")
-    parser.add_argument(
-        "--table", action="store_true", help="means, differences and best settings of a sweep"
-    )
-    parser.add_argument(
-        "--measures", nargs="+", metavar="NAME", help="with --table: other measures than the usual"
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
 def run(flags: argparse.Namespace) -> None:
@@ -178,7 +183,7 @@ def _tell(folder: Path, measures: Sequence[str] | None, as_json: bool) -> None:
         return
     for part in parts:
         if part.rows:
-            _print(part)
+            print_table(part)
     told = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
     sys.stdout.write(f"{folder}: {told or 'no jobs'}; table.csv, table.jsonl, {PAGE}\n")
 
@@ -191,7 +196,8 @@ def _chosen(summary: Summary, measures: Sequence[str], *, named: bool) -> list[s
     return [name for name in measures if name in known]
 
 
-def _print(part: Measured) -> None:
+def print_table(part: Measured) -> None:
+    """The first rows of a table on stdout, wide enough also where the width is unknown."""
     table = Table(title=part.title, title_justify="left", title_style="", caption=part.note or None)
     for column in part.columns:
         table.add_column(column.name, overflow="fold")

@@ -1,0 +1,52 @@
+"""The comparison that ships: complete, by the published rules, beside published figures."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from importlib.resources import files
+from pathlib import Path
+
+from app.commands.protocol import compared
+from app.sweeps.jobs import JobFolder
+from app.sweeps.plan import planned, recorded
+from app.sweeps.settings import Training
+from app.sweeps.spec import spec_of
+from tests.app.conftest import Call
+
+
+def test_it_prints_a_sweep_that_runs_every_method_at_its_published_length(
+    vesselsplat: Callable[..., Call], clip_path: Path, tmp_path: Path
+) -> None:
+    printed = vesselsplat("protocol", "--print")
+    assert printed.out == files("app.sweeps").joinpath("protocol.toml").read_text()
+    spec = spec_of(tomllib.loads(printed.out) | {"clips": [str(clip_path)]}, tmp_path / "protocol.toml")
+    plan = planned(spec, tmp_path)
+    settings = [job.settings for job in plan.jobs]
+    assert len(settings) == 4 * 3
+    assert all(isinstance(one, Training) and one.config.iterations == 3000 for one in settings)
+    assert all(isinstance(one, Training) and one.options.split == "field" for one in settings)
+    methods = {one.config.method for one in settings if isinstance(one, Training)}
+    assert methods == {"vesselsplat", "deform3dgs", "endogaussian", "static"}
+
+
+def test_rows_of_a_known_clip_stand_beside_the_published_ones(clip_path: Path, tmp_path: Path) -> None:
+    pulling = tmp_path / "pulling_soft_tissues"
+    pulling.symlink_to(clip_path)
+    given = {"clips": [str(pulling)], "task": "train", "seeds": [0, 1], "variants": [{"method": "static"}]}
+    plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
+    recorded(plan, tmp_path / "out")
+    for psnr, job in zip((30.0, 32.0), plan.jobs, strict=True):
+        JobFolder.of(tmp_path / "out", job.key).finish(job, {"measures": {"psnr": psnr}, "seconds": 1.0})
+    table = compared(tmp_path / "out")
+    ours, *published = table.rows
+    assert ours[:3] == ("pulling_soft_tissues", "static", 31.0)
+    assert ours[-1] == "measured here, 2 seeds"
+    assert ("pulling_soft_tissues", "EndoGaussian", 37.21) in [row[:3] for row in published]
+    assert all(row[-1] for row in published)
+
+
+def test_without_clips_it_says_what_it_expects(vesselsplat: Callable[..., Call]) -> None:
+    called = vesselsplat("protocol")
+    assert (called.code, called.error.count("\n")) == (2, 1)
+    assert "expected CLIP... and --out DIR, or --print" in called.error
