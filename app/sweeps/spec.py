@@ -62,6 +62,8 @@ class Spec:
     """Of training; empty: that of the settings."""
     frames: Annotated[int, Interval(ge=1, le=100_000)] = 8
     """Images of each clip that are enhanced and measured, evenly spread."""
+    models: bool = True
+    """Keep the model of each training; checkpoints are kept of unfinished ones alone."""
     threads: Annotated[int, Interval(ge=1, le=1024)] = 1
     """CPU threads of each job."""
     slurm: Slurm = Slurm()

@@ -26,8 +26,15 @@ Report = Callable[[int, str], None]
 """Jobs done of all, and what is to be said beside."""
 
 
-def run_jobs(plan: Plan, folder: Path, engine: Engine, report: Report) -> None:
-    """Do what is neither done nor failed; `folder` is recorded.
+def run_jobs(
+    plan: Plan,
+    folder: Path,
+    engine: Engine,
+    report: Report,
+    carry_out: Callable[[Order], Outcome] = carry_out_order,
+) -> None:
+    """Do what is neither done nor failed; `folder` is recorded. `carry_out`: a function of a module, since
+    it is sent to the workers.
 
     Raises:
         UserError: the engine is gone; finished jobs are kept.
@@ -35,7 +42,7 @@ def run_jobs(plan: Plan, folder: Path, engine: Engine, report: Report) -> None:
     token = made_known(folder)
     places = {job.key: JobFolder.of(folder, job.key) for job in plan.jobs}
     waiting = deque(
-        Order(job, plan.clip_of(job), folder.absolute(), token, plan.spec.threads)
+        Order(job, plan.clip_of(job), folder.absolute(), token, plan.spec.threads, plan.spec.models)
         for job in plan.jobs
         if not (places[job.key].is_finished or places[job.key].has_failed)
     )
@@ -46,7 +53,7 @@ def run_jobs(plan: Plan, folder: Path, engine: Engine, report: Report) -> None:
     while waiting or running:
         while waiting and len(running) < engine.window:
             order = waiting.popleft()
-            running[engine.executor.submit(carry_out_order, order)] = order
+            running[engine.executor.submit(carry_out, order)] = order
         finished, _ = wait(running, LOOK, FIRST_COMPLETED)
         for future in finished:
             order = running.pop(future)

@@ -25,20 +25,23 @@ from app.sweeps.jobs import PICTURE, RUN, Job
 from app.sweeps.settings import Enhancing, Training
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.near_plane import near_plane
+from renderer.train.checkpoint import checkpoint_paths
 
 Numbers = dict[str, float | None]
 """Measures by name; None: not measured, or not finite."""
 
 
-def carry_out(job: Job, clip: Path, folder: Path) -> Numbers:
-    """Do the job, with what is to be kept in `folder`, which exists.
+def carry_out(job: Job, clip: Path, folder: Path, *, models: bool = True) -> Numbers:
+    """Do the job, with what is to be kept in `folder`, which exists; `models`: those of trainings, too.
 
     Raises:
         UserError, ClipError, ImageError, OSError: it cannot be done; each says why.
     """
     if isinstance(job.settings, Enhancing):
         return _enhance(job.settings, job.frames, clip, folder)
-    return _train(job.settings, clip, folder)
+    measures = _train(job.settings, clip, folder)
+    _clear(folder / RUN, models)
+    return measures
 
 
 def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Numbers:
@@ -90,6 +93,12 @@ def _train(wanted: Training, clip: Path, folder: Path) -> Numbers:
     report = evaluation.report(frames)
     _write_render(evaluation, folder / PICTURE)
     return {name: _finite(value) for name, value in report["mean"].items()}
+
+
+def _clear(run: Path, models: bool) -> None:
+    """Checkpoints are three times as large as the model."""
+    for path in (*checkpoint_paths(run), *(() if models else (RunFolder(run).model_path,))):
+        path.unlink()
 
 
 def _write_render(evaluation: Evaluation, path: Path) -> None:

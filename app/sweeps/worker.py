@@ -41,6 +41,8 @@ class Order:
     sweep: Path
     token: str
     threads: int
+    models: bool = True
+    """Keep the model of a training."""
     content: bytes | None = None
     """Of the clip, where the worker cannot see it; see `clip_transfer`."""
 
@@ -99,7 +101,7 @@ def _done(order: Order, clip: Path, folder: Path) -> dict[str, Any]:
     from app.sweeps.tasks import carry_out
 
     began = time.perf_counter()
-    measures = carry_out(order.job, clip, folder)
+    measures = carry_out(order.job, clip, folder, models=order.models)
     return {
         "measures": measures,
         "seconds": time.perf_counter() - began,

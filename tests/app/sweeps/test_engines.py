@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import psutil
@@ -127,8 +128,6 @@ def test_submitit_runs_jobs_as_futures(tmp_path: Path, clip_path: Path) -> None:
     path = tmp_path / "sweep.toml"
     text = SPEC.format(clip=clip_path.as_posix(), seeds="0, 1", iterations=2)
     path.write_text(text)
-    import tomllib
-
     plan = planned(spec_of(tomllib.loads(text), path), tmp_path)
     folder = tmp_path / "out"
     recorded(plan, folder)
@@ -146,3 +145,21 @@ def test_places_that_are_not_there_are_one_line(tmp_path: Path, monkeypatch: pyt
             open_engine(on, workers=1, threads=1, slurm=Slurm(), folder=tmp_path),
         ):
             pass
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("models", [True, False])
+def test_finished_trainings_keep_no_checkpoints_and_their_model_if_wanted(
+    tmp_path: Path, clip_path: Path, models: bool
+) -> None:
+    text = SPEC.format(clip=clip_path.as_posix(), seeds="0", iterations=2)
+    given = tomllib.loads(text) | {"models": models}
+    plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
+    folder = tmp_path / "out"
+    recorded(plan, folder)
+    with open_engine("local", workers=1, threads=1, slurm=Slurm(), folder=folder) as engine:
+        run_jobs(plan, folder, engine, lambda done, note: None)
+    run = folder / "jobs" / plan.jobs[0].key / "run"
+    assert not list(run.glob("checkpoint-*"))
+    assert (run / "model.safetensors").exists() == models
+    assert (run / "run.json").is_file()
