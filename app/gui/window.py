@@ -243,8 +243,8 @@ class Window:
                 "Log", "Below", lambda: overlays.draw_log(self.state, imgui.set_clipboard_text), "by the menu"
             ),
             _panel("Notes", "Below", lambda: overlays.draw_notes(self.state), "by the menu"),
-            _panel(REPORT, "MainDockSpace", lambda: draw_report(self.state), "by the menu"),
-            _panel(TUNING, "MainDockSpace", self._draw_tuning, "by the state"),
+            _panel(REPORT, "MainDockSpace", lambda: self._draw_textured(draw_report), "by the menu"),
+            _panel(TUNING, "MainDockSpace", lambda: self._draw_textured(draw_tuning), "by the state"),
             _panel(PANEL, "Side", lambda: draw_editing(self.state), "by the state"),
         ]
         return layout
@@ -306,9 +306,9 @@ class Window:
         take_pictures(self.state, self._channels)
         draw_compare(self.state, self._textures)
 
-    def _draw_tuning(self) -> None:
+    def _draw_textured(self, draw: Callable[[AppState, Textures], None]) -> None:
         assert self._textures is not None
-        draw_tuning(self.state, self._textures)
+        draw(self.state, self._textures)
 
     def _draw_view(self) -> None:
         assert self._viewport is not None

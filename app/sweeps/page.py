@@ -26,8 +26,7 @@ def sections(record: SweepRecord, table: Sequence[Row]) -> dict[str, Section]:
             title="Settings",
             sentences=(counted,),
             plates=tuple(
-                Plate(title=f"{name} by seconds of a job", diagrams=(summary.diagram(name),))
-                for name in measures
+                Plate(title="Seconds of a job", diagrams=(summary.diagram(name),)) for name in measures
             ),
             tables=(over_all(summary, measures), *differences(summary, measures)),
         ),

@@ -128,13 +128,13 @@ class Summary:
         return min(known, key=lambda setting: sign * known[setting]) if known else None
 
     def diagram(self, measure: str) -> Diagram:
-        """Every setting by its mean seconds and its mean measure; one series a value of the first setting."""
+        """Every setting by its mean seconds and its mean measure."""
         points = []
         for setting in self.settings:
             seconds = Spread.of([float(row.costs["seconds"]) for row in self._of(setting)])  # type: ignore[arg-type]
             mean = self.spread(setting, measure).mean
             if seconds.count and not math.isnan(mean):
-                series = f"{setting[0][0]} {setting[0][1]}" if setting else "all"
+                series = drawn_as(setting)
                 points.append(Point(series=series, setting=said(setting), seconds=seconds.mean, error=mean))
         return Diagram(measure=measure, points=tuple(points), more_is_better=measure in HIGHER)
 
@@ -151,6 +151,12 @@ class Summary:
             for row in self._of(setting)
         }
         return {pair: value for pair, value in pairs.items() if value is not None}
+
+
+def drawn_as(setting: Setting) -> str:
+    """The series of a diagram: the first varied setting whose values are words; numbers make one series."""
+    words = ((name, value) for name, value in setting if isinstance(value, str) and "/" not in value)
+    return next((f"{name} {value}" for name, value in words), "settings")
 
 
 def said(setting: Setting) -> str:

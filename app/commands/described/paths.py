@@ -6,10 +6,19 @@ from pathlib import Path
 
 from app.commands.described.clips import of_clip, of_video
 from app.commands.described.fact import Fact, count, next_steps
-from app.commands.described.files import is_export, of_export, of_json, of_run, of_session, of_splats
+from app.commands.described.files import (
+    is_export,
+    of_export,
+    of_json,
+    of_run,
+    of_session,
+    of_splats,
+    of_sweep,
+)
 from app.errors import UserError
 from app.gui.session_file import SUFFIX
 from app.runs.run_folder import RunFolder
+from app.sweeps.plan import is_sweep
 from renderer.layouts import layout_of
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import frame_folder
@@ -57,6 +66,8 @@ def _file(path: Path) -> tuple[Fact, ...]:
 def _folder(path: Path) -> tuple[Fact, ...]:
     if RunFolder(path).is_run:
         return of_run(path)
+    if is_sweep(path):
+        return of_sweep(path)
     known = layout_of(path).name != "images"
     pictures = any(is_picture(entry) for entry in frame_folder(path).iterdir())
     return of_clip(path) if known or pictures else _other(path)

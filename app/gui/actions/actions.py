@@ -16,6 +16,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Choosing, Kind, Purpose
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.scene import CameraList, Second, Viewer
+from app.gui.state.source import Reports
 from app.gui.state.window import Banner, Toast
 from app.gui.views.picture_view import PictureView
 from app.gui.work.depths import DepthRequest
@@ -161,7 +162,7 @@ def leave(state: AppState, go: Callable[[], None]) -> None:
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     """Take over what has been opened: the start of a session with it, but for a report, which joins it."""
     if opened.report is not None:
-        state.source.opening, state.reports.shown, state.reports.asked = None, opened.report, True
+        state.source.opening, state.reports = None, Reports(opened.report, asked=True)
         say(state, f"opened {path.name}")
         return
     state.source.opening, state.source.path, state.session.path = None, opened.path or path, None

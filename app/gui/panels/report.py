@@ -5,6 +5,8 @@ from __future__ import annotations
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
 from app.gui.actions import actions
+from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.swept import draw_swept
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import centered, choose, em, muted
@@ -32,14 +34,18 @@ NEAR = 0.75
 """Text heights from the pointer to a point that it names."""
 
 
-def draw_report(state: AppState) -> None:
-    """A diagram, which one, and what the report says in words and tables."""
+def draw_report(state: AppState, textures: ShowsPictures) -> None:
+    """A diagram, which one, and what the report says in words and tables; of a sweep, its jobs first."""
     if state.reports.shown is None:
         imgui.dummy(ImVec2(0, em(3)))
-        centered("Open a report.json written by vesselsplat report: Ctrl+I, or drop it here.")
+        centered(
+            "Open the report.json of vesselsplat report, or the folder of a sweep: Ctrl+I, or drop it here."
+        )
         return
     report = state.reports.shown
     muted(report.about)
+    if report.sweep is not None and report.sweep.jobs:
+        draw_swept(state, textures, report.sweep)
     if report.charts:
         names = {place: chart.name for place, chart in enumerate(report.charts)}
         now = min(state.reports.place, len(names) - 1)

@@ -12,6 +12,7 @@ from app.gui.work.opening import Content, OpenRequest
 from app.gui.work.reported import Reported
 from app.gui.work.settings import KnownClip
 from app.gui.work.strip import Strip
+from app.gui.work.swept import SweptImage, SweptJob
 from app.runs.clip_selection import WHOLE, ClipPart
 from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWays
@@ -104,3 +105,9 @@ class Reports:
     """Which diagram of it is shown."""
     asked: bool = False
     """Its panel is to come to the front."""
+    axes: tuple[str, str] | None = None
+    """Of a sweep's jobs, across and up; None: those to begin with."""
+    job: SweptJob | None = None
+    """Of a sweep, the one that was clicked."""
+    image: SweptImage | None = None
+    """Of that job, once it is read."""

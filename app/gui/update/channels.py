@@ -28,6 +28,7 @@ from app.gui.actions import (
     run_actions,
     second_actions,
     session_actions,
+    sweep_actions,
     tuning_actions,
 )
 from app.gui.state.app_state import AppState
@@ -59,6 +60,7 @@ from app.gui.work.saving_edits import keep_edits
 from app.gui.work.selecting import Selector, pick
 from app.gui.work.shipped import read_guide, read_welcome
 from app.gui.work.strip import left_out, make_strip
+from app.gui.work.swept import read_swept_image
 from app.gui.work.thumbnails import make_thumbnails
 from app.gui.work.tidying import clear_places, tidy
 from app.gui.work.tuning import CellMaker
@@ -143,7 +145,7 @@ class Channels:
         self.presets = Channel(keep_presets, depth=64)
         self.edits = Channel(keep_edits)
         self.kept, self.layouts = Channel(keep), Channel(seal_anew)
-        self.recents = Channel(find_recents)
+        self.recents, self.job_images = Channel(find_recents), Channel(read_swept_image)
         self.welcome, self.guide = Channel(read_welcome), Channel(read_guide)
         self.about = Channel(read_about)
         self.kept = Channel(keep)
@@ -207,6 +209,7 @@ class Channels:
                 SECOND, forgets=False),
             Row(self.recents, told("recent files cannot be shown", taking.take_recents, actions.say),
                 wishes.recents_wish, "apart", forgets=False),
+            Row(self.job_images, sweep_actions.take_image, lambda s: s.reports.job, "apart"),
             Row(self.welcome, told("the first page cannot be shown", taking.take_welcome, actions.say),
                 lambda s: assets.welcome_path() if s.is_empty else None, SECOND, forgets=False),
             Row(self.guide, told("the guide cannot be shown", guide_actions.take_guide),

@@ -11,13 +11,14 @@ from app.enhancement.clip_statistics import IMAGES
 from app.errors import UserError
 from app.files.provenance import digests
 from app.gui.session_file import SUFFIX, Session, mended_session
-from app.gui.work.reported import Reported, read
+from app.gui.work.reported import Reported, read, read_sweep_report
 from app.report.section import holds_report
 from app.runs.progress_log import TrainingLog, told
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
 from app.scenes.scene import Scene, Training, finished_scene, run_scene, splat_scene
+from app.sweeps.plan import SWEEP, is_sweep
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
@@ -132,6 +133,9 @@ def _open(request: OpenRequest) -> Iterator[Opened]:
     if request.path.suffix.lower() in VIEW_SUFFIXES:
         yield _open_beside(request.path)
         return
+    if is_sweep(request.path):
+        yield Opened(None, report=read_sweep_report(request.path))
+        return
     folder = request.path.parent if request.path.suffix == ".safetensors" else request.path
     run = RunFolder(folder)
     if run.is_run or request.path.suffix == ".safetensors":
@@ -180,6 +184,8 @@ def _require_file_or_folder(path: Path) -> None:
 
 def _open_beside(path: Path) -> Opened:
     """A report, or views and cameras: what joins the present session."""
+    if path.name == SWEEP and is_sweep(path.parent):
+        return Opened(None, report=read_sweep_report(path.parent))
     if holds_report(path):
         return Opened(None, report=read(path))
     try:

@@ -17,6 +17,7 @@ from app.files.atomic import write_bytes
 from app.gui.session_file import SUFFIX, mended_session
 from app.gui.work.opening import VIEW_SUFFIXES
 from app.runs.run_folder import RunFolder
+from app.sweeps.plan import is_sweep
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import DEFAULTS
 from renderer.regular_files import read_whole
@@ -78,7 +79,7 @@ def find_recents(request: RecentsRequest) -> Iterator[Recents]:
 def _kind(path: Path) -> Kind:
     if is_named_as_splats(path):
         return "splats"
-    if path.suffix.lower() in VIEW_SUFFIXES:
+    if path.suffix.lower() in VIEW_SUFFIXES or is_sweep(path):
         return "report"
     return "run" if RunFolder(path).is_run else "clip"
 

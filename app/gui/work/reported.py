@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.gui.work.reported_tables import ReportPart, part_of
+from app.gui.work.swept import Swept, swept_jobs
 from app.report.diagrams import (
     Diagram,
     Gain,
@@ -21,7 +22,11 @@ from app.report.diagrams import (
     of_a_decade,
     pareto_front,
 )
-from app.report.section import SavedReport, read_report
+from app.report.section import Section, read_report
+from app.sweeps.page import sections
+from app.sweeps.plan import read_sweep
+from app.sweeps.summary import Summary
+from app.sweeps.table import rows
 from enhance import EnhanceParams
 from enhance.accuracy import named
 
@@ -95,6 +100,8 @@ class Reported:
     about: str
     charts: tuple[Chart, ...]
     parts: tuple[ReportPart, ...]
+    sweep: Swept | None = None
+    """Of a sweep, its jobs."""
 
 
 def read(path: Path) -> Reported:
@@ -103,7 +110,18 @@ def read(path: Path) -> Reported:
     machine: dict[str, Any] = report.machine
     about = f"{report.clip}, {report.utc[:10]}, {machine.get('processor')}, {machine.get('cores')} cores"
     parts = tuple(map(part_of, report.sections.values()))
-    return Reported(path.parent.name, about, tuple(_charts(report)), parts)
+    return Reported(path.parent.name, about, tuple(charts_of(report.sections)), parts)
+
+
+def read_sweep_report(folder: Path) -> Reported:
+    """The tables and diagrams of a sweep's page, and its jobs. Raises UserError: it is none."""
+    record = read_sweep(folder)
+    table = rows(record, folder)
+    summary, found = Summary.of(table, record.varied), sections(record, table)
+    about = f"{folder.name}: {len(summary.rows)} finished jobs of {len(table)}, {len(summary.clips)} clips"
+    parts = tuple(map(part_of, found.values()))
+    swept = swept_jobs(record.task, summary, folder)
+    return Reported(folder.name, about, tuple(charts_of(found)), parts, swept)
 
 
 def current(chart: Chart, params: object) -> Point | None:
@@ -114,8 +132,9 @@ def current(chart: Chart, params: object) -> Point | None:
     return next((point for point in chart.points if (point.series, point.setting) == setting), None)
 
 
-def _charts(report: SavedReport) -> Iterator[Chart]:
-    for part, section in report.sections.items():
+def charts_of(sections: Mapping[str, Section]) -> Iterator[Chart]:
+    """All diagrams, in their order."""
+    for part, section in sections.items():
         for plate in section.plates:
             for diagram in plate.diagrams:
                 if diagram.points:

@@ -21,7 +21,7 @@ from app.report.diagrams import Curve, Diagram, Gain, GainDiagram, Growth, Point
 from app.report.section import Plate, Section
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
-from tests.app.gui.ui import Ui
+from tests.app.gui.ui import Shown, Ui
 
 POINTS = (
     Point(series="subsample", setting="s = 2", seconds=0.002, error=0.01, is_default=True),
@@ -128,9 +128,9 @@ def test_a_report_joins_what_is_open_and_is_drawn(state: AppState, path: Path) -
     for place in (0, 1, 2, 3):
         actions.choose_chart(state, place)
         for _ in range(2):
-            ui.frame(lambda: draw_report(state))
+            ui.frame(lambda: draw_report(state, Shown()))
     state.reports.shown = None
-    ui.frame(lambda: draw_report(state))
+    ui.frame(lambda: draw_report(state, Shown()))
     ui.close()
 
 
@@ -142,7 +142,7 @@ def test_the_page_keeps_its_height_when_the_diagram_is_scrolled_out_of_sight(
     ui, heights = Ui(), []
 
     def draw(top: float) -> None:
-        draw_report(state)
+        draw_report(state, Shown())
         imgui.dummy(ImVec2(0, 3000))
         imgui.set_scroll_y(top)
         heights.append(imgui.get_cursor_pos_y())

@@ -10,6 +10,9 @@ import cv2
 import numpy as np
 import pytest
 
+from app.sweeps.jobs import Job, JobFolder
+from app.sweeps.plan import Plan, recorded
+from app.sweeps.spec import all_settings, spec_of
 from tests.app.conftest import Call
 
 Cli = Callable[..., Call]
@@ -61,3 +64,18 @@ def test_mistakes_are_one_line(vesselsplat: Cli, spec: Path, tmp_path: Path) -> 
         assert told in called.error
         assert called.error.count("\n") <= 2  # The clips are read before the engine is opened.
         assert "Traceback" not in called.error
+
+
+def test_info_says_what_a_sweep_has_and_what_is_next(vesselsplat: Cli, tmp_path: Path) -> None:
+    spec = spec_of(
+        {"clips": ["a.png"], "task": "enhance", "grid": {"z": [0.1, 0.2, 0.3]}}, tmp_path / "s.toml"
+    )
+    jobs = tuple(Job("enhance", "a.png", "5" * 64, one, 8) for one in all_settings(spec))
+    recorded(Plan(spec, jobs, {}), tmp_path / "out")
+    JobFolder.of(tmp_path / "out", jobs[0].key).finish(jobs[0], {"measures": {}, "seconds": 1.0})
+    JobFolder.of(tmp_path / "out", jobs[1].key).fail(jobs[1], "why")
+    for path in (tmp_path / "out", tmp_path / "out" / "sweep.json"):
+        told = vesselsplat("info", path)
+        assert told.code == 0
+        assert "3: 1 finished, 1 failed, 1 left" in told.out
+        assert "--table" in told.out
