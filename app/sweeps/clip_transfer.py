@@ -39,8 +39,9 @@ def located(path: Path, sha256: str, content: bytes | None) -> Path:
     return _unpacked(content, sha256, copy)
 
 
+@lru_cache(maxsize=1)
 def packed(path: Path) -> bytes:
-    """The files of a clip that its digest is of.
+    """The files of a clip that its digest is of; packed once for all of its jobs.
 
     Raises:
         UserError: it is too large to be sent, or files of it lie beside its folder.

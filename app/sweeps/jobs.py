@@ -16,6 +16,7 @@ from renderer.json_files import read_json
 JOBS: Final = "jobs"
 """In a sweep's folder, the folder of all jobs."""
 RESULT, FAILURE, PICTURE, RUN = "result.json", "failure.json", "picture.png", "run"
+RENDERS: Final = "renders"
 """In the folder of a job: what came of it, or why nothing did; an image of it; the run of a training."""
 
 
@@ -48,6 +49,15 @@ class Job:
         return {"job": self.key, "task": self.task, "clip": self.clip, "clip_sha256": self.clip_sha256} | {
             "settings": self.settings.told()
         }
+
+
+@dataclass(frozen=True)
+class Keeps:
+    """What stays of a training beside its measures, its middle render and its records."""
+
+    model: bool = True
+    renders: bool = False
+    """Of all held-out frames, in the folder of the job where the worker sees it."""
 
 
 @dataclass(frozen=True)

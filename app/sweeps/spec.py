@@ -62,6 +62,8 @@ class Spec:
     """Of training; empty: that of the settings."""
     frames: Annotated[int, Interval(ge=1, le=100_000)] = 8
     """Images of each clip that are enhanced and measured, evenly spread."""
+    renders: bool = False
+    """Render every held-out frame of each training, not the middle one alone."""
     models: bool = True
     """Keep the model of each training; checkpoints are kept of unfinished ones alone."""
     threads: Annotated[int, Interval(ge=1, le=1024)] = 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from statistics import NormalDist, fmean, stdev
+from statistics import NormalDist, fmean, median, stdev
 from typing import Final
 
 from app.report.diagrams import Diagram, Point
@@ -128,14 +128,15 @@ class Summary:
         return min(known, key=lambda setting: sign * known[setting]) if known else None
 
     def diagram(self, measure: str) -> Diagram:
-        """Every setting by its mean seconds and its mean measure."""
+        """Every setting by its median seconds, since a worker's first job loads kernels, and mean measure."""
         points = []
         for setting in self.settings:
-            seconds = Spread.of([float(row.costs["seconds"]) for row in self._of(setting)])  # type: ignore[arg-type]
+            times = [row.costs["seconds"] for row in self._of(setting)]
+            seconds = median([float(one) for one in times if isinstance(one, int | float)] or [math.nan])
             mean = self.spread(setting, measure).mean
-            if seconds.count and not math.isnan(mean):
+            if not math.isnan(seconds + mean):
                 series = drawn_as(setting)
-                points.append(Point(series=series, setting=said(setting), seconds=seconds.mean, error=mean))
+                points.append(Point(series=series, setting=said(setting), seconds=seconds, error=mean))
         return Diagram(measure=measure, points=tuple(points), more_is_better=measure in HIGHER)
 
     def _of(self, setting: Setting) -> list[Row]:

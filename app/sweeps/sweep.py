@@ -13,7 +13,7 @@ from app.errors import UserError
 from app.files.atomic import write_bytes
 from app.sweeps.clip_transfer import packed
 from app.sweeps.engines.engine import Engine
-from app.sweeps.jobs import PICTURE, JobFolder
+from app.sweeps.jobs import PICTURE, JobFolder, Keeps
 from app.sweeps.plan import Plan
 from app.sweeps.worker import Order, Outcome, carry_out_order, made_known
 
@@ -39,10 +39,10 @@ def run_jobs(
     Raises:
         UserError: the engine is gone; finished jobs are kept.
     """
-    token = made_known(folder)
+    token, keeps = made_known(folder), Keeps(plan.spec.models, plan.spec.renders)
     places = {job.key: JobFolder.of(folder, job.key) for job in plan.jobs}
     waiting = deque(
-        Order(job, plan.clip_of(job), folder.absolute(), token, plan.spec.threads, plan.spec.models)
+        Order(job, plan.clip_of(job), folder.absolute(), token, plan.spec.threads, keeps)
         for job in plan.jobs
         if not (places[job.key].is_finished or places[job.key].has_failed)
     )

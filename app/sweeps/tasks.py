@@ -21,7 +21,7 @@ from app.files.records import Source
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, run_training
 from app.scenes.cpu_rendering import draw_on_cpu
-from app.sweeps.jobs import PICTURE, RUN, Job
+from app.sweeps.jobs import PICTURE, RENDERS, RUN, Job, Keeps
 from app.sweeps.settings import Enhancing, Training
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.near_plane import near_plane
@@ -31,16 +31,16 @@ Numbers = dict[str, float | None]
 """Measures by name; None: not measured, or not finite."""
 
 
-def carry_out(job: Job, clip: Path, folder: Path, *, models: bool = True) -> Numbers:
-    """Do the job, with what is to be kept in `folder`, which exists; `models`: those of trainings, too.
+def carry_out(job: Job, clip: Path, folder: Path, keeps: Keeps) -> Numbers:
+    """Do the job, with what is to be kept in `folder`, which exists.
 
     Raises:
         UserError, ClipError, ImageError, OSError: it cannot be done; each says why.
     """
     if isinstance(job.settings, Enhancing):
         return _enhance(job.settings, job.frames, clip, folder)
-    measures = _train(job.settings, clip, folder)
-    _clear(folder / RUN, models)
+    measures = _train(job.settings, clip, folder, keeps)
+    _clear(folder / RUN, keeps)
     return measures
 
 
@@ -74,7 +74,7 @@ def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Number
     return _means(found, [field.name for field in fields(Measures)]) | {"images": float(len(found))}
 
 
-def _train(wanted: Training, clip: Path, folder: Path) -> Numbers:
+def _train(wanted: Training, clip: Path, folder: Path, keeps: Keeps) -> Numbers:
     """Train, going on from the checkpoint of a job that was killed, and evaluate."""
     run = folder / RUN
     request = TrainRequest(
@@ -91,19 +91,21 @@ def _train(wanted: Training, clip: Path, folder: Path) -> Numbers:
     evaluation = open_evaluation(run)
     frames = list(evaluation.frames())
     report = evaluation.report(frames)
-    _write_render(evaluation, folder / PICTURE)
+    middle = evaluation.indices[len(evaluation.indices) // 2]
+    _write_render(evaluation, middle, folder / PICTURE)
+    for index in evaluation.indices if keeps.renders else ():
+        _write_render(evaluation, index, folder / RENDERS / f"frame-{index:06d}.png")
     return {name: _finite(value) for name, value in report["mean"].items()}
 
 
-def _clear(run: Path, models: bool) -> None:
+def _clear(run: Path, keeps: Keeps) -> None:
     """Checkpoints are three times as large as the model."""
-    for path in (*checkpoint_paths(run), *(() if models else (RunFolder(run).model_path,))):
+    for path in (*checkpoint_paths(run), *(() if keeps.model else (RunFolder(run).model_path,))):
         path.unlink()
 
 
-def _write_render(evaluation: Evaluation, path: Path) -> None:
-    """The middle one of the evaluated frames."""
-    index = evaluation.indices[len(evaluation.indices) // 2]
+def _write_render(evaluation: Evaluation, index: int, path: Path) -> None:
+    """Of one frame, from its camera."""
     record, model = evaluation.record, evaluation.model
     camera = evaluation.clip.cameras[index]
     drawn = draw_on_cpu(

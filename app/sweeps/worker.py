@@ -23,7 +23,7 @@ from typing import Any, Final, Literal
 from filelock import FileLock, Timeout
 
 from app.errors import UserError, sentence
-from app.sweeps.jobs import PICTURE, Job, JobFolder
+from app.sweeps.jobs import PICTURE, Job, JobFolder, Keeps
 
 TOKEN: Final = ".sweep"
 """A file with a random word in a sweep's folder, by which a worker knows it again."""
@@ -41,8 +41,7 @@ class Order:
     sweep: Path
     token: str
     threads: int
-    models: bool = True
-    """Keep the model of a training."""
+    keeps: Keeps
     content: bytes | None = None
     """Of the clip, where the worker cannot see it; see `clip_transfer`."""
 
@@ -101,7 +100,7 @@ def _done(order: Order, clip: Path, folder: Path) -> dict[str, Any]:
     from app.sweeps.tasks import carry_out
 
     began = time.perf_counter()
-    measures = carry_out(order.job, clip, folder, models=order.models)
+    measures = carry_out(order.job, clip, folder, order.keeps)
     return {
         "measures": measures,
         "seconds": time.perf_counter() - began,

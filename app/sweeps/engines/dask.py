@@ -31,7 +31,6 @@ def dask(address: str | None, workers: int | None, threads: int) -> Iterator[Eng
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise UserError("--on dask: expected dask.distributed: pip install 'vesselsplat[sweep]'") from error
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
     variables = {"NUMBA_NUM_THREADS": threads, "OMP_NUM_THREADS": threads}
     settings = {
         "distributed.scheduler.allowed-failures": LOSSES,
@@ -39,6 +38,9 @@ def dask(address: str | None, workers: int | None, threads: int) -> Iterator[Eng
         "distributed.nanny.pre-spawn-environ": variables,
     }
     with ExitStack() as stack:
+        # What ends the sweep is told in one line.
+        logging.disable(logging.CRITICAL)
+        stack.callback(logging.disable, logging.NOTSET)
         stack.enter_context(dask.config.set(settings))
         place: Any = address
         if address is None:

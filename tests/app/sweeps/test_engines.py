@@ -153,7 +153,7 @@ def test_finished_trainings_keep_no_checkpoints_and_their_model_if_wanted(
     tmp_path: Path, clip_path: Path, models: bool
 ) -> None:
     text = SPEC.format(clip=clip_path.as_posix(), seeds="0", iterations=2)
-    given = tomllib.loads(text) | {"models": models}
+    given = tomllib.loads(text) | {"models": models, "renders": not models}
     plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
     folder = tmp_path / "out"
     recorded(plan, folder)
@@ -163,3 +163,5 @@ def test_finished_trainings_keep_no_checkpoints_and_their_model_if_wanted(
     assert not list(run.glob("checkpoint-*"))
     assert (run / "model.safetensors").exists() == models
     assert (run / "run.json").is_file()
+    rendered = list((run.parent / "renders").glob("*.png"))
+    assert len(rendered) == (0 if models else 2)  # Of ten frames, 1 and 9 are held out.
