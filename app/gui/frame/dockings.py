@@ -8,7 +8,7 @@ from typing import Final
 import glfw
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
-from app.gui.actions import actions, window_actions
+from app.gui.actions import actions, tuning_actions, window_actions
 from app.gui.panels.editing import PANEL as EDIT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -161,9 +161,12 @@ def _parent_of(node: Node | None) -> Node | None:
 
 def spare_ground() -> None:
     """A docked panel is as the window is behind it: a software driver is spared painting that once more."""
+    can = imgui.WindowFlags_
     for panel in _docking().dockable_windows:
         docked = _in_window(_node_of(_window(panel.label)))
-        panel.imgui_window_flags = imgui.WindowFlags_.no_background if docked else imgui.WindowFlags_.none
+        # It comes back with a session, too, or once all panels do: behind the images, if it was there.
+        quiet = can.no_focus_on_appearing if panel.label == TUNING else can.none
+        panel.imgui_window_flags = (can.no_background if docked else can.none) | quiet
 
 
 def _in_window(node: Node | None) -> bool:
@@ -181,7 +184,10 @@ def follow(state: AppState) -> None:
     panel("3D view").is_visible = state.has_view and not alone and free
     panel("Images").is_visible = not alone and not presents
     panel(SPLATS).is_visible = alone and not presents
-    _show(panel(TUNING), state.tuning.shown and free)
+    panel(TUNING).is_visible = state.tuning.shown and free
+    if state.tuning.asked:
+        panel(TUNING).focus_window_at_next_frame = state.tuning.shown
+        tuning_actions.came(state)
     _show(panel(EDIT), state.editing.active and free)
     if state.source.asked and (pictures := _window("Images")) is not None:
         panel("Images").focus_window_at_next_frame = pictures.hidden
