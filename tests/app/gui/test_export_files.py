@@ -136,6 +136,7 @@ def test_the_name_in_the_panel_says_what_will_be_written(run: Exporter) -> None:
         NameRequest(path.parent, path.stem, ".png", 1),
         "small-frame-1-both-2.png",
     )
+    assert export_actions.added_to_name(state) == "-2"
     export_actions.type_name(state, "other.png")
     assert (state.exports.name, export_actions.other_name(state)) == ("other", "")
     export_actions.choose_what(state, "left pane")
