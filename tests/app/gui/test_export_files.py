@@ -64,6 +64,7 @@ def test_a_name_says_clip_frame_and_what_it_is(run: Exporter) -> None:
     assert said["panes and 3D view"] == "small-frame-5"
     assert said["left pane"] == "small-frame-5-left"
     assert said["video of both panes"] == "small-frames-1-10-both"
+    assert said["video of the right pane"] == "small-frames-1-10-right"
     assert said["measures of both panes"] == "small-frames-1-10-measures"
     assert said["3D view"] == "original-frame-5-3d-view"
     assert said["splats of this moment"] == "original-frame-5-splats"
