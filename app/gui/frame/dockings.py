@@ -128,11 +128,13 @@ def splits(side: float, tabs: Mapping[str, bool]) -> list[hello_imgui.DockingSpl
     return [column, *(one for one in below if not tabs[one.initial_dock])]
 
 
-def widen(factor: float) -> None:
-    """The panels at the side, as text grows, so that their controls keep their proportions."""
-    column = _column("Enhancement")
+def widen(before: int, now: int) -> None:
+    """The panels at the side, as text of another percentage needs them: controls keep their proportions."""
+    column, most = _column("Enhancement"), MOST * imgui.get_main_viewport().size.x
     if column is not None:
-        width = min(factor * column.size.x, MOST * imgui.get_main_viewport().size.x)
+        # Where there was no room to grow, the width tells nothing of how wide they are at another size.
+        least = SIDE * _line(now) if now < before and column.size.x > most - 1 else 0.0
+        width = min(max(now / before * column.size.x, least), most)
         imgui.internal.dock_builder_set_node_size(column.id_, ImVec2(width, column.size.y))
 
 
