@@ -15,7 +15,7 @@ from imgui_bundle import imgui
 from app.errors import UserError
 from app.exports.exporting import ExportRequest, ImageSuffix, free_name
 from app.exports.replay import replay
-from app.files.image_files import read_image
+from app.files.image_files import read_image, write_image
 from app.files.provenance import read_provenance
 from app.files.video_encoder import VideoEncoder
 from app.gui.actions import actions, export_actions
@@ -36,6 +36,7 @@ from renderer.camera_path import CameraPath, Keyframe
 from renderer.splat_files import read_splats
 from tests.app.gui.conftest import outside
 from tests.app.gui.exporting import Exporter, same
+from tests.app.gui.test_session import opened_state
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
 
@@ -113,6 +114,13 @@ def test_free_names(tmp_path: Path) -> None:
     assert free_name(tmp_path, "a", ".png") == "a-2.png"
     (tmp_path / "a-2.png.json").write_text("")
     assert free_name(tmp_path, "a", ".png", beside=[".json"]) == "a-3.png"
+
+
+def test_a_still_is_exported_by_another_name_than_its_own(places: Places, tmp_path: Path) -> None:
+    write_image(tmp_path / "scope.png", np.full((40, 60, 3), 90, np.uint8), {})
+    state, _ = opened_state(places, tmp_path / "scope.png")
+    assert default_name(state, "panes and 3D view") == "scope-shown"
+    assert default_name(state, "right pane") == "scope-right"
 
 
 @pytest.mark.parametrize("name", ["a/b", "a\\b", "a:b", ".a", "a.", "a\tb", "x" * 200])
