@@ -58,7 +58,7 @@ class VesselParams:
     """
 
     strength: Annotated[float, Interval(ge=0.0, le=4.0)] = 2.4
-    """How much of the detected blood is added again: 0 is off."""
+    """How much what looks like blood is darkened and reddened: 0 is off."""
     radius: Annotated[int, Interval(ge=2, le=128), Unit("px")] = 16
     """Structures wider than twice this are not changed."""
     shading: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.5
@@ -66,7 +66,7 @@ class VesselParams:
     coring: Annotated[float, Interval(ge=0.0, le=4.0)] = 1.5
     """Structures weaker than this many times the image's median density are hardly strengthened."""
     lift: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.5
-    """Share of the brightening of Eq 1 to apply."""
+    """How much of the paper's brightening, Eq 1, is applied: 0 is off."""
     gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 1.05
     """Exponent applied to V afterwards: above 1 darkens the mid-tones; black and white stay."""
     d_factor: DFactor = 1.0

@@ -33,6 +33,7 @@ from app.enhancement.parameter_grid import (
 )
 from app.enhancement.records import EnhancedPicture, SheetCell, TuningSheet
 from app.enhancement.settable import PIXELS, Pixels, drawn
+from app.enhancement.setting_words import LABELS, said
 from app.errors import UserError
 from app.files.atomic import filled
 from app.files.image_files import ArrayImage, write_image
@@ -152,7 +153,7 @@ def _tried(folder: Path, origin: Origin, wanted: Sequence[Setting]) -> list[Row]
                     measures=cell.measures,
                 )
                 write_image(folder / name, cell.image, record.signed)
-                rows[cell.setting] = Row(name, cell.setting, tile(cell), cell.measures)
+                rows[cell.setting] = Row(name, cell.setting, tile(cell, said(cell.setting)), cell.measures)
                 report(len(rows), cell.setting.label)
         except ImageError as error:
             raise UserError(f"{error}: {origin.source.name}") from error
@@ -163,10 +164,10 @@ def _write_summary(
     folder: Path, origin: Origin, axes: Sequence[Axis], rows: Sequence[Row], sort: str | None
 ) -> dict[str, Any]:
     """The sheet, the table and all of it as JSON, which is returned."""
-    title = f"{origin.source.name}: " + ", ".join(one.name for one in axes)
+    title = f"{origin.source.name}: " + ", ".join(LABELS.get(one.name, one.name) for one in axes)
     title += f", best {sort} first" if sort else ""
     columns = columns_of([len(one.values) for one in axes], in_order=sort is None)
-    shown = tuple(SheetCell(label=row.setting.label, params=row.setting.params) for row in rows)
+    shown = tuple(SheetCell(label=said(row.setting), params=row.setting.params) for row in rows)
     sheet = TuningSheet(**origin.shared, title=title, columns=columns, settings=shown)
     picture = contact_sheet(title, [row.tile for row in rows], columns)
     write_png(folder / "sheet.png", picture, sheet.signed)

@@ -83,9 +83,9 @@ def _write(
     draw.text((corner[0], corner[1] + height / 2), text, fill=color, font=font, anchor="lm")
 
 
-def tile(cell: Cell) -> Tile:
-    """As wide as the sheet has room for; the label leaves out what differs from one time to the next."""
-    return Tile(f"{cell.setting.label}   {in_words(cell.measures)}", small(cell.image, TILE_WIDTH))
+def tile(cell: Cell, label: str) -> Tile:
+    """As wide as the sheet has room for; of the measures without what differs from one time to the next."""
+    return Tile(f"{label}   {in_words(cell.measures)}", small(cell.image, TILE_WIDTH))
 
 
 def in_words(measures: Measures) -> str:

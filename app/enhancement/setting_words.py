@@ -13,8 +13,8 @@ from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 
 VESSEL_LABELS = {
-    "radius": "Radius", "lift": "Lift", "d_factor": "Colour", "shading": "Shading",
-    "coring": "Coring", "gamma": "Gamma", "most_color": "Most colour",
+    "radius": "Radius", "lift": "Brightening", "d_factor": "Colour", "shading": "Shadows",
+    "coring": "Noise floor", "gamma": "Gamma", "most_color": "Colour limit",
 }  # fmt: skip
 LABELS = VESSEL_LABELS | {
     "strength": "Strength", "z": "Brightness", "p": "Detail", "eps": "Smoothing", "subsample": "Subsample",

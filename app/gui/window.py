@@ -295,7 +295,7 @@ class Window:
             dockings.restore_all()
         elif self._worn is not None:
             # What is kept of the layout already has the width for the text at the start.
-            dockings.widen(chosen[1] / self._worn[1])
+            dockings.widen(self._worn[1], chosen[1])
         self._worn = chosen
         theme.wear(*chosen)
         params.imgui_window_params.background_color = theme.now().ground

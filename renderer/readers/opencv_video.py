@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from renderer.clip import ByteImage, ClipError
+from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.misnamed import neither
 from renderer.utf8_paths import not_utf8
 
@@ -58,7 +59,7 @@ class OpenCvVideo:
             # Of a file that is cut off, the last packet decodes to a damaged picture.
             self._stamps = self._stamps[:1] + self._stamps[1:-1]
             self.frame_times = self.frame_times[: len(self)]
-            self.notices = (f"the file is cut off or damaged at its end: {len(self)} frames are whole",)
+            self.notices = (f"{CUT_OFF}: {len(self)} frames are whole",)
 
     def __len__(self) -> int:
         return len(self._stamps)

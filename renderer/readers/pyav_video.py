@@ -14,6 +14,7 @@ import numpy as np
 
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import Deinterlacing
+from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.deinterlacing import deinterlaced
 from renderer.readers.video_index import decoded, index_of, nominal_rate, open_container, video_stream
 from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, quarter_turns, usual_matrix
@@ -178,7 +179,7 @@ class PyAvVideo:
         """One sentence for each property that a person might not expect."""
         count = len(self._index.stamps)
         if self._index.is_cut:
-            yield f"the file is cut off or damaged at its end: {count} frames are whole"
+            yield f"{CUT_OFF}: {count} frames are whole"
         if not self.is_steady:
             rate = f"{self.frames_per_second:.3g}"
             yield f"the frame rate varies, {rate} frames per second on average; frame times are kept"

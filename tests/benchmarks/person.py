@@ -11,7 +11,7 @@ from pathlib import Path
 
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, edit_actions, job_actions, tuning_actions
+from app.gui.actions import actions, edit_actions, job_actions, session_actions, tuning_actions
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.settings import Places
@@ -114,6 +114,8 @@ class Person:
         actions.open_path(self.state, path)
         if self.state.editing.leaving is not None:
             edit_actions.answer(self.state, "discard")
+        if self.state.session.leaving is not None:
+            session_actions.answer(self.state, "discard")
         self.wait(lambda: self.state.source.opening is None, f"{path.name} to open")
         if self.state.source.clip is not None:
             self.wait(self.settled, f"the pictures of {path.name}")

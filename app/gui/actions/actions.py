@@ -132,7 +132,7 @@ def open_phantom(state: AppState) -> None:
 
 
 def open_path(state: AppState, path: Path) -> None:
-    """Ask for a clip or a run; what is open stays until the new one is there, and unsaved edits for good."""
+    """Ask for a clip or a run; what is open stays until the new one is there, what is unsaved for good."""
 
     def go() -> None:
         state.source.opening = OpenRequest(path.absolute(), state.source.clip_options)
@@ -141,7 +141,7 @@ def open_path(state: AppState, path: Path) -> None:
     if path.suffix.lower() in VIEW_SUFFIXES:
         go()  # What joins the session ends no edits.
     else:
-        leave(state, go)
+        leave_session(state, go)
 
 
 def stop_opening(state: AppState) -> None:
@@ -157,6 +157,18 @@ def leave(state: AppState, go: Callable[[], None]) -> None:
         state.editing.leaving = go
     else:
         go()
+
+
+def leave_session(state: AppState, go: Callable[[], None]) -> None:
+    """The same with what ends the session: after its edits, what has changed since it was saved."""
+
+    def on() -> None:
+        if state.session.is_unsaved:
+            state.session.leaving = go
+        else:
+            go()
+
+    leave(state, on)
 
 
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:

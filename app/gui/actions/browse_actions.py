@@ -97,7 +97,8 @@ def why_not(browsing: Browsing) -> str:
         return why_not_name(browsing.name.strip()) if browsing.name.strip() else "Type a name first."
     path = typed_path(browsing)
     if browsing.choosing.kind == "folder":
-        return "" if is_folder(path) else "There is no such folder."
+        taken = is_folder(path) or (browsing.choosing.question.takes_files and _is_file(path))
+        return "" if taken else "Choose a folder." if _is_file(path) else "There is no such folder."
     if _is_file(path):
         return ""
     return "Choose a file." if is_folder(path) else "There is no such file."

@@ -169,6 +169,11 @@ def other_name(state: AppState) -> str:
     return asked[1] if asked is not None and asked[0] == wanted and asked[1] != asked[0].name else ""
 
 
+def added_to_name(state: AppState) -> str:
+    """What the other name has more; empty where the name is free."""
+    return other_name(state).removesuffix(suffix_of(state)).removeprefix(stem_of(state))
+
+
 def encoder_wish(state: AppState) -> str | None:
     """What writes videos, once the panel is shown."""
     return "video encoder" if state.exports.shown else None

@@ -17,10 +17,11 @@ REFUSED: Final = re.compile(r'[\x00-\x1f\x7f/\\\\:*?"<>|]')
 
 
 def default_name(state: AppState, what: What) -> str:
-    """Without suffix: "liver-frame-12-left", "liver-frames-1-40-measures", "run-1-frame-12-splats"."""
+    """Without suffix: "liver-frame-12-left", "liver-frames-1-40-measures", "still-shown"."""
     offer = OFFERS[what]
-    parts = (_of(state, offer), _when(state, offer), offer.name, _seen(state, offer))
-    return "-".join(filter(None, parts))
+    told = "-".join(filter(None, (_when(state, offer), offer.name, _seen(state, offer))))
+    # Not by the very name of the still that is open.
+    return f"{_of(state, offer)}-{told or 'shown'}"
 
 
 def why_not_name(name: str) -> str:

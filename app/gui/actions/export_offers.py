@@ -55,6 +55,10 @@ OFFERS: Final[dict[What, Offer]] = {
         "Panes as shown", "panes video", "Every frame from In to Out, compared as on screen.", "panes",
         SIDES, True,
     ),
+    "video of the right pane": Offer(
+        "Right pane", "panes video", "Every frame from In to Out, of what the right side shows.", "right",
+        ("right",),
+    ),
     "video of both panes": Offer(
         "Both panes", "panes video", "Every frame from In to Out, side by side.", "both", SIDES
     ),

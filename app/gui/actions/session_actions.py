@@ -169,15 +169,43 @@ def autosave_request(state: AppState) -> SessionRequest | None:
     state.session.autosaved_at = state.window.now
     path = autosave_path(state.places.config)
     session = snapshot(state, path.parent)
-    state.session.is_unsaved = state.session.path is not None and session.substance != state.session.saved
+    _compare(state, session)
     if session == state.session.autosaved:
         return None
     state.session.autosaved = session
     return SessionRequest(path, session, in_passing=True)
 
 
+def _compare(state: AppState, session: Session) -> None:
+    state.session.is_unsaved = state.session.path is not None and session.substance != state.session.saved
+
+
+def look_for_changes(state: AppState) -> bool:
+    """Whether something is not in the session's file, as of this moment."""
+    if state.source.path is not None and state.session.path is not None:
+        _compare(state, snapshot(state, state.session.path.parent))
+    return state.session.is_unsaved
+
+
+def answer(state: AppState, reply: str) -> None:
+    """To "save the changes?": save, discard or stay."""
+    kept = state.session
+    go, kept.leaving = kept.leaving, None
+    if go is None or kept.path is None or reply == "stay":
+        return
+    if reply == "save":
+        kept.after_saving = go
+        save(state)
+        return
+    kept.saved, kept.is_unsaved = snapshot(state, kept.path.parent).substance, False
+    go()
+
+
 def take_written(state: AppState, request: SessionRequest, answer: Path | Failure) -> None:
     """Say how it went; the same trouble with saving in passing is told once."""
+    go = None
+    if not request.in_passing:
+        go, state.session.after_saving = state.session.after_saving, None
     if isinstance(answer, Path):
         if request.in_passing:
             state.session.autosave_trouble = ""
@@ -187,6 +215,8 @@ def take_written(state: AppState, request: SessionRequest, answer: Path | Failur
             actions.announce(state, f"saved {answer.name} in {located(answer.parent)}")
             state.settings = state.settings.opened(answer)
             actions.save_settings(state)
+            if go is not None:
+                go()
     elif not request.in_passing:
         actions.fail(state, f"the session was not saved: {answer.message}")
     else:

@@ -23,6 +23,12 @@ def toggle_tuning(state: AppState) -> None:
     hidden = state.window.bare or state.presenting.pane is not None
     presenting.leave(state)
     state.tuning.shown, state.window.bare = hidden or not state.tuning.shown, False
+    state.tuning.asked = state.tuning.shown
+
+
+def came(state: AppState) -> None:
+    """Its panel is in front."""
+    state.tuning.asked = False
 
 
 def choose_axis(state: AppState, place: int, choice: Choice) -> None:

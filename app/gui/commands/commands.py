@@ -34,6 +34,12 @@ MODE_TEXTS: dict[Mode, str] = {
     "flip": "flip: one pane, left or right",
     "difference": "difference: where left and right differ, and by how much",
 }
+MODE_SYNONYMS: dict[Mode, tuple[str, ...]] = {
+    "side by side": ("split", "both", "two"),
+    "wipe": ("split", "curtain", "divider", "before", "after"),
+    "flip": ("blink", "toggle", "before", "after"),
+    "difference": ("change", "subtract"),
+}
 open_folder = partial(actions.choose_path, kind="folder", take=actions.open_path)
 open_file = partial(actions.choose_path, kind="file", take=actions.open_path)
 
@@ -88,13 +94,14 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     )  # fmt: skip
     saving = (
         Command("Save image", export_actions.save_picture, ("S",), text="save an image of what is shown",
-                applies=has_something, synonyms=("picture", "screenshot", "snapshot", "capture", "png")),
+                applies=has_something,
+                synonyms=("picture", "screenshot", "snapshot", "capture", "png")),
         Command("Save the whole window", export_actions.save_window, ("F12",),
                 text="save an image of the window as it is",
                 synonyms=("screenshot", "capture", "print", "screen")),
         Command("Export…", export_actions.toggle_export, ("Ctrl+Shift+E",),
                 text="export images, videos, measures and 3D models", applies=has_something,
-                synonyms=("mp4", "video", "movie", "csv", "table", "png", "jpeg", "tiff")),
+                synonyms=("mp4", "video", "movie", "record", "share", "csv", "table", "png", "jpeg", "tiff")),
         Command("Enhance files and folders…", batch_actions.toggle_batches, ("Ctrl+Shift+B",),
                 text="enhance many images, videos and folders with the current settings",
                 synonyms=("batch", "convert", "many", "process")),
@@ -128,10 +135,10 @@ def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
         Command("Enhancement", actions.toggle_enhancement, ("E",), text="enhancement on or off",
                 applies=has_clip, ticked=lambda s: s.enhancement.active,
-                synonyms=("vessel", "enhance", "filter", "on", "off")),
+                synonyms=("vessel", "enhance", "filter", "brighter", "contrast", "on", "off")),
         Command("Plain white light", actions.white_light, ("Shift+W",), applies=has_clip,
                 text="white light: the frames as recorded, in all panes and the 3D view",
-                synonyms=("original", "wli", "normal", "unenhanced")),
+                synonyms=("original", "wli", "normal", "unenhanced", "before")),
         Command("Freeze", actions.toggle_freeze, ("F",), text="hold this frame in both panes",
                 applies=has_clip, ticked=lambda s: s.timeline.frozen_index is not None,
                 synonyms=("hold", "still")),
@@ -140,7 +147,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
         Command("Fit", picture_actions.fit, ("0",), text="fit the whole frame", applies=has_clip,
                 synonyms=("zoom", "out", "reset", "view")),
         Command("1:1", one_to_one, ("1",), text="actual pixels (1:1)", applies=has_clip,
-                synonyms=("zoom", "100%", "actual", "size", "native")),
+                synonyms=("zoom", "magnify", "100%", "actual", "size", "native")),
     )  # fmt: skip
     parameters = (
         Command(history_actions.undo_name(state), history_actions.undo, ("Ctrl+Z",),
@@ -156,7 +163,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
                 synonyms=("defaults", "factory", "clear")),
         Command("Tuning grid", tuning_actions.toggle_tuning, ("Ctrl+T",),
                 text="tuning grid: compare a range of settings", ticked=lambda s: s.tuning.shown,
-                synonyms=("parameters", "sweep", "explore", "optimise", "optimize")),
+                synonyms=("parameters", "presets", "variants", "sweep", "explore", "optimise", "optimize")),
     )  # fmt: skip
     return menu("Image", looks, zooms, parameters)
 
@@ -180,7 +187,10 @@ def _mode(mode: Mode) -> Command:
     act: Act = comparing.flip if mode == "flip" else partial(comparing.choose_mode, mode=mode)
     ticked: Asks = lambda state: state.comparing.chosen.mode == mode  # noqa: E731
     keys = (MODE_KEYS[mode],)
-    return Command(mode.capitalize(), act, keys, text=MODE_TEXTS[mode], applies=has_clip, ticked=ticked)
+    return Command(
+        mode.capitalize(), act, keys,
+        text=MODE_TEXTS[mode], applies=has_clip, ticked=ticked, synonyms=MODE_SYNONYMS[mode],
+    )  # fmt: skip
 
 
 def _wipe(steps: int) -> Act:

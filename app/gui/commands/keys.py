@@ -33,6 +33,8 @@ MOUSE = (
 # A sum of two keys is a number: as an enum it is a member that Python 3.11.2, Debian 12's, cannot make.
 SHIFT = int(imgui.Key.mod_shift)
 SHIFT_SLASH = SHIFT + int(imgui.Key.slash)
+PLUS = int(imgui.Key.equal)
+"""With Shift and without: many keyboards have "+" on it only with Shift."""
 NAMED = {
     "F1": imgui.Key.f1, "F5": imgui.Key.f5,
     "Esc": imgui.Key.escape, "Del": imgui.Key.delete, "Home": imgui.Key.home,
@@ -137,7 +139,8 @@ def _pressed(state: AppState, sections: Iterable[Section], modal: Keys, walks: b
 
 def _is_pressed(code: int, repeats: bool) -> bool:
     """Exactly this chord; a held key counts again only where that is wanted."""
-    if _held() != code & MODIFIERS:
+    held, wanted = _held(), code & MODIFIERS
+    if held != wanted and not (code & ~MODIFIERS == PLUS and held == wanted | SHIFT):
         return False
     return imgui.is_key_pressed(imgui.Key(code & ~MODIFIERS), repeats)
 

@@ -8,7 +8,7 @@ from typing import Final
 import glfw
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
-from app.gui.actions import actions, window_actions
+from app.gui.actions import actions, tuning_actions, window_actions
 from app.gui.panels.editing import PANEL as EDIT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -128,11 +128,13 @@ def splits(side: float, tabs: Mapping[str, bool]) -> list[hello_imgui.DockingSpl
     return [column, *(one for one in below if not tabs[one.initial_dock])]
 
 
-def widen(factor: float) -> None:
-    """The panels at the side, as text grows, so that their controls keep their proportions."""
-    column = _column("Enhancement")
+def widen(before: int, now: int) -> None:
+    """The panels at the side, as text of another percentage needs them: controls keep their proportions."""
+    column, most = _column("Enhancement"), MOST * imgui.get_main_viewport().size.x
     if column is not None:
-        width = min(factor * column.size.x, MOST * imgui.get_main_viewport().size.x)
+        # Where there was no room to grow, the width tells nothing of how wide they are at another size.
+        least = SIDE * _line(now) if now < before and column.size.x > most - 1 else 0.0
+        width = min(max(now / before * column.size.x, least), most)
         imgui.internal.dock_builder_set_node_size(column.id_, ImVec2(width, column.size.y))
 
 
@@ -161,9 +163,12 @@ def _parent_of(node: Node | None) -> Node | None:
 
 def spare_ground() -> None:
     """A docked panel is as the window is behind it: a software driver is spared painting that once more."""
+    can = imgui.WindowFlags_
     for panel in _docking().dockable_windows:
         docked = _in_window(_node_of(_window(panel.label)))
-        panel.imgui_window_flags = imgui.WindowFlags_.no_background if docked else imgui.WindowFlags_.none
+        # It comes back with a session, too, or once all panels do: behind the images, if it was there.
+        quiet = can.no_focus_on_appearing if panel.label == TUNING else can.none
+        panel.imgui_window_flags = (can.no_background if docked else can.none) | quiet
 
 
 def _in_window(node: Node | None) -> bool:
@@ -181,7 +186,10 @@ def follow(state: AppState) -> None:
     panel("3D view").is_visible = state.has_view and not alone and free
     panel("Images").is_visible = not alone and not presents
     panel(SPLATS).is_visible = alone and not presents
-    _show(panel(TUNING), state.tuning.shown and free)
+    panel(TUNING).is_visible = state.tuning.shown and free
+    if state.tuning.asked:
+        panel(TUNING).focus_window_at_next_frame = state.tuning.shown
+        tuning_actions.came(state)
     _show(panel(EDIT), state.editing.active and free)
     if state.source.asked and (pictures := _window("Images")) is not None:
         panel("Images").focus_window_at_next_frame = pictures.hidden

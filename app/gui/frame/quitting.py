@@ -5,25 +5,39 @@ from __future__ import annotations
 import glfw
 from imgui_bundle import glfw_utils, hello_imgui
 
-from app.gui.actions import actions, queue_actions
+from app.files.legible import legible
+from app.gui.actions import actions, queue_actions, session_actions
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import ask
 
 
 def ask_before_quitting(state: AppState) -> None:
-    """Unsaved edits and reconstructions under way keep the window open until a person has answered.
+    """What is unsaved and reconstructions under way keep the window open until a person has answered.
 
     The runner looks at the wish to quit between two frames: to be called last in a frame.
     """
     params = hello_imgui.get_runner_params()
-    if params.app_shall_exit and (state.editing.is_unsaved or not queue_actions.may_close(state)):
-        params.app_shall_exit = False
-        glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 0)
-        if state.editing.is_unsaved:
+    if params.app_shall_exit:
+        unsaved = session_actions.look_for_changes(state) or state.editing.is_unsaved
+        if unsaved or not queue_actions.may_close(state):
+            params.app_shall_exit = False
+            glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 0)
+        if unsaved:
             queue_actions.answer_closing(state, close=False)
-            actions.leave(state, dockings.quit_app)
+            actions.leave_session(state, dockings.quit_app)
+    _draw_unsaved(state)
     _draw_question(state)
+
+
+def _draw_unsaved(state: AppState) -> None:
+    """Before changes of a session that has a file are lost."""
+    kept = state.session
+    if kept.leaving is None or kept.path is None:
+        return
+    said = f"{legible(kept.path.name)} has changed since it was saved."
+    if reply := ask("Unsaved changes", (said,), ("Save", "Discard", "Stay")):
+        session_actions.answer(state, reply.lower())
 
 
 def _draw_question(state: AppState) -> None:

@@ -77,7 +77,7 @@ def _draw_inputs(state: AppState) -> None:
 
 def _draw_choices(state: AppState) -> None:
     row("Settings", "Set in the Enhancement panel. Masks drawn on a clip apply to that clip only.")
-    imgui.text_unformatted(batch_actions.summary(state))
+    note(batch_actions.summary(state), theme.now().text)
     row("Into", "Each batch goes into a new folder there; nothing is overwritten.")
     choose = partial(actions.choose_path, state, "folder", batch_actions.choose_folder, "results")
     button("Choose…###target", choose, "Choose another folder for the results.")

@@ -8,9 +8,7 @@ from imgui_bundle import ImVec2, imgui
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.frame_enhancer import Pictures
-from app.enhancement.methods import preset_of
 from app.enhancement.settable import MODES, SLOTS, SOURCES
-from app.files.legible import named
 from app.gui.actions import actions, comparing, laid_out, picture_actions
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
@@ -150,8 +148,8 @@ def draw_fainter(state: AppState) -> None:
         return
     params = state.enhancement.params
     imgui.align_text_to_frame_padding()
-    name, now = named(preset_of(params)), f"{found.after:.1f}, was {found.before:.1f}"
-    imgui.text_colored(theme.now().warning, f"{name} makes vessels fainter here: {now}.")
+    contrast = f"contrast {found.after:.1f}, was {found.before:.1f}"
+    imgui.text_colored(theme.now().warning, f"These settings make vessels fainter here: {contrast}.")
     explain(FAINTER_TEXT)
     if isinstance(params, EnhanceParams):
         beside("Use Vessel")

@@ -250,10 +250,8 @@ def _draw_progress(state: AppState) -> None:
 
 def _other_name(state: AppState) -> str:
     """Beside the button, which stays where it is."""
-    other = export_actions.other_name(state)
-    label = "Name taken: saves"
-    room = imgui.get_content_region_avail().x - em(11) - imgui.calc_text_size(f"{label}  ").x
-    return f"{label} {_fitting(legible(other), room)}" if other else ""
+    added = export_actions.added_to_name(state)
+    return f"This name exists: {added} is added." if added else ""
 
 
 def _draw_last(state: AppState) -> None:

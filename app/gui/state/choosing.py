@@ -38,6 +38,8 @@ class Question:
     """The first is in force at first."""
     keeps_itself: bool = False
     """The chosen folder is where the next such dialog begins, not the one that it is in."""
+    takes_files: bool = False
+    """Of folders: a file opens as well where its path is typed."""
 
 
 ALL: Final = Filter("All files")
@@ -51,7 +53,7 @@ OPENED: Final = Filter(
     (*IMAGES.suffixes, *VIDEO.suffixes, *MODELS.suffixes, *SESSIONS.suffixes, *VIEWS.suffixes),
 )
 QUESTIONS: Final[dict[Purpose, Question]] = {
-    "folder": Question("Open a folder"),
+    "folder": Question("Open a folder", takes_files=True),
     "file": Question("Open a file", (OPENED, IMAGES, VIDEO, MODELS, SESSIONS, ALL)),
     "run": Question("Choose a run folder"),
     "splats": Question("Choose a splat file", (MODELS, ALL)),

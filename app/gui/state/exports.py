@@ -23,6 +23,7 @@ What = Literal[
     "3D view",
     "window",
     "video of the panes",
+    "video of the right pane",
     "video of both panes",
     "video through time",
     "video along the path",

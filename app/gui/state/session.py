@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +20,10 @@ class KeptSession:
     """The substance of it, as it is in that file."""
     is_unsaved: bool = False
     """Something has changed since, in a session that has a file."""
+    leaving: Callable[[], None] | None = None
+    """What waits for an answer to "save the changes?"."""
+    after_saving: Callable[[], None] | None = None
+    """What goes on once they are saved."""
     recoverable: Path | None = None
     """A session that ended unexpectedly, until it is restored or declined."""
     recoverable_since: str = ""

@@ -15,6 +15,8 @@ class Tuning:
     """Tuning actions change it; drawing reads it."""
 
     shown: bool = False
+    asked: bool = False
+    """Its panel is to come to the front."""
     choices: tuple[Choice, Choice] = (Choice("d_factor", 3.0, 0.33, 4), Choice("p", 0.0, 1.0, 3))
     sort: str = ""
     """A measure, the best first; empty: as varied."""
@@ -36,7 +38,7 @@ class Tuning:
 
     def renewed(self) -> Tuning:
         """With the same choices, for another clip."""
-        return Tuning(self.shown, self.choices, self.sort, size=self.size)
+        return Tuning(self.shown, choices=self.choices, sort=self.sort, size=self.size)
 
     @property
     def request(self) -> CellRequest | None:

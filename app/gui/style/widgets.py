@@ -14,6 +14,8 @@ from app.gui.style import theme
 
 ROOM = 1e4
 """Pixels that no label needs."""
+IN_SIGHT = 16
+"""Lines of a list to choose from, before it scrolls."""
 NAMES = 5.6
 """Text heights that the names of controls have, before the controls."""
 EXPLANATION = 24.0
@@ -93,7 +95,7 @@ def choose(name: str, now: T, values: Mapping[T, str], text: str, width: float =
     keys = [*values]
     imgui.set_next_item_width(em(width))
     place = keys.index(now) if now in values else 0
-    changed, place = imgui.combo(f"##{name}", place, [*values.values()])
+    changed, place = imgui.combo(f"##{name}", place, [*values.values()], IN_SIGHT)
     explain(text)
     return keys[place] if changed else now
 

@@ -23,6 +23,7 @@ from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.listing import listed
 from renderer.readers.stills import NOT_READABLE
 from renderer.regular_files import require_regular
@@ -160,11 +161,11 @@ class _Read:
 def _read(path: Path, options: ClipOptions) -> _Read:
     """With depth as the options say, or as the clip has it where there is no such depth. Raises ClipError."""
     bare = open_case(path, options)
+    lost = next((said for said in bare.notices if said.startswith((NOT_READABLE, CUT_OFF))), "")
     if not bare.has_one_size:
-        passed = next((said for said in bare.notices if said.startswith(NOT_READABLE)), "")
-        return _Read(bare, bare, options, passed)
+        return _Read(bare, bare, options, lost)
     try:
-        return _Read(with_chosen_depth(bare, options), bare, options)
+        return _Read(with_chosen_depth(bare, options), bare, options, lost)
     except ClipError as error:
         if options.depth == "auto":
             raise

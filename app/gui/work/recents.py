@@ -21,7 +21,7 @@ from app.sweeps.plan import is_sweep
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import DEFAULTS
 from renderer.regular_files import read_whole
-from renderer.sources import open_clip
+from renderer.sources import open_case
 from renderer.splat_files import is_named_as_splats
 
 SIDE: Final = 320
@@ -105,7 +105,7 @@ def _made(path: Path) -> ByteImage | None:
         if run.is_run:
             record = run.record()
             path, options = Path(record.clip.path), record.clip.options
-        clip = open_clip(path, options)
+        clip = open_case(path, options)
         return _small(clip.read_image(len(clip) // 2))
     except TROUBLE:
         return None

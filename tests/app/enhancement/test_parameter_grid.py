@@ -115,6 +115,11 @@ def test_the_command_writes_pictures_sheet_and_tables(folder: Path, tmp_path: Pa
     assert [row["d_factor"] for row in rows] == ["0.0", "0.0", "2.0", "2.0"]
     assert [float(row["dv_bv"]) for row in rows] == [cell["dv_bv"] for cell in report["cells"]]
     assert str(tmp_path) not in json.dumps(report) + json.dumps(read_provenance(out / "sheet.png"))
+    sheet = read_provenance(out / "sheet.png")
+    assert sheet["title"] == "1.png: Colour, Detail"
+    assert [cell["label"] for cell in sheet["settings"]][1:3] == [
+        "Colour 0.00 · Detail 0.5", "Colour 0.33 · Detail auto"
+    ]  # fmt: skip
     for name in ("sheet.png", "setting-003.png"):
         again = vesselsplat("replay", out / name, "--source", folder)
         assert (again.code, again.error) == (0, "")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import glfw
 import pytest
 from imgui_bundle import glfw_utils, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
-from app.gui.actions import actions
+from app.gui.actions import actions, session_actions
 from app.gui.frame import dockings
 from app.gui.work import kept_layout
 from app.gui.work.settings import Places, Settings
@@ -61,6 +62,43 @@ def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places
         ctx.key_press(key.mod_ctrl | key.t)  # What is asked for is there.
         ctx.yield_(4)
         assert shown() == before | {"Tuning"}
+        assert "Tuning" in in_front(ctx)
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_tuning_comes_back_behind_the_images_where_it_was(places: Places, tmp_path: Path) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state, key, session = driver.state, imgui.Key, tmp_path / "monday.vesselsplat"
+    actions.open_path(state, phantom_path())
+
+    def tuning_is(ctx: imgui.test_engine.TestContext) -> str:
+        ctx.yield_(6)
+        return "in front" if "Tuning" in in_front(ctx) else "behind" if "Tuning" in shown() else "away"
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        ctx.key_press(key.mod_ctrl | key.t)
+        assert tuning_is(ctx) == "in front"
+        ctx.key_press(key.tab)
+        assert tuning_is(ctx) == "away"
+        ctx.key_press(key.tab)
+        assert tuning_is(ctx) == "in front"
+        ctx.window_focus("//Images")
+        assert tuning_is(ctx) == "behind"
+        ctx.key_press(key.tab)
+        assert tuning_is(ctx) == "away"
+        ctx.key_press(key.escape)
+        assert tuning_is(ctx) == "behind"
+        session_actions.save_to(state, session)
+        wait(ctx, session.is_file, "the session")
+        ctx.key_press(key.mod_ctrl | key.t)
+        assert tuning_is(ctx) == "away"
+        state.session.path = None  # Its file stays as it is.
+        actions.open_path(state, session)
+        wait(ctx, lambda: state.session.path == session and is_settled(state), "the session")
+        assert tuning_is(ctx) == "behind"
 
     driver.run(drive)
 

@@ -155,6 +155,16 @@ def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> Non
     ui.frame(lambda: draw_batches(person.state))
 
 
+def test_the_settings_are_all_in_sight(ui: Ui, places: Places) -> None:
+    person = Person(places)
+    person.state.enhancement.params = VesselParams()
+    person.state.batches.shown = True
+    for _ in range(4):
+        ui.frame(lambda: draw_batches(person.state))
+    window = imgui.internal.find_window_by_name("Enhance files and folders")
+    assert window.content_size.x <= window.size.x - 2 * window.window_padding.x
+
+
 def test_nothing_to_enhance_is_a_sentence(places: Places, tmp_path: Path) -> None:
     person = Person(places)
     (tmp_path / "empty").mkdir()

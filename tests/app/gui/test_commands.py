@@ -210,6 +210,12 @@ SOUGHT = (
     ("zebra", "Stripes on clipped pixels"),
     ("presentation", "Presentation"),
     ("projector", "Second window"),
+    ("brighter", "Enhancement"),
+    ("magnify", "1:1"),
+    ("before after", "Wipe"),
+    ("split", "Side by side"),
+    ("blink", "Flip"),
+    ("record", "Export…"),
 )
 """What people type, and the command that they mean."""
 

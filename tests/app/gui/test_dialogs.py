@@ -138,6 +138,22 @@ def test_a_folder_is_gone_into_and_then_chosen(chooser: Chooser, folder: Path) -
     assert chooser.chosen == [folder / "A clip"]
 
 
+def test_a_file_whose_path_is_typed_opens_where_a_folder_is_asked_for(
+    chooser: Chooser, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chooser.ask("folder", "folder", folder)
+    chooser.type("2.png")
+    chooser.press(K.enter)
+    assert chooser.chosen == [folder / "2.png"]
+    texts: list[str] = []
+    monkeypatch.setattr(file_browser, "muted", texts.append)
+    chooser.ask("folder", "results", folder)
+    chooser.type("2.png")
+    chooser.press(K.enter)
+    assert texts[-1] == "Choose a folder."
+    assert len(chooser.chosen) == 1
+
+
 def test_a_click_marks_and_a_double_click_opens(chooser: Chooser, folder: Path) -> None:
     chooser.ask("file", "file", folder)
     io, place = chooser.ui.io, 2

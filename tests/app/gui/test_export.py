@@ -119,7 +119,9 @@ def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
     )
     vessel = VesselParams(strength=1.5)
     assert (
-        describe(pair(clip, vessel)) == worded(vessel) == "Vessel · Strength 1.50 · Lift 0.50 · Colour 0.50"
+        describe(pair(clip, vessel))
+        == worded(vessel)
+        == "Vessel · Strength 1.50 · Brightening 0.50 · Colour 0.50"
     )
     assert in_letters(chosen) == "z 0.25 · P 0.40/0.50 · d 1.00"
 

@@ -15,7 +15,7 @@ from imgui_bundle import imgui
 from app.errors import UserError
 from app.exports.exporting import ExportRequest, ImageSuffix, free_name
 from app.exports.replay import replay
-from app.files.image_files import read_image
+from app.files.image_files import read_image, write_image
 from app.files.provenance import read_provenance
 from app.files.video_encoder import VideoEncoder
 from app.gui.actions import actions, export_actions
@@ -36,6 +36,7 @@ from renderer.camera_path import CameraPath, Keyframe
 from renderer.splat_files import read_splats
 from tests.app.gui.conftest import outside
 from tests.app.gui.exporting import Exporter, same
+from tests.app.gui.test_session import opened_state
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
 
@@ -64,6 +65,7 @@ def test_a_name_says_clip_frame_and_what_it_is(run: Exporter) -> None:
     assert said["panes and 3D view"] == "small-frame-5"
     assert said["left pane"] == "small-frame-5-left"
     assert said["video of both panes"] == "small-frames-1-10-both"
+    assert said["video of the right pane"] == "small-frames-1-10-right"
     assert said["measures of both panes"] == "small-frames-1-10-measures"
     assert said["3D view"] == "original-frame-5-3d-view"
     assert said["splats of this moment"] == "original-frame-5-splats"
@@ -114,6 +116,13 @@ def test_free_names(tmp_path: Path) -> None:
     assert free_name(tmp_path, "a", ".png", beside=[".json"]) == "a-3.png"
 
 
+def test_a_still_is_exported_by_another_name_than_its_own(places: Places, tmp_path: Path) -> None:
+    write_image(tmp_path / "scope.png", np.full((40, 60, 3), 90, np.uint8), {})
+    state, _ = opened_state(places, tmp_path / "scope.png")
+    assert default_name(state, "panes and 3D view") == "scope-shown"
+    assert default_name(state, "right pane") == "scope-right"
+
+
 @pytest.mark.parametrize("name", ["a/b", "a\\b", "a:b", ".a", "a.", "a\tb", "x" * 200])
 def test_names_that_no_file_can_have_are_refused_with_a_reason(run: Exporter, name: str) -> None:
     export_actions.choose_what(run.state, "both panes")
@@ -136,6 +145,7 @@ def test_the_name_in_the_panel_says_what_will_be_written(run: Exporter) -> None:
         NameRequest(path.parent, path.stem, ".png", 1),
         "small-frame-1-both-2.png",
     )
+    assert export_actions.added_to_name(state) == "-2"
     export_actions.type_name(state, "other.png")
     assert (state.exports.name, export_actions.other_name(state)) == ("other", "")
     export_actions.choose_what(state, "left pane")

@@ -177,6 +177,15 @@ def test_a_chord_is_one_also_when_it_is_let_go_of_within_a_frame(ui: Ui, opened:
     assert opened.comparing.chosen.mode == "wipe"
 
 
+def test_plus_is_one_with_shift_too(ui: Ui, opened: AppState) -> None:
+    draw, key = keyboard(opened), imgui.Key
+    ui.press(draw, key.mod_ctrl, key.equal)
+    ui.press(draw, key.mod_ctrl, key.mod_shift, key.equal)
+    assert opened.settings.text_percent == 125
+    ui.press(draw, key.mod_ctrl, key.mod_shift, key.minus)  # Another chord than Ctrl+minus.
+    assert opened.settings.text_percent == 125
+
+
 def test_a_letter_that_is_typed_is_no_key(ui: Ui, opened: AppState) -> None:
     keys = keyboard(opened)
 

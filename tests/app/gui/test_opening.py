@@ -202,3 +202,20 @@ def test_the_flags_of_the_app_are_those_of_the_refusals(
     assert started == [(inverted, ClipOptions(mask_polarity="tissue", bottom_rows=4))]
     with pytest.raises(UserError, match="--mask-polarity"):
         command.run(parser.parse_args([str(inverted), "--mask-polarity", "tisue"]))
+
+
+def test_of_a_cut_video_it_is_said_in_sight_that_a_part_is_missing(places: Places, tmp_path: Path) -> None:
+    path, noise = tmp_path / "cut.avi", np.random.default_rng(0)
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 25.0, (64, 48))
+    for _ in range(60):
+        writer.write(noise.integers(0, 255, (48, 64, 3), dtype=np.uint8))
+    writer.release()
+    assert opened(path).warning == ""
+    content = path.read_bytes()
+    path.write_bytes(content[: int(0.6 * len(content))])
+    cut, state = opened(path), AppState(places)
+    assert cut.clip is not None
+    actions.show_opened(state, path, cut)
+    assert state.window.banner is not None
+    said = f"the file is cut off or damaged at its end: {len(cut.clip)} frames are whole"
+    assert state.window.banner.message == said

@@ -8,7 +8,7 @@ import glfw
 import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
-from app.gui.actions import actions, presenting
+from app.gui.actions import actions, presenting, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.panels import presentation
 from app.gui.panels.presentation import draw_presentation
@@ -186,7 +186,7 @@ def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None
             return found is not None and found.active
 
         wait(ctx, lambda: is_settled(state), "the phantom")
-        state.tuning.shown = True
+        tuning_actions.toggle_tuning(state)
         ctx.yield_(4)
         window = glfw_utils.glfw_window_hello_imgui()
         size, front, panels = glfw.get_window_size(window), in_front(ctx), shown()

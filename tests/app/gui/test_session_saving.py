@@ -5,8 +5,9 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import glfw
 import pytest
-from imgui_bundle import imgui
+from imgui_bundle import glfw_utils, imgui
 
 from app.gui.actions import actions, browse_actions, comparing, session_actions
 from app.gui.commands import recent_commands
@@ -141,6 +142,9 @@ def test_what_has_changed_since_is_marked_and_looking_around_is_no_change(
     turn(other, channels)
     assert title_of(other) == "monday.vesselsplat* - VesselSplat"
     actions.open_path(other, phantom_path())
+    turn(other, channels)
+    assert title_of(other) == "monday.vesselsplat* - VesselSplat"  # A question comes first.
+    session_actions.answer(other, "discard")
     for _ in range(4):
         turn(other, channels)
     assert title_of(other) == "phantom - VesselSplat"
@@ -181,3 +185,46 @@ def test_from_the_key_to_the_file(places: Places, monkeypatch: pytest.MonkeyPatc
     driver.run(drive)
     assert [path.name for path in places.pictures.iterdir()] == ["monday.vesselsplat"]
     assert state.settings.recent[0] == str(places.pictures / "monday.vesselsplat")
+
+
+@pytest.mark.display
+def test_changes_of_a_saved_session_are_not_lost_without_a_question(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state, path = driver.state, places.pictures / "monday.vesselsplat"
+    actions.open_path(state, phantom_path())
+
+    def close(ctx: imgui.test_engine.TestContext) -> None:
+        glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 1)
+        wait(ctx, lambda: state.session.leaving is not None, "the question")
+        ctx.yield_(3)
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        session_actions.save_to(state, path)
+        wait(ctx, lambda: path.is_file() and not state.session.is_unsaved, "the session")
+        ctx.item_input_value("//Enhancement/**/##strength", 0.5)
+        close(ctx)  # At once: before it is saved in passing, which tells of changes.
+        ctx.item_click("//Unsaved changes/Stay")
+        ctx.yield_(3)
+        assert state.session.is_unsaved
+        actions.open_path(state, phantom_path())
+        ctx.yield_(3)
+        assert state.source.opening is None
+        ctx.key_press(imgui.Key.escape)
+        ctx.yield_(3)
+        assert state.session.leaving is None
+        actions.open_path(state, path)
+        ctx.yield_(3)
+        ctx.item_click("//Unsaved changes/Save")
+        wait(ctx, lambda: state.session.after_saving is None, "the changes in the file")
+        wait(ctx, lambda: state.source.opening is None and is_settled(state), "the session, once more")
+        assert state.enhancement.params.strength == 0.5
+        ctx.item_input_value("//Enhancement/**/##strength", 1.5)
+        wait(ctx, lambda: state.session.is_unsaved, "the mark")
+        actions.open_path(state, phantom_path())
+        ctx.yield_(3)
+        ctx.item_click("//Unsaved changes/Discard")
+        wait(ctx, lambda: state.session.path is None, "the phantom, without the session")
+
+    driver.run(drive)
+    assert mended_session(path)[0].params.strength == 0.5

@@ -80,6 +80,21 @@ def test_the_pair_and_its_video_come_again(run: Exporter, clip_path: Path) -> No
     assert same(video, clip_path, run_path)
 
 
+def test_the_right_pane_alone_is_a_video_whatever_the_mode(run: Exporter, clip_path: Path) -> None:
+    size = read_image(run.made("right pane")).shape
+    comparing.choose_mode(run.state, mode="wipe")
+    video = run.made("video of the right pane")
+    facts = json.loads(video.with_name(f"{video.name}.json").read_text())
+    assert [pane["title"] for pane in facts["panes"]] == ["Enhanced"]
+    capture = cv2.VideoCapture(str(video))
+    assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == 10
+    width, height = (capture.get(name) for name in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
+    capture.release()
+    assert abs(width - size[1]) <= 1  # Of video, sides are even.
+    assert abs(height - size[0]) <= 1
+    assert same(video, clip_path)
+
+
 def test_a_changed_pane_is_found_out(run: Exporter, clip_path: Path) -> None:
     path = run.made("right pane")
     facts = read_provenance(path)
@@ -274,9 +289,8 @@ def test_from_the_key_to_the_file(places: Places) -> None:
             "some frames",
         )
         ctx.item_click("//Export/**/Cancel")
-        ctx.yield_(3)
+        wait(ctx, lambda: state.exports.under_way is None, "the end")
 
     driver.run(drive)
-    assert state.exports.under_way is None
     (path,) = places.pictures.glob("*.png")
     assert same(path)

@@ -282,7 +282,7 @@ def test_a_tooltip_is_below_its_slider_and_gone_while_it_is_dragged(hand: Hand) 
 )
 def test_the_badge_on_the_image_says_what_the_sliders_say(hand: Hand, params: EnhancementSettings) -> None:
     hand.show(params)
-    names = ["Strength", "Radius", "Lift", "Colour"]
+    names = ["Strength", "Radius", "Brightening", "Colour"]
     if isinstance(params, EnhanceParams):
         names = ["Strength", "Brightness", "Detail", "Colour"]
     numbers = {name: one.text for name, one in zip(names, hand.numbers, strict=False)}

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import glfw
 import pytest
-from imgui_bundle import ImVec4, imgui
+from imgui_bundle import ImVec4, glfw_utils, imgui
 
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
+from app.gui.frame import dockings
 from app.gui.frame.dockings import MOST
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.work.settings import Places, Settings, Theme, load_settings
+from app.gui.work.settings import TEXT_PERCENTS, Places, Settings, Theme, load_settings
 from tests.app.gui.settling import keep_all
-from tests.app.gui.test_window import Driver
+from tests.app.gui.test_window import Driver, wait
 from tests.app.gui.ui import Ui
 
 READABLE = 4.5
@@ -142,6 +144,27 @@ def test_the_side_grows_with_the_text_and_shrinks_back(places: Places) -> None:
         assert width() == pytest.approx(min(1.5 * first, most), rel=0.02)
         ctx.key_press(chord("Ctrl+0"))
         assert width() == pytest.approx(first, rel=0.02)
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_the_side_is_as_wide_as_before_where_it_had_no_room_to_grow(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        glfw.set_window_size(glfw_utils.glfw_window_hello_imgui(), 640, 400)
+        wait(ctx, lambda: imgui.get_main_viewport().size.x == 640, "the small window")
+        dockings.restore_all()
+        ctx.yield_(6)
+        first = ctx.window_info("//Enhancement").window.size.x
+        for _ in range(len(TEXT_PERCENTS)):
+            ctx.key_press(chord("Ctrl+plus"))
+        assert state.settings.text_percent == TEXT_PERCENTS[-1]
+        ctx.key_press(chord("Ctrl+0"))
+        ctx.yield_(4)
+        assert ctx.window_info("//Enhancement").window.size.x == pytest.approx(first, rel=0.1)
 
     driver.run(drive)
 

@@ -325,3 +325,18 @@ def test_tiles_grow_and_shrink_in_the_window(places: Places) -> None:
         assert width() == pytest.approx(whole, abs=1)
 
     driver.run(drive)
+
+
+def test_all_parameters_are_in_sight_when_one_is_chosen(ui: Ui, state: AppState) -> None:
+    state.enhancement.params, textures = VesselParams(), NoTextures()
+
+    def draw() -> None:
+        draw_tuning(state, textures)
+
+    for _ in range(2):
+        ui.frame(draw)
+    low = imgui.internal.find_window_by_name("panel").pos
+    ui.drag(draw, (low.x + 60, low.y + 20), (low.x + 60, low.y + 20))
+    for _ in range(3):
+        ui.frame(draw)
+    assert imgui.internal.find_window_by_name("##Combo_00").scroll_max.y == 0

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import platformdirs
 import pytest
@@ -49,7 +50,7 @@ def test_a_clip_has_a_small_image_that_is_kept(folder: Path, monkeypatch: pytest
     assert abs(float(image.mean()) - float(frame[..., :3].mean())) < 3
     (kept,) = folder.glob("*.jpg")
     # A second time nothing is opened.
-    monkeypatch.setattr("app.gui.work.recents.open_clip", None)
+    monkeypatch.setattr("app.gui.work.recents.open_case", None)
     again = found(folder, phantom_path()).found[str(phantom_path())].image
     assert again is not None
     assert np.abs(again.astype(int) - image).mean() < 3
@@ -66,6 +67,16 @@ def test_a_clip_that_has_changed_gets_another_image(folder: Path, tmp_path: Path
     after = {file.name for file in folder.glob("*.jpg")}
     assert len(after) == 1
     assert after != before
+
+
+def test_a_case_of_several_sizes_has_one_too(folder: Path, tmp_path: Path) -> None:
+    case, frame = tmp_path / "case", cv2.imread(str(phantom_path() / "images" / "frame-000000.color.png"))
+    case.mkdir()
+    for number, size in enumerate(((64, 48), (48, 64), (40, 40))):
+        cv2.imwrite(str(case / f"{number}.png"), cv2.resize(frame, size))
+    image = found(folder, case).found[str(case)].image
+    assert image is not None
+    assert image.shape == (64, 48, 3)
 
 
 def test_runs_and_sessions_show_their_clip(folder: Path, runs: dict[str, Path], tmp_path: Path) -> None:

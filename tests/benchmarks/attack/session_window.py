@@ -136,6 +136,8 @@ class Attacked:
         actions.open_path(state, path)
         if state.editing.leaving is not None:
             edit_actions.answer(state, "discard")
+        if state.session.leaving is not None:
+            session_actions.answer(state, "discard")
         end = time.monotonic() + SECONDS
         self._wait(ctx, lambda: state.source.opening is None, end, "it to open")
         print(json.dumps({"taken": state.session.path == path}), flush=True)
