@@ -95,7 +95,16 @@ def repeatable(**facts: object) -> dict[str, Any]:
 def libraries() -> tuple[tuple[str, str], ...]:
     """Names and versions of what pixels pass through, and the kind of processor."""
     versions = ((name, installed(name) or "none") for name in PIXEL_LIBRARIES)
-    return *versions, ("processor", platform.machine())
+    return *versions, ("processor", f"{platform.machine()} {_processor_kind()}".rstrip())
+
+
+def _processor_kind() -> str:
+    """As compilers call it: kernels made for one kind round some last bits otherwise than for another."""
+    try:
+        from llvmlite.binding import get_host_cpu_name
+    except ImportError:
+        return ""
+    return str(get_host_cpu_name())
 
 
 def installed(name: str) -> str | None:

@@ -67,6 +67,9 @@ def _record(facts: Facts, path: Path) -> Export:
 def _reasons(before: Facts, again: Facts) -> list[str]:
     """Why pixels may differ although nothing was changed."""
     then, now = dict(before.get("libraries", {})), dict(again["libraries"])
+    # Before 0.2.0, records said no more of a processor than its architecture.
+    if " " not in then.get("processor", ""):
+        now["processor"] = now["processor"].split()[0]
     names = sorted(then.keys() | now.keys())
     pairs = [("VesselSplat", before.get("version"), again["version"])]
     pairs += [(name, then.get(name), now.get(name, "none")) for name in names]
