@@ -1,4 +1,4 @@
-"""`vesselsplat export RUN --ply DIR | --video FILE | --cameras FILE`: a model for other programs."""
+"""`vesselsplat export RUN --ply DIR | --video FILE | --html FILE | --cameras FILE`: a model for others."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from app.commands import view_flags
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.make import make
-from app.exports.records import RenderVideo, Splats
+from app.exports.records import BrowserModel, RenderVideo, Splats
 from app.exports.sources import Opened
 from app.files.atomic import filled, write_bytes
 from app.files.records import extended
@@ -41,14 +41,20 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--video", type=Path, metavar="FILE", help="the frames as a video, with a JSON file beside it"
     )
+    parser.add_argument(
+        "--html",
+        type=Path,
+        metavar="FILE",
+        help="the model over time as one page that any browser plays, without a network",
+    )
     parser.add_argument("--cameras", type=Path, metavar="FILE", help="the poses as cameras.json")
     view_selection.add_flags(parser)
     view_flags.add_flag(parser)
 
 
 def run(flags: argparse.Namespace) -> None:
-    if not (flags.ply or flags.video or flags.cameras):
-        raise UserError("expected what to export: --ply DIR, --video FILE or --cameras FILE")
+    if not (flags.ply or flags.video or flags.html or flags.cameras):
+        raise UserError("expected what to export: --ply DIR, --video FILE, --html FILE or --cameras FILE")
     if flags.sh_degree is not None and not flags.ply:
         raise UserError("--sh-degree: expected --ply DIR, to whose files it applies")
     scene, wanted = view_selection.chosen(flags)
@@ -56,6 +62,8 @@ def run(flags: argparse.Namespace) -> None:
         _write_plys(flags.ply, scene, wanted, flags.sh_degree)
     if flags.video:
         _write_video(flags, scene, wanted)
+    if flags.html:
+        _write_page(flags.html, scene, wanted, flags.frames_per_second)
     if flags.cameras:
         named = [NamedCamera(moment.name, moment.camera) for moment in wanted]
         write_bytes(flags.cameras, splatting_json(named))
@@ -73,6 +81,26 @@ def _write_plys(folder: Path, scene: Scene, wanted: list[Moment], degree: int | 
             run_to_end(make(record, sources, staging / f"{moment.name}.ply"))
             report(done, moment.name)
     sys.stdout.write(f"{folder}: {len(wanted)} splat files of {len(scene.model)} Gaussians\n")
+
+
+def _write_page(path: Path, scene: Scene, wanted: list[Moment], speed: float) -> None:
+    """As the camera of the first moment sees it."""
+    if path.suffix.lower() != ".html":
+        raise UserError(f"--html: expected the name of an .html file, got {path.name}")
+    frames = len(scene.cameras)
+    record = extended(
+        BrowserModel,
+        scene.record,
+        title=scene.record.clip.name if scene.record.clip else scene.name,
+        camera=wanted[0].camera,
+        near=scene.near,
+        frames=frames,
+        seconds=frames / speed,
+    )
+    run_to_end(make(record, Opened(model=scene), path))
+    if scene.model.raw.harmonics.shape[1]:
+        sys.stderr.write(f"colours by direction are left out of the page: {path}\n")
+    sys.stdout.write(f"{path}: {len(scene.model)} Gaussians, {path.stat().st_size / 1e6:.1f} MB\n")
 
 
 def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> None:

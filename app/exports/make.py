@@ -17,9 +17,12 @@ from app.enhancement.parameter_grid import DEFINITIONS, Setting, measured, tried
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.enhancement.settable import drawn
 from app.errors import UserError
+from app.exports.browser.page import browser_page
+from app.exports.browser.tracks import tracks_of
 from app.exports.page import Panel, sheet
 from app.exports.panes import PaneMaker, arranged
 from app.exports.records import (
+    BrowserModel,
     Depth,
     Export,
     MeasuresTable,
@@ -84,6 +87,8 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
             yield from _render_video(record, sources, target)
         case Splats():
             _splats(record, sources, target)
+        case BrowserModel():
+            _browser_model(record, sources, target)
         case PanesPicture(kind="panes"):
             _page(record, sources, target)
         case PanesPicture():
@@ -189,6 +194,23 @@ def _splats(record: Splats, sources: Sources, target: Path) -> None:
         raise UserError(f"--sh-degree: expected one that holds the whole model, got {got}") from error
     moved = scene.model.motion.moved(raw, record.time)
     write_bytes(target, ply_bytes(moved, scene.mode, comments(record.signed)))
+
+
+def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None:
+    scene = sources.scene(record)
+    about = f"Reconstruction of {record.trained_on}" if record.trained_on else "Reconstruction"
+    page = browser_page(
+        tracks_of(scene.model),
+        record.camera,
+        record.near,
+        scene.mode,
+        title=record.title,
+        about=about,
+        frames=record.frames,
+        seconds=record.seconds,
+        facts=record.signed,
+    )
+    write_bytes(target, page)
 
 
 def _view_video(record: ViewVideo, sources: Sources, target: Path) -> Steps:

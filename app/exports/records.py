@@ -16,7 +16,7 @@ from app.enhancement.settable import Pixels, Scope, one_of, renamed
 from app.exports.sizing import LEAST_WIDTH, MOST_SCALE, MOST_WIDTH
 from app.files.records import LENIENT, Record, Source, Told
 from app.files.video import Written
-from app.scenes.records import DrawnRecord, MomentRecord, SceneRecord, ViewRecord
+from app.scenes.records import DrawnRecord, MomentRecord, RecordedCamera, SceneRecord, ViewRecord
 from enhance import Statistics
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
@@ -60,6 +60,23 @@ class Splats(SceneRecord):
     time: float
     sh_degree: Annotated[int, Interval(ge=0, le=3)] | None = None
     """To which its colours by direction are filled up; None: as the model has them."""
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class BrowserModel(SceneRecord):
+    """A model over time as one HTML file that a browser plays."""
+
+    kind: Literal["browser model"] = "browser model"
+    title: str
+    """Of the clip."""
+    camera: RecordedCamera
+    """By which the page begins."""
+    near: float
+    """In scene units, before which nothing is drawn."""
+    frames: Annotated[int, Interval(ge=1)]
+    """Of the clip."""
+    seconds: Annotated[float, Interval(gt=0)]
+    """That the clip takes."""
 
 
 @dataclass(frozen=True, config=LENIENT)
@@ -186,6 +203,7 @@ Export = (
     | Depth
     | RenderVideo
     | Splats
+    | BrowserModel
     | PanesPicture
     | PanesVideo
     | MeasuresTable

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.lib.recfunctions import structured_to_unstructured
 from numpy.typing import NDArray
 
+from app.exports.browser.page import read_page
 from app.files.image_files import read_image
+from app.files.provenance import strict_json
 from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
 from renderer.readers.video import open_video
@@ -72,6 +74,9 @@ def arrays(path: Path) -> Iterator[Array]:
     if suffix == ".ply":
         elements = read_ply(read_whole(path)).elements
         return (structured_to_unstructured(element.rows) for element in elements)
+    if suffix == ".html":
+        _, scene, content = read_page(read_whole(path).decode(errors="replace"))
+        return iter((_text([strict_json(scene)]), content))
     if suffix == ".csv":
         return _columns(path)
     return _frames(path) if suffix == ".mp4" else iter((read_image(path),))

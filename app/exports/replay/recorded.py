@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from app.errors import UserError
+from app.exports.browser.page import read_page
 from app.files.embedded import CARRIERS, KEYWORD, carried
 from app.files.provenance import facts_of, read_provenance
 from renderer.ply_comments import joined
@@ -24,6 +25,8 @@ def recorded(path: Path) -> Facts:
         return read_provenance(path)
     if suffix == ".ply":
         return _in_comment(path)
+    if suffix == ".html":
+        return read_page(read_whole(path).decode(errors="replace"))[0]
     # Before 0.2.0, JPEG and TIFF had it beside them.
     inside = carried(read_whole(path)) if suffix in CARRIERS else None
     return _beside(path) if inside is None else facts_of(inside, path)

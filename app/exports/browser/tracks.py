@@ -1,0 +1,141 @@
+"""A model's values over time, quantised for the page: control values of curves, or samples between which the
+page interpolates linearly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.deformation.spline_motion import SplineMotion
+from renderer.gaussians import DynamicGaussians
+from renderer.raw_gaussians import RawGaussians
+from renderer.splats import Float32Array
+
+MOST_SAMPLES: Final = 48
+"""Moments of a motion that is no spline."""
+CUBIC, LINEAR = 3, 1
+"""Degrees of what runs through the values."""
+SAME: Final = 1e-6
+"""Below which a value does not move, in its own unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """(N, K, C) values, as whole numbers between `low` and `high`; K = 1 does not move."""
+
+    name: str
+    values: NDArray[Any]
+    low: Float32Array
+    """(C,)"""
+    high: Float32Array
+    """(C,)"""
+
+    @classmethod
+    def of(cls, name: str, values: Float32Array, bits: int) -> Track:
+        """Rounded to `bits`, 8 or 16, over the range of each channel."""
+        low, high = values.min(axis=(0, 1)), values.max(axis=(0, 1))
+        high = np.maximum(high, low + np.float32(1e-9))
+        top = (1 << bits) - 1
+        share = (values.astype(np.float64) - low) / (high.astype(np.float64) - low)
+        whole = np.rint(share * top).clip(0, top).astype(np.uint8 if bits == 8 else np.uint16)
+        return cls(name, whole, low.astype(np.float32), high.astype(np.float32))
+
+    def told(self, start: int) -> dict[str, Any]:
+        """For the page; `start`: of its bytes among all."""
+        count, moments, channels = self.values.shape
+        return {
+            "name": self.name,
+            "start": start,
+            "bytes": self.values.itemsize,
+            "count": count,
+            "moments": moments,
+            "channels": channels,
+            "low": self.low.tolist(),
+            "high": self.high.tolist(),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """All of a model: means, colors, quats (unit, wxyz), log_scales and opacity_logits."""
+
+    tracks: tuple[Track, ...]
+    degree: int
+    """CUBIC: uniform B-splines; LINEAR: through samples at even moments, the first at 0, the last at 1."""
+
+    @property
+    def content(self) -> bytes:
+        """One after another, each at a multiple of 4 bytes."""
+        return b"".join(_padded(track.values.tobytes()) for track in self.tracks)
+
+    def told(self) -> list[dict[str, Any]]:
+        starts = np.cumsum([0, *(len(_padded(track.values.tobytes())) for track in self.tracks)])
+        return [track.told(int(start)) for track, start in zip(self.tracks, starts, strict=False)]
+
+
+def _padded(content: bytes) -> bytes:
+    return content + bytes(-len(content) % 4)
+
+
+def tracks_of(model: DynamicGaussians) -> Tracks:
+    """Colours by direction are left out: the page shows those that do not depend on it."""
+    motion = model.motion
+    if isinstance(motion, SplineMotion):
+        return _of_spline(model.raw, motion)
+    moments = np.linspace(0, 1, MOST_SAMPLES)
+    return Tracks(_quantised([motion.moved(model.raw, float(time)) for time in moments]), LINEAR)
+
+
+def _of_spline(raw: RawGaussians, motion: SplineMotion) -> Tracks:
+    """Curves of Gaussians and of their nodes are sums of the same basis, so their control values add up."""
+    means = _lifted(raw.means, motion.position_controls, motion.n_controls)
+    if len(motion.node_indices):
+        shared = motion.node_controls[motion.node_indices]
+        if means.shape[1] == 1:
+            means = np.repeat(means, motion.n_controls, axis=1)
+        means = means + np.einsum("nj,njkc->nkc", motion.node_weights, shared, dtype=np.float64)
+    colors = _lifted(raw.colors, motion.color_controls, motion.n_controls)
+    logits = _lifted(raw.opacity_logits[:, None], motion.opacity_controls, motion.n_controls)
+    values = (means, colors, _unit(raw.quats)[:, None], raw.log_scales[:, None], logits)
+    return Tracks(_tracks(values), CUBIC)
+
+
+def _lifted(base: Float32Array, controls: Float32Array, count: int) -> Float32Array:
+    """The weights of a spline sum to 1, so what does not move is added to each control value."""
+    return base[:, None] + controls if len(controls) else base[:, None]
+
+
+def _quantised(samples: list[RawGaussians]) -> tuple[Track, ...]:
+    def over_time(values: Iterable[Float32Array]) -> Float32Array:
+        stacked = np.stack(list(values), axis=1)
+        return stacked if np.ptp(stacked, axis=1).max() > SAME else stacked[:, :1]
+
+    return _tracks((
+        over_time(one.means for one in samples),
+        over_time(one.colors for one in samples),
+        over_time(_unit(one.quats) for one in samples),
+        over_time(one.log_scales for one in samples),
+        over_time(one.opacity_logits[:, None] for one in samples),
+    ))  # fmt: skip
+
+
+def _tracks(values: Iterable[Float32Array]) -> tuple[Track, ...]:
+    """In the order of Tracks. Colours of 8 bits err by up to a grey level of each splat, which blending and
+    the mean over several control values make less."""
+    names = (("means", 16), ("colors", 8), ("quats", 16), ("log_scales", 16), ("opacity_logits", 16))
+    return tuple(
+        Track.of(name, np.asarray(each, np.float32), bits)
+        for (name, bits), each in zip(names, values, strict=True)
+    )
+
+
+def _unit(quats: Float32Array) -> Float32Array:
+    """The identity in place of no rotation."""
+    length = np.linalg.norm(quats, axis=1, keepdims=True)
+    unit = np.divide(quats, length, out=np.zeros_like(quats), where=length > 0)
+    unit[length[:, 0] == 0, 0] = 1
+    return np.asarray(unit * np.where(unit[:, :1] < 0, -1, 1), np.float32)

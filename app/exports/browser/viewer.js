@@ -1,0 +1,378 @@
+"use strict";
+// Gaussians as instanced quads (WebGL2), sorted by depth, values over time from integer textures.
+
+const scene = JSON.parse(document.getElementById("scene").textContent);
+const canvas = document.getElementById("canvas");
+const track = Object.fromEntries(scene.tracks.map((one) => [one.name, one]));
+const count = track.means.count, WIDTH = 4096, GROUND = 64 / 255;
+
+function fail(text) {
+  const message = document.getElementById("message");
+  message.textContent = text;
+  message.hidden = false;
+  throw new Error(text);
+}
+
+async function unpacked() {
+  const text = document.getElementById("content").textContent;
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).arrayBuffer();
+}
+
+// The values of a track as whole numbers, all of a Gaussian's moments one after another.
+function numbers(one, buffer) {
+  const kind = one.bytes === 1 ? Uint8Array : Uint16Array;
+  return new kind(buffer, one.start, one.count * one.moments * one.channels);
+}
+
+// First control value or sample and the weights of four, as of a uniform cubic B-spline or between samples.
+function taps(moments, time) {
+  if (moments === 1) return [0, [1, 0, 0, 0]];
+  if (scene.degree === 1) {
+    const place = time * (moments - 1), first = Math.min(Math.floor(place), moments - 2), u = place - first;
+    return [first, [1 - u, u, 0, 0]];
+  }
+  const segments = moments - 3, place = time * segments;
+  const first = Math.min(Math.floor(place), segments - 1), u = place - first, v = 1 - u;
+  return [first, [v ** 3, 3 * u ** 3 - 6 * u ** 2 + 4, 3 * v ** 3 - 6 * v ** 2 + 4, u ** 3].map((w) => w / 6)];
+}
+
+const VERTEX = `#version 300 es
+precision highp float; precision highp int; precision highp usampler2D;
+uniform usampler2D means, colors, quats, log_scales, opacity_logits;
+uniform int first[5]; uniform vec4 weights[5]; uniform int moments[5];
+uniform vec4 low[5], span[5];
+uniform mat3 turn; uniform vec3 shift;
+uniform vec4 lens; uniform vec4 limits; uniform vec2 size; uniform float near; uniform bool antialiased;
+in uint splat;
+out vec2 place; out vec4 color;
+vec4 at(usampler2D values, int which) {
+  vec4 sum = vec4(0.0);
+  for (int tap = 0; tap < 4; tap++) {
+    if (weights[which][tap] == 0.0) continue;
+    int index = int(splat) * moments[which] + min(first[which] + tap, moments[which] - 1);
+    sum += weights[which][tap] * vec4(texelFetch(values, ivec2(index % ${WIDTH}, index / ${WIDTH}), 0));
+  }
+  return low[which] + sum * span[which];
+}
+void main() {
+  gl_Position = vec4(2.0, 2.0, 2.0, 1.0); place = vec2(0.0); color = vec4(0.0);
+  vec3 local = turn * at(means, 0).xyz + shift;
+  if (local.z <= near) return;
+  vec4 q = normalize(at(quats, 2));
+  vec3 scale = exp(at(log_scales, 3).xyz);
+  float opacity = 1.0 / (1.0 + exp(-at(opacity_logits, 4).x));
+  mat3 rotation = mat3(
+    1.0 - 2.0 * (q.z * q.z + q.w * q.w), 2.0 * (q.y * q.z + q.x * q.w), 2.0 * (q.y * q.w - q.x * q.z),
+    2.0 * (q.y * q.z - q.x * q.w), 1.0 - 2.0 * (q.y * q.y + q.w * q.w), 2.0 * (q.z * q.w + q.x * q.y),
+    2.0 * (q.y * q.w + q.x * q.z), 2.0 * (q.z * q.w - q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
+  mat3 axes = turn * rotation * mat3(scale.x, 0, 0, 0, scale.y, 0, 0, 0, scale.z);
+  vec2 slope = clamp(local.xy / local.z, limits.xz, limits.yw);
+  vec3 across = lens.x / local.z * (vec3(axes[0].x, axes[1].x, axes[2].x) - slope.x * vec3(axes[0].z, axes[1].z, axes[2].z));
+  vec3 down = lens.y / local.z * (vec3(axes[0].y, axes[1].y, axes[2].y) - slope.y * vec3(axes[0].z, axes[1].z, axes[2].z));
+  float xx = dot(across, across) + 0.3, yy = dot(down, down) + 0.3, xy = dot(across, down);
+  if (antialiased) {
+    vec3 minors = cross(across, down);
+    float sharp = dot(minors, minors);
+    opacity *= sqrt(sharp / (sharp + 0.3 * (xx + yy - 0.3)));
+  }
+  if (opacity < 1.0 / 255.0) return;
+  float middle = 0.5 * (xx + yy), apart = length(vec2(0.5 * (xx - yy), xy));
+  float longer = middle + apart, shorter = max(middle - apart, 0.3);
+  vec2 axis = apart < 1e-6 ? vec2(1.0, 0.0) : normalize(xx >= yy ? vec2(longer - yy, xy) : vec2(xy, longer - xx));
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
+  place = corner * sqrt(2.0 * log(255.0 * opacity));
+  vec2 centre = lens.xy * local.xy / local.z + lens.zw;
+  vec2 pixel = centre + place.x * sqrt(longer) * axis + place.y * sqrt(shorter) * vec2(-axis.y, axis.x);
+  gl_Position = vec4(pixel.x / size.x * 2.0 - 1.0, 1.0 - pixel.y / size.y * 2.0, 0.0, 1.0);
+  color = vec4(at(colors, 1).xyz, opacity);
+}`;
+
+const FRAGMENT = `#version 300 es
+precision highp float;
+in vec2 place; in vec4 color; out vec4 seen;
+void main() {
+  float alpha = min(color.a * exp(-0.5 * dot(place, place)), 0.99);
+  if (alpha < 1.0 / 255.0) discard;
+  seen = vec4(color.rgb * alpha, alpha);
+}`;
+
+const WHOLE = `#version 300 es
+void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`;
+
+const RESOLVE = `#version 300 es
+precision highp float; uniform sampler2D drawn; uniform float ground; out vec4 shown;
+void main() {
+  vec4 seen = texelFetch(drawn, ivec2(gl_FragCoord.xy), 0);
+  shown = vec4(clamp(seen.rgb + (1.0 - seen.a) * ground, 0.0, 1.0), 1.0);
+}`;
+
+function program(gl, ...sources) {
+  const made = gl.createProgram();
+  [gl.VERTEX_SHADER, gl.FRAGMENT_SHADER].forEach((kind, place) => {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, sources[place]);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) fail(gl.getShaderInfoLog(shader));
+    gl.attachShader(made, shader);
+  });
+  gl.linkProgram(made);
+  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) fail(gl.getProgramInfoLog(made));
+  return made;
+}
+
+function texture(gl, one, values, unit) {
+  const rows = Math.ceil(one.count * one.moments / WIDTH);
+  if (rows > gl.getParameter(gl.MAX_TEXTURE_SIZE)) fail("This model is too large for this browser's graphics.");
+  const formats = {
+    11: [gl.R8UI, gl.RED_INTEGER], 13: [gl.RGB8UI, gl.RGB_INTEGER],
+    21: [gl.R16UI, gl.RED_INTEGER], 23: [gl.RGB16UI, gl.RGB_INTEGER], 24: [gl.RGBA16UI, gl.RGBA_INTEGER],
+  };
+  const [inside, format] = formats[10 * one.bytes + one.channels];
+  const padded = new values.constructor(rows * WIDTH * one.channels);
+  padded.set(values);
+  gl.activeTexture(gl.TEXTURE0 + unit);
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+  gl.texImage2D(gl.TEXTURE_2D, 0, inside, WIDTH, rows, 0, format,
+    one.bytes === 1 ? gl.UNSIGNED_BYTE : gl.UNSIGNED_SHORT, padded);
+  for (const name of ["MIN", "MAG"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}_FILTER`], gl.NEAREST);
+}
+
+// Rigid motions of the camera: a 3 x 3 rotation, row by row, and a shift.
+const times = (a, b) => [0, 1, 2].flatMap((i) => [0, 1, 2].map((j) =>
+  a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j]));
+const turned = (a, v) => [0, 1, 2].map((i) => a[3 * i] * v[0] + a[3 * i + 1] * v[1] + a[3 * i + 2] * v[2]);
+
+function clipCamera() {
+  const rows = scene.camera.camera_from_world;
+  return { turn: [0, 1, 2].flatMap((i) => rows[i].slice(0, 3)), shift: [0, 1, 2].map((i) => rows[i][3]) };
+}
+
+class Viewer {
+  constructor(buffer) {
+    const gl = this.gl = canvas.getContext("webgl2", { antialias: false, alpha: false, preserveDrawingBuffer: true });
+    if (!gl) fail("This browser does not offer WebGL2, which the 3D view needs.");
+    this.means = numbers(track.means, buffer);
+    this.draws = program(gl, VERTEX, FRAGMENT);
+    this.resolves = program(gl, WHOLE, RESOLVE);
+    const names = ["means", "colors", "quats", "log_scales", "opacity_logits"];
+    this.tracks = names.map((name) => track[name]);
+    gl.useProgram(this.draws);
+    this.tracks.forEach((one, unit) => {
+      texture(gl, one, numbers(one, buffer), unit);
+      gl.uniform1i(gl.getUniformLocation(this.draws, one.name), unit);
+      const top = one.bytes === 1 ? 255 : 65535, four = (list) => [...list, 0, 0, 0, 0].slice(0, 4);
+      gl.uniform4fv(gl.getUniformLocation(this.draws, `low[${unit}]`), four(one.low));
+      gl.uniform4fv(gl.getUniformLocation(this.draws, `span[${unit}]`), four(one.high.map((h, c) => (h - one.low[c]) / top)));
+      gl.uniform1i(gl.getUniformLocation(this.draws, `moments[${unit}]`), one.moments);
+    });
+    this.order = new Uint32Array(count);
+    this.depths = new Float32Array(count);
+    this.splats = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.splats);
+    gl.bufferData(gl.ARRAY_BUFFER, 4 * count, gl.DYNAMIC_DRAW);
+    const place = gl.getAttribLocation(this.draws, "splat");
+    gl.enableVertexAttribArray(place);
+    gl.vertexAttribIPointer(place, 1, gl.UNSIGNED_INT, 0, 0);
+    gl.vertexAttribDivisor(place, 1);
+    // Sums of many faint splats need more than 8 bits.
+    this.deep = gl.getExtension("EXT_color_buffer_float") ? gl.RGBA16F : gl.RGBA8;
+    gl.getExtension("EXT_float_blend");
+    this.camera = clipCamera();
+    this.time = 0;
+    this.middle = this.pivot();
+  }
+
+  // Depth of the middle of what the camera sees, about which a drag turns.
+  pivot() {
+    this.sort();
+    const seen = [...this.depths].filter((z) => z > scene.near).sort((a, b) => a - b);
+    return seen.length ? seen[seen.length >> 1] : 1;
+  }
+
+  // Far to near, by counting depths in 65536 steps.
+  sort() {
+    const one = track.means, [first, weights] = taps(one.moments, this.time);
+    const { turn, shift } = this.camera, axis = turn.slice(6, 9), scales = one.high.map((h, c) => (h - one.low[c]) / 65535);
+    const base = shift[2] + axis.reduce((sum, a, c) => sum + a * one.low[c], 0);
+    const factors = axis.map((a, c) => a * scales[c]);
+    let least = Infinity, most = -Infinity;
+    for (let n = 0; n < count; n++) {
+      let z = base;
+      for (let tap = 0; tap < 4; tap++) {
+        if (weights[tap] === 0) continue;
+        const at = 3 * (n * one.moments + first + tap);
+        z += weights[tap] * (factors[0] * this.means[at] + factors[1] * this.means[at + 1] + factors[2] * this.means[at + 2]);
+      }
+      this.depths[n] = z;
+      if (z < least) least = z;
+      if (z > most) most = z;
+    }
+    const scale = 65535 / Math.max(most - least, 1e-30), starts = new Uint32Array(65537);
+    const keys = new Uint16Array(count);
+    for (let n = 0; n < count; n++) keys[n] = (most - this.depths[n]) * scale;
+    for (let n = 0; n < count; n++) starts[keys[n] + 1]++;
+    for (let k = 0; k < 65536; k++) starts[k + 1] += starts[k];
+    for (let n = 0; n < count; n++) this.order[starts[keys[n]]++] = n;
+  }
+
+  // `size`: pixels; none: the window's.
+  draw(size) {
+    const gl = this.gl, own = scene.camera, ratio = size ? 1 : window.devicePixelRatio || 1;
+    const width = size ? size[0] : Math.max(1, Math.round(canvas.clientWidth * ratio));
+    const height = size ? size[1] : Math.max(1, Math.round(canvas.clientHeight * ratio));
+    if (canvas.width !== width || canvas.height !== height || !this.target) this.resize(width, height);
+    this.sort();
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.splats);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.order);
+    gl.useProgram(this.draws);
+    const at = (name) => gl.getUniformLocation(this.draws, name);
+    this.tracks.forEach((one, unit) => {
+      const [first, weights] = taps(one.moments, this.time);
+      gl.uniform1i(at(`first[${unit}]`), first);
+      gl.uniform4fv(at(`weights[${unit}]`), weights);
+    });
+    const zoom = Math.min(width / own.width, height / own.height);
+    const lens = [own.fx * zoom, own.fy * zoom, own.cx * zoom + (width - own.width * zoom) / 2, own.cy * zoom + (height - own.height * zoom) / 2];
+    const margins = [0.15 * width / lens[0], 0.15 * height / lens[1]];
+    gl.uniform4fv(at("lens"), lens);
+    gl.uniform4fv(at("limits"), [-lens[2] / lens[0] - margins[0], (width - lens[2]) / lens[0] + margins[0], -lens[3] / lens[1] - margins[1], (height - lens[3]) / lens[1] + margins[1]]);
+    gl.uniform2fv(at("size"), [width, height]);
+    gl.uniform1f(at("near"), scene.near);
+    gl.uniform1i(at("antialiased"), scene.antialiased ? 1 : 0);
+    gl.uniformMatrix3fv(at("turn"), true, this.camera.turn);
+    gl.uniform3fv(at("shift"), this.camera.shift);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+    gl.disable(gl.BLEND);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.useProgram(this.resolves);
+    gl.uniform1i(gl.getUniformLocation(this.resolves, "drawn"), 7);
+    gl.uniform1f(gl.getUniformLocation(this.resolves, "ground"), GROUND);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  resize(width, height) {
+    const gl = this.gl;
+    [canvas.width, canvas.height] = [width, height];
+    if (this.image) gl.deleteTexture(this.image);
+    this.image = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE7);
+    gl.bindTexture(gl.TEXTURE_2D, this.image);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, this.deep, width, height);
+    for (const name of ["MIN", "MAG"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}_FILTER`], gl.NEAREST);
+    this.target = this.target || gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.image, 0);
+  }
+
+  // About the pivot, by angles about the camera's own axes.
+  orbit(across, down) {
+    const [c, s, d, t] = [Math.cos(across), Math.sin(across), Math.cos(down), Math.sin(down)];
+    const by = times([1, 0, 0, 0, d, -t, 0, t, d], [c, 0, s, 0, 1, 0, -s, 0, c]);
+    const { turn, shift } = this.camera, from = [shift[0], shift[1], shift[2] - this.middle];
+    const moved = turned(by, from);
+    this.camera = { turn: times(by, turn), shift: [moved[0], moved[1], moved[2] + this.middle] };
+  }
+
+  pan(across, down) {
+    this.camera.shift[0] += across;
+    this.camera.shift[1] += down;
+  }
+
+  zoom(factor) {
+    const nearer = this.middle * (1 - factor);
+    this.middle *= factor;
+    this.camera.shift[2] -= nearer;
+  }
+
+  reset() {
+    const time = this.time;
+    this.camera = clipCamera();
+    this.time = 0;
+    this.middle = this.pivot();
+    this.time = time;
+  }
+}
+
+function listen(viewer) {
+  const slider = document.getElementById("time"), play = document.getElementById("play");
+  let playing = false, before = 0, due = false;
+  const show = () => {
+    slider.value = viewer.time;
+    const frame = Math.min(scene.frames - 1, Math.round(viewer.time * scene.frames));
+    document.getElementById("frame").textContent = `frame ${frame + 1} / ${scene.frames}`;
+    if (!due) { due = true; requestAnimationFrame(step); }
+  };
+  const step = (now) => {
+    due = false;
+    if (playing) {
+      viewer.time = (viewer.time + (now - before) / 1000 / scene.seconds) % 1;
+      before = now;
+    }
+    viewer.draw();
+    if (playing) show();
+  };
+  const toggle = () => {
+    playing = !playing;
+    before = performance.now();
+    play.textContent = playing ? "❚❚" : "▶";
+    play.setAttribute("aria-label", playing ? "Pause" : "Play");
+    show();
+  };
+  const move = (by) => { viewer.time = Math.min(1, Math.max(0, viewer.time + by / scene.frames)); show(); };
+  play.onclick = toggle;
+  slider.oninput = () => { viewer.time = Number(slider.value); show(); };
+  document.getElementById("reset").onclick = canvas.ondblclick = () => { viewer.reset(); show(); };
+  window.onresize = show;
+  window.onkeydown = (event) => {
+    const deeds = { " ": toggle, ArrowLeft: () => move(-1), ArrowRight: () => move(1), r: () => { viewer.reset(); show(); } };
+    const deed = deeds[event.key];
+    if (!deed || event.target.tagName === "BUTTON" && event.key === " ") return;
+    event.preventDefault();
+    deed();
+  };
+  canvas.onwheel = (event) => { event.preventDefault(); viewer.zoom(Math.exp(event.deltaY * 0.001)); show(); };
+  const held = new Map();
+  canvas.onpointerdown = (event) => { canvas.setPointerCapture(event.pointerId); held.set(event.pointerId, event); };
+  canvas.onpointerup = canvas.onpointercancel = (event) => held.delete(event.pointerId);
+  canvas.onpointermove = (event) => {
+    const last = held.get(event.pointerId);
+    if (!last) return;
+    const across = event.clientX - last.clientX, down = event.clientY - last.clientY;
+    if (held.size === 2) {
+      const other = [...held.values()].find((one) => one.pointerId !== event.pointerId);
+      const far = (one) => Math.hypot(one.clientX - other.clientX, one.clientY - other.clientY) || 1;
+      viewer.zoom(far(last) / far(event));
+    } else if (event.shiftKey || event.buttons & 2) {
+      const step = viewer.middle / (scene.camera.fx * Math.min(canvas.clientWidth / scene.camera.width, canvas.clientHeight / scene.camera.height));
+      viewer.pan(across * step, down * step);
+    } else {
+      viewer.orbit(across * 0.005, -down * 0.005);
+    }
+    held.set(event.pointerId, event);
+    show();
+  };
+  canvas.oncontextmenu = (event) => event.preventDefault();
+  show();
+}
+
+// #still=TIME shows one moment at the size of the clip, and nothing else: for comparisons.
+async function start() {
+  const viewer = new Viewer(await unpacked().catch(() => fail("The model in this file is damaged.")));
+  const still = /^#still=([\d.]+)$/.exec(location.hash);
+  if (!still) return listen(viewer);
+  document.body.className = "still";
+  canvas.style.width = `${scene.camera.width}px`;
+  canvas.style.height = `${scene.camera.height}px`;
+  viewer.time = Number(still[1]);
+  viewer.draw([scene.camera.width, scene.camera.height]);
+}
+start();

@@ -1,0 +1,189 @@
+"""A model as one HTML file: its numbers are the model's, it needs no network, and it is reproduced."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from app.errors import UserError
+from app.exports.browser.page import browser_page, read_page
+from app.exports.browser.tracks import CUBIC, LINEAR, MOST_SAMPLES, tracks_of
+from renderer.camera import Camera
+from renderer.deformation.motion import Still
+from renderer.deformation.spline import spline_taps
+from renderer.deformation.spline_motion import SplineMotion
+from renderer.gaussians import DynamicGaussians
+from renderer.raw_gaussians import RawGaussians
+from tests.app.conftest import Call
+
+CAMERA = Camera(fx=50, fy=50, cx=16, cy=12, width=32, height=24)
+COUNT, CONTROLS = 40, 7
+
+
+def raw(random: np.random.Generator) -> RawGaussians:
+    def drawn(*shape: int) -> NDArray[np.float32]:
+        return random.normal(size=(COUNT, *shape)).astype(np.float32)
+
+    return RawGaussians(
+        means=drawn(3) + np.float32([0, 0, 9]),
+        quats=drawn(4),
+        log_scales=drawn(3) - 3,
+        opacity_logits=drawn(),
+        colors=drawn(3),
+        harmonics=np.zeros((COUNT, 0, 3), np.float32),
+    )
+
+
+def spline(
+    random: np.random.Generator, *, moving: int, colored: int, fading: int, nodes: bool
+) -> SplineMotion:
+    """Rows of each channel, as training leaves some of them out."""
+
+    def curves(count: int, channels: int = 3) -> NDArray[np.float32]:
+        return random.normal(size=(count, CONTROLS, channels)).astype(np.float32)
+
+    weights = random.random((COUNT if nodes else 0, 4)).astype(np.float32)
+    return SplineMotion(
+        position_controls=curves(moving),
+        color_controls=curves(colored),
+        opacity_controls=curves(fading, 1),
+        node_controls=curves(9),
+        node_indices=random.integers(0, 9, weights.shape, dtype=np.int32),
+        node_weights=weights / weights.sum(axis=1, keepdims=True) if nodes else weights,
+    )
+
+
+def shown(model: DynamicGaussians, time: float) -> dict[str, NDArray[np.float64]]:
+    """What the page draws, by its own rules, written out in numpy."""
+    tracks, found = tracks_of(model), {}
+    for track, told in zip(tracks.tracks, tracks.told(), strict=True):
+        whole = np.frombuffer(
+            tracks.content,
+            f"u{told['bytes']}",
+            told["count"] * told["moments"] * told["channels"],
+            told["start"],
+        )
+        top = 256 ** told["bytes"] - 1
+        span = np.subtract(told["high"], told["low"]) / top
+        values = (
+            np.array(told["low"]) + whole.reshape(told["count"], told["moments"], told["channels"]) * span
+        )
+        if told["moments"] == 1:
+            found[track.name] = values[:, 0]
+        elif tracks.degree == CUBIC:
+            first, weights = spline_taps(time, told["moments"])
+            found[track.name] = np.einsum("t,ntc->nc", weights, values[:, first : first + 4])
+        else:
+            place = time * (told["moments"] - 1)
+            first = min(int(place), told["moments"] - 2)
+            found[track.name] = values[:, first] + (place - first) * (values[:, first + 1] - values[:, first])
+    return found
+
+
+@pytest.mark.parametrize("time", [0.0, 0.31, 1.0])
+@pytest.mark.parametrize(
+    "channels",
+    [
+        {"moving": COUNT, "colored": COUNT, "fading": COUNT, "nodes": True},
+        {"moving": 0, "colored": COUNT, "fading": 0, "nodes": True},
+        {"moving": COUNT, "colored": 0, "fading": 0, "nodes": False},
+        {"moving": 0, "colored": 0, "fading": 0, "nodes": False},
+    ],
+)
+def test_the_page_has_the_models_values_to_a_step_of_its_numbers(
+    channels: dict[str, Any], time: float
+) -> None:
+    random = np.random.default_rng(3)
+    model = DynamicGaussians(raw(random), spline(random, **channels))
+    moved, page = model.motion.moved(model.raw, time), shown(model, time)
+    steps = {
+        one.name: (one.high - one.low) / (255 if one.values.itemsize == 1 else 65535)
+        for one in tracks_of(model).tracks
+    }
+    for name, values in (
+        ("means", moved.means),
+        ("colors", moved.colors),
+        ("log_scales", moved.log_scales),
+        ("opacity_logits", moved.opacity_logits[:, None]),
+    ):
+        assert (np.abs(page[name] - values) <= 0.51 * steps[name] + 1e-5).all(), name
+    length = np.linalg.norm(moved.quats, axis=1, keepdims=True)
+    apart = np.abs((page["quats"] * moved.quats / length).sum(axis=1))
+    assert apart == pytest.approx(1, abs=1e-4)
+
+
+def test_what_does_not_move_takes_one_value_and_what_has_no_curves_is_sampled() -> None:
+    random = np.random.default_rng(4)
+    still = tracks_of(DynamicGaussians(raw(random), Still()))
+    assert still.degree == LINEAR
+    assert {track.name: track.values.shape[1] for track in still.tracks} == dict.fromkeys(
+        ("means", "colors", "quats", "log_scales", "opacity_logits"), 1
+    )
+    motion = spline(random, moving=COUNT, colored=0, fading=0, nodes=False)
+
+    class Sampled:
+        """A motion of another kind."""
+
+        def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
+            return motion.moved(raw, time)
+
+    model = DynamicGaussians(raw(random), Sampled())  # type: ignore[arg-type]
+    moments = {track.name: track.values.shape[1] for track in tracks_of(model).tracks}
+    assert (moments["means"], moments["colors"]) == (MOST_SAMPLES, 1)
+    page, moved = shown(model, 0.5), motion.moved(model.raw, 0.5)
+    assert np.abs(page["means"] - moved.means).max() < 0.05
+
+
+def test_the_page_stands_alone_and_names_cannot_break_it() -> None:
+    random = np.random.default_rng(5)
+    model = DynamicGaussians(raw(random), Still())
+    title = "</script><img src=x onerror=alert(1)>"
+    text = browser_page(
+        tracks_of(model), CAMERA, 0.01, "default", title=title, about="a & b", frames=5, seconds=2.0,
+        facts={"clip": title},
+    ).decode()  # fmt: skip
+    assert not re.search(r"https?://|<link|src=[\"']", text.replace("&lt;img src=x", ""))
+    assert text.count("</script>") == 4
+    assert "&lt;/script&gt;" in text
+    assert "a &amp; b" in text
+    facts, scene, content = read_page(text)
+    assert facts == {"clip": title}
+    assert (scene["frames"], scene["seconds"], scene["camera"]["width"]) == (5, 2.0, 32)
+    assert content.tobytes() == tracks_of(model).content
+
+
+@pytest.mark.parametrize("damage", ["", "<html></html>", "cut", "other"])
+def test_another_page_is_refused_in_one_line(damage: str) -> None:
+    model = DynamicGaussians(raw(np.random.default_rng(6)), Still())
+    text = browser_page(
+        tracks_of(model), CAMERA, 0.01, "default", title="t", about="", frames=1, seconds=1.0, facts={}
+    ).decode()
+    cut = re.sub(r'(id="content">.{80}).*?</script>', r"\1</script>", text, flags=re.DOTALL)
+    other = re.sub(r'id="content">.*?</script>', 'id="content">!!!</script>', text, flags=re.DOTALL)
+    with pytest.raises(UserError, match="expected an HTML file written by VesselSplat"):
+        read_page({"cut": cut, "other": other}.get(damage, damage))
+
+
+def test_a_run_becomes_a_page_that_is_reproduced(
+    vesselsplat: Callable[..., Call], runs: dict[str, Path], tmp_path: Path
+) -> None:
+    run = runs["original"]
+    page = tmp_path / "model.html"
+    written = vesselsplat("export", run, "--html", page)
+    assert written.code == 0, written.error
+    facts, scene, _ = read_page(page.read_text())
+    assert facts["kind"] == "browser model"
+    assert facts["notice"] == "Research use only. Not a medical device."
+    assert str(tmp_path) not in page.read_text()
+    assert scene["frames"] == len(
+        json.loads((run / "events.jsonl").read_text().splitlines()[0]) and range(10)
+    )
+    again = vesselsplat("replay", page, "--source", run)
+    assert (again.code, again.out.rstrip().endswith("identical")) == (0, True), again.error + again.out
+    assert vesselsplat("export", run, "--html", tmp_path / "model.txt").code == 2
