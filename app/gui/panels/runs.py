@@ -20,6 +20,10 @@ from app.gui.work.runs import ListedRun
 
 BESIDE = "Open beside"
 BESIDE_TEXT = "In a second 3D view beside the one shown, with the same camera and time."
+PSNR_FINISHED = (
+    "PSNR of all held-out frames, as in published results; of training frames where none are held out."
+)
+PSNR_SO_FAR = "PSNR so far: of up to 4 held-out frames where there are any, else of the training frames."
 CLOSE_TEXT = "Shown in the second 3D view: click to close that."
 ASLEEP_TEXT = "These were queued when the window was closed. Press Start the queue to run them."
 
@@ -74,7 +78,7 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
         psnr = f"{run.psnr:.1f} dB"
         imgui.same_line(right - imgui.calc_text_size(psnr).x)
         imgui.text_colored(theme.now().accent, psnr)
-        explain("PSNR of held-out frames where measured, otherwise of the training frames.")
+        explain(PSNR_FINISHED if run.made == "finished" else PSNR_SO_FAR)
     finished, steps = run.made == "finished", f"{config.iterations:,}"
     steps = f"{steps} iterations" if finished else f"{run.iteration:,} of {steps}"
     muted(f"{named(config.method)} · {run.request.input} frames · {_made(state, run)}")
@@ -98,7 +102,7 @@ def _draw_changes(state: AppState, run: ListedRun) -> None:
     """Rename and delete, beside the button before."""
     reason = changing_runs.why_not_change(state, run)
     for label, act, text in (
-        (f"{icons.ICON_FA_PENCIL_ALT}###rename", changing_runs.ask_name, "Rename the run."),
+        (f"{icons.ICON_FA_EDIT}###rename", changing_runs.ask_name, "Rename the run."),
         (f"{icons.ICON_FA_TRASH}###delete", changing_runs.ask_delete, "Delete the run, after a question."),
     ):
         beside(label, 0.3)
