@@ -103,6 +103,30 @@ def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     )
 
 
+def is_seen_by_assumption(clip: Clip) -> bool:
+    """Its files state no calibration: its field of view is the one that was assumed."""
+    return clip.format in ("images", "image", "video")
+
+
+def with_field_of_view(clip: Clip, degrees: float) -> Clip:
+    """The clip through cameras of that horizontal field of view, where it is `is_seen_by_assumption`."""
+    if not is_seen_by_assumption(clip) or not clip.has_one_size:
+        return clip
+    camera = _camera(degrees, clip.size, clip.pixel_aspect)
+    if camera == clip.cameras[0]:
+        return clip
+
+    def read_frame(index: int) -> Frame:
+        return replace(clip.read_frame(index), camera=camera)
+
+    return replace(clip, cameras=(camera,) * len(clip), read_frame=read_frame)
+
+
+def _camera(degrees: float, size: tuple[int, int], pixel_aspect: float) -> Camera:
+    camera = Camera.from_fov(degrees, *size)
+    return replace(camera, fy=camera.fx * pixel_aspect)
+
+
 def without_depth(
     path: Path,
     format: str,
@@ -120,8 +144,7 @@ def without_depth(
 
     `read` gives (H, W, 3) RGB by number; pixels are `pixel_aspect` times as wide as high.
     """
-    camera = Camera.from_fov(field_of_view, *size)
-    camera = replace(camera, fy=camera.fx * pixel_aspect)
+    camera = _camera(field_of_view, size, pixel_aspect)
 
     def read_frame(index: int) -> Frame:
         index = range(len(labels))[index]

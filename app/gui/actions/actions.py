@@ -201,7 +201,7 @@ def _kept_depth(state: AppState, opened: Opened) -> DepthRequest | None:
     clip, bare = opened.clip, opened.bare
     if clip is None or bare is None or opened.run is not None or opened.session is not None:
         return None
-    options = replace(opened.options, depth=state.source.kept_depth(clip.path))
+    options = state.source.kept_options(clip.path, opened.options)
     return DepthRequest(bare, options) if options != opened.options and bare.has_one_size else None
 
 
