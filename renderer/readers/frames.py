@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from renderer.readers.listing import listed
 from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of
 from renderer.readers.pictures import VIDEOS, common_size, is_picture, is_visible, natural_key, read_rgb
+from renderer.splat_files import is_named_as_splats
 
 FEW = 3
 """So many times more numbered images make of the others a cover, a sketch, a logo."""
@@ -35,11 +36,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     kinds = _kinds(files)
     paths = _frames_of(kinds)
     if not paths:
-        folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))
-        videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
-        inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
-        hint = f"; it holds the {inside}: open one of these" if inside else ""
-        raise ClipError(f"expected images in the folder, got none{hint}: {path}")
+        raise ClipError(f"expected images in the folder, got none{_instead(visible, files)}: {path}")
     _check_names(paths, path)
     told = {*paths, *kinds.others}
     strays = sorted(entry.name for entry in files if entry not in told)
@@ -57,6 +54,19 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         field_of_view=field_of_view,
         notices=(*kinds.notices(), *said, *left_pages(paths)),
     )
+
+
+def _instead(visible: Sequence[Path], files: Sequence[Path]) -> str:
+    """What a folder without images holds that can be opened, as the end of a sentence; empty for nothing."""
+    splats = [entry.name for entry in files if is_named_as_splats(entry)]
+    if splats:
+        # Each is of one moment: a series of them has neither cameras nor frames.
+        own = "open one of these, or the run that they were exported from"
+        return f"; it holds the splat files {listed(splats)}: {own}"
+    folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))
+    videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
+    inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
+    return f"; it holds the {inside}: open one of these" if inside else ""
 
 
 def frames_of(folder: Path) -> tuple[Path, ...]:
