@@ -191,7 +191,8 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     say(state, f"opened {path.name}")
     if opened.warning:
         fail(state, opened.warning)
-    if not opened.in_passing:
+    # What a crash left is this process's own from now on: nothing to open another time.
+    if not opened.in_passing and path.parent != state.places.config:
         state.settings = state.settings.opened(path)
         save_settings(state)
 
