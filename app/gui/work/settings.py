@@ -20,6 +20,7 @@ from app.enhancement.settable import FrameNumber, Mode, Name, PathText, Pixels, 
 from app.files.mended import mended_file
 from app.files.provenance import strict_json
 from app.runs.clip_selection import ClipPart
+from app.runs.runs_place import runs_place
 from app.scenes.backgrounds import BackgroundName
 from renderer.readers.clip_options import DEFAULTS, DepthSource
 
@@ -43,7 +44,7 @@ class Places:
         """The platform's own folders; VESSELSPLAT_CONFIG_DIR, _RUNS_DIR and _PICTURES_DIR override them."""
         return cls(
             config=_folder("VESSELSPLAT_CONFIG_DIR", _config()),
-            runs=_folder("VESSELSPLAT_RUNS_DIR", platformdirs.user_data_path("vesselsplat", False) / "runs"),
+            runs=runs_place(),
             pictures=_folder("VESSELSPLAT_PICTURES_DIR", platformdirs.user_pictures_path() / "VesselSplat"),
         )
 
