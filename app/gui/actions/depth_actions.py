@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final
@@ -106,8 +107,9 @@ def type_field_of_view(state: AppState, text: str) -> None:
 
 
 def _type(state: AppState, name: str, text: str) -> None:
-    """A number of the options; what is none, or out of its range, is refused in a sentence."""
-    plain = text.strip().replace(",", ".")
+    """A number of the options, with its unit or without; what is none, or out of its range, is refused in a
+    sentence."""
+    plain = re.sub(r"\s*(mm|°)?\s*$", "", text).strip().replace(",", ".")
     try:
         values: dict[str, Any] = {name: float(plain) if plain else getattr(DEFAULTS, name)}
         options = replace(asked(state), **values)

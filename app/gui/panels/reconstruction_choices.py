@@ -44,7 +44,7 @@ BASELINE_TEXT: Final = (
     "Distance between the left and right camera in mm: gives lengths a scale. Empty: from the calibration, "
     "where there is one."
 )
-VIEW_TEXT: Final = "Horizontal field of view of the left camera in degrees. Empty: 60 is assumed."
+VIEW_TEXT: Final = "Horizontal field of view of the left camera, in degrees. Empty: 60° is assumed."
 NO_WAY: Final = "Choose…"
 POINTS: Final = "Sparse points"
 LINK_TEXT: Final = (
@@ -96,21 +96,22 @@ def _draw_depth(state: AppState, clip: Clip) -> None:
 def _draw_pair(state: AppState, clip: Clip) -> None:
     """What the scale of a stereo pair follows from, where its files do not state it."""
     options = depth_actions.asked(state)
-    known = "unknown" if clip.baseline is None else f"{clip.baseline:.4g}, calibrated"
-    baseline = "" if options.baseline is None else f"{options.baseline:g}"
+    known = "unknown, in mm" if clip.baseline is None else f"{clip.baseline:.4g} mm, calibrated"
+    baseline = "" if options.baseline is None else f"{options.baseline:g} mm"
     row("Baseline", BASELINE_TEXT)
     _typed("##baseline", known, baseline, BASELINE_TEXT, partial(depth_actions.type_baseline, state))
     if not depth_actions.assumes_view(state):
         return
     assumed, view = ClipOptions().field_of_view, options.field_of_view
-    row("View", VIEW_TEXT)
-    hint, shown = f"unknown, {assumed:g} assumed", "" if view == assumed else f"{view:g}"
+    row("View angle", VIEW_TEXT)
+    hint, shown = f"unknown, {assumed:g}° assumed", "" if view == assumed else f"{view:g}°"
     _typed("##view", hint, shown, VIEW_TEXT, partial(depth_actions.type_field_of_view, state))
 
 
 def _typed(name: str, hint: str, value: str, text: str, take: Callable[[str], None]) -> None:
     """A number that may be empty, taken when the typing ends."""
-    _, typed = imgui.input_text_with_hint(name, hint, value, imgui.InputTextFlags_.chars_decimal)
+    flags = imgui.InputTextFlags_.chars_decimal | imgui.InputTextFlags_.auto_select_all
+    _, typed = imgui.input_text_with_hint(name, hint, value, flags)
     ended = imgui.is_item_deactivated_after_edit()
     explain(text)
     if ended:

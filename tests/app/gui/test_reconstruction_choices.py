@@ -309,6 +309,9 @@ def test_baseline_and_field_of_view_are_typed_and_give_a_stereo_pair_a_scale(
         wait(ctx, lambda: depth_actions.without_scale(state) != "", "no scale")
         ctx.item_input_value("##baseline", "5")
         wait(ctx, lambda: depth_actions.without_scale(state) == "", "a scale")
+        depth_actions.type_baseline(state, "5 mm")
+        depth_actions.type_field_of_view(state, " 80°")
+        assert state.source.depth_wish is None  # As they are.
 
     driver.run(drive)
     known = load_clips(places.config)[str(tmp_path / "pair")]
