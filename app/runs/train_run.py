@@ -26,7 +26,7 @@ from app.errors import UserError
 from app.files.legible import require_utf8
 from app.files.provenance import digest, version
 from app.runs.clip_selection import WHOLE, ClipPart
-from app.runs.dark_surround import lit_field, notice_of, omission_of, spread
+from app.runs.dark_surround import as_dense, lit_field, notice_of, omission_of, spread
 from app.runs.device import Asked, Choice, Device, choose, pictures_on
 from app.runs.memory import peak_memory_mb, planned_in
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
@@ -145,7 +145,8 @@ def _train(
     with ExitStack() as meanwhile:
         if run.is_run:
             meanwhile.enter_context(locked(run.path))
-        events = train(clip, record.config, folder=run.path, resume=run.is_run, pictures=pictures)
+        config = as_dense(record.config, record.clip.part.field_of_view)
+        events = train(clip, config, folder=run.path, resume=run.is_run, pictures=pictures)
         first = yield from told_meanwhile("analysing the clip", lambda _: next(events))
         for event in chain((first,), events):
             # A clip that cannot be trained on has failed by now: nothing is left behind for it.
