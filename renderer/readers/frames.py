@@ -16,7 +16,6 @@ from renderer.readers.listing import listed
 from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of
 from renderer.readers.pictures import VIDEOS, common_size, is_picture, is_visible, natural_key, read_rgb
-from renderer.splat_files import is_named_as_splats
 
 FEW = 3
 """So many times more numbered images make of the others a cover, a sketch, a logo."""
@@ -58,6 +57,9 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
 
 def _instead(visible: Sequence[Path], files: Sequence[Path]) -> str:
     """What a folder without images holds that can be opened, as the end of a sentence; empty for nothing."""
+    # It loads numba, which whoever only reads images need not wait for.
+    from renderer.splat_files import is_named_as_splats
+
     splats = [entry.name for entry in files if is_named_as_splats(entry)]
     if splats:
         # Each is of one moment: a series of them has neither cameras nor frames.
