@@ -85,6 +85,12 @@ class Frame:
         return self.tissue_mask & (self.depth > 0)
 
 
+def within(frame: Frame, kept: BoolImage) -> Frame:
+    """The same frame where only these pixels (H, W) are tissue, and evaluated."""
+    tissue, evaluated = frame.tissue_mask & kept, frame.evaluation_mask & kept
+    return replace(frame, tissue_mask=tissue, evaluation_mask=evaluated)
+
+
 @dataclass(frozen=True, eq=False)
 class SparsePoints:
     """What structure from motion leaves of the shape: too few points to supervise, enough to start from."""
@@ -216,12 +222,7 @@ class Clip:
     def within(self, kept: BoolImage) -> Clip:
         """The same clip where only these pixels (H, W) of every frame are tissue, and evaluated."""
 
-        def read_frame(index: int) -> Frame:
-            frame = self.read_frame(index)
-            tissue, evaluated = frame.tissue_mask & kept, frame.evaluation_mask & kept
-            return replace(frame, tissue_mask=tissue, evaluation_mask=evaluated)
-
-        return replace(self, read_frame=read_frame)
+        return replace(self, read_frame=lambda index: within(self.read_frame(index), kept))
 
     def with_images(self, change: Callable[[ByteImage, Frame], ByteImage], name: str) -> Clip:
         """The same clip with every image passed through `change`, for example enhanced."""

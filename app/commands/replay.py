@@ -25,7 +25,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="PATH",
-        help="its source, or a folder with it (default: looked for beside FILE and in the current folder)",
+        help="its source, or a folder with it (default: looked for beside FILE and in the current folder, "
+        "runs also among those of the window)",
     )
     parser.add_argument("--out", type=Path, metavar="FILE", help="keep the reproduced file")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")

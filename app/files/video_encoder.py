@@ -5,9 +5,10 @@ from __future__ import annotations
 import subprocess
 import sys
 from dataclasses import dataclass
-from importlib.util import find_spec
 from shutil import which
 from typing import Final, Literal
+
+from renderer.pyav_presence import has_pyav, why_not_pyav
 
 H264: Final = ("libx264", "libopenh264", "h264_videotoolbox", "h264_mf")
 """Encoders of FFmpeg that need no graphics card, the best one first."""
@@ -44,12 +45,13 @@ class VideoEncoder:
         if self.plays_in_browsers:
             return ""
         pip = "" if getattr(sys, "frozen", False) else ", or PyAV (pip install av)"
-        return f"For H.264, install ffmpeg{pip}, then start VesselSplat again."
+        broken = f" {said}." if (said := why_not_pyav()) else ""
+        return f"For H.264, install ffmpeg{pip}, then start VesselSplat again.{broken}"
 
 
 def video_encoder() -> VideoEncoder:
     """The best there is; asking FFmpeg takes a moment."""
-    if find_spec("av") is not None and _pyav_has("libx264"):
+    if has_pyav() and _pyav_has("libx264"):
         return VideoEncoder("PyAV", "libx264")
     known = _ffmpeg_encoders()
     found = next((name for name in H264 if name in known), None)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from dataclasses import field, fields, replace
+from dataclasses import field, fields
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
@@ -146,6 +146,8 @@ class Session:
     """What was opened."""
     run: SessionSource | None = None
     """The newest reconstruction; it goes before `source` where it can be opened."""
+    second: SessionSource | None = None
+    """What is in the second 3D view: a run or a file of splats."""
     clip_options: ClipOptions = DEFAULTS
     part: ClipPart | None = None
     """Trim and mask; None: not said."""
@@ -186,9 +188,13 @@ class Session:
     @property
     def substance(self) -> Session:
         """What a person would miss: without where one looks, steps of undo, and the folders of sources."""
-        run = None if self.run is None else replace(self.run, path=Path(self.run.path).name, sha256=None)
         kept = {name: getattr(self, name) for name in SUBSTANCE}
-        return Session(run=run, **kept)
+        return Session(run=_named(self.run), second=_named(self.second), **kept)
+
+
+def _named(source: SessionSource | None) -> SessionSource | None:
+    """Without its folder and its bytes."""
+    return None if source is None else SessionSource(Path(source.path).name)
 
 
 SUBSTANCE: Final = (

@@ -48,6 +48,7 @@ from app.gui.panels.palette import draw_palette
 from app.gui.panels.presentation import draw_presentation
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
+from app.gui.panels.run_questions import draw_run_question
 from app.gui.panels.runs import draw_runs
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.tuning import draw_tuning
@@ -341,6 +342,7 @@ class Window:
         overlays.draw_toast(self.state)
         overlays.draw_help(self.state, self._commands)
         draw_question(self.state)
+        draw_run_question(self.state)
         overlays.draw_notice(self.state)
         draw_export(self.state)
         draw_batches(self.state)

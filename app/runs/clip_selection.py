@@ -1,4 +1,5 @@
-"""What of a clip counts: the frames that a person has kept, and the pixels not masked by hand."""
+"""What of a clip counts: the frames that a person has kept, and the pixels that are neither masked by hand
+nor dark surround."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ from pydantic.dataclasses import dataclass
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.settable import FrameNumber
 from app.errors import UserError
+from enhance.field import FieldOfView
 from renderer.clip import Clip
 
 
@@ -21,6 +23,8 @@ class ClipPart:
     trim: tuple[FrameNumber, FrameNumber] | None = None
     """First and last frame that count, from 0."""
     mask: PictureMask = field(default_factory=PictureMask)
+    field_of_view: FieldOfView | None = None
+    """What the endoscope sees, as training found it; None: there was no surround, or nobody looked for it."""
 
     @property
     def first(self) -> int | None:
@@ -39,9 +43,20 @@ class ClipPart:
         nor evaluated. The very same clip where all of it counts.
 
         Raises:
-            UserError: the clip has no such frames, or the mask leaves no pixel.
+            UserError: the clip has no such frames, the mask leaves no pixel, or the field of view has another
+                size.
         """
-        return self._unmasked(self._trimmed(clip))
+        return self.lit(self._unmasked(self._trimmed(clip)))
+
+    def lit(self, clip: Clip) -> Clip:
+        """The clip without its dark surround alone. Raises UserError: the field of view has another size."""
+        field = self.field_of_view
+        if field is None:
+            return clip
+        if (field.width, field.height) != clip.size:
+            got, wanted = f"{field.width}x{field.height}", "x".join(map(str, clip.size))
+            raise UserError(f"expected a field of view of {wanted} pixels, got one of {got}: {clip.path}")
+        return clip.within(field.mask())
 
     def _trimmed(self, clip: Clip) -> Clip:
         if self.trim is None or self.trim == (0, len(clip) - 1):
@@ -71,7 +86,9 @@ class ClipPart:
         is_whole = self.trim is None or (count is not None and self.span(count) == (0, count - 1))
         frames = "" if is_whole or self.trim is None else f"frames {self.trim[0] + 1} to {self.trim[1] + 1}"
         of = f" of {count}" if frames and count is not None else ""
-        return ", ".join(filter(None, (frames + of, "without masked pixels" if self.mask != NO_MASK else "")))
+        masked = "without masked pixels" if self.mask != NO_MASK else ""
+        lit = "without the dark surround" if self.field_of_view is not None else ""
+        return ", ".join(filter(None, (frames + of, masked, lit)))
 
 
 WHOLE: Final = ClipPart()

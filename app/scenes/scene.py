@@ -21,6 +21,7 @@ from renderer.editing.edits import Edits
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE, middle_distance
+from renderer.readers.listing import listed
 from renderer.splat_files import SplatFileError, is_named_as_splats, read_splats
 from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
@@ -141,6 +142,8 @@ def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
     if is_named_as_splats(path) or path.is_file():
         return splat_scene(path)
     folder = RunFolder(path)
+    if not folder.is_run:
+        _require_no_series(path)
     scene = finished_scene(folder, folder.record())
     edits = None if as_trained else read_edits(folder, len(scene.model))
     if edits is None:
@@ -150,6 +153,15 @@ def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
         "(--as-trained keeps them)"
     )
     return replace(scene.edited(edits), notices=(said,))
+
+
+def _require_no_series(path: Path) -> None:
+    """Raises UserError: a folder of splat files, each of one moment, with neither cameras nor frames."""
+    files = path.iterdir() if path.is_dir() else ()
+    names = sorted(file.name for file in files if is_named_as_splats(file))
+    if names:
+        own = "name one of these, or the run that they were exported from"
+        raise UserError(f"expected a run, got a folder of the splat files {listed(names)}: {own}: {path}")
 
 
 def splat_scene(path: Path) -> Scene:

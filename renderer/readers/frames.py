@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -35,11 +35,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     kinds = _kinds(files)
     paths = _frames_of(kinds)
     if not paths:
-        folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))
-        videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
-        inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
-        hint = f"; it holds the {inside}: open one of these" if inside else ""
-        raise ClipError(f"expected images in the folder, got none{hint}: {path}")
+        raise ClipError(f"expected images in the folder, got none{_instead(visible, files)}: {path}")
     _check_names(paths, path)
     told = {*paths, *kinds.others}
     strays = sorted(entry.name for entry in files if entry not in told)
@@ -57,6 +53,22 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         field_of_view=field_of_view,
         notices=(*kinds.notices(), *said, *left_pages(paths)),
     )
+
+
+def _instead(visible: Sequence[Path], files: Sequence[Path]) -> str:
+    """What a folder without images holds that can be opened, as the end of a sentence; empty for nothing."""
+    # It loads numba, which whoever only reads images need not wait for.
+    from renderer.splat_files import is_named_as_splats
+
+    splats = [entry.name for entry in files if is_named_as_splats(entry)]
+    if splats:
+        # Each is of one moment: a series of them has neither cameras nor frames.
+        own = "open one of these, or the run that they were exported from"
+        return f"; it holds the splat files {listed(splats)}: {own}"
+    folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))
+    videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
+    inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
+    return f"; it holds the {inside}: open one of these" if inside else ""
 
 
 def frames_of(folder: Path) -> tuple[Path, ...]:
@@ -103,6 +115,30 @@ def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     )
 
 
+def is_seen_by_assumption(clip: Clip) -> bool:
+    """Its files state no calibration: its field of view is the one that was assumed."""
+    return clip.format in ("images", "image", "video")
+
+
+def with_field_of_view(clip: Clip, degrees: float) -> Clip:
+    """The clip through cameras of that horizontal field of view, where it is `is_seen_by_assumption`."""
+    if not is_seen_by_assumption(clip) or not clip.has_one_size:
+        return clip
+    camera = _camera(degrees, clip.size, clip.pixel_aspect)
+    if camera == clip.cameras[0]:
+        return clip
+
+    def read_frame(index: int) -> Frame:
+        return replace(clip.read_frame(index), camera=camera)
+
+    return replace(clip, cameras=(camera,) * len(clip), read_frame=read_frame)
+
+
+def _camera(degrees: float, size: tuple[int, int], pixel_aspect: float) -> Camera:
+    camera = Camera.from_fov(degrees, *size)
+    return replace(camera, fy=camera.fx * pixel_aspect)
+
+
 def without_depth(
     path: Path,
     format: str,
@@ -120,8 +156,7 @@ def without_depth(
 
     `read` gives (H, W, 3) RGB by number; pixels are `pixel_aspect` times as wide as high.
     """
-    camera = Camera.from_fov(field_of_view, *size)
-    camera = replace(camera, fy=camera.fx * pixel_aspect)
+    camera = _camera(field_of_view, size, pixel_aspect)
 
     def read_frame(index: int) -> Frame:
         index = range(len(labels))[index]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Protocol
 
 from renderer.clip import ByteImage, Clip
+from renderer.pyav_presence import has_pyav, why_not_pyav
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.frames import without_depth
 
@@ -45,12 +45,12 @@ def open_video(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         frames_per_second=video.frames_per_second,
         frame_times=video.frame_times,
         pixel_aspect=video.pixel_aspect,
-        notices=video.notices,
+        notices=(*video.notices, *filter(None, (why_not_pyav(),))),
     )
 
 
 def _opened(path: Path, options: ClipOptions) -> Video:
-    if find_spec("av") is not None:
+    if has_pyav():
         from renderer.readers.pyav_video import PyAvVideo
 
         return PyAvVideo(path, options.deinterlacing)

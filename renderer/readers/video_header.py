@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 
 from renderer.clip import ClipError
+from renderer.pyav_presence import has_pyav
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class VideoHeader:
 
 def read_video_header(path: Path) -> VideoHeader:
     """Raises ClipError: the file is no video, or its path is not UTF-8, which the decoder cannot take."""
-    return _by_pyav(path) if find_spec("av") is not None else _by_opencv(path)
+    return _by_pyav(path) if has_pyav() else _by_opencv(path)
 
 
 def _by_pyav(path: Path) -> VideoHeader:

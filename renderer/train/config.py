@@ -23,8 +23,9 @@ Part = Literal[
     "tiles",
     "unseen",
     "hidden",
+    "surround",
 ]
-"""What a clip may not need."""
+"""What a clip may not need; the surround is left out before training sees the frames."""
 
 CHOSEN: Final = (
     "depth_weight, color_motion_rate and scale_rate were chosen on training frames of the pulling clip that "
@@ -98,7 +99,7 @@ class TrainConfig:
     """Degree of the spherical harmonics for view-dependent colour; auto: as the clip needs."""
     render_mode: RenderMode = "default"
     """How splats narrower than a pixel are rendered, see RenderMode; a run is rendered as it was trained."""
-    keep: Annotated[tuple[Part, ...], Len(0, 10)] = ()
+    keep: Annotated[tuple[Part, ...], Len(0, 11)] = ()
     """Parts to keep although the clip does not need them, to measure what they cost."""
     leave_out: Annotated[tuple[Literal["deformation", "color_curves"], ...], Len(0, 2)] = ()
     """Parts to leave out whatever the clip needs."""

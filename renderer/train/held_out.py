@@ -1,9 +1,10 @@
-"""Frames that training does not see, measured while it goes on, at a bounded share of its time."""
+"""Frames that training does not see: some measured while it goes on, at a bounded share of its time, and all
+of them at its end."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from time import perf_counter
 
 import numpy as np
@@ -50,7 +51,7 @@ class HeldOut:
 
 def evaluated(
     gaussians: DynamicGaussians,
-    frames: Sequence[Frame],
+    frames: Iterable[Frame],
     iteration: int,
     size: float,
     mode: RenderMode = "default",

@@ -31,7 +31,7 @@ from renderer.train.frame_store import FrameStore, nearest_folder
 from renderer.train.frames import TrainFrame, halved, train_frame, unseen_by
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.guards import LossWatch
-from renderer.train.held_out import MOST, HeldOut, evaluated
+from renderer.train.held_out import HeldOut, evaluated
 from renderer.train.hidden import smooth_occluded_motion
 from renderer.train.initialize import require_resolved, scene_size, with_points
 from renderer.train.meter import Meter
@@ -130,10 +130,11 @@ def train(
 
     hides = needs.has_masks or not clip.camera_is_fixed
     smooths = "hidden" not in config.keep and hides and isinstance(model.gaussians.motion, SplineMotion)
-    after = RENDERED * len(held_out or clip.test_indices[:MOST])
+    measured = held_out or clip.test_indices
+    after = RENDERED * len(measured)
     after += len(fit) * (RENDERED * ("unseen" not in config.keep) + SMOOTHED * smooths)
     meter = Meter(recipe, seconds, after)
-    held = HeldOut(clip, held_out or clip.test_indices, size, recipe.mode)
+    held = HeldOut(clip, measured, size, recipe.mode)
     for iteration in range(start, recipe.iterations):
         with meter.between():
             frame = pool.frame(iteration, recipe.stage_at(iteration))
@@ -170,14 +171,10 @@ def train(
         yield Finishing("smoothing hidden motion", left * (1 - RENDERED * len(fit) / total))
         gaussians, resting = smooth_occluded_motion(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
         omitted += resting
-    yield Finishing(
-        "measuring held-out frames", left * RENDERED * len(held_out or clip.test_indices[:MOST]) / total
-    )
-    if held_out:
-        views = [clip.read_frame(index) for index in held_out]
+    yield Finishing("measuring held-out frames", left * RENDERED * len(measured) / total)
+    if measured:
+        views = (clip.read_frame(index) for index in measured)
         yield evaluated(gaussians, views, recipe.iterations, size, recipe.mode)
-    elif clip.test_indices:
-        yield held.measure(gaussians, recipe.iterations, meter.seconds)
     wall = time.perf_counter() - opened
     yield Finished(recipe.iterations, meter.seconds, gaussians, omitted, wall)
 

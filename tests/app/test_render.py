@@ -247,3 +247,14 @@ def test_render_refuses_what_a_run_does_not_have(
     assert (call.code, call.error.count("\n")) == (2, 1)
     assert word in call.error
     assert {path.stem for path in tmp_path.iterdir()} == set(texts)
+
+
+def test_a_folder_of_splat_files_says_what_to_name(tmp_path: Path, vesselsplat: Cli) -> None:
+    for name in ("0000.ply", "0001.ply", "notes.txt"):
+        (tmp_path / name).touch()
+    call = vesselsplat("render", tmp_path, "--out", tmp_path / "out")
+    assert call.code == 2
+    assert (
+        "expected a run, got a folder of the splat files 0000.ply, 0001.ply: name one of these" in call.error
+    )
+    assert call.error.count("\n") == 1

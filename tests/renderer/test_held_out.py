@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import count
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from renderer.clip import Clip
 from renderer.measuring.training_accuracy import measured
+from renderer.phantom import PhantomParams, write_phantom
+from renderer.sources import open_clip
 from renderer.train import held_out
 from renderer.train.events import Evaluated, Finished
 from renderer.train.held_out import MOST, SHARE, HeldOut
@@ -33,6 +36,22 @@ def test_what_is_said_at_the_end_is_what_is_measured_afterwards() -> None:
     psnr, depth = found.psnr, found.depth_rmse
     assert last.psnr == pytest.approx(psnr, abs=0.01)
     assert last.depth_rmse == pytest.approx(depth, rel=0.01)
+
+
+def test_at_the_end_all_held_out_frames_count(tmp_path: Path) -> None:
+    """Also those that are not watched meanwhile: here one that is black."""
+    write_phantom(tmp_path / "clip", PhantomParams(n_frames=48, width=48, height=32))
+    phantom = open_clip(tmp_path / "clip")
+    watched = HeldOut(phantom, phantom.test_indices, 1.0)._indices
+    (black, *_) = sorted(set(phantom.test_indices) - set(watched))
+    clip = phantom.with_images(lambda image, frame: image * (frame.index != black), "phantom")
+    events, finished = run(clip)
+    every, some = (
+        measured(finished.model, clip, indices, clip.train_indices).psnr
+        for indices in (clip.test_indices, watched)
+    )
+    assert events[-1].psnr == pytest.approx(every, abs=0.01)
+    assert every < some - 1
 
 
 def test_a_run_is_measured_as_it_is_drawn_in_training() -> None:

@@ -130,7 +130,7 @@ def of_session(path: Path) -> Facts:
         session = SESSION.validate_json(read_text(path))
     except ValidationError as error:
         raise UserError(f"the session is damaged ({problem(error)}): {path}") from error
-    places = (("source", session.source), ("run", session.run))
+    places = (("source", session.source), ("run", session.run), ("second view", session.second))
     notes = (Fact("notes", tuple(session.notes.splitlines()), session.notes),) if session.notes else ()
     return (
         Fact("what", "session", {"kind": "session"}),

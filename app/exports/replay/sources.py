@@ -13,6 +13,7 @@ from app.files.provenance import digests
 from app.files.records import Source
 from app.runs.run_edits import unpacked
 from app.runs.run_folder import RunFolder, input_clip, run_clip
+from app.runs.runs_place import runs_place
 from app.scenes.drawer import Drawer
 from app.scenes.records import RunSource, SceneRecord
 from app.scenes.renderers import Renderer, drawer
@@ -26,7 +27,8 @@ from renderer.sources import open_case, with_chosen_depth
 
 @dataclass(eq=False)
 class Found:
-    """Looks for them beside the file, in the current folder, and where it is told to."""
+    """Looks for them beside the file, in the current folder, and where it is told to; for runs at last among
+    those that the window keeps."""
 
     file: Path
     given: tuple[Path, ...] = ()
@@ -91,7 +93,13 @@ class Found:
         """The run with this model. Raises UserError: missing, with another model, or never finished."""
         if run.model_sha256 is None:
             raise UserError(f"{self.file.name} shows {run.name} during training: that model no longer exists")
-        return RunFolder(self._found(run.name, run.model_sha256, _digests_of_model))
+        try:
+            return RunFolder(self._found(run.name, run.model_sha256, _digests_of_model))
+        except UserError:
+            kept = _kept_run(run.name, run.model_sha256)
+            if kept is None:
+                raise
+            return kept
 
     def _found(self, name: str, sha256: str, digests_of: Callable[[Path], Iterable[str]]) -> Path:
         candidates = list(dict.fromkeys(path.absolute() for path in self._candidates(name)))
@@ -133,6 +141,14 @@ def _is_bare(name: str) -> bool:
 def _lies_in(path: Path, folder: Path) -> bool:
     """Whether a link leads out of the folder; where one is meant, --source says so."""
     return path.resolve().is_relative_to(folder.resolve())
+
+
+def _kept_run(name: str, sha256: str) -> RunFolder | None:
+    """Of the runs that the window keeps, the one with this model; it may have been renamed since."""
+    place = runs_place()
+    folders = sorted(place.iterdir(), key=lambda path: path.name != name) if place.is_dir() else []
+    runs = (RunFolder(path) for path in folders if not path.is_symlink())
+    return next((run for run in runs if run.is_finished and sha256 in _digests_of_model(run.path)), None)
 
 
 def _digests_of_model(path: Path) -> Iterable[str]:

@@ -204,7 +204,8 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     say(state, f"opened {path.name}")
     if opened.warning:
         fail(state, opened.warning)
-    if not opened.in_passing:
+    # What a crash left is this process's own from now on: nothing to open another time.
+    if not opened.in_passing and path.parent != state.places.config:
         state.settings = state.settings.opened(path)
         save_settings(state)
 
@@ -214,7 +215,7 @@ def _kept_depth(state: AppState, opened: Opened) -> DepthRequest | None:
     clip, bare = opened.clip, opened.bare
     if clip is None or bare is None or opened.run is not None or opened.session is not None:
         return None
-    options = replace(opened.options, depth=state.source.kept_depth(clip.path))
+    options = state.source.kept_options(clip.path, opened.options)
     return DepthRequest(bare, options) if options != opened.options and bare.has_one_size else None
 
 

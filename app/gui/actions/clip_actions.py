@@ -11,7 +11,7 @@ from app.gui.work.settings import FILE, UNKNOWN, KnownClip, clips_content
 from app.gui.work.writing import WriteRequest
 from app.runs.clip_selection import ClipPart
 from enhance.field_search import find_field
-from renderer.readers.clip_options import DepthSource
+from renderer.readers.clip_options import ClipOptions
 
 
 def trim_here(state: AppState, *, start: bool) -> None:
@@ -82,25 +82,29 @@ def _set(state: AppState, settings: ClipPart) -> None:
     keep_settings(state)
 
 
-def keep_depth(state: AppState, source: DepthSource) -> None:
-    """That was chosen for this clip."""
+def keep_reading(state: AppState, options: ClipOptions) -> None:
+    """Depth, baseline and field of view that were chosen for this clip."""
     if state.source.clip is not None:
-        _keep(state, str(state.source.clip.path), source)
+        chosen = KnownClip(
+            depth=options.depth, baseline=options.baseline, field_of_view=options.field_of_view
+        )
+        _keep(state, str(state.source.clip.path), chosen)
 
 
 def keep_settings(state: AppState) -> None:
     """For the next time that this clip is opened, where paths are remembered at all."""
     if state.source.clip is not None:
         path = str(state.source.clip.path)
-        _keep(state, path, state.source.known.get(path, UNKNOWN).depth)
+        _keep(state, path, state.source.known.get(path, UNKNOWN))
 
 
-def _keep(state: AppState, path: str, depth: DepthSource) -> None:
+def _keep(state: AppState, path: str, reading: KnownClip) -> None:
+    """The part as it is now, and how the clip is read."""
     part, others = (
         state.source.part,
         {each: said for each, said in state.source.known.items() if each != path},
     )
-    state.source.known = {**others, path: KnownClip(trim=part.trim, mask=part.mask, depth=depth)}
+    state.source.known = {**others, path: replace(reading, trim=part.trim, mask=part.mask)}
     if state.settings.remember_recent:
         file, content = state.places.config / FILE, clips_content(state.source.known)
         state.window.wishes += (WriteRequest(file, content, "the clip's settings cannot be saved"),)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
+from pydantic import ValidationError
+
+from app.console.flags import problem
 from app.enhancement.clip_statistics import ClipStatistics
 from app.files.legible import capital, legible
 from app.gui.actions import actions, clip_actions
@@ -15,7 +19,8 @@ from app.gui.work.depths import DepthRequest, Ways, WaysRequest
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.clip import Clip, DepthOrigin
 from renderer.depth.depth_ways import DEPTH_WAYS, DepthWay, way_of
-from renderer.readers.clip_options import DepthSource
+from renderer.readers.clip_options import DEFAULTS, ClipOptions, DepthSource
+from renderer.readers.frames import is_seen_by_assumption
 
 BY: Final[Mapping[DepthOrigin, str]] = {
     "measured": "Depth in units of its own",
@@ -77,10 +82,50 @@ def choose_way(state: AppState, way: DepthWay) -> None:
 
 def choose_source(state: AppState, source: DepthSource) -> None:
     """The same, as the option of the command line says it."""
-    clip, bare, options = state.source.clip, state.source.bare, replace(state.source.options, depth=source)
-    if clip is not None and bare is not None:
-        state.source.depth_wish = DepthRequest(bare, options) if options != state.source.options else None
-        clip_actions.keep_depth(state, source)
+    _choose(state, replace(asked(state), depth=source))
+
+
+def asked(state: AppState) -> ClipOptions:
+    """How the open clip is read, or will be in a moment."""
+    wish = state.source.depth_wish
+    return state.source.options if wish is None else wish.options
+
+
+def assumes_view(state: AppState) -> bool:
+    """The field of view of the open clip is assumed where nobody types it."""
+    return state.source.bare is not None and is_seen_by_assumption(state.source.bare)
+
+
+def type_baseline(state: AppState, text: str) -> None:
+    """In mm, as typed; empty: that of the clip, or unknown."""
+    _type(state, "baseline", text)
+
+
+def type_field_of_view(state: AppState, text: str) -> None:
+    """In degrees, as typed; empty: the one that is assumed."""
+    _type(state, "field_of_view", text)
+
+
+def _type(state: AppState, name: str, text: str) -> None:
+    """A number of the options, with its unit or without; what is none, or out of its range, is refused in a
+    sentence."""
+    plain = re.sub(r"\s*(mm|°)?\s*$", "", text).strip().replace(",", ".")
+    try:
+        values: dict[str, Any] = {name: float(plain) if plain else getattr(DEFAULTS, name)}
+        options = replace(asked(state), **values)
+    except ValidationError as error:
+        actions.fail(state, problem(error, {name: capital(name.replace("_", " "))}))
+    except ValueError:
+        actions.fail(state, f"{capital(name.replace('_', ' '))}: expected a number, got {plain}")
+    else:
+        _choose(state, options)
+
+
+def _choose(state: AppState, options: ClipOptions) -> None:
+    if state.source.clip is not None and state.source.bare is not None:
+        changed = options != state.source.options
+        state.source.depth_wish = DepthRequest(state.source.bare, options) if changed else None
+        clip_actions.keep_reading(state, options)
 
 
 def take_ways(state: AppState, request: WaysRequest, answer: Ways) -> None:
@@ -94,7 +139,7 @@ def take_depth(state: AppState, request: DepthRequest, answer: Clip | Failure) -
         return
     state.source.depth_wish = None
     if isinstance(answer, Failure):
-        clip_actions.keep_depth(state, state.source.options.depth)
+        clip_actions.keep_reading(state, state.source.options)
         actions.fail(state, f"the depth of the clip stays as it is: {answer.message}")
         return
     before, state.source.clip, state.source.options = state.source.clip, answer, request.options

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -15,6 +14,7 @@ from app.gui.session_file import KeptSettings
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.work.runs import ModelRequest
+from app.runs.run_changes import folder_name
 from app.runs.run_folder import Input
 from app.runs.train_run import TrainRequest
 from app.scenes.scene import Scene, Training
@@ -126,7 +126,7 @@ def _run_path(state: AppState, suffix: str) -> Path:
     assert state.source.clip is not None
     stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
     wanted = (state.runs.reconstruction.name.strip() or f"{state.source.clip.name}-{stamp}") + suffix
-    base = re.sub(r"[^\w.-]+", "-", wanted).strip(".-") or "run"
+    base = folder_name(wanted) or "run"
     promised = {waiting.request.run_path for waiting in state.runs.queue} | {
         state.runs.reconstruction.run_path
     }

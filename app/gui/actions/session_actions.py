@@ -12,7 +12,7 @@ from pathlib import Path
 from app.enhancement.settable import LONGEST_NOTES
 from app.errors import UserError
 from app.files.legible import located
-from app.gui.actions import actions, edit_actions
+from app.gui.actions import actions, edit_actions, second_actions
 from app.gui.session_file import (
     MOST_STEPS,
     SUFFIX,
@@ -37,6 +37,7 @@ def snapshot(state: AppState, folder: Path) -> Session:
     return Session(
         source=SessionSource.of(state.source.path, folder) if state.source.path else None,
         run=SessionSource.of(run, folder) if run else None,
+        second=SessionSource.of(beside, folder) if (beside := _second(state)) else None,
         clip_options=state.source.options,
         part=state.source.part,
         edits=_unsaved(state),
@@ -69,6 +70,14 @@ def snapshot(state: AppState, folder: Path) -> Session:
     )
 
 
+def _second(state: AppState) -> Path | None:
+    """Where what is in the second 3D view lies, or what will be in a moment."""
+    second = state.scene.second
+    if second.opening is not None:
+        return second.opening.path
+    return second.shown.path if second.shown is not None else None
+
+
 def _unsaved(state: AppState) -> UnsavedEdits | None:
     """Edits of the open model that are not kept beside its run."""
     editing = state.editing
@@ -77,8 +86,9 @@ def _unsaved(state: AppState) -> UnsavedEdits | None:
     return UnsavedEdits(editing.edits.count, *packed(editing.edits))
 
 
-def restore(state: AppState, session: Session) -> None:
-    """All of it but the sources, which are open by now."""
+def restore(state: AppState, session: Session, second: Path | None = None) -> None:
+    """All of it but the sources, which are open by now; but what is in the second 3D view, which is at
+    `second`, is asked for."""
     if session.part is not None and state.source.clip is not None:
         state.source.part = session.part
     if session.edits is not None:
@@ -103,6 +113,10 @@ def restore(state: AppState, session: Session) -> None:
     state.tuning.shown = session.tuning_shown
     state.tuning.sort = session.sort
     state.session.notes = session.notes
+    if second is not None:
+        second_actions.open_second(state, second)
+    elif session.second is not None:
+        actions.say(state, f"the second view is empty: {Path(session.second.path).name} is no longer there")
     actions.rebase(state, session.past or (session.params,))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.gui.actions import job_actions, queue_actions, run_actions
+from app.gui.actions import changing_runs, job_actions, queue_actions, run_actions
 from app.gui.commands.command import Command, Section, menu
 from app.gui.state.app_state import AppState
 
@@ -26,6 +26,11 @@ def job_sections() -> tuple[Section, ...]:
                 text="from its last checkpoint", applies=job_actions.can_continue),
         Command("View the interrupted run", run_actions.look_at_present,
                 text="show the model as last seen", applies=_can_look),
+        Command("Rename the run…", changing_runs.ask_name, text="give the run that is shown another name",
+                applies=changing_runs.can_change_shown, synonyms=("name", "folder")),
+        Command("Delete the run…", changing_runs.ask_delete,
+                text="delete the run that is shown, after a question",
+                applies=changing_runs.can_change_shown, synonyms=("remove", "bin", "trash", "disk")),
     )  # fmt: skip
     waiting = (
         Command("Start the queue", queue_actions.wake,

@@ -19,7 +19,7 @@ from app.gui.style import theme
 from app.gui.style.widgets import Area, ask, button, choose_row, em, explain, in_line, muted, row, tag
 from app.gui.work.selecting import TRAITS, Limits
 from app.scenes.free_camera import Vector
-from renderer.editing.edits import Combination
+from renderer.editing.edits import Combination, Edits
 from renderer.editing.sight import Trait
 
 PANEL = "Edit"
@@ -90,7 +90,14 @@ def _draw_counts(editing: Editing) -> None:
     color = theme.now().warning if chosen else theme.now().text
     imgui.text_colored(color, f"{grouped(chosen)} of {grouped(seen)} selected")
     imgui.same_line(em(11))
-    muted(f"{grouped(len(edits.deleted))} deleted, {grouped(len(edits.hidden - edits.deleted))} hidden")
+    muted(gone(edits))
+    explain(gone(edits))
+
+
+def gone(edits: Edits) -> str:
+    """What is deleted and what is hidden, as far as anything is: the line is short."""
+    counts = {"deleted": len(edits.deleted), "hidden": len(edits.hidden - edits.deleted)}
+    return ", ".join(f"{grouped(count)} {word}" for word, count in counts.items() if count)
 
 
 def _draw_changes(state: AppState, editing: Editing) -> None:

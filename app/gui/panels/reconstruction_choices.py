@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Final, get_args
@@ -19,6 +20,7 @@ from app.gui.style.widgets import NAMES, button, choose_row, em, explain, explai
 from app.gui.work.presets import loosely_named
 from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWay
+from renderer.readers.clip_options import ClipOptions
 from renderer.train.config import Method, TrainConfig
 
 METHODS: Final[dict[Method, str]] = {method: named(method) for method in get_args(Method)}
@@ -38,6 +40,11 @@ WAY_TEXTS: Final[dict[DepthWay, str]] = {
     "stereo": "Matched between left and right images.",
     "guessed": "Any video: shapes are coarse, and lengths have no scale.",
 }
+BASELINE_TEXT: Final = (
+    "Distance between the left and right camera in mm: gives lengths a scale. Empty: from the calibration, "
+    "where there is one."
+)
+VIEW_TEXT: Final = "Horizontal field of view of the left camera, in degrees. Empty: 60° is assumed."
 NO_WAY: Final = "Choose…"
 POINTS: Final = "Sparse points"
 LINK_TEXT: Final = (
@@ -80,8 +87,35 @@ def _draw_depth(state: AppState, clip: Clip) -> None:
         imgui.end_combo()
     else:
         explain(WAYS_TEXT if now is None else WAY_TEXTS[now])
+    if now == "stereo":
+        _draw_pair(state, clip)
     if said := depth_actions.said(state):
         _indented(said)
+
+
+def _draw_pair(state: AppState, clip: Clip) -> None:
+    """What the scale of a stereo pair follows from, where its files do not state it."""
+    options = depth_actions.asked(state)
+    known = "unknown, in mm" if clip.baseline is None else f"{clip.baseline:.4g} mm, calibrated"
+    baseline = "" if options.baseline is None else f"{options.baseline:g} mm"
+    row("Baseline", BASELINE_TEXT)
+    _typed("##baseline", known, baseline, BASELINE_TEXT, partial(depth_actions.type_baseline, state))
+    if not depth_actions.assumes_view(state):
+        return
+    assumed, view = ClipOptions().field_of_view, options.field_of_view
+    row("View angle", VIEW_TEXT)
+    hint, shown = f"unknown, {assumed:g}° assumed", "" if view == assumed else f"{view:g}°"
+    _typed("##view", hint, shown, VIEW_TEXT, partial(depth_actions.type_field_of_view, state))
+
+
+def _typed(name: str, hint: str, value: str, text: str, take: Callable[[str], None]) -> None:
+    """A number that may be empty, taken when the typing ends."""
+    flags = imgui.InputTextFlags_.chars_decimal | imgui.InputTextFlags_.auto_select_all
+    _, typed = imgui.input_text_with_hint(name, hint, value, flags)
+    ended = imgui.is_item_deactivated_after_edit()
+    explain(text)
+    if ended:
+        take(typed)
 
 
 def _draw_link(state: AppState) -> None:

@@ -9,7 +9,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui, imgui_ctx
 
 from app.files.legible import legible, named
-from app.gui.actions import laid_out, queue_actions, run_actions
+from app.gui.actions import changing_runs, laid_out, queue_actions, run_actions
 from app.gui.panels.reconstruction import CONTINUES, LOOK_TEXT, STARTS_OVER
 from app.gui.panels.run_measures import draw_run_measures
 from app.gui.state.app_state import AppState
@@ -20,6 +20,10 @@ from app.gui.work.runs import ListedRun
 
 BESIDE = "Open beside"
 BESIDE_TEXT = "In a second 3D view beside the one shown, with the same camera and time."
+PSNR_FINISHED = (
+    "PSNR of all held-out frames, as in published results; of training frames where none are held out."
+)
+PSNR_SO_FAR = "PSNR so far: of up to 4 held-out frames where there are any, else of the training frames."
 CLOSE_TEXT = "Shown in the second 3D view: click to close that."
 ASLEEP_TEXT = "These were queued when the window was closed. Press Start the queue to run them."
 
@@ -64,7 +68,7 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     reason = run_actions.why_not_open(state, run)
     right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
     imgui.begin_disabled(bool(reason))
-    if imgui.selectable(f"{named(config.method)} · {run.request.input} frames###open", shown)[0]:
+    if imgui.selectable(f"{legible(run.path.name)}###open", shown)[0]:
         run_actions.open_run(state, run)
     imgui.end_disabled()
     how = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "
@@ -74,12 +78,13 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
         psnr = f"{run.psnr:.1f} dB"
         imgui.same_line(right - imgui.calc_text_size(psnr).x)
         imgui.text_colored(theme.now().accent, psnr)
-        explain("PSNR of held-out frames where measured, otherwise of the training frames.")
+        explain(PSNR_FINISHED if run.made == "finished" else PSNR_SO_FAR)
     finished, steps = run.made == "finished", f"{config.iterations:,}"
     steps = f"{steps} iterations" if finished else f"{run.iteration:,} of {steps}"
-    imgui.align_text_to_frame_padding()
-    muted(f"{_when(run.created)} · {steps} · {_made(state, run)}")
+    muted(f"{named(config.method)} · {run.request.input} frames · {_made(state, run)}")
+    muted(f"{_when(run.created)} · {steps}")
     _draw_beside(state, run)
+    _draw_changes(state, run)
     if run.made == "unfinished" and not run_actions.is_present(state, run):
         _draw_unfinished(state, run)
     if shown:
@@ -91,6 +96,17 @@ def _draw_beside(state: AppState, run: ListedRun) -> None:
     shown, reason = run_actions.is_beside(state, run), run_actions.why_not_beside(state, run)
     label, act = f"{BESIDE}###beside", partial(run_actions.toggle_beside, state, run)
     button(label, act, CLOSE_TEXT if shown else BESIDE_TEXT, reason=reason, color=theme.switch(shown))
+
+
+def _draw_changes(state: AppState, run: ListedRun) -> None:
+    """Rename and delete, beside the button before."""
+    reason = changing_runs.why_not_change(state, run)
+    for label, act, text in (
+        (f"{icons.ICON_FA_EDIT}###rename", changing_runs.ask_name, "Rename the run."),
+        (f"{icons.ICON_FA_TRASH}###delete", changing_runs.ask_delete, "Delete the run, after a question."),
+    ):
+        beside(label, 0.3)
+        button(label, partial(act, state, run), text, reason=reason)
 
 
 def _draw_unfinished(state: AppState, run: ListedRun) -> None:

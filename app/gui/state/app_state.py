@@ -29,6 +29,7 @@ from app.gui.work.run_measures import RunMeasuresRequest
 from app.gui.work.runs import RunsRequest
 from app.gui.work.settings import Places, Settings
 from app.kernels.progress import Kind
+from app.runs.clip_selection import WHOLE
 from app.scenes.backgrounds import BACKGROUNDS, Background
 from app.scenes.scene import Scene
 from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
@@ -233,7 +234,9 @@ class AppState:
         is_shown = shown.path == run.run_path and not shown.live and self.has_frames
         if not is_shown or run.request.clip_options != self.source.options:
             return None
-        return RunMeasuresRequest(shown, clip, run.request.part, run.request.config)
+        known = shown.record.clip  # It knows the surround that training found.
+        part = run.request.part if known is None else known.part or WHOLE
+        return RunMeasuresRequest(shown, clip, part, run.request.config)
 
     @property
     def plain_view_request(self) -> ViewRequest | None:

@@ -14,6 +14,7 @@ from app.gui.work.run_measures import RunMeasures
 from app.gui.work.runs import FoundRuns, LeftRequest, ModelRequest
 from app.runs.job import TrainingJob
 from app.runs.progress_log import EMPTY_LOG, TrainingLog
+from app.runs.run_changes import Footprint
 from app.runs.train_run import TrainRequest
 from app.scenes.scene import Scene
 from renderer.clip import Clip
@@ -114,6 +115,17 @@ class Reconstruction:
 
 
 @dataclass
+class RunQuestion:
+    """What a person is asked about one run."""
+
+    path: Path
+    name: str | None = None
+    """Its new one, as typed so far; None: whether it shall be deleted."""
+    footprint: Footprint | None = None
+    """Of its folder; None: not known yet."""
+
+
+@dataclass
 class Runs:
     """Job, queue and run actions change it; drawing reads it."""
 
@@ -133,6 +145,8 @@ class Runs:
     found: FoundRuns | None = None
     """The newest such list."""
     trouble: str = ""
+    question: RunQuestion | None = None
+    """Before a run is renamed or deleted."""
     sees_measures: bool = False
     """Measures of the run that is shown were drawn in the last frame."""
     measures: RunMeasures | None = None

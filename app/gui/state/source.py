@@ -56,7 +56,7 @@ class Source:
     @property
     def training_part(self) -> ClipPart:
         """What of the open clip the next reconstruction is of."""
-        return replace(self.part, trim=self.span if self.part.trim else None)
+        return replace(self.part, trim=self.span if self.part.trim else None, field_of_view=None)
 
     @property
     def place(self) -> int | None:
@@ -69,11 +69,15 @@ class Source:
         """Where it comes from in the open clip, or will in a moment."""
         return (self.depth_wish.options if self.depth_wish is not None else self.options).depth
 
-    def kept_depth(self, path: Path) -> DepthSource:
-        """Of a clip: as said at the start, else as it was chosen for it."""
-        known = self.known.get(str(path))
-        said = self.clip_options.depth
-        return said if known is None or said != "auto" else known.depth
+    def kept_options(self, path: Path, options: ClipOptions) -> ClipOptions:
+        """Of a clip that was read with `options`: as said at the start, else as it was chosen for it."""
+        known, said = self.known.get(str(path)), self.clip_options
+        depth, baseline, view = said.depth, said.baseline, said.field_of_view
+        if known is not None:
+            depth = known.depth if depth == DEFAULTS.depth else depth
+            baseline = known.baseline if baseline is None else baseline
+            view = known.field_of_view if view == DEFAULTS.field_of_view else view
+        return replace(options, depth=depth, baseline=baseline, field_of_view=view)
 
 
 @dataclass

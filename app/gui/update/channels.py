@@ -18,6 +18,7 @@ from app.gui.actions import (
     batch_actions,
     browse_actions,
     camera_actions,
+    changing_runs,
     depth_actions,
     edit_actions,
     export_actions,
@@ -43,6 +44,7 @@ from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Req
 from app.gui.work.baking import bake
 from app.gui.work.batching import batch
 from app.gui.work.beside import find_models
+from app.gui.work.changing_runs import ChangeRequest, change_run, measure_folder
 from app.gui.work.depths import find_ways, read_depth
 from app.gui.work.kept_layout import seal_anew
 from app.gui.work.listing import list_folder, thumbnail_of
@@ -141,6 +143,7 @@ class Channels:
         self.omissions = Channel(look)
         self.run_measures = SteppedChannel(measure_run)
         self.runs, self.beside = Channel(RunFinder().find), Channel(find_models)
+        self.changes, self.footprints = Channel(change_run, depth=8), Channel(measure_folder)
         self.files = Channel(write_file, depth=256)
         self.presets = Channel(keep_presets, depth=64)
         self.edits = Channel(keep_edits)
@@ -228,6 +231,9 @@ class Channels:
             Row(self.encoders, export_actions.take_encoder, export_actions.encoder_wish, "apart",
                 forgets=False),
             Row(self.reveals, export_actions.take_revealed, server="apart"),
+            Row(self.changes, changing_runs.take_changed, server=SECOND),
+            Row(self.footprints, told("the folder cannot be measured", changing_runs.take_footprint),
+                changing_runs.footprint_wish, SECOND),
             Row(self.files, taking.take_written, server=SECOND),
             Row(self.presets, preset_actions.take_kept, server=SECOND),
         )  # fmt: skip
@@ -246,6 +252,7 @@ class Channels:
             SessionRequest: self.sessions,
             ExportRequest: self.saving,
             RevealRequest: self.reveals,
+            ChangeRequest: self.changes,
         }
         for wish in wishes:
             channels[type(wish)].ask(wish)

@@ -128,7 +128,7 @@ def take_opened(state: AppState, request: OpenRequest, answer: Opened | Failure)
     else:
         actions.show_opened(state, request.path, answer)
         if answer.session is not None:
-            session_actions.restore(state, answer.session)
+            session_actions.restore(state, answer.session, answer.second)
             session_actions.taken_up(state, request.path)
 
 

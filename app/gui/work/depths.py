@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWays, depth_ways
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.frames import with_field_of_view
 from renderer.sources import with_chosen_depth
 
 
@@ -33,7 +34,7 @@ def find_ways(request: WaysRequest) -> Iterator[Ways]:
 
 @dataclass(frozen=True)
 class DepthRequest:
-    """The clip with the depth of other options."""
+    """The clip with the depth, and where its files state none with the field of view, of other options."""
 
     bare: Clip
     options: ClipOptions
@@ -41,4 +42,5 @@ class DepthRequest:
 
 def read_depth(request: DepthRequest) -> Iterator[Clip]:
     """Raises ClipError: there is no such depth."""
-    yield with_chosen_depth(request.bare, request.options)
+    seen = with_field_of_view(request.bare, request.options.field_of_view)
+    yield with_chosen_depth(seen, request.options)

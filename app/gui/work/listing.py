@@ -6,7 +6,6 @@ import os
 import stat
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
 from typing import Final, Literal
@@ -19,6 +18,7 @@ from app.errors import UserError
 from app.files.legible import legible
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
+from renderer.pyav_presence import has_pyav
 from renderer.readers.picture_files import opened
 from renderer.readers.picture_kinds import kind_by_name
 from renderer.readers.pictures import BROKEN, VIDEOS, is_picture, is_visible, natural_key, read_rgb
@@ -157,7 +157,7 @@ def _video_frame(path: Path) -> ByteImage | None:
     """One at a tenth of the whole, as the first ones are often black."""
     if not_utf8(path):
         return None
-    if find_spec("av") is not None:
+    if has_pyav():
         return _frame_by_pyav(path)
     capture = cv2.VideoCapture(str(path))
     try:

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 from app.runs.clip_selection import WHOLE, ClipPart
-from renderer.clip import Clip
+from app.runs.dark_surround import lit_field, omission_of, spread
+from renderer.clip import Clip, within
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission
 
@@ -58,9 +59,13 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
     config, clip = request.config, request.part.of(request.clip)
     fit, _ = split(clip, config)
     frames = FrameStore.of(clip.read_frame(index) for index in fit)
+    field = lit_field(frames[place] for place in spread(range(len(frames))))
+    without = frames if field is None else FrameStore.of(within(frame, field.mask()) for frame in frames)
 
     def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:
-        return decide(clip, frames, replace(config, keep=keep)).omitted
+        if field is None or "surround" in keep:
+            return decide(clip, frames, replace(config, keep=keep)).omitted
+        return (omission_of(field), *decide(clip, without, replace(config, keep=keep)).omitted)
 
     kept = (
         each

@@ -80,6 +80,8 @@ class Opened:
     """How the clip was read."""
     session: Session | None = None
     """To take up, of a session file."""
+    second: Path | None = None
+    """Of a session file: what its second 3D view showed, where that is still there."""
     path: Path | None = None
     """What was opened: of a session file, its source."""
     report: Reported | None = None
@@ -211,7 +213,8 @@ def _open_session(path: Path) -> Opened:
     if wanted.sha256 is not None and wanted.sha256 not in digests(place):
         notices = (*notices, f"{place.name} has changed since the session was saved")
     warning = damage or opened.warning
-    return replace(opened, session=session, path=place, notices=notices, warning=warning)
+    second = session.second.found(path) if session.second else None
+    return replace(opened, session=session, second=second, path=place, notices=notices, warning=warning)
 
 
 def _open_splats(path: Path) -> Opened:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import platformdirs
+from annotated_types import Interval
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, TypeAdapter
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
@@ -19,8 +20,9 @@ from app.enhancement.settable import FrameNumber, Mode, Name, PathText, Pixels, 
 from app.files.mended import mended_file
 from app.files.provenance import strict_json
 from app.runs.clip_selection import ClipPart
+from app.runs.runs_place import runs_place
 from app.scenes.backgrounds import BackgroundName
-from renderer.readers.clip_options import DepthSource
+from renderer.readers.clip_options import DEFAULTS, DepthSource
 
 RECENT_LIMIT = 8
 MOST_FOLDERS = 32
@@ -42,7 +44,7 @@ class Places:
         """The platform's own folders; VESSELSPLAT_CONFIG_DIR, _RUNS_DIR and _PICTURES_DIR override them."""
         return cls(
             config=_folder("VESSELSPLAT_CONFIG_DIR", _config()),
-            runs=_folder("VESSELSPLAT_RUNS_DIR", platformdirs.user_data_path("vesselsplat", False) / "runs"),
+            runs=runs_place(),
             pictures=_folder("VESSELSPLAT_PICTURES_DIR", platformdirs.user_pictures_path() / "VesselSplat"),
         )
 
@@ -157,6 +159,10 @@ class KnownClip:
     trim: tuple[FrameNumber, FrameNumber] | None = None
     mask: PictureMask = NO_MASK
     depth: DepthSource = "auto"
+    baseline: Annotated[float, Interval(ge=0.01, le=1000)] | None = None
+    """In mm; None: not said."""
+    field_of_view: Annotated[float, Interval(ge=5, le=170)] = DEFAULTS.field_of_view
+    """Horizontal, in degrees."""
 
     @property
     def part(self) -> ClipPart:

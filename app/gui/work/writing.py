@@ -61,7 +61,7 @@ def write(request: SessionRequest) -> Iterator[Path]:
     session, folder = request.session, request.path.parent
     if not request.in_passing:
         source, run = _hashed(session.source, folder), _hashed(session.run, folder)
-        session = replace(session, source=source, run=run)
+        session = replace(session, source=source, run=run, second=_hashed(session.second, folder))
     write_session(request.path, session)
     yield request.path
 

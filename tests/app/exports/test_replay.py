@@ -19,6 +19,7 @@ from app.exports.replay.difference import difference
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png, write_sidecar
 from app.gui.work.opening import OpenRequest, open_path
+from app.runs.run_changes import rename_run
 from app.scenes.free_camera import FreeView
 from app.scenes.view_request import ViewRequest
 from assets import phantom_path
@@ -118,6 +119,23 @@ def test_exports_come_again(runs: dict[str, Path], tmp_path: Path, vesselsplat: 
     assert vesselsplat("render", ply, "--out", tmp_path, "--size", 64, 48).code == 0
     call = vesselsplat("replay", tmp_path / "frame-000000.png")  # The splat file lies beside it.
     assert (call.code, call.error) == (0, "")
+
+
+def test_an_export_comes_again_from_the_runs_that_the_window_keeps(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept = tmp_path / "kept"
+    monkeypatch.setenv("VESSELSPLAT_RUNS_DIR", str(kept))
+    monkeypatch.chdir(tmp_path)
+    out = tmp_path / "render" / "out"
+    assert vesselsplat("render", runs["original"], "--out", out, "--frames", 1).code == 0
+    (picture,) = out.glob("*.png")
+    found = vesselsplat("replay", picture)
+    assert (found.code, "found none" in found.error) == (2, True)
+    shutil.copytree(runs["enhanced"], kept / runs["original"].name)
+    shutil.copytree(runs["original"], kept / "first")
+    rename_run(kept / "first", "another name")
+    assert vesselsplat("replay", picture).code == 0
 
 
 def test_a_splat_file_of_before_comes_again(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:

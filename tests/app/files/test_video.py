@@ -32,7 +32,7 @@ Cli = Callable[..., Call]
 def without(monkeypatch: pytest.MonkeyPatch, *programs: str) -> None:
     """As on a machine that has none of them."""
     if "PyAV" in programs:
-        monkeypatch.setattr("app.files.video_encoder.find_spec", lambda name: None)
+        monkeypatch.setattr("app.files.video_encoder.has_pyav", lambda: False)
     if "ffmpeg" in programs:
         monkeypatch.setattr("app.files.video_encoder.which", lambda name: None)
 
@@ -137,7 +137,7 @@ def test_an_ffmpeg_without_h264_is_passed_over(tmp_path: Path, monkeypatch: pyte
         monkeypatch.setattr("app.files.video_encoder.which", lambda name: str(program))
         assert video_encoder().name == name
     monkeypatch.setattr("app.files.video_encoder._pyav_has", lambda name: False)
-    monkeypatch.setattr("app.files.video_encoder.find_spec", lambda name: object())
+    monkeypatch.setattr("app.files.video_encoder.has_pyav", lambda: True)
     assert video_encoder() == VideoEncoder("OpenCV", "mp4v")
 
 

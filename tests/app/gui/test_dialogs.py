@@ -331,7 +331,7 @@ def test_images_videos_and_clips_have_thumbnails_and_damaged_files_an_icon(
 
 
 def test_a_video_has_a_thumbnail_without_pyav(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.gui.work.listing.find_spec", lambda name: None)
+    monkeypatch.setattr("app.gui.work.listing.has_pyav", lambda: False)
     writer = cv2.VideoWriter(str(folder / "scope.mp4"), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
     for _ in range(5):
         writer.write(np.full((48, 64, 3), (0, 0, 200), np.uint8))

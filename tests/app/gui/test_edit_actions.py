@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from app.gui.actions import actions, edit_actions
+from app.gui.panels.editing import gone
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
@@ -269,3 +270,11 @@ def test_edits_that_another_window_saved_are_told_before_they_are_replaced(
     # Its own save is no other window's.
     edit_actions.undo(other)
     assert save(other)
+
+
+def test_what_is_gone_is_said_in_a_line_that_fits() -> None:
+    edits = Edits.none(30_000)
+    assert gone(edits) == ""
+    few = edits.selecting_all().deleting()
+    assert gone(few) == "30,000 deleted"
+    assert gone(edits.selecting_all().hiding()) == "30,000 hidden"

@@ -64,7 +64,7 @@ WRONG: list[tuple[str, Any]] = [
     ("past", [LOOK] * (MOST_STEPS + 1)),
     ("params", {"p": [0.5] * 1000}),
     ("params", {"radii": [4] * 7}),
-    ("config", {"keep": ["depth"] * 11}),
+    ("config", {"keep": ["depth"] * 12}),
     ("config", {"n_gaussians": 10**9}),
     ("part", {"trim": [-5, 3]}),
     ("part", {"trim": [0, 10**15]}),

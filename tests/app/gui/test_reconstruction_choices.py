@@ -24,12 +24,14 @@ from app.runs.train_run import TrainRequest, run_training
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from renderer.camera import Camera
 from renderer.readers.clip_options import ClipOptions
-from renderer.sources import open_bare
+from renderer.sources import open_bare, open_clip
 from renderer.train.config import TrainConfig
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.settling import keep_all, served
 from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.renderer.eyes import write_eyes
 
 
 def write_video(path: Path) -> Path:
@@ -261,6 +263,68 @@ def test_depth_and_frames_are_chosen_by_hand(places: Places, tmp_path: Path) -> 
         state.window.closing = "agreed"
 
     driver.run(drive)
+
+
+@pytest.mark.display
+def test_baseline_and_field_of_view_are_typed_and_give_a_stereo_pair_a_scale(
+    places: Places, tmp_path: Path
+) -> None:
+    write_eyes(
+        tmp_path / "pair", "left/{:06d}.png", "right/{:06d}.png", 2, width=192, height=144, seed=41, tools=0
+    )
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, tmp_path / "pair")
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state) and state.source.depth_ways is not None, "the pair")
+        clip = state.source.clip
+        assert clip is not None
+        assert depth_actions.without_scale(state) != ""
+        before = clip.read_frame(0).depth
+        assert before is not None
+        ctx.window_focus("//Reconstruction")
+        ctx.yield_(2)
+        ctx.set_ref(ctx.window_info("//Reconstruction/choices").id_)
+        ctx.item_input_value("##baseline", "4.5")
+        wait(ctx, lambda: depth_actions.without_scale(state) == "", "a scale")
+        ctx.item_input_value("##view", "80")
+        wait(ctx, lambda: state.source.options.field_of_view == 80, "another view")
+        ctx.item_input_value("##view", "500")
+        ctx.yield_(3)
+        assert state.window.banner is not None
+        assert "Field of view: expected" in state.window.banner.message
+        assert state.source.options.field_of_view == 80
+        clip = state.source.clip
+        assert clip is not None
+        now = clip.read_frame(0).depth
+        assert now is not None
+        assert clip.unit == "mm"
+        camera = clip.read_frame(0).camera
+        assert camera == clip.cameras[0] == Camera.from_fov(80, 192, 144)
+        seen = before > 0
+        scale = 4.5 * Camera.from_fov(80, 192, 144).fx / Camera.from_fov(60, 192, 144).fx
+        np.testing.assert_allclose(now[seen], scale * before[seen], rtol=1e-4)
+        ctx.item_input_value("##baseline", "")
+        wait(ctx, lambda: depth_actions.without_scale(state) != "", "no scale")
+        ctx.item_input_value("##baseline", "5")
+        wait(ctx, lambda: depth_actions.without_scale(state) == "", "a scale")
+        depth_actions.type_baseline(state, "5 mm")
+        depth_actions.type_field_of_view(state, " 80°")
+        assert state.source.depth_wish is None  # As they are.
+
+    driver.run(drive)
+    known = load_clips(places.config)[str(tmp_path / "pair")]
+    assert (known.baseline, known.field_of_view) == (5.0, 80.0)
+    again, channels = opened(places, tmp_path / "pair", Source(known=load_clips(places.config)))
+    turn(again, channels)
+    assert (again.source.options.baseline, again.source.options.field_of_view) == (5.0, 80.0)
+    # As the command line reads it.
+    clip = open_clip(tmp_path / "pair", again.source.options)
+    shown = again.source.clip
+    assert shown is not None
+    assert clip.cameras == shown.cameras
+    np.testing.assert_array_equal(clip.read_frame(1).depth, shown.read_frame(1).depth)
 
 
 def test_a_bare_clip_is_that_of_the_files(tmp_path: Path) -> None:

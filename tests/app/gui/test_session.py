@@ -225,6 +225,7 @@ def test_what_a_dead_process_left_is_found_and_kept_until_taken_up(
         turn(later, channels)
     assert snapshot(later, places.config) == snapshot(state, places.config)
     assert (left.exists(), own.exists()) == (False, True)
+    assert not any("autosave" in recent for recent in later.settings.recent)
     own.rename(left)
     session_actions.offer_recovery(later)
     session_actions.decline(later)

@@ -128,3 +128,14 @@ def test_real_clips():
     sinus = open_images(DATA / "sinus_moving_camera")
     assert len(sinus) == 35
     assert "undistorted_mask.jpg" in sinus.notices[0]
+
+
+def test_a_folder_of_exported_splats_says_what_to_open(tmp_path: Path) -> None:
+    for index in range(7):
+        (tmp_path / f"{index:04d}.ply").touch()
+    with pytest.raises(ClipError) as raised:
+        open_images(tmp_path)
+    said = str(raised.value)
+    assert "got none; it holds the splat files 0000.ply, 0001.ply, " in said
+    assert "0004.ply and 2 more: " in said
+    assert said.endswith(f"open one of these, or the run that they were exported from: {tmp_path}")

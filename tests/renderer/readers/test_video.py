@@ -39,7 +39,7 @@ LENGTH = 100
 @pytest.fixture(params=["PyAV", "OpenCV alone"])
 def decoder(request, monkeypatch) -> str:
     if request.param == "OpenCV alone":
-        monkeypatch.setattr("renderer.readers.video.find_spec", lambda name: None)
+        monkeypatch.setattr("renderer.readers.video.has_pyav", lambda: False)
     return request.param
 
 
@@ -105,7 +105,7 @@ def test_seeking_of_opencv_that_lands_elsewhere_is_noticed(video, monkeypatch):
 
     decoder = cv2.VideoCapture
     monkeypatch.setattr(cv2, "VideoCapture", Crooked)
-    monkeypatch.setattr("renderer.readers.video.find_spec", lambda name: None)
+    monkeypatch.setattr("renderer.readers.video.has_pyav", lambda: False)
     clip = open_video(video)
     order = [90, 3, 50, 97, 20]
     assert [number_of(clip.read_image(index)) for index in order] == order
@@ -305,7 +305,7 @@ def test_opencv_alone_refuses_what_it_does_not_decode(tmp_path, monkeypatch):
     path = encoded(
         tmp_path / "a.mp4", [woven(moment) for moment in range(20)], options=INTERLACED, interlaced=True
     )
-    monkeypatch.setattr("renderer.readers.video.find_spec", lambda name: None)
+    monkeypatch.setattr("renderer.readers.video.has_pyav", lambda: False)
     with pytest.raises(ClipError, match="interlaced video; install PyAV to read more"):
         open_video(path)
 

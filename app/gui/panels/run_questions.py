@@ -1,0 +1,61 @@
+"""What is asked before a run is renamed or deleted."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from app.files.legible import grouped, legible
+from app.gui.actions import changing_runs
+from app.gui.state.app_state import AppState
+from app.gui.state.reconstruction import RunQuestion
+from app.gui.style.widgets import ask, button, in_line, muted, question
+from app.runs.run_changes import Footprint, folder_name
+
+RENAME, DELETE = "Rename the run", "Delete the run?"
+
+
+def draw_run_question(state: AppState) -> None:
+    """Over everything, while it stands."""
+    asked = state.runs.question
+    if asked is None:
+        return
+    if asked.name is None:
+        _draw_delete(state, asked)
+    else:
+        _draw_rename(state, asked, asked.name)
+
+
+def _draw_delete(state: AppState, asked: RunQuestion) -> None:
+    said = (legible(str(asked.path)), held(asked.footprint), "This cannot be undone.")
+    if reply := ask(DELETE, said, ("Delete", "Keep")):
+        changing_runs.answer(state, agreed=reply == "Delete")
+
+
+def held(footprint: Footprint | None) -> str:
+    """What the folder holds, in words."""
+    if footprint is None:
+        return "Measuring the folder…"
+    files = f"{grouped(footprint.files)} file{'s' * (footprint.files != 1)}"
+    return f"{files}, {footprint.size / 1e6:,.1f} MB, with everything that was exported into it."
+
+
+def _draw_rename(state: AppState, asked: RunQuestion, name: str) -> None:
+    with question(RENAME, 27) as opened:
+        if not opened:
+            return
+        imgui.text_unformatted("Name of the folder")
+        if imgui.is_window_appearing():
+            imgui.set_keyboard_focus_here()
+        imgui.set_next_item_width(-1)
+        entered, typed = imgui.input_text("##name", name, imgui.InputTextFlags_.enter_returns_true)
+        changing_runs.type_name(state, typed)
+        becomes = folder_name(typed)
+        muted(f"Becomes {becomes}" if becomes and becomes != typed else " ")
+        reason = changing_runs.why_not_name(asked)
+        agreed, given_up = entered and not reason, imgui.is_key_pressed(imgui.Key.escape)
+        for label, width in in_line(("Rename", "Cancel")):
+            if button(label, width=width, reason=reason if label == "Rename" else ""):
+                agreed, given_up = label == "Rename", label == "Cancel"
+        if agreed or given_up:
+            changing_runs.answer(state, agreed=agreed)
+            imgui.close_current_popup()

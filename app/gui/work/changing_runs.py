@@ -1,0 +1,40 @@
+"""Runs renamed and deleted off the window's thread, and what deleting one would free."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.runs.run_changes import Footprint, delete_run, footprint, rename_run
+
+
+@dataclass(frozen=True, eq=False)
+class ChangeRequest:
+    """One run to be renamed, or deleted."""
+
+    path: Path
+    name: str | None
+    """The new one; None: it is deleted."""
+
+
+@dataclass(frozen=True)
+class Changed:
+    """What has become of it."""
+
+    path: Path | None
+    """Where it lies now; None: nowhere."""
+
+
+def change_run(request: ChangeRequest) -> Iterator[Changed]:
+    """Answers a ChangeRequest. Raises OSError or UserError."""
+    if request.name is None:
+        delete_run(request.path)
+        yield Changed(None)
+    else:
+        yield Changed(rename_run(request.path, request.name))
+
+
+def measure_folder(path: Path) -> Iterator[Footprint]:
+    """Of a run. Raises OSError or UserError."""
+    yield footprint(path)

@@ -1,0 +1,72 @@
+"""The dark surround of an endoscope's image, which is no tissue: found in the frames to train on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from enhance.field import FieldOfView, typical
+from enhance.field_search import find_field
+from renderer.clip import Frame
+from renderer.train.config import TrainConfig
+from renderer.train.events import Omission
+
+LOOKED_AT: Final = 16
+"""Frames, evenly spread."""
+LEAST_TISSUE: Final = 0.5
+"""Of the surround: where the clip's own masks call less of it tissue, they leave it out themselves."""
+
+
+def spread(indices: Sequence[int]) -> list[int]:
+    """Those of the frames that are looked at."""
+    places = np.linspace(0, len(indices) - 1, min(LOOKED_AT, len(indices))).round().astype(int)
+    return [indices[place] for place in places]
+
+
+def lit_field(frames: Iterable[Frame]) -> FieldOfView | None:
+    """What the endoscope sees in most of these frames.
+
+    None where nothing surrounds it, where their masks leave the surround out, or where they differ in size.
+    """
+    found, tissue, count = list[FieldOfView](), np.zeros((0, 0)), 0
+    for frame in frames:
+        if count and tissue.shape != frame.tissue_mask.shape:
+            return None
+        tissue, count = tissue + frame.tissue_mask if count else frame.tissue_mask.astype(float), count + 1
+        if (field := find_field(frame.image)) is not None:
+            found.append(field)
+    field = typical(found) if found else None
+    if field is None or field.is_whole:
+        return None
+    return field if tissue[~field.mask()].mean() > LEAST_TISSUE * count else None
+
+
+def omission_of(field: FieldOfView) -> Omission:
+    """What leaving out all but this field is, in words and numbers."""
+    share = 1 - _lit_share(field)
+    return Omission(
+        "dark surround",
+        "the endoscope sees nothing there",
+        f"{share:.0%} of the pixels and Gaussians",
+        "surround",
+    )
+
+
+def as_dense(config: TrainConfig, field: FieldOfView | None) -> TrainConfig:
+    """With as many Gaussians per pixel of the field as the whole image would have: more of them learn no
+    better in as many steps. On the phantom through a round view, 800 steps: 0.3 to 0.5 dB."""
+    if field is None:
+        return config
+    return replace(config, n_gaussians=max(1, round(_lit_share(field) * config.n_gaussians)))
+
+
+def _lit_share(field: FieldOfView) -> float:
+    return float(field.mask().mean())
+
+
+def notice_of(field: FieldOfView) -> str:
+    """The same in a line, for the start of training."""
+    return f"left out: the dark surround, {omission_of(field).saves}"

@@ -1,0 +1,68 @@
+"""Run folders renamed and deleted by hand: only runs, and never one that is in training."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.errors import UserError
+from app.runs.run_folder import RunFolder
+from app.runs.run_lock import locked
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """What a folder takes, with all that lies below it."""
+
+    files: int
+    size: int
+    """Bytes."""
+
+
+def folder_name(wanted: str) -> str:
+    """As near to what a person typed as every system allows; empty where nothing is left of it."""
+    return re.sub(r"[^\w.-]+", "-", wanted).strip(".-")
+
+
+def footprint(path: Path) -> Footprint:
+    """Links count as themselves. Raises OSError: the folder cannot be looked through."""
+    if not path.is_dir():
+        raise UserError(f"expected a folder, got none: {path}")
+    sizes = [os.lstat(Path(folder, name)).st_size for folder, _, names in os.walk(path) for name in names]
+    return Footprint(len(sizes), sum(sizes))
+
+
+def rename_run(path: Path, wanted: str) -> Path:
+    """Where it lies now. Raises UserError or OSError: it stays as it was."""
+    name = folder_name(wanted)
+    if not name:
+        raise UserError(f"expected a name with letters or digits for the run, got {wanted!r}")
+    there = path.with_name(name)
+    if there == path:
+        return path
+    _require_free(path)
+    # Where upper and lower case are one, another spelling of its own name is no other folder.
+    if there.exists() and not there.samefile(path):
+        raise UserError(f"expected a name that no other run has, got {name}: {there}")
+    path.rename(there)
+    return there
+
+
+def delete_run(path: Path) -> None:
+    """With all that lies in its folder. Raises UserError or OSError: some of it is left."""
+    _require_free(path)
+    # In one step it is no run any more: what is cut short leaves nothing that looks like one.
+    doomed = path.with_name(f".{path.name}.deleted")
+    path.rename(doomed)
+    shutil.rmtree(doomed)
+
+
+def _require_free(path: Path) -> None:
+    """Raises UserError: it is no run folder, a link to one, or in training."""
+    if path.is_symlink() or not RunFolder(path).is_run:
+        raise UserError(f"expected a run folder with run.json, found none in {path}")
+    with locked(path):
+        pass

@@ -1,0 +1,150 @@
+"""Runs renamed and deleted in the window: after a question, never in training, and what is shown follows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from imgui_bundle import imgui
+
+from app.gui.actions import actions, changing_runs
+from app.gui.panels.run_questions import held
+from app.gui.state.app_state import AppState
+from app.gui.state.reconstruction import Waiting
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
+from app.gui.work.runs import FoundRuns, ListedRun, RunFinder
+from app.gui.work.settings import Places, Settings
+from app.runs.run_changes import Footprint
+from app.runs.run_folder import RunFolder
+from app.runs.run_lock import locked
+from app.runs.train_run import TrainRequest, run_training
+from assets import phantom_path
+from renderer.sources import open_clip
+from renderer.train.config import TrainConfig
+from tests.app.gui.conftest import FakeJob
+from tests.app.gui.test_window import Driver, is_settled, wait
+
+CONFIG = TrainConfig(iterations=2, n_gaussians=300)
+
+
+def trained(runs: Path, *names: str) -> None:
+    for name in names:
+        list(run_training(TrainRequest(clip_path=phantom_path(), run_path=runs / name, config=CONFIG)))
+
+
+@pytest.fixture
+def listed(state: AppState, tmp_path: Path) -> AppState:
+    trained(tmp_path / "runs", "one", "two")
+    state.places = replace(state.places, runs=tmp_path / "runs")
+    state.source.clip = open_clip(phantom_path())
+    return state
+
+
+def run_of(state: AppState, name: str) -> ListedRun:
+    state.runs.is_listed = True
+    assert state.runs_request is not None
+    (found,) = RunFinder().find(state.runs_request)
+    assert isinstance(found, FoundRuns)
+    state.runs.found = found
+    return next(run for run in found.runs if run.path.name == name)
+
+
+def test_only_what_was_agreed_to_is_done(listed: AppState) -> None:
+    channels, one = Channels(), run_of(listed, "one")
+    for agreed in (False, True):
+        changing_runs.ask_delete(listed, one)
+        update(listed, channels, 0.1)
+        assert channels.footprints.run_waiting()
+        update(listed, channels, 0.2)
+        question = listed.runs.question
+        assert question is not None
+        assert question.footprint is not None
+        assert question.footprint.size > 10_000
+        changing_runs.answer(listed, agreed=agreed)
+        assert listed.runs.question is None
+        update(listed, channels, 0.3)
+        assert channels.changes.run_waiting() == agreed
+        assert one.path.exists() != agreed
+    update(listed, channels, 0.4)
+    assert listed.window.toast is not None
+    assert "deleted one" in listed.window.toast.message
+
+
+def test_what_is_in_training_or_queued_is_left_alone(listed: AppState) -> None:
+    (listed.places.runs / "one" / "model.safetensors").unlink()
+    with locked(listed.places.runs / "one"):
+        run = run_of(listed, "one")
+        assert "in training" in changing_runs.why_not_change(listed, run)
+        changing_runs.ask_delete(listed, run)
+        changing_runs.ask_name(listed, run)
+    assert listed.runs.question is None
+    run = run_of(listed, "one")
+    assert changing_runs.why_not_change(listed, run) == ""
+    listed.runs.queue = (Waiting(listed.source.clip, run.request),)
+    assert "queued" in changing_runs.why_not_change(listed, run)
+
+
+def test_what_cannot_be_done_is_said(listed: AppState) -> None:
+    channels = Channels()
+    changing_runs.ask_name(listed, run_of(listed, "one"))
+    changing_runs.type_name(listed, "two")
+    changing_runs.answer(listed, agreed=True)
+    update(listed, channels, 0.1)
+    assert channels.changes.run_waiting()
+    update(listed, channels, 0.2)
+    assert listed.window.banner is not None
+    assert (
+        "one was not renamed: expected a name that no other run has, got two" in listed.window.banner.message
+    )
+    assert RunFolder(listed.places.runs / "one").is_finished
+
+
+def test_a_folder_is_said_in_words() -> None:
+    assert held(None) == "Measuring the folder…"
+    assert held(Footprint(1, 2_500_000)).startswith("1 file, 2.5 MB")
+
+
+@pytest.mark.display
+def test_the_run_that_is_shown_is_renamed_and_deleted_by_mouse_and_keyboard(places: Places) -> None:
+    trained(places.runs, "first")
+    jobs: list[FakeJob] = []
+    driver = Driver(places, Settings(acknowledged=True), jobs)
+    state = driver.state
+    actions.open_path(state, places.runs / "first")
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the run")
+        ctx.window_focus("//Runs")
+        wait(ctx, lambda: state.runs.found is not None and bool(state.runs.found.runs), "the list")
+        ctx.yield_(2)
+        ctx.item_click("//Runs/**/###rename")
+        wait(ctx, lambda: state.runs.question is not None, "the question")
+        ctx.yield_(3)
+        ctx.key_press(imgui.Key.mod_ctrl | imgui.Key.a)
+        ctx.key_chars("second look")
+        ctx.yield_(2)
+        ctx.key_press(imgui.Key.enter)
+        wait(ctx, lambda: state.source.path == places.runs / "second-look", "the renamed run")
+        assert state.scene.model is not None
+        assert state.scene.model.name == "second-look"
+        found = state.runs.found
+        wait(ctx, lambda: state.runs.found is not found, "the new list")
+        ctx.yield_(2)
+        ctx.item_click("//Runs/**/###delete")
+        wait(ctx, lambda: state.runs.question is not None, "the question")
+        ctx.yield_(3)
+        ctx.key_press(imgui.Key.escape)
+        wait(ctx, lambda: state.runs.question is None, "no")
+        ctx.yield_(3)
+        assert (places.runs / "second-look").is_dir()
+        ctx.item_click("//Runs/**/###delete")
+        wait(ctx, lambda: state.runs.question is not None, "the question")
+        ctx.yield_(3)
+        ctx.item_click("//Delete the run?/Delete")
+        wait(ctx, lambda: state.scene.model is None and is_settled(state), "the clip alone")
+        assert not (places.runs / "second-look").exists()
+        assert list(places.runs.iterdir()) == []
+
+    driver.run(drive)

@@ -1,0 +1,59 @@
+"""Run folders are renamed and deleted; whatever is no run, or is in training, stays."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from app.errors import UserError
+from app.runs.run_changes import delete_run, footprint, rename_run
+from app.runs.run_folder import RunFolder
+from app.runs.run_lock import locked
+
+
+@pytest.fixture
+def run(runs: dict[str, Path], tmp_path: Path) -> Path:
+    return Path(shutil.copytree(runs["original"], tmp_path / "run"))
+
+
+def test_a_renamed_run_is_the_same_run(run: Path, runs: dict[str, Path]) -> None:
+    there = rename_run(run, "patient 7, second try")
+    assert there == run.with_name("patient-7-second-try")
+    assert not run.exists()
+    assert RunFolder(there).model_path.read_bytes() == RunFolder(runs["original"]).model_path.read_bytes()
+    assert rename_run(there, there.name) == there
+
+
+@pytest.mark.parametrize("name", ["", " ./.. ", "other"])
+def test_a_name_that_is_none_or_taken_is_refused(run: Path, name: str) -> None:
+    (run.parent / "other").mkdir()
+    with pytest.raises(UserError, match="expected a name"):
+        rename_run(run, name)
+    assert RunFolder(run).is_finished
+
+
+def test_a_deleted_run_is_gone_and_nothing_else(run: Path) -> None:
+    beside = run.parent / "beside.txt"
+    beside.write_text("mine")
+    kept = footprint(run)
+    assert kept.files == sum(path.is_file() for path in run.rglob("*"))
+    assert kept.size == sum(path.stat().st_size for path in run.rglob("*") if path.is_file())
+    delete_run(run)
+    assert list(run.parent.iterdir()) == [beside]
+
+
+def test_what_is_in_training_or_no_run_stays(run: Path) -> None:
+    with locked(run):
+        for change in (delete_run, lambda path: rename_run(path, "new")):
+            with pytest.raises(UserError, match="trained by another process"):
+                change(run)
+    other, link = run.parent / "photos", run.parent / "link"
+    other.mkdir()
+    link.symlink_to(run, target_is_directory=True)
+    for path in (other, link, run.parent / "nothing"):
+        with pytest.raises(UserError, match="expected a run folder"):
+            delete_run(path)
+    assert RunFolder(run).is_finished
+    assert other.is_dir()
