@@ -13,6 +13,7 @@ from renderer.raw_gaussians import FIELDS, RawGaussians
 from renderer.splats import Float32Array
 from renderer.stored_arrays import Arrays, check_state
 from renderer.train.adam import corrected_rate, update_rows
+from renderer.train.average import Average
 from renderer.train.densify import Densifier, Plan
 from renderer.train.frames import TrainFrame
 from renderer.train.gradient_backend import CpuBackend, GradientBackend
@@ -39,6 +40,7 @@ class TrainModel:
         self._first = {name: np.zeros_like(value) for name, value in raw.arrays().items()}
         self._second = {name: np.zeros_like(value) for name, value in raw.arrays().items()}
         self._density = Densifier(recipe.density, size, len(raw)) if recipe.density else None
+        self._average = Average(recipe.iterations, round(recipe.averaged_share * recipe.iterations))
         self.trouble = Trouble()
 
     def __len__(self) -> int:
@@ -49,6 +51,11 @@ class TrainModel:
         """The model as it stands; later steps change its arrays."""
         return DynamicGaussians(self.raw, self._motion.motion)
 
+    @property
+    def result(self) -> DynamicGaussians:
+        """What training gives, after its last step."""
+        return self._average.of(self.gaussians)
+
     def snapshot(self) -> DynamicGaussians:
         """A copy that later steps leave alone."""
         return deepcopy(self.gaussians)
@@ -58,7 +65,8 @@ class TrainModel:
         first = {f"first.{name}": value for name, value in self._first.items()}
         second = {f"second.{name}": value for name, value in self._second.items()}
         density = self._density.state() if self._density else {}
-        return self.raw.arrays() | first | second | density | self._motion.state()
+        of_steps = self.raw.arrays() | first | second | density | self._motion.state()
+        return of_steps | self._average.state()
 
     def restore(self, arrays: Arrays) -> None:
         """Take over what `state` gave.
@@ -75,6 +83,7 @@ class TrainModel:
         if self._density:
             self._density.restore(arrays)
         self._motion.restore(arrays)
+        self._average.restore(arrays)
 
     def step(self, frame: TrainFrame, iteration: int) -> Measured:
         """One update from one frame; `iteration` counts from 0."""
@@ -98,6 +107,7 @@ class TrainModel:
             self._density.add(self._pictures.by_centers(), seen, frame.camera)
             if self._density.is_due(iteration + 1):
                 self._carry_out(self._density.plan(self.raw, iteration + 1))
+        self._average.add(self.gaussians, iteration + 1)
         return slopes.measured
 
     def _raise_degree(self, bands: int) -> None:

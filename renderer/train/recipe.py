@@ -79,6 +79,8 @@ class Recipe:
     """What has no gradient in a step goes on by its moments, as Adam is published; else it rests."""
     mode: RenderMode = "default"
     """How splats narrower than a pixel are drawn, in training and after."""
+    averaged_share: float = 0.0
+    """Of the steps, at the end: the result is the mean of the models after them, see Average."""
     sh_degree: int = 0
     """Of the spherical harmonics at the end, 0 to 3: one more every sixth of the run."""
 

@@ -160,7 +160,7 @@ def train(
     yield Finishing("removing what no frame shows", left)
     for notice in model.trouble.notices():
         yield Warned(notice)
-    gaussians: DynamicGaussians = model.gaussians
+    gaussians: DynamicGaussians = model.result
     del model
     omitted: tuple[Omission, ...] = ()
     if "unseen" not in config.keep:
