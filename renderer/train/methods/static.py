@@ -6,7 +6,7 @@ from functools import partial
 
 from renderer.train.config import TrainConfig
 from renderer.train.initialize import DETAIL, sampled
-from renderer.train.methods.vesselsplat import losses, row_rates, stages
+from renderer.train.methods.vesselsplat import AVERAGED, losses, row_rates, stages
 from renderer.train.needs import Needs
 from renderer.train.recipe import Recipe
 from renderer.train.still_trainer import StillTrainer
@@ -20,5 +20,6 @@ def recipe(config: TrainConfig, needs: Needs) -> Recipe:
         rates=row_rates(config, needs),
         stages=stages(config),
         losses=losses(config, needs),
+        averaged_share=AVERAGED,
         sh_degree=needs.sh_degree,
     )
