@@ -9,8 +9,9 @@ from pathlib import Path
 from app.commands import view_flags
 from app.console.progress import progress
 from app.errors import UserError
+from app.exports.browser.of_scene import browser_model
 from app.exports.make import make
-from app.exports.records import BrowserModel, RenderVideo, Splats
+from app.exports.records import RenderVideo, Splats
 from app.exports.sources import Opened
 from app.files.atomic import filled, write_bytes
 from app.files.records import extended
@@ -87,16 +88,7 @@ def _write_page(path: Path, scene: Scene, wanted: list[Moment], speed: float) ->
     """As the camera of the first moment sees it."""
     if path.suffix.lower() != ".html":
         raise UserError(f"--html: expected the name of an .html file, got {path.name}")
-    frames = len(scene.cameras)
-    record = extended(
-        BrowserModel,
-        scene.record,
-        title=scene.record.clip.name if scene.record.clip else scene.name,
-        camera=wanted[0].camera,
-        near=scene.near,
-        frames=frames,
-        seconds=frames / speed,
-    )
+    record = browser_model(scene, wanted[0].camera, speed)
     run_to_end(make(record, Opened(model=scene), path))
     if scene.model.raw.harmonics.shape[1]:
         sys.stderr.write(f"colours by direction are left out of the page: {path}\n")

@@ -11,6 +11,7 @@ from typing import Final, Literal
 
 from app.exports.make import make
 from app.exports.records import (
+    BrowserModel,
     MeasuresTable,
     PanesPicture,
     PanesRecord,
@@ -27,7 +28,13 @@ from app.files.stepping import map_steps, run_to_end
 from renderer.clip import ByteImage
 
 ImageSuffix = Literal[".png", ".jpg", ".tiff"]
-SUFFIXES: Final = {"panes video": ".mp4", "view video": ".mp4", "measures": ".csv", "splats": ".ply"}
+SUFFIXES: Final = {
+    "panes video": ".mp4",
+    "view video": ".mp4",
+    "measures": ".csv",
+    "splats": ".ply",
+    "browser model": ".html",
+}
 """Of all that is no picture."""
 
 
@@ -46,7 +53,9 @@ class SplatFolder:
     """By name."""
 
 
-Exported = PanesPicture | PanesVideo | MeasuresTable | ViewVideo | Splats | SplatFolder | Cameras
+Exported = (
+    PanesPicture | PanesVideo | MeasuresTable | ViewVideo | Splats | BrowserModel | SplatFolder | Cameras
+)
 
 
 @dataclass(frozen=True, eq=False)

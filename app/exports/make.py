@@ -206,7 +206,7 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
         scene.mode,
         title=record.title,
         about=about,
-        frames=record.frames,
+        frames=record.clip_frames,
         seconds=record.seconds,
         facts=record.signed,
     )

@@ -73,7 +73,7 @@ class BrowserModel(SceneRecord):
     """By which the page begins."""
     near: float
     """In scene units, before which nothing is drawn."""
-    frames: Annotated[int, Interval(ge=1)]
+    clip_frames: Annotated[int, Interval(ge=1)]
     """Of the clip."""
     seconds: Annotated[float, Interval(gt=0)]
     """That the clip takes."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -15,7 +16,6 @@ from numpy.typing import NDArray
 
 from app.exports.browser.page import read_page
 from app.files.image_files import read_image
-from app.files.provenance import strict_json
 from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
 from renderer.readers.video import open_video
@@ -75,11 +75,21 @@ def arrays(path: Path) -> Iterator[Array]:
         elements = read_ply(read_whole(path)).elements
         return (structured_to_unstructured(element.rows) for element in elements)
     if suffix == ".html":
-        _, scene, content = read_page(read_whole(path).decode(errors="replace"))
-        return iter((_text([strict_json(scene)]), content))
+        return _tracks(path)
     if suffix == ".csv":
         return _columns(path)
     return _frames(path) if suffix == ".mp4" else iter((read_image(path),))
+
+
+def _tracks(path: Path) -> Iterator[Array]:
+    """Of a page for browsers: bounds and values of each."""
+    _, scene, content = read_page(read_whole(path).decode(errors="replace"))
+    for track in scene["tracks"]:
+        yield np.array([*track["low"], *track["high"]])
+        shape = track["count"], track["moments"], track["channels"]
+        kind = np.uint8 if track["bytes"] == 1 else np.uint16
+        yield np.frombuffer(content.tobytes(), kind, math.prod(shape), track["start"]).reshape(shape)
+    yield np.array([scene["near"], scene["seconds"], scene["frames"], scene["degree"]], np.float64)
 
 
 def _columns(path: Path) -> Iterator[Array]:

@@ -10,7 +10,7 @@ from app.files.legible import located
 from app.files.video_encoder import VideoEncoder
 from app.gui.actions import actions
 from app.gui.actions.export_names import default_name, why_not_name
-from app.gui.actions.export_offers import OFFERS, Offer
+from app.gui.actions.export_offers import OF_MODEL, OFFERS, Offer
 from app.gui.actions.export_records import request_of, sized
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
@@ -45,7 +45,7 @@ def why_not_export(state: AppState, what: What) -> str:
 
 
 def _lacks(state: AppState, offer: Offer) -> str:
-    if offer.form in ("splats", "splat folder", "cameras"):
+    if offer.form in OF_MODEL:
         return _lacks_model(state, offer)
     needs_view = offer.sees != "no" and not (offer.sides and state.source.clip is not None)
     if needs_view and state.plain_view_request is None:

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import Final
 
-from app.gui.actions.export_offers import OFFERS, Offer
+from app.gui.actions.export_offers import OF_MODEL, OFFERS, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 
@@ -36,7 +36,7 @@ def why_not_name(name: str) -> str:
 def _of(state: AppState, offer: Offer) -> str:
     """The clip, or the model where nothing else is shown."""
     clip, model = state.source.clip, state.scene.model
-    alone = offer.form in ("view video", "splats", "splat folder", "cameras") or offer.sees == "still"
+    alone = offer.form in ("view video", *OF_MODEL) or offer.sees == "still"
     name = clip.path.stem if clip is not None and not (alone and not offer.sides) else None
     if name is None and model is not None:
         name = Path(model.name).stem

@@ -8,7 +8,11 @@ from typing import Final, Literal
 from app.gui.state.exports import What
 from app.gui.views.comparison import SIDES, Side
 
-Form = Literal["picture", "panes video", "view video", "measures", "splats", "splat folder", "cameras"]
+Form = Literal[
+    "picture", "panes video", "view video", "measures", "splats", "splat folder", "browser page", "cameras"
+]  # fmt: skip
+OF_MODEL: Final[tuple[Form, ...]] = ("splats", "splat folder", "browser page", "cameras")
+"""Of the reconstruction alone."""
 VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video")
 
 
@@ -84,6 +88,11 @@ OFFERS: Final[dict[What, Offer]] = {
         "PLY splats, all frames", "splat folder", "A folder with a PLY file of Gaussian splats per frame.",
         "splats",
     ),
+    "page for browsers": Offer(
+        "Page for browsers (HTML)", "browser page",
+        "The reconstruction through time as one file that any browser plays, without a network: to send to "
+        "others. It begins at the clip's camera.", "model",
+    ),
     "cameras of the clip": Offer(
         "Cameras of the clip", "cameras", "The camera of each frame as cameras.json, for other programs.",
         "cameras",
@@ -95,5 +104,5 @@ OFFERS: Final[dict[What, Offer]] = {
 }  # fmt: skip
 GROUPS: Final[tuple[tuple[str, tuple[Form, ...]], ...]] = (
     ("Image", ("picture",)), ("Video", VIDEOS), ("Measures", ("measures",)),
-    ("3D model", ("splats", "splat folder", "cameras")),
+    ("3D model", OF_MODEL),
 )  # fmt: skip

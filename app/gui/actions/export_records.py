@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.settable import ENHANCED
+from app.exports.browser.of_scene import browser_model
 from app.exports.exporting import Cameras, Exported, ExportRequest, ImageSuffix, SplatFolder
 from app.exports.make import Views
 from app.exports.panes import pane_record
@@ -25,7 +26,7 @@ from app.exports.records import (
 from app.exports.sources import Opened
 from app.files.records import extended
 from app.gui.actions import path_actions
-from app.gui.actions.export_offers import OFFERS, Offer
+from app.gui.actions.export_offers import OF_MODEL, OFFERS, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.state.panes import other_request, shown_mode
@@ -39,7 +40,7 @@ from app.scenes.view_selection import FRAMES_PER_SECOND
 def request_of(state: AppState, what: What, stem: str, image: ImageSuffix | None = None) -> ExportRequest:
     """Into the chosen folder, by a name that begins with `stem`; nothing that it needs is lacking."""
     folder, offer, model = state.export_folder, OFFERS[what], state.scene.model
-    if offer.form in ("splats", "splat folder", "cameras"):
+    if offer.form in OF_MODEL:
         assert model is not None
         return ExportRequest(folder, stem, _of_model(state, what, model), Opened(model=model))
     clip, moments = state.source.clip, _moments(state, offer)
@@ -66,8 +67,12 @@ def _of_model(state: AppState, what: What, model: Scene) -> Exported:
     if what == "splats of all frames":
         frames = range(len(model.cameras))
         return SplatFolder(tuple((f"frame-{at:06d}.ply", splats(at, model.time(at))) for at in frames))
-    clip = what == "cameras of the clip"
-    return Cameras(path_actions.clip_cameras(state) if clip else path_actions.path_cameras(state))
+    if what == "page for browsers":
+        clip = state.source.clip
+        speed = clip.frames_per_second if clip is not None and state.has_frames else None
+        return browser_model(model, model.cameras[0], speed or FRAMES_PER_SECOND)
+    of_clip = what == "cameras of the clip"
+    return Cameras(path_actions.clip_cameras(state) if of_clip else path_actions.path_cameras(state))
 
 
 def _record(

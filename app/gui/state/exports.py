@@ -30,6 +30,7 @@ What = Literal[
     "measures of both panes",
     "splats of this moment",
     "splats of all frames",
+    "page for browsers",
     "cameras of the clip",
     "cameras of the path",
 ]

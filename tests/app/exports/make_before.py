@@ -56,6 +56,7 @@ def make(folder: Path) -> None:
 def _by_commands(folder: Path, clip: Path, run: Path, mip: Path) -> None:
     command("enhance", clip, folder / "pooled", "--statistics", "clip", "--pixels", "tissue", "--z", "0.3")
     _keep(folder / "pooled", {"frame-000002.color.png": "enhanced.png"})
+    command("export", run, "--html", folder / "model.html")
     image = folder / "photo.png"
     image.write_bytes(next(iter(sorted((clip / "images").iterdir()))).read_bytes())
     command("enhance", image, folder / "vessel.tiff", "--method", "vessel")

@@ -13,6 +13,8 @@ import pytest
 from imgui_bundle import imgui
 
 from app.errors import UserError
+from app.exports.browser.page import read_page
+from app.exports.browser.tracks import tracks_of
 from app.exports.exporting import ExportRequest, ImageSuffix, free_name
 from app.exports.replay import replay
 from app.files.image_files import read_image, write_image
@@ -70,6 +72,7 @@ def test_a_name_says_clip_frame_and_what_it_is(run: Exporter) -> None:
     assert said["3D view"] == "original-frame-5-3d-view"
     assert said["splats of this moment"] == "original-frame-5-splats"
     assert said["splats of all frames"] == "original-splats"
+    assert said["page for browsers"] == "original-model"
     assert said["cameras of the clip"] == "original-cameras"
     state.scene.kind = "depth"
     assert default_name(state, "3D view") == "original-frame-5-3d-view-depth"
@@ -222,6 +225,19 @@ def test_splats_of_a_moment_and_of_all_frames_come_again(run: Exporter, runs: di
     assert same(files[7], runs["original"])
     export_actions.choose_degree(state, 3)
     assert read_splats(exported(run, "splats of this moment")).raw.harmonics.shape[1] == 15
+
+
+def test_the_page_for_browsers_holds_the_model_and_comes_again(run: Exporter, runs: dict[str, Path]) -> None:
+    path = exported(run, "page for browsers")
+    assert path.name == "original-model.html"
+    facts, scene, content = read_page(path.read_text())
+    model = run.state.scene.model
+    assert model is not None
+    assert scene["tracks"][0]["count"] == len(model.model)
+    assert scene["frames"] == len(model.cameras)
+    assert content.tobytes() == tracks_of(model.model).content
+    assert facts["run"]
+    assert same(path, runs["original"])
 
 
 def test_cameras_are_exported_for_other_programs(run: Exporter) -> None:

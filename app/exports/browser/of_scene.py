@@ -1,0 +1,22 @@
+"""What a page shows of a scene."""
+
+from __future__ import annotations
+
+from app.exports.records import BrowserModel
+from app.files.records import extended
+from app.scenes.scene import Scene
+from renderer.camera import Camera
+
+
+def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> BrowserModel:
+    """All of its time, as `camera` sees it first."""
+    clip, frames = scene.record.clip, len(scene.cameras)
+    return extended(
+        BrowserModel,
+        scene.record,
+        title=clip.name if clip else scene.name,
+        camera=camera,
+        near=scene.near,
+        clip_frames=frames,
+        seconds=frames / frames_per_second,
+    )
