@@ -75,7 +75,8 @@ def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Number
 
 
 def _train(wanted: Training, clip: Path, folder: Path, keeps: Keeps) -> Numbers:
-    """Train, going on from the checkpoint of a job that was killed, and evaluate."""
+    """Train, going on from the checkpoint of a job that was killed, and evaluate: on test frames; with
+    `hold_out` on held-out training frames alone."""
     run = folder / RUN
     request = TrainRequest(
         clip_path=clip,
@@ -88,6 +89,8 @@ def _train(wanted: Training, clip: Path, folder: Path, keeps: Keeps) -> Numbers:
     )
     for _ in run_training(request):
         pass
+    if wanted.config.hold_out:
+        return _held_out(RunFolder(run))
     evaluation = open_evaluation(run)
     frames = list(evaluation.frames())
     report = evaluation.report(frames)
@@ -96,6 +99,19 @@ def _train(wanted: Training, clip: Path, folder: Path, keeps: Keeps) -> Numbers:
     for index in evaluation.indices if keeps.renders else ():
         _write_render(evaluation, index, folder / RENDERS / f"frame-{index:06d}.png")
     return {name: _finite(value) for name, value in report["mean"].items()}
+
+
+def _held_out(run: RunFolder) -> Numbers:
+    """Of training frames held out of the fit: settings are chosen without a look at the test frames."""
+    last = run.events("Evaluated")[-1]
+    unit = "depth_rmse_mm" if run.record().clip.unit == "mm" else "depth_rmse"
+    return {
+        "psnr": _finite(last["psnr"]),
+        unit: _finite(last["depth_rmse"]),
+        "n_gaussians": float(len(run.model())),
+        "train_seconds": run.train_seconds(),
+        "wall_seconds": run.wall_seconds(),
+    }
 
 
 def _clear(run: Path, keeps: Keeps) -> None:

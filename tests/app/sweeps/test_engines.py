@@ -165,3 +165,21 @@ def test_finished_trainings_keep_no_checkpoints_and_their_model_if_wanted(
     assert (run / "run.json").is_file()
     rendered = list((run.parent / "renders").glob("*.png"))
     assert len(rendered) == (0 if models else 2)  # Of ten frames, 1 and 9 are held out.
+
+
+@pytest.mark.slow
+def test_held_out_trainings_are_measured_on_training_frames_alone(tmp_path: Path, clip_path: Path) -> None:
+    text = SPEC.format(clip=clip_path.as_posix(), seeds="0", iterations=2)
+    given = tomllib.loads(text)
+    given["settings"]["hold_out"] = True
+    plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
+    folder = tmp_path / "out"
+    recorded(plan, folder)
+    with open_engine("local", workers=1, threads=1, slurm=Slurm(), folder=folder) as engine:
+        run_jobs(plan, folder, engine, lambda done, note: None)
+    place = folder / "jobs" / plan.jobs[0].key
+    told = [json.loads(line) for line in (place / "run" / "events.jsonl").read_text().splitlines()]
+    last = [event for event in told if event["event"] == "Evaluated"][-1]
+    result = json.loads((place / "result.json").read_text())["measures"]
+    assert result["psnr"] == last["psnr"]
+    assert "ssim" not in result
