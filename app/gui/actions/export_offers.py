@@ -9,9 +9,9 @@ from app.gui.state.exports import What
 from app.gui.views.comparison import SIDES, Side
 
 Form = Literal[
-    "picture", "panes video", "view video", "measures", "splats", "splat folder", "browser page", "cameras"
+    "picture", "panes video", "view video", "measures", "splats", "splat folder", "browser model", "cameras"
 ]  # fmt: skip
-OF_MODEL: Final[tuple[Form, ...]] = ("splats", "splat folder", "browser page", "cameras")
+OF_MODEL: Final[tuple[Form, ...]] = ("splats", "splat folder", "browser model", "cameras")
 """Of the reconstruction alone."""
 VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video")
 
@@ -89,7 +89,7 @@ OFFERS: Final[dict[What, Offer]] = {
         "splats",
     ),
     "page for browsers": Offer(
-        "Page for browsers (HTML)", "browser page",
+        "Page for browsers (HTML)", "browser model",
         "The reconstruction through time as one file that any browser plays, without a network: to send to "
         "others. It begins at the clip's camera.", "model",
     ),

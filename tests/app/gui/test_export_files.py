@@ -228,6 +228,8 @@ def test_splats_of_a_moment_and_of_all_frames_come_again(run: Exporter, runs: di
 
 
 def test_the_page_for_browsers_holds_the_model_and_comes_again(run: Exporter, runs: dict[str, Path]) -> None:
+    export_actions.choose_what(run.state, "page for browsers")
+    assert export_actions.suffix_of(run.state) == ".html"
     path = exported(run, "page for browsers")
     assert path.name == "original-model.html"
     facts, scene, content = read_page(path.read_text())
