@@ -84,3 +84,21 @@ def zipped(*names: str) -> bytes:
         for name in names:
             archive.writestr(name, "{}")
     return file.getvalue()
+
+
+def damaged(content: bytes, rng: np.random.Generator) -> bytes:
+    out = bytearray(content)
+    for _ in range(rng.integers(1, 4)):
+        at = int(rng.integers(len(out) if rng.random() < 0.4 else max(len(out) // 4, 1)))
+        match rng.integers(4):
+            case 0:
+                out[at] = rng.integers(256)
+            case 1:
+                del out[at : at + int(rng.integers(1, 30))]
+            case 2:
+                out[at:at] = out[at : at + int(rng.integers(1, 30))]
+            case _:
+                out[at : at + 1] = str(rng.choice([0, 1, 9, 2**31, 10**13])).encode()
+        if not out:
+            break
+    return bytes(out)

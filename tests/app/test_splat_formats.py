@@ -1,0 +1,63 @@
+"""Splat files of other programs, from the command line: rendered, described, reproduced."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import pytest
+
+from app.files.provenance import read_provenance
+from renderer.splat_files.inria_ply import ply_bytes
+from tests.app.conftest import Call
+from tests.renderer.splat_files.files import gaussians
+from tests.renderer.splat_files.sog_files import bundled, sog
+
+Cli = Callable[..., Call]
+
+
+def rendered(vesselsplat: Cli, path: Path, out: Path) -> Path:
+    assert vesselsplat("render", path, "--out", out, "--size", 48, 64).code == 0
+    return out / "frame-000000.png"
+
+
+def test_an_unpacked_sog_is_a_source_with_all_of_its_files(tmp_path: Path, vesselsplat: Cli) -> None:
+    """Its list counts as its images do, be the folder or the list named."""
+    folder = tmp_path / "scene"
+    folder.mkdir()
+    for name, content in sog(gaussians(40, 3)).items():
+        (folder / name).write_bytes(content)
+    picture = rendered(vesselsplat, folder, tmp_path / "out")
+    by_list = rendered(vesselsplat, folder / "meta.json", tmp_path / "list")
+    facts = [read_provenance(path)["splats"] for path in (picture, by_list)]
+    assert facts[0] == facts[1]
+    assert facts[0]["name"] == "scene"
+    assert vesselsplat("replay", picture, "--source", folder).code == 0
+    listed = json.loads((folder / "meta.json").read_text())
+    listed["scales"]["codebook"][7] += 0.1
+    (folder / "meta.json").write_text(json.dumps(listed))
+    call = vesselsplat("replay", picture, "--source", folder)
+    assert call.code == 2
+    assert "has changed" in call.error
+
+
+@pytest.mark.parametrize("name", ["a.sog"])
+def test_other_formats_are_drawn_and_described(tmp_path: Path, vesselsplat: Cli, name: str) -> None:
+    raw = gaussians(40, 3)
+    raw = replace(raw, log_scales=raw.log_scales + 2)
+    path = tmp_path / name
+    path.write_bytes(bundled(sog(raw)))
+    call = vesselsplat("info", path, "--json")
+    assert call.code == 0
+    facts = json.loads(call.out)
+    assert facts["what"] == {"kind": "splats", "format": path.suffix}
+    assert facts["model"]["gaussians"] == 40
+    image = cv2.imread(str(rendered(vesselsplat, path, tmp_path / "out")))
+    (tmp_path / "a.ply").write_bytes(ply_bytes(raw))
+    plain = cv2.imread(str(rendered(vesselsplat, tmp_path / "a.ply", tmp_path / "plain")))
+    assert image.std() > 10
+    # Of 16-bit positions and 8-bit colours.
+    assert cv2.PSNR(image, plain) > 25
