@@ -12,14 +12,15 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.regular_files import read_whole
 from renderer.sog_list import LIST, is_list, is_sog_list, is_unpacked_sog
 from renderer.splat_files import inria_ply, other_kinds, packed_ply, sog_members
+from renderer.splat_files.ksplat import read_ksplat
 from renderer.splat_files.sog import read_sog
 from renderer.splat_files.splat_file import SplatFile, SplatFileError
 from renderer.splat_files.splat_records import read_records
 from renderer.splat_files.spz import GZIP, MAGIC_BYTES, read_spz
 from renderer.splats import RenderMode
 
-SUFFIXES = (".ply", ".splat", ".spz", ".sog")
-KINDS = "a PLY, SPZ, SOG or .splat file"
+SUFFIXES = (".ply", ".splat", ".spz", ".sog", ".ksplat")
+KINDS = "a PLY, SPZ, SOG, .splat or .ksplat file"
 __all__ = [
     "SUFFIXES",
     "SplatFile",
@@ -32,7 +33,8 @@ __all__ = [
 
 
 def read_splats(path: Path) -> SplatFile:
-    """The Gaussians of a PLY file, plain or packed, of an .spz, .splat or .sog file, or of an unpacked SOG.
+    """The Gaussians of a PLY file, plain or packed, of an .spz, .splat, .ksplat or .sog file, or of a
+    SOG's folder.
 
     Args:
         path: of an unpacked SOG its folder, or the list in it (meta.json).
@@ -134,6 +136,8 @@ def _read(content: bytes, path: Path) -> SplatFile:
         raise SplatFileError(f"expected {KINDS}, got {kind}")
     if path.suffix.lower() == ".splat":
         return read_records(content)
+    if path.suffix.lower() == ".ksplat":
+        return read_ksplat(content)
     raise SplatFileError(f"expected {KINDS}, got another kind")
 
 

@@ -11,9 +11,7 @@ from typing import Final
 from renderer.file_signatures import ANYWHERE
 
 CONVERT: Final = "convert it to .ply with SuperSplat or splat-transform"
-SPLAT_SUFFIXES: Final = MappingProxyType(
-    {".ksplat": f"a .ksplat file: {CONVERT}", ".sog": "a damaged .sog file: not a zip archive"}
-)
+SPLAT_SUFFIXES: Final = MappingProxyType({".sog": "a damaged .sog file: not a zip archive"})
 """Of splats, told by their names alone."""
 SUFFIXES: Final = MappingProxyType({**SPLAT_SUFFIXES, ".safetensors": "a model: give the folder of its run"})
 ZIP: Final = b"PK\x03\x04"

@@ -14,6 +14,7 @@ from app.files.provenance import read_provenance
 from renderer.splat_files.inria_ply import ply_bytes
 from tests.app.conftest import Call
 from tests.renderer.splat_files.files import gaussians
+from tests.renderer.splat_files.ksplat_files import ksplat
 from tests.renderer.splat_files.sog_files import bundled, sog
 
 Cli = Callable[..., Call]
@@ -44,12 +45,12 @@ def test_an_unpacked_sog_is_a_source_with_all_of_its_files(tmp_path: Path, vesse
     assert "has changed" in call.error
 
 
-@pytest.mark.parametrize("name", ["a.sog"])
+@pytest.mark.parametrize("name", ["a.sog", "a.ksplat"])
 def test_other_formats_are_drawn_and_described(tmp_path: Path, vesselsplat: Cli, name: str) -> None:
     raw = gaussians(40, 3)
     raw = replace(raw, log_scales=raw.log_scales + 2)
     path = tmp_path / name
-    path.write_bytes(bundled(sog(raw)))
+    path.write_bytes(bundled(sog(raw)) if name == "a.sog" else ksplat(raw, level=0))
     call = vesselsplat("info", path, "--json")
     assert call.code == 0
     facts = json.loads(call.out)
@@ -59,5 +60,5 @@ def test_other_formats_are_drawn_and_described(tmp_path: Path, vesselsplat: Cli,
     (tmp_path / "a.ply").write_bytes(ply_bytes(raw))
     plain = cv2.imread(str(rendered(vesselsplat, tmp_path / "a.ply", tmp_path / "plain")))
     assert image.std() > 10
-    # Of 16-bit positions and 8-bit colours.
+    # Of 16-bit positions and 8-bit colours of 0 to 1.
     assert cv2.PSNR(image, plain) > 25

@@ -32,6 +32,7 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
 from renderer.view_files import Views, views_json
 from tests.renderer.splat_files.files import gaussians
+from tests.renderer.splat_files.ksplat_files import ksplat
 from tests.renderer.splat_files.sog_files import bundled, sog
 
 CONFIG = TrainConfig(iterations=20, n_gaussians=80, checkpoint_every=10)
@@ -135,6 +136,7 @@ def _exports(folder: Path, run: RunFolder) -> None:
     _spz(folder / "export.spz")
     (folder / "export.splat").write_bytes(np.random.default_rng(1).bytes(32 * 40))
     (folder / "export.sog").write_bytes(bundled(sog(gaussians(40, 3))))
+    (folder / "export.ksplat").write_bytes(ksplat(gaussians(40, 3)))
 
 
 def _spz(path: Path) -> None:

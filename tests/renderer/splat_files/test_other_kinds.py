@@ -13,7 +13,7 @@ from tests.renderer.splat_files.files import zipped
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [
-        ("a.ksplat", bytes(4096), "a .ksplat file: convert it to .ply"),
+        ("a.ksplat", bytes(4096), "version 0.0 and level 0: convert it to .ply"),
         ("a.sog", zipped("meta.json"), "version 2, got 1: convert it to .ply"),
         ("a.sog", zipped("lod-meta.json"), "a zip archive"),
         ("a.sog", b"nonsense", "damaged"),
