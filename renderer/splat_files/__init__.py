@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
+from typing import Final
 
 from renderer.atomic_files import written_atomically
 from renderer.budget import OverBudget
@@ -14,15 +17,22 @@ from renderer.sog_list import LIST, is_list, is_sog_list, is_unpacked_sog
 from renderer.splat_files import inria_ply, other_kinds, packed_ply, sog_members
 from renderer.splat_files.ksplat import read_ksplat
 from renderer.splat_files.sog import read_sog
+from renderer.splat_files.sog_writing import sog_bytes
 from renderer.splat_files.splat_file import SplatFile, SplatFileError
 from renderer.splat_files.splat_records import read_records
 from renderer.splat_files.spz import GZIP, MAGIC_BYTES, read_spz
+from renderer.splat_files.spz_writing import spz_bytes
 from renderer.splats import RenderMode
 
 SUFFIXES = (".ply", ".splat", ".spz", ".sog", ".ksplat")
+WRITERS: Final[Mapping[str, Callable[[RawGaussians, RenderMode], bytes]]] = MappingProxyType(
+    {".ply": inria_ply.ply_bytes, ".spz": spz_bytes, ".sog": sog_bytes}
+)
+"""By suffix."""
 KINDS = "a PLY, SPZ, SOG, .splat or .ksplat file"
 __all__ = [
     "SUFFIXES",
+    "WRITERS",
     "SplatFile",
     "SplatFileError",
     "is_named_as_splats",
@@ -72,17 +82,19 @@ def read_splats(path: Path) -> SplatFile:
 
 
 def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") -> None:
-    """A binary PLY file in the layout of 3D Gaussian Splatting (Kerbl et al., 2023), which viewers open.
+    """A splat file that viewers open; it appears when it is complete.
 
-    `read_splats` gives all values back bit for bit, colours to 1e-7. The file appears when it is complete. Of
-    a model at a moment: `write_splats(path, model.motion.moved(model.raw, time))`.
+    A binary PLY file in the layout of 3D Gaussian Splatting (Kerbl et al., 2023), of which `read_splats`
+    gives all values back bit for bit, colours to 1e-7; or, of a third of its size or less, an SPZ file of
+    version 3, or a SOG of version 2, which orders the splats anew (`spz_writing.py` and `sog_writing.py` say
+    what is rounded). Of a model at a moment: `write_splats(path, model.motion.moved(model.raw, time))`.
 
     Args:
-        path: ends in .ply; replaced where it exists.
+        path: ends in .ply, .spz or .sog; replaced where it exists.
         mode: how the Gaussians are meant to be drawn, see RenderMode.
 
     Raises:
-        ValueError: another ending.
+        ValueError: another ending, or more than the format holds.
         OSError: it cannot be written.
 
     Example:
@@ -104,10 +116,12 @@ def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") ->
         >>> bool((file.raw.means == raw.means).all())
         True
     """
-    if path.suffix.lower() != ".ply":
-        raise ValueError(f"expected the name of a .ply file, got {path}")
+    written = WRITERS.get(path.suffix.lower())
+    if written is None:
+        raise ValueError(f"expected the name of a {', '.join(WRITERS)} file, got {path}")
+    content = written(raw, mode)
     with written_atomically(path) as partial:
-        partial.write_bytes(inria_ply.ply_bytes(raw, mode))
+        partial.write_bytes(content)
 
 
 def is_named_as_splats(path: Path) -> bool:

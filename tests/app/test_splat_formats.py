@@ -62,3 +62,46 @@ def test_other_formats_are_drawn_and_described(tmp_path: Path, vesselsplat: Cli,
     assert image.std() > 10
     # Of 16-bit positions and 8-bit colours of 0 to 1.
     assert cv2.PSNR(image, plain) > 25
+
+
+@pytest.mark.parametrize("suffix", [".spz", ".sog"])
+def test_a_run_is_exported_small_and_comes_again(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, suffix: str
+) -> None:
+    """With its provenance beside it, which `info` tells and `replay` makes the file of."""
+    flags = (f"--{suffix[1:]}", tmp_path / "small", "--ply", tmp_path / "plain", "--frames", 2, 4)
+    call = vesselsplat("export", runs["original"], *flags, "--sh-degree", 1)
+    assert (call.code, call.error) == (0, "")
+    names = sorted(path.name for path in (tmp_path / "small").iterdir())
+    stems = ("frame-000002", "frame-000004")
+    assert names == sorted(f"{stem}{suffix}{more}" for stem in stems for more in ("", ".json"))
+    path = tmp_path / "small" / f"frame-000004{suffix}"
+    plain = tmp_path / "plain" / "frame-000004.ply"
+    assert path.stat().st_size < plain.stat().st_size / 3
+    facts = json.loads(vesselsplat("info", path, "--json").out)
+    assert facts["what"]["format"] == suffix
+    assert facts["run"]["name"] == "original"
+    call = vesselsplat("replay", path, "--source", runs["original"].parent)
+    assert (call.code, call.error) == (0, "")
+    told = json.loads(path.with_name(f"{path.name}.json").read_text())
+    assert (told["kind"], told["frame"], told["sh_degree"]) == ("splats", 4, 1)
+    first, second = (rendered(vesselsplat, one, tmp_path / one.suffix[1:]) for one in (path, plain))
+    assert cv2.PSNR(cv2.imread(str(first)), cv2.imread(str(second))) > 35
+
+
+def test_a_changed_splat_file_is_found_out(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
+    assert vesselsplat("export", runs["original"], "--spz", tmp_path, "--frames", 2, 4).code == 0
+    path = tmp_path / "frame-000002.spz"
+    path.write_bytes((tmp_path / "frame-000004.spz").read_bytes())
+    call = vesselsplat("replay", path, "--source", runs["original"].parent)
+    assert call.code == 2
+    assert "differs in" in call.error
+    path.with_name(f"{path.name}.json").unlink()
+    call = vesselsplat("replay", path)
+    assert "expected frame-000002.spz.json beside" in call.error
+
+
+def test_what_to_export_is_asked_for(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
+    call = vesselsplat("export", runs["original"])
+    assert call.code == 2
+    assert "--spz DIR, --sog DIR" in call.error
