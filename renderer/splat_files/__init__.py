@@ -21,6 +21,7 @@ from renderer.splat_files.sog_writing import sog_bytes
 from renderer.splat_files.splat_file import SplatFile, SplatFileError
 from renderer.splat_files.splat_records import read_records
 from renderer.splat_files.spz import GZIP, MAGIC_BYTES, read_spz
+from renderer.splat_files.spz_streams import read_spz_streams
 from renderer.splat_files.spz_writing import spz_bytes
 from renderer.splats import RenderMode
 
@@ -140,8 +141,10 @@ def whole(path: Path) -> Path:
 def _read(content: bytes, path: Path) -> SplatFile:
     if content.startswith(MAGIC):
         return _read_ply(content)
-    if content.startswith((GZIP, MAGIC_BYTES)):
+    if content.startswith(GZIP):
         return read_spz(content)
+    if content.startswith(MAGIC_BYTES):
+        return read_spz_streams(content)
     if content.startswith(other_kinds.ZIP) and (members := sog_members.archived(content)):
         return read_sog(members)
     if is_list(content, path.name):

@@ -16,7 +16,7 @@ from renderer.splat_files.spz import ANTIALIASED, COLOR_SCALE, FLIPS, HEAD, MAGI
 from renderer.splats import RenderMode
 
 VERSION: Final = 3
-MOST_BITS: Final = 20
+FINEST: Final = 20
 """After the point of a position, and with them at most 23 in all."""
 Plane = NDArray[np.uint8]
 
@@ -29,7 +29,7 @@ def spz_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
         ValueError: more splats than the format takes, or one farther away than it can say.
     """
     farthest = float(np.abs(raw.means).max(initial=0))
-    bits = int(min(MOST_BITS, 22 - np.floor(np.log2(max(farthest, 1e-9)))))
+    bits = int(min(FINEST, 22 - np.floor(np.log2(max(farthest, 1e-9)))))
     if len(raw) > MOST or bits < 0:
         raise ValueError(
             f"expected up to {MOST} splats nearer than {1 << 23} for SPZ, "
