@@ -55,6 +55,7 @@ from enhance.ridges import field_of_view, vessel_mask
 from enhance.surround import inside
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.splat_files import write_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.unobserved import BLACK
 
@@ -183,8 +184,12 @@ def _render_video(record: RenderVideo, sources: Sources, target: Path) -> Steps:
 
 
 def _splats(record: Splats, sources: Sources, target: Path) -> None:
-    """A PLY file of the Gaussians where they are at the time of the record, which it holds; their spherical
-    harmonics are filled up with zeros to its degree. Raises UserError for one that would lose colours."""
+    """A file of the Gaussians where they are at the time of the record, which is in a PLY file and beside any
+    other; their spherical harmonics are filled up with zeros to its degree.
+
+    Raises:
+        UserError: one that would lose colours, or more than the format holds.
+    """
     scene, degree = sources.scene(record), record.sh_degree
     raw = scene.model.raw
     try:
@@ -193,7 +198,15 @@ def _splats(record: Splats, sources: Sources, target: Path) -> None:
         got = f"{degree} for {error}"
         raise UserError(f"--sh-degree: expected one that holds the whole model, got {got}") from error
     moved = scene.model.motion.moved(raw, record.time)
-    write_bytes(target, ply_bytes(moved, scene.mode, comments(record.signed)))
+    if target.suffix.lower() == ".ply":
+        write_bytes(target, ply_bytes(moved, scene.mode, comments(record.signed)))
+        return
+    with together(target) as place:
+        try:
+            write_splats(place, moved, scene.mode)
+        except ValueError as error:
+            raise UserError(f"{error}: {target}") from error
+        write_sidecar(place, record.signed)
 
 
 def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None:

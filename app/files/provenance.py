@@ -31,6 +31,7 @@ from renderer.layouts import layout_of
 from renderer.ply_comments import split
 from renderer.readers.clip_files import files_in
 from renderer.regular_files import read_whole, require_regular
+from renderer.sog_list import is_unpacked_sog
 
 NOTICE = "Research use only. Not a medical device."
 SCHEMA = 1
@@ -135,6 +136,10 @@ def digests(path: Path) -> Iterator[str]:
     hashed = cache(_sha256)
     if not path.is_dir():
         yield hashed(path)
+        return
+    if is_unpacked_sog(path):
+        # Its list counts as its images do.
+        yield _manifest(path, files_in(path), hashed)
         return
     yield _manifest(path, layout_of(path).files(path) or tuple(files_in(path)), hashed)
     yield _manifest(path, former_files(path), hashed)

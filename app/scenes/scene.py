@@ -22,7 +22,7 @@ from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE, middle_distance
 from renderer.readers.listing import listed
-from renderer.splat_files import SplatFileError, is_named_as_splats, read_splats
+from renderer.splat_files import SplatFileError, is_named_as_splats, read_splats, whole
 from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
 
@@ -170,6 +170,7 @@ def splat_scene(path: Path) -> Scene:
         file = read_splats(path)
     except SplatFileError as error:
         raise UserError(str(error)) from error
+    path = whole(path)
     model = DynamicGaussians(file.raw, Still())
     camera = framing(model)
     notices = (*file.notices, *(() if len(model) else ("no splats to render: images stay black",)))

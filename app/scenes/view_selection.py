@@ -35,7 +35,10 @@ class Moment:
 def add_flags(parser: argparse.ArgumentParser) -> None:
     """What is drawn, when, from where, and by what."""
     parser.add_argument(
-        "scene", metavar="RUN|SPLATFILE", type=Path, help="finished run, or .ply, .splat or .spz file"
+        "scene",
+        metavar="RUN|SPLATFILE",
+        type=Path,
+        help="finished run, or .ply, .splat, .ksplat, .spz or .sog file",
     )
     parser.add_argument("--as-trained", action="store_true", help="ignore edits made in the app")
     parser.add_argument(

@@ -2,26 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
+from typing import Final
 
 from renderer.atomic_files import written_atomically
 from renderer.budget import OverBudget
 from renderer.ply_elements import MAGIC, PlyError, read_ply
 from renderer.raw_gaussians import RawGaussians
 from renderer.regular_files import read_whole
-from renderer.splat_files import inria_ply, other_kinds, packed_ply
+from renderer.sog_list import LIST, is_list, is_sog_list, is_unpacked_sog
+from renderer.splat_files import inria_ply, other_kinds, packed_ply, sog_members
+from renderer.splat_files.ksplat import read_ksplat
+from renderer.splat_files.sog import read_sog
+from renderer.splat_files.sog_writing import sog_bytes
 from renderer.splat_files.splat_file import SplatFile, SplatFileError
 from renderer.splat_files.splat_records import read_records
 from renderer.splat_files.spz import GZIP, MAGIC_BYTES, read_spz
+from renderer.splat_files.spz_streams import read_spz_streams
+from renderer.splat_files.spz_writing import spz_bytes
 from renderer.splats import RenderMode
 
-SUFFIXES = (".ply", ".splat", ".spz")
-__all__ = ["SUFFIXES", "SplatFile", "SplatFileError", "is_named_as_splats", "read_splats", "write_splats"]
+SUFFIXES = (".ply", ".splat", ".spz", ".sog", ".ksplat")
+WRITERS: Final[Mapping[str, Callable[[RawGaussians, RenderMode], bytes]]] = MappingProxyType(
+    {".ply": inria_ply.ply_bytes, ".spz": spz_bytes, ".sog": sog_bytes}
+)
+"""By suffix."""
+KINDS = "a PLY, SPZ, SOG, .splat or .ksplat file"
+__all__ = [
+    "SUFFIXES",
+    "WRITERS",
+    "SplatFile",
+    "SplatFileError",
+    "is_named_as_splats",
+    "read_splats",
+    "whole",
+    "write_splats",
+]
 
 
 def read_splats(path: Path) -> SplatFile:
-    """The Gaussians of a PLY file, plain or packed, or of an .spz or .splat file.
+    """The Gaussians of a PLY file, plain or packed, of an .spz, .splat, .ksplat or .sog file, or of a
+    SOG's folder.
+
+    Args:
+        path: of an unpacked SOG its folder, or the list in it (meta.json).
 
     Raises:
         SplatFileError: the file cannot be read, or is damaged; names it.
@@ -45,10 +72,9 @@ def read_splats(path: Path) -> SplatFile:
         >>> bool((file.raw.means == raw.means).all())
         True
     """
-    if path.is_dir() and is_named_as_splats(path):
-        path /= other_kinds.SOG_LIST
     try:
-        return _read(read_whole(path), path.name)
+        file = path / LIST if path.is_dir() and is_named_as_splats(path) else path
+        return _read(read_whole(file), file)
     except OSError as error:
         why = f" ({error.strerror})" if error.strerror else ""
         raise SplatFileError(f"expected a splat file, got none that can be read{why}: {path}") from error
@@ -57,17 +83,19 @@ def read_splats(path: Path) -> SplatFile:
 
 
 def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") -> None:
-    """A binary PLY file in the layout of 3D Gaussian Splatting (Kerbl et al., 2023), which viewers open.
+    """A splat file that viewers open; it appears when it is complete.
 
-    `read_splats` gives all values back bit for bit, colours to 1e-7. The file appears when it is complete. Of
-    a model at a moment: `write_splats(path, model.motion.moved(model.raw, time))`.
+    A binary PLY file in the layout of 3D Gaussian Splatting (Kerbl et al., 2023), of which `read_splats`
+    gives all values back bit for bit, colours to 1e-7; or, of a third of its size or less, an SPZ file of
+    version 3, or a SOG of version 2, which orders the splats anew (`spz_writing.py` and `sog_writing.py` say
+    what is rounded). Of a model at a moment: `write_splats(path, model.motion.moved(model.raw, time))`.
 
     Args:
-        path: ends in .ply; replaced where it exists.
+        path: ends in .ply, .spz or .sog; replaced where it exists.
         mode: how the Gaussians are meant to be drawn, see RenderMode.
 
     Raises:
-        ValueError: another ending.
+        ValueError: another ending, or more than the format holds.
         OSError: it cannot be written.
 
     Example:
@@ -89,30 +117,45 @@ def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") ->
         >>> bool((file.raw.means == raw.means).all())
         True
     """
-    if path.suffix.lower() != ".ply":
-        raise ValueError(f"expected the name of a .ply file, got {path}")
+    written = WRITERS.get(path.suffix.lower())
+    if written is None:
+        raise ValueError(f"expected the name of a {', '.join(WRITERS)} file, got {path}")
+    content = written(raw, mode)
     with written_atomically(path) as partial:
-        partial.write_bytes(inria_ply.ply_bytes(raw, mode))
+        partial.write_bytes(content)
 
 
 def is_named_as_splats(path: Path) -> bool:
     """Whether a file, or the folder of an unpacked SOG, is meant as splats, be they read here or not."""
     if path.is_dir():
-        return other_kinds.is_sog_list(path / other_kinds.SOG_LIST)
+        return is_unpacked_sog(path)
     suffix = path.suffix.lower()
-    return suffix in SUFFIXES or suffix in other_kinds.SPLAT_SUFFIXES or other_kinds.is_sog_list(path)
+    return suffix in SUFFIXES or suffix in other_kinds.SPLAT_SUFFIXES or is_sog_list(path)
 
 
-def _read(content: bytes, name: str) -> SplatFile:
+def whole(path: Path) -> Path:
+    """The folder of an unpacked SOG whose list is named; any other path itself."""
+    return path.parent if path.name == LIST and is_sog_list(path) else path
+
+
+def _read(content: bytes, path: Path) -> SplatFile:
     if content.startswith(MAGIC):
         return _read_ply(content)
-    if content.startswith((GZIP, MAGIC_BYTES)):
+    if content.startswith(GZIP):
         return read_spz(content)
-    if kind := other_kinds.named_kind(content, name):
-        raise SplatFileError(f"expected a PLY, SPZ or .splat file, got {kind}")
-    if name.lower().endswith(".splat"):
+    if content.startswith(MAGIC_BYTES):
+        return read_spz_streams(content)
+    if content.startswith(other_kinds.ZIP) and (members := sog_members.archived(content)):
+        return read_sog(members)
+    if is_list(content, path.name):
+        return read_sog(sog_members.beside(path))
+    if kind := other_kinds.named_kind(content, path.name):
+        raise SplatFileError(f"expected {KINDS}, got {kind}")
+    if path.suffix.lower() == ".splat":
         return read_records(content)
-    raise SplatFileError("expected a PLY, SPZ or .splat file, got another kind")
+    if path.suffix.lower() == ".ksplat":
+        return read_ksplat(content)
+    raise SplatFileError(f"expected {KINDS}, got another kind")
 
 
 def _read_ply(content: bytes) -> SplatFile:

@@ -100,6 +100,17 @@ def smallest_three(given: NDArray[np.float64], largest: NDArray[np.int64]) -> ND
     return quats.astype(np.float32)
 
 
+def without_largest(quats: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """What `smallest_three` takes; of no rotation (all 0) that of none (1, 0, 0, 0 in any order of parts)."""
+    rows = np.arange(len(quats))
+    largest = np.abs(quats).argmax(axis=1)
+    units = quats.astype(np.float64)
+    units[(units == 0).all(axis=1), 0] = 1
+    units /= np.linalg.norm(units, axis=1, keepdims=True)
+    units *= np.where(units[rows, largest] < 0, -1, 1)[:, None]
+    return np.stack([units[rows, step + (step >= largest)] for step in range(3)], axis=1), largest
+
+
 def _harmonics(element: Element | None, count: int) -> NDArray[np.float32]:
     if element is None:
         return np.zeros((count, 0, 3), np.float32)

@@ -23,11 +23,13 @@ from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError
 GZIP: Final = b"\x1f\x8b"
 MAGIC: Final = 0x5053474E
 MAGIC_BYTES: Final = MAGIC.to_bytes(4, "little")
-"""Of files from version 4 on, which are zipped plane by plane, the first bytes."""
+"""Of files from version 4 on, which are zipped plane by plane, the first bytes: see spz_streams.py."""
 ZIPPED_PLY: Final = b"ply"
 HEAD: Final = struct.Struct("<IIIBBBB")
 MOST: Final = 10_000_000
 """Splats of a file, as the format has it."""
+MOST_BITS: Final = 24
+"""After the point of a position."""
 ANTIALIASED: Final = 1
 COLOR_SCALE: Final = 0.15
 FLIPS: Final = np.array([-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1], np.float32)
@@ -35,7 +37,9 @@ FLIPS: Final = np.array([-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1], n
 
 
 @dataclass(frozen=True)
-class _Head:
+class Head:
+    """Of any version."""
+
     version: int
     count: int
     bands: int
@@ -45,7 +49,7 @@ class _Head:
     @property
     def widths(self) -> tuple[int, ...]:
         """Bytes a splat of each plane."""
-        return (6 if self.version == 1 else 9, 1, 3, 3, 4 if self.version == 3 else 3, 3 * self.bands)
+        return (6 if self.version == 1 else 9, 1, 3, 3, 4 if self.version >= 3 else 3, 3 * self.bands)
 
 
 def read_spz(content: bytes) -> SplatFile:
@@ -54,8 +58,6 @@ def read_spz(content: bytes) -> SplatFile:
     Raises:
         SplatFileError: another version, too many splats, or a damaged file.
     """
-    if content.startswith(MAGIC_BYTES):
-        raise SplatFileError(_other_version(content))
     unzip = zlib.decompressobj(16 + zlib.MAX_WBITS)
     try:
         head = _head(unzip.decompress(content, HEAD.size))
@@ -65,15 +67,10 @@ def read_spz(content: bytes) -> SplatFile:
         raise SplatFileError("expected zipped splats, got a damaged file") from error
     if len(body) < size:
         raise SplatFileError(f"expected {head.count} splats of {size} bytes, got {len(body)}: cut off")
-    return repaired(_unpacked(head, body), "mip" if head.flags & ANTIALIASED else "default")
+    return repaired(unpacked(head, body), "mip" if head.flags & ANTIALIASED else "default")
 
 
-def _other_version(content: bytes) -> str:
-    version = int.from_bytes(content[4:8], "little")
-    return f"expected an SPZ file of version 1 to 3, got version {version}: {CONVERT}"
-
-
-def _head(content: bytes) -> _Head:
+def _head(content: bytes) -> Head:
     if content.startswith(ZIPPED_PLY):
         raise SplatFileError("expected an uncompressed PLY file, got a gzip file: unzip it first")
     if len(content) < HEAD.size:
@@ -82,17 +79,19 @@ def _head(content: bytes) -> _Head:
     if magic != MAGIC:
         raise SplatFileError("expected an SPZ file, got another gzip file: unzip it first")
     if version not in (1, 2, 3):
-        raise SplatFileError(_other_version(content))
-    if count > MOST or degree >= len(BANDS) or bits > 24:
+        said = f"expected a zipped SPZ file of version 1 to 3, got version {version}: {CONVERT}"
+        raise SplatFileError(said)
+    if count > MOST or degree >= len(BANDS) or bits > MOST_BITS:
         raise SplatFileError(
-            f"expected up to {MOST} splats of degree 0 to 3 with up to 24 bits after the point, "
+            f"expected up to {MOST} splats of degree 0 to 3 with up to {MOST_BITS} bits after the point, "
             f"got {count} of {degree} with {bits}"
         )
     budget().require(splats=count)
-    return _Head(version, count, BANDS[degree], bits, flags)
+    return Head(version, count, BANDS[degree], bits, flags)
 
 
-def _unpacked(head: _Head, body: bytes) -> RawGaussians:
+def unpacked(head: Head, body: bytes) -> RawGaussians:
+    """The Gaussians of all planes, one after the other."""
     planes, start = [], 0
     for width in head.widths:
         plane = np.frombuffer(body, np.uint8, head.count * width, start)
@@ -100,7 +99,7 @@ def _unpacked(head: _Head, body: bytes) -> RawGaussians:
         start += plane.size
     positions, alphas, colors, scales, rotations, harmonics = planes
     flip = np.array([1, -1, -1], np.float32)
-    quats = _rotations_3(rotations) if head.version == 3 else _rotations_2(rotations)
+    quats = _rotations_3(rotations) if head.version >= 3 else _rotations_2(rotations)
     return RawGaussians(
         means=flip * _positions(head, positions),
         quats=quats * np.array([1, 1, -1, -1], np.float32),
@@ -112,7 +111,7 @@ def _unpacked(head: _Head, body: bytes) -> RawGaussians:
     )
 
 
-def _positions(head: _Head, plane: NDArray[np.uint8]) -> NDArray[np.float32]:
+def _positions(head: Head, plane: NDArray[np.uint8]) -> NDArray[np.float32]:
     """Half floats in version 1, else 24-bit numbers with a fixed point."""
     if head.version == 1:
         return plane.copy().view("<f2").astype(np.float32)

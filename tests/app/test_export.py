@@ -176,7 +176,7 @@ def test_a_mistake_is_one_line(
         ("a.ksplat", bytes(4096), ".ksplat"),
         ("a.sog", zipped("meta.json", "means_l.webp"), "SOG"),
         ("meta.json", b'{"means": {}, "sh0": {}}', "SOG"),
-        ("a.spz", b"NGSP\4\0\0\0", "version 4"),
+        ("a.spz", b"NGSP\5\0\0\0" + bytes(24), "version 5"),
         ("a.ply", zipped("point_cloud.ply"), "point_cloud.ply"),
     ],
 )

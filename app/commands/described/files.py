@@ -21,7 +21,8 @@ from app.runs.wall_clock import STEPS, WALL, in_all
 from app.sweeps.plan import SWEEP, read_sweep
 from app.sweeps.table import rows
 from renderer.json_files import read_json, read_text
-from renderer.splat_files import SplatFileError, read_splats
+from renderer.readers.clip_files import files_in
+from renderer.splat_files import SplatFileError, read_splats, whole
 from renderer.splat_files.splat_records import RECORD
 
 READ_WHOLE = 64 << 20
@@ -91,9 +92,11 @@ def _time(steps: object, wall: float | None) -> Facts:
 
 def of_splats(path: Path) -> Facts:
     """Raises UserError: it cannot be read."""
-    size = path.stat().st_size
+    place = whole(path)
+    size = sum(file.stat().st_size for file in (files_in(place) if place.is_dir() else (path,)))
+    form = ".sog" if place.is_dir() else path.suffix.lower()
     said: tuple[str, ...] = ()
-    if size <= READ_WHOLE:
+    if size <= READ_WHOLE or place.is_dir():
         try:
             file = read_splats(path)
         except SplatFileError as error:
@@ -104,7 +107,7 @@ def of_splats(path: Path) -> Facts:
         number = _announced(path)
         told = f"{number} Gaussians, as the file states"
     return (
-        Fact("what", f"splat file: {path.suffix.lower()}", {"kind": "splats", "format": path.suffix.lower()}),
+        Fact("what", f"splat file: {form}", {"kind": "splats", "format": form}),
         Fact("model", told, {"gaussians": number}),
         Fact("size", f"{size / 1e6:.1f} MB", size),
         Fact("unit", "scene units"),

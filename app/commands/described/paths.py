@@ -68,6 +68,8 @@ def _folder(path: Path) -> tuple[Fact, ...]:
         return of_run(path)
     if is_sweep(path):
         return of_sweep(path)
+    if is_named_as_splats(path):
+        return of_splats(path)
     known = layout_of(path).name != "images"
     pictures = any(is_picture(entry) for entry in frame_folder(path).iterdir())
     return of_clip(path) if known or pictures else _other(path)

@@ -20,6 +20,7 @@ from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
 from renderer.readers.video import open_video
 from renderer.regular_files import read_whole
+from renderer.splat_files import read_splats
 
 Array = NDArray[Any]
 
@@ -74,6 +75,8 @@ def arrays(path: Path) -> Iterator[Array]:
     if suffix == ".ply":
         elements = read_ply(read_whole(path)).elements
         return (structured_to_unstructured(element.rows) for element in elements)
+    if suffix in (".spz", ".sog"):
+        return iter(read_splats(path).raw.arrays().values())
     if suffix == ".html":
         return _tracks(path)
     if suffix == ".csv":

@@ -32,7 +32,7 @@ def find_models(request: BesideRequest) -> Iterator[Beside]:
 def _holds_model(path: Path) -> bool:
     try:
         if is_named_as_splats(path):
-            return path.is_file()
+            return path.exists()
         run = RunFolder(path)
         return run.is_finished or (run.is_run and run.has_checkpoint)
     except OSError:

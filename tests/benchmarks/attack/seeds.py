@@ -31,6 +31,9 @@ from renderer.editing.mask import Mask
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
 from renderer.view_files import Views, views_json
+from tests.renderer.splat_files.files import gaussians, spz_streams
+from tests.renderer.splat_files.ksplat_files import ksplat
+from tests.renderer.splat_files.sog_files import bundled, sog
 
 CONFIG = TrainConfig(iterations=20, n_gaussians=80, checkpoint_every=10)
 
@@ -132,6 +135,10 @@ def _exports(folder: Path, run: RunFolder) -> None:
         path.replace(folder / "export.ply")
     _spz(folder / "export.spz")
     (folder / "export.splat").write_bytes(np.random.default_rng(1).bytes(32 * 40))
+    (folder / "export.sog").write_bytes(bundled(sog(gaussians(40, 3))))
+    (folder / "export.ksplat").write_bytes(ksplat(gaussians(40, 3)))
+    planes = [np.random.default_rng(2).bytes(30 * width) for width in (9, 1, 3, 3, 4, 9)]
+    (folder / "export-4.spz").write_bytes(spz_streams(1, planes, count=30))
 
 
 def _spz(path: Path) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import zstandard
 from numpy.typing import NDArray
 
 from renderer.raw_gaussians import RawGaussians
@@ -77,6 +78,20 @@ def spz(
     return gzip.compress(head + b"".join(planes))
 
 
+def spz_streams(
+    degree: int, planes: Sequence[bytes], *, count: int, bits: int = 12, flags: int = 0, extra: bytes = b""
+) -> bytes:
+    """Version 4, with what a maker adds before the table."""
+    streams = [zstandard.ZstdCompressor().compress(plane) for plane in planes]
+    head = struct.pack(
+        "<IIIBBBBI12x", 0x5053474E, 4, count, degree, bits, flags, len(planes), 32 + len(extra)
+    )
+    table = b"".join(
+        struct.pack("<QQ", len(stream), len(plane)) for stream, plane in zip(streams, planes, strict=True)
+    )
+    return head + extra + table + b"".join(streams)
+
+
 def zipped(*names: str) -> bytes:
     """An archive of files with these names."""
     file = io.BytesIO()
@@ -84,3 +99,21 @@ def zipped(*names: str) -> bytes:
         for name in names:
             archive.writestr(name, "{}")
     return file.getvalue()
+
+
+def damaged(content: bytes, rng: np.random.Generator) -> bytes:
+    out = bytearray(content)
+    for _ in range(rng.integers(1, 4)):
+        at = int(rng.integers(len(out) if rng.random() < 0.4 else max(len(out) // 4, 1)))
+        match rng.integers(4):
+            case 0:
+                out[at] = rng.integers(256)
+            case 1:
+                del out[at : at + int(rng.integers(1, 30))]
+            case 2:
+                out[at:at] = out[at : at + int(rng.integers(1, 30))]
+            case _:
+                out[at : at + 1] = str(rng.choice([0, 1, 9, 2**31, 10**13])).encode()
+        if not out:
+            break
+    return bytes(out)

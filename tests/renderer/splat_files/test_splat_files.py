@@ -17,7 +17,7 @@ from renderer.ply_elements import read_ply
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splat_files import SplatFile, SplatFileError, inria_ply, read_splats
 from renderer.splat_files.spz import FLIPS
-from tests.renderer.splat_files.files import NAMES, gaussians, packed_ply, ply, spz, word, zipped
+from tests.renderer.splat_files.files import NAMES, damaged, gaussians, packed_ply, ply, spz, word, zipped
 
 DATA = Path(__file__).resolve().parents[4] / "shared/data/ply"
 DC = 0.28209479
@@ -238,11 +238,14 @@ ZIPPED = spz(2, 1, [bytes(9), bytes(1), bytes(3), bytes(3), bytes(3), bytes(9)],
         (gzip.compress(bytes(99)), "another gzip file"),
         (zipped("scene/point_cloud.ply"), "a zip archive: unpack it first and open point_cloud.ply"),
         (zipped("readme.txt"), "a zip archive: unpack it first"),
-        (zipped("meta.json", "means_l.webp"), "SOG: convert it to .ply with SuperSplat or splat-transform"),
+        (
+            zipped("meta.json", "means_l.webp"),
+            "a SOG of version 2, got 1: convert it to .ply with SuperSplat",
+        ),
         (b"PK\x03\x04 and so on", "a damaged zip archive"),
         (
-            b"NGSP" + struct.pack("<IIBBBBI", 4, 9, 3, 12, 0, 6, 32) + bytes(64),
-            "version 4: convert it to .ply",
+            b"NGSP" + struct.pack("<IIBBBBI", 5, 9, 3, 12, 0, 6, 32) + bytes(64),
+            "version 5: convert it to .ply",
         ),
         (b"\x89PNG\r\n\x1a\n" + bytes(88), "a PNG image"),
         (b"\xff\xd8\xff\xe0" + bytes(92), "a JPEG image"),
@@ -335,24 +338,6 @@ def test_damaged_files_are_read_or_refused(tmp_path: Path) -> None:
         else:
             assert all(np.isfinite(value).all() for value in got.raw.arrays().values())
     assert 1000 < refused < 9900
-
-
-def damaged(content: bytes, rng: np.random.Generator) -> bytes:
-    out = bytearray(content)
-    for _ in range(rng.integers(1, 4)):
-        at = int(rng.integers(len(out) if rng.random() < 0.4 else max(len(out) // 4, 1)))
-        match rng.integers(4):
-            case 0:
-                out[at] = rng.integers(256)
-            case 1:
-                del out[at : at + int(rng.integers(1, 30))]
-            case 2:
-                out[at:at] = out[at : at + int(rng.integers(1, 30))]
-            case _:
-                out[at : at + 1] = str(rng.choice([0, 1, 9, 2**31, 10**13])).encode()
-        if not out:
-            break
-    return bytes(out)
 
 
 @pytest.mark.data
