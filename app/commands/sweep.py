@@ -18,8 +18,9 @@ from app.report.section import Table as Measured
 from app.report.section import said
 from app.sweeps.engines.opening import open_engine
 from app.sweeps.jobs import JobFolder
-from app.sweeps.page import best, differences, over_all, sweep_page
+from app.sweeps.page import sweep_page
 from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
+from app.sweeps.sections import best, differences, over_all
 from app.sweeps.spec import read_spec
 from app.sweeps.summary import SHOWN, Summary
 from app.sweeps.sweep import run_jobs

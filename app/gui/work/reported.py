@@ -23,8 +23,8 @@ from app.report.diagrams import (
     pareto_front,
 )
 from app.report.section import Section, read_report
-from app.sweeps.page import sections
 from app.sweeps.plan import read_sweep
+from app.sweeps.sections import sections
 from app.sweeps.summary import Summary
 from app.sweeps.table import rows
 from enhance import EnhanceParams

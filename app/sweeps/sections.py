@@ -1,0 +1,144 @@
+"""What a sweep says, in tables and diagrams: the same values for its page, the command and the window."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from app.report.section import Cell, Column, Plate, Section, Table
+from app.sweeps.plan import SweepRecord
+from app.sweeps.summary import HIGHER, SHOWN, Summary, said
+from app.sweeps.table import Row
+
+MOST_ROWS = 5000
+"""Of all jobs, on the page; the files beside it have all."""
+
+
+def sections(record: SweepRecord, table: Sequence[Row]) -> dict[str, Section]:
+    """By the names of their links."""
+    summary = Summary.of(table, record.varied)
+    measures = [name for name in SHOWN[record.task] if name in summary.measures]
+    failed = [row for row in table if row.state == "failed"]
+    left = sum(row.state == "left" for row in table)
+    counted = f"{len(summary.rows)} of {len(table)} jobs are finished, {len(failed)} failed, {left} are left."
+    return {
+        "settings": Section(
+            title="Settings",
+            sentences=(counted,),
+            plates=tuple(
+                Plate(title="Seconds of a job", diagrams=(summary.diagram(name),)) for name in measures
+            ),
+            tables=(over_all(summary, measures), *differences(summary, measures)),
+        ),
+        "best": Section(title="Best settings", tables=(best(summary, measures, summary.clips),)),
+        "clips": Section(title="Clips", tables=(by_clip(summary, measures),)),
+        "jobs": Section(title="Jobs", tables=(all_jobs(summary),)),
+        **({"failed": Section(title="Failed jobs", tables=(failures(failed),))} if failed else {}),
+    }
+
+
+def over_all(summary: Summary, measures: Sequence[str]) -> Table:
+    """A row a setting."""
+    rows = []
+    for setting in summary.settings:
+        spreads = [summary.spread(setting, name) for name in measures]
+        rows.append((said(setting), *_pairs((one.mean, one.deviation) for one in spreads)))
+    return Table(
+        title="Means over clips",
+        columns=(Column("setting"), *_columns(measures)),
+        rows=tuple(rows),
+        note="± is the standard deviation over clips of the means over seeds.",
+    )
+
+
+def by_clip(summary: Summary, measures: Sequence[str]) -> Table:
+    """A row a clip and setting."""
+    rows = []
+    for clip in summary.clips:
+        for setting in summary.settings:
+            spreads = [summary.spread(setting, name, clip) for name in measures]
+            count = max((one.count for one in spreads), default=0)
+            if count:
+                numbers = _pairs((one.mean, one.deviation) for one in spreads)
+                rows.append((clip, said(setting), count, *numbers))
+    return Table(
+        title="Means over seeds",
+        columns=(Column("clip"), Column("setting"), Column("seeds"), *_columns(measures)),
+        rows=tuple(rows),
+        note="± is the standard deviation over seeds.",
+    )
+
+
+def differences(summary: Summary, measures: Sequence[str]) -> Iterator[Table]:
+    """Against the first setting; none where there is only one."""
+    base, *others = summary.settings or ((),)
+    if not others:
+        return
+    rows = []
+    for setting in others:
+        for name in measures:
+            found = summary.difference(setting, base, name)
+            if found.spread.count:
+                low, high = (found.spread.mean + sign * found.half_width for sign in (-1, 1))
+                clear = "yes" if found.is_clear else "no"
+                rows.append((said(setting), name, found.spread.count, found.spread.mean, low, high, clear))
+    names = ("setting", "measure", "pairs", "difference", "from", "to", "differs from 0")
+    yield Table(
+        title=f"Differences from {said(base)}",
+        columns=tuple(map(Column, names)),
+        rows=tuple(rows),
+        note="Of jobs of the same clip and seed; the interval of 95 % for the mean, by Student's t.",
+    )
+
+
+def best(summary: Summary, measures: Sequence[str], clips: Sequence[str] = ()) -> Table:
+    """By measure, over all clips and for each of these."""
+    rows = []
+    for name in measures:
+        for clip in (None, *clips):
+            setting = summary.best(name, clip)
+            if setting is not None:
+                mean = summary.spread(setting, name, clip).mean
+                rows.append((name, clip or "all clips", said(setting), mean))
+    columns = (Column("measure"), Column("clip"), Column("best setting"), Column("mean"))
+    return Table(title="Best setting by measure", columns=columns, rows=tuple(rows))
+
+
+def all_jobs(summary: Summary) -> Table:
+    names = (*summary.varied, "seed")
+    shown = [name for name in names if any(name in row.settings for row in summary.rows)]
+    rows = [
+        (
+            row.clip,
+            *(_cell(row.settings.get(name)) for name in shown),
+            *(row.measures.get(name) for name in summary.measures),
+            _cell(row.costs.get("seconds")),
+        )
+        for row in summary.rows[:MOST_ROWS]
+    ]
+    columns = (Column("clip"), *map(Column, shown), *map(Column, summary.measures), Column("seconds"))
+    cut = f"The first {MOST_ROWS}; " if len(summary.rows) > MOST_ROWS else ""
+    return Table(
+        title="Finished jobs", columns=columns, rows=tuple(rows), note=f"{cut}table.csv has every setting."
+    )
+
+
+def failures(failed: Sequence[Row]) -> Table:
+    rows = tuple((row.clip, row.job, row.reason) for row in failed)
+    return Table(title="Why", columns=(Column("clip"), Column("job"), Column("reason")), rows=rows)
+
+
+def _columns(measures: Sequence[str]) -> Iterator[Column]:
+    for name in measures:
+        yield Column(name, best="high" if name in HIGHER else "low")
+        yield Column("±")
+
+
+def _pairs(spreads: Iterator[tuple[float, float]]) -> Iterator[Cell]:
+    for mean, deviation in spreads:
+        yield mean
+        yield deviation
+
+
+def _cell(value: Cell) -> Cell:
+    """A setting is no verdict."""
+    return str(value).lower() if isinstance(value, bool) else value
