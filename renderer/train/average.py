@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from renderer.gaussians import DynamicGaussians
-from renderer.stored_arrays import Arrays, Stored, check
+from renderer.stored_arrays import Arrays
 
 EVERY: Final = 5
 """Steps from one model that counts to the next."""
@@ -52,18 +52,20 @@ class Average:
         return {f"{PREFIX}{name}": value for name, value in self._mean.items()} | {COUNT: self._count}
 
     def restore(self, arrays: Arrays) -> None:
-        """Take over what `state` gave.
+        """Take over what `state` gave, beside the arrays of the model that it is a mean of.
 
         Raises:
-            ValueError: these are not the arrays of a model.
+            ValueError: these are not the arrays of such a model.
         """
-        if COUNT not in arrays:
+        mean = {name.removeprefix(PREFIX): value for name, value in arrays.items() if name.startswith(PREFIX)}
+        if not mean and COUNT not in arrays:
             return
-        check(arrays, {COUNT: Stored("1", np.int64)}, {})
-        mean = {
-            name.removeprefix(PREFIX): value.copy()
-            for name, value in arrays.items()
-            if name.startswith(PREFIX)
-        }
+        count = arrays.get(COUNT)
+        if count is None or count.shape != (1,) or count.dtype != np.int64 or count[0] < 1:
+            raise ValueError(f"expected an array {COUNT} of one whole number above 0")
+        for name, value in mean.items():
+            own = arrays.get(name)
+            if own is None or own.shape != value.shape or own.dtype != value.dtype:
+                raise ValueError(f"expected {PREFIX}{name} as {name} is")
         DynamicGaussians.checked(mean)
-        self._mean, self._count = mean, arrays[COUNT].copy()
+        self._mean, self._count = {name: value.copy() for name, value in mean.items()}, count.copy()

@@ -8,6 +8,7 @@ import pytest
 from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
+from renderer.stored_arrays import Arrays
 from renderer.train.average import COUNT, EVERY, Average
 
 
@@ -29,6 +30,11 @@ def taken(average: Average, first: int, last: int) -> None:
         average.add(model(done), done)
 
 
+def kept(average: Average, done: int) -> Arrays:
+    """As a checkpoint has it, beside the model."""
+    return model(done).arrays() | {name: value.copy() for name, value in average.state().items()}
+
+
 def test_it_is_the_mean_of_every_fifth_of_the_last_steps_and_the_last_among_them() -> None:
     average = Average(iterations=43, steps=12)
     taken(average, 1, 43)
@@ -44,7 +50,7 @@ def test_a_checkpoint_at_any_step_goes_on_bit_for_bit(cut: int) -> None:
     whole, first, second = (Average(iterations=43, steps=12) for _ in range(3))
     taken(whole, 1, 43)
     taken(first, 1, cut)
-    second.restore({name: value.copy() for name, value in first.state().items()})
+    second.restore(kept(first, cut))
     taken(second, cut + 1, 43)
     for name, value in whole.of(model(0)).arrays().items():
         assert np.array_equal(second.of(model(0)).arrays()[name], value)
@@ -69,7 +75,7 @@ def test_models_that_change_later_do_not_change_the_mean() -> None:
 def test_a_damaged_mean_is_refused() -> None:
     average = Average(iterations=10, steps=5)
     taken(average, 1, 10)
-    state = average.state()
+    state = kept(average, 10)
     for name, value in (("average.means", np.zeros((5, 2), np.float32)), (COUNT, np.zeros(1, np.float32))):
         with pytest.raises(ValueError, match="expected"):
             Average(iterations=10, steps=5).restore({**state, name: value})

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
+from app.sweeps.engines import dask
 from app.sweeps.jobs import Job, JobFolder
 from app.sweeps.plan import Plan, recorded
 from app.sweeps.spec import all_settings, spec_of
@@ -50,7 +51,10 @@ def test_a_failed_job_is_one_line_the_rest_is_done_and_repeated_on_request(
     assert json.loads(again.out)["counts"] == {"finished": 2, "failed": 0, "left": 0}
 
 
-def test_mistakes_are_one_line(vesselsplat: Cli, spec: Path, tmp_path: Path) -> None:
+def test_mistakes_are_one_line(
+    vesselsplat: Cli, spec: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dask, "SECONDS", 1)
     for flags, told in (
         ((spec,), "expected --out DIR"),
         ((tmp_path / "none.toml", "--out", tmp_path / "out"), "none.toml"),
