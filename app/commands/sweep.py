@@ -70,7 +70,7 @@ def add_engine_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     if flags.table:
-        _tell(flags.sweep, flags.measures, flags.json)
+        _tell(flags.sweep, rows(read_sweep(flags.sweep), flags.sweep), flags.measures, flags.json)
         return
     if flags.out is None:
         raise UserError("expected --out DIR, the folder to write into, or --table")
@@ -80,13 +80,13 @@ def run(flags: argparse.Namespace) -> None:
     if flags.dry_run:
         _preview(plan, flags)
         return
-    carry_out(plan, flags.out, on=flags.on, workers=flags.workers, retry=flags.retry)
-    _tell(flags.out, flags.measures, flags.json)
+    table = carry_out(plan, flags.out, on=flags.on, workers=flags.workers, retry=flags.retry)
+    _tell(flags.out, table, flags.measures, flags.json)
     require_all_done(plan, flags.out)
 
 
-def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: bool) -> None:
-    """Run what is left, then write the tables and the page.
+def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: bool) -> list[Row]:
+    """Run what is left, then write the tables and the page; the rows of the tables.
 
     Raises:
         UserError: another process runs a sweep there, or the engine is gone.
@@ -103,7 +103,8 @@ def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: 
             done = f"{now.finished} of {len(plan.jobs)} jobs are finished"
             raise KeyboardInterrupt(f"interrupted; {done}, the same command resumes") from interrupt
         finally:
-            write_summary(folder)
+            table = write_summary(folder)
+    return table
 
 
 def require_all_done(plan: Plan, folder: Path) -> None:
@@ -171,9 +172,8 @@ def _duration(seconds: float) -> str:
     return f"{minutes} min" if seconds >= 90 else f"{seconds:.0f} s"
 
 
-def _tell(folder: Path, measures: Sequence[str] | None, as_json: bool) -> None:
+def _tell(folder: Path, table: Sequence[Row], measures: Sequence[str] | None, as_json: bool) -> None:
     record = read_sweep(folder)
-    table = rows(record, folder)
     summary = Summary.of(table, record.varied)
     chosen = _chosen(summary, measures or SHOWN[record.task], named=measures is not None)
     parts = [over_all(summary, chosen), *differences(summary, chosen), best(summary, chosen)]

@@ -303,9 +303,8 @@ class Window:
         self._add_timeline(params)
 
     def _draw_pictures(self) -> None:
-        assert self._textures is not None
         take_pictures(self.state, self._channels)
-        draw_compare(self.state, self._textures)
+        self._draw_textured(draw_compare)
 
     def _draw_textured(self, draw: Callable[[AppState, Textures], None]) -> None:
         assert self._textures is not None
@@ -337,7 +336,6 @@ class Window:
 
     def _draw_over(self) -> None:
         self._draw_presentation()
-        assert self._textures is not None
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
         overlays.draw_help(self.state, self._commands)
@@ -346,7 +344,7 @@ class Window:
         overlays.draw_notice(self.state)
         draw_export(self.state)
         draw_batches(self.state)
-        draw_guide(self.state, self._textures)
+        self._draw_textured(draw_guide)
         draw_about(self.state, imgui.set_clipboard_text)
         overlays.draw_recovery(self.state)
         self._dialogs.follow(self.state)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import platform
-import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -20,6 +18,7 @@ from numba import get_num_threads
 
 from app.report.runs import Runs
 from app.report.section import Section
+from app.runs.processor import processor_name
 from app.runs.system_info import collect
 from renderer.clip import Clip
 from renderer.phantom import Phantom, PhantomParams, write_phantom
@@ -131,14 +130,8 @@ def machine() -> dict[str, Any]:
     known = collect()
     names = ("version", "python", "system", "cores", "packages", "opengl", "cuda_devices")
     return {name: known[name] for name in names} | {
-        "processor": _processor(),
+        "processor": processor_name(),
         "memory_gb": round(psutil.virtual_memory().total / 1e9, 1),
         "threads": get_num_threads(),
         "load": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
     }
-
-
-def _processor() -> str:
-    listing = Path("/proc/cpuinfo")
-    named = re.search(r"model name\s*:\s*(.+)", listing.read_text()) if listing.exists() else None
-    return named[1] if named else platform.processor() or platform.machine()

@@ -6,13 +6,14 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from app.files.atomic import write_bytes
 from app.files.provenance import provenance, strict_json, version
 from app.sweeps.settings import Settings, TaskName
 from renderer.json_files import read_json
 
+JobState = Literal["finished", "failed", "left"]
 JOBS: Final = "jobs"
 """In a sweep's folder, the folder of all jobs."""
 RESULT, FAILURE, PICTURE, RUN = "result.json", "failure.json", "picture.png", "run"
@@ -71,13 +72,19 @@ class JobFolder:
         return cls(sweep / JOBS / key)
 
     @property
+    def state(self) -> JobState:
+        """By one look at its files; a damaged result is none."""
+        if self.result() is not None:
+            return "finished"
+        return "failed" if (self.path / FAILURE).is_file() else "left"
+
+    @property
     def is_finished(self) -> bool:
-        """A damaged result is none."""
-        return self.result() is not None
+        return self.state == "finished"
 
     @property
     def has_failed(self) -> bool:
-        return not self.is_finished and (self.path / FAILURE).is_file()
+        return self.state == "failed"
 
     def result(self) -> dict[str, Any] | None:
         """None: there is none, or it is damaged, so that the job is done again."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -60,9 +61,9 @@ class State:
 
 def planned(spec: Spec, folder: Path) -> Plan:
     """`folder`: of the file with the spec. Raises UserError: a setting, a clip or their number."""
-    settings = all_settings(spec)
     paths = clip_paths(spec, folder)
     jobs_asked_for(spec, len(paths))
+    settings = all_settings(spec)
     clips: dict[str, Path] = {}
     names: dict[str, str] = {}
     with progress("reading clips", len(paths)) as report:
@@ -103,10 +104,8 @@ def read_sweep(folder: Path) -> SweepRecord:
 
 
 def state(jobs: Sequence[Job], folder: Path) -> State:
-    places = [JobFolder.of(folder, job.key) for job in jobs]
-    finished = sum(place.is_finished for place in places)
-    failed = sum(place.has_failed for place in places)
-    return State(finished, failed, len(jobs) - finished - failed)
+    counts = Counter(JobFolder.of(folder, job.key).state for job in jobs)
+    return State(counts["finished"], counts["failed"], counts["left"])
 
 
 def estimate(jobs: Sequence[Job], folder: Path) -> tuple[float | None, int]:

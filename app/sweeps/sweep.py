@@ -41,12 +41,13 @@ def run_jobs(
     """
     token, keeps = made_known(folder), Keeps(plan.spec.models, plan.spec.renders)
     places = {job.key: JobFolder.of(folder, job.key) for job in plan.jobs}
+    states = {key: place.state for key, place in places.items()}
     waiting = deque(
         Order(job, plan.clip_of(job), folder.absolute(), token, plan.spec.threads, keeps)
         for job in plan.jobs
-        if not (places[job.key].is_finished or places[job.key].has_failed)
+        if states[job.key] == "left"
     )
-    done, failed = len(plan.jobs) - len(waiting), sum(place.has_failed for place in places.values())
+    done, failed = len(plan.jobs) - len(waiting), sum(one == "failed" for one in states.values())
     running: dict[Future[Outcome], Order] = {}
     losses: Counter[str] = Counter()
     report(done, _note(failed, 0))

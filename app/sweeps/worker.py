@@ -6,9 +6,7 @@ All that crosses between processes and machines is here; it is plain values, and
 from __future__ import annotations
 
 import os
-import platform
 import secrets
-import sys
 import tempfile
 import threading
 import time
@@ -153,15 +151,9 @@ def limit_threads(count: int) -> None:
 @cache
 def machine() -> str:
     """Processor and number of cores."""
-    return f"{_processor()}, {os.cpu_count()} cores"
+    from app.runs.processor import processor_name
 
-
-def _processor() -> str:
-    if sys.platform == "linux":
-        for line in Path("/proc/cpuinfo").read_text(errors="replace").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
+    return f"{processor_name()}, {os.cpu_count()} cores"
 
 
 def end_with(parent: int) -> None:

@@ -73,15 +73,11 @@ def browser_page(
 def read_page(text: str) -> tuple[dict[str, Any], dict[str, Any], NDArray[np.uint8]]:
     """Provenance, scene and content of a page. Raises UserError: it is none of ours, or damaged."""
     try:
-        facts, scene = (_part(text, "application/json", name) for name in ("provenance", "scene"))
+        facts, scene = (_found(text, "application/json", name) for name in ("provenance", "scene"))
         packed = base64.b64decode(_found(text, "application/octet-stream", "content"), validate=True)
         return parsed(facts), parsed(scene), np.frombuffer(gzip.decompress(packed), np.uint8)
     except (ValueError, OSError, EOFError) as error:
         raise UserError(f"expected an HTML file written by VesselSplat ({error})") from error
-
-
-def _part(text: str, kind: str, name: str) -> str:
-    return _found(text, kind, name)
 
 
 def _found(text: str, kind: str, name: str) -> str:

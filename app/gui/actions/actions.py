@@ -328,6 +328,15 @@ def set_params(state: AppState, params: EnhancementSettings) -> None:
     state.enhancement.params = params
 
 
+def use_params(state: AppState, params: EnhancementSettings, named: str) -> None:
+    """Enhance by these from now on, which are said as `named`; one step of undo."""
+    settle_params(state)
+    set_params(state, params)
+    settle_params(state)
+    state.enhancement.active = True
+    announce(state, f"now using {named}")
+
+
 def latest(state: AppState, method: type[L]) -> L:
     """The parameters of a method, as they were when it was last chosen."""
     looks = (state.enhancement.params, *(step.params for step in reversed(state.enhancement.past)))

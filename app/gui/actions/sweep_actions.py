@@ -30,11 +30,7 @@ def take_image(state: AppState, job: SweptJob, answer: SweptImage | Failure) -> 
 def use_params(state: AppState, job: SweptJob) -> None:
     """Enhance by the job's settings from now on; one step of undo."""
     assert job.params is not None
-    actions.settle_params(state)
-    actions.set_params(state, job.params)
-    actions.settle_params(state)
-    state.enhancement.active = True
-    actions.announce(state, f"now using {job.setting}")
+    actions.use_params(state, job.params, job.setting)
 
 
 def open_run(state: AppState, job: SweptJob) -> None:

@@ -130,11 +130,7 @@ def one_to_one(state: AppState, zoom: float) -> None:
 
 def use_setting(state: AppState, setting: Setting) -> None:
     """Enhance by this setting from now on; one step of undo."""
-    actions.settle_params(state)
-    actions.set_params(state, setting.params)
-    actions.settle_params(state)
-    state.enhancement.active = True
-    actions.announce(state, f"now using {said(setting)}")
+    actions.use_params(state, setting.params, said(setting))
 
 
 def take_cell(state: AppState, request: CellRequest, answer: GridCell | Failure) -> None:

@@ -6,7 +6,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
 from app.gui.actions import actions
 from app.gui.drawing.textures import ShowsPictures
-from app.gui.panels.swept import draw_swept
+from app.gui.panels.swept import MARKERS, NEAR, draw_swept
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import centered, choose, em, muted
@@ -26,12 +26,8 @@ FIRST_CLICK = {
 MOST_ROWS = 12
 """That are in sight at once."""
 CHART_TEXT = "Which diagram to show. Each point is a setting; the line joins the Pareto-optimal settings."
-MARKERS = 10
-"""Shapes of ImPlot, so that colour is not the only sign."""
 MOST_BELOW = 4
 """Lines whose legend is below the diagram; that of more is beside it, to leave the diagram its height."""
-NEAR = 0.75
-"""Text heights from the pointer to a point that it names."""
 
 
 def draw_report(state: AppState, textures: ShowsPictures) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
 from app.errors import UserError
-from app.sweeps.engines.engine import Engine
+from app.sweeps.engines.engine import Engine, workers_for
 
 SECONDS = 10
 """To find a scheduler."""
@@ -44,7 +43,7 @@ def dask(address: str | None, workers: int | None, threads: int) -> Iterator[Eng
         stack.enter_context(dask.config.set(settings))
         place: Any = address
         if address is None:
-            count = workers or max(1, (os.cpu_count() or 1) // threads)
+            count = workers or workers_for(threads)
             cluster: Any = LocalCluster
             place = stack.enter_context(
                 cluster(n_workers=count, threads_per_worker=1, dashboard_address=None)

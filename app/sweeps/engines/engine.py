@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from concurrent.futures import Executor
 from dataclasses import dataclass
+
+
+def workers_for(threads: int) -> int:
+    """As many as this machine has cores for so many threads each."""
+    return max(1, (os.cpu_count() or 1) // threads)
 
 
 @dataclass(frozen=True, eq=False)

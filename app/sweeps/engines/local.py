@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from app.console.startup import rest_while_waiting
-from app.sweeps.engines.engine import Engine
+from app.sweeps.engines.engine import Engine, workers_for
 from app.sweeps.worker import end_with
 
 AHEAD = 2
@@ -21,7 +21,7 @@ AHEAD = 2
 @contextmanager
 def local(workers: int | None, threads: int) -> Iterator[Engine]:
     """As many workers as there are cores for `threads` each, unless told otherwise."""
-    count = workers or max(1, (os.cpu_count() or 1) // threads)
+    count = workers or workers_for(threads)
     executor = Processes(count)
     try:
         yield Engine("local", executor, count, count + AHEAD)

@@ -1,0 +1,14 @@
+"""Which processor this is."""
+
+from __future__ import annotations
+
+import platform
+import re
+from pathlib import Path
+
+
+def processor_name() -> str:
+    """As Linux lists it, else as Python knows it."""
+    listing = Path("/proc/cpuinfo")
+    named = re.search(r"model name\s*:\s*(.+)", listing.read_text()) if listing.exists() else None
+    return named[1] if named else platform.processor() or platform.machine()
