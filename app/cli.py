@@ -18,6 +18,7 @@ COMMANDS = {
     "gui": "open the app, on a clip, image, video or run when one is given",
     "demo": "built-in phantom clip: enhance, train, render, comparison sheet and report",
     "enhance": "enhance the vessels of an image, a folder of images or a video",
+    "live": "a capture device or a stream, enhanced and recorded as it comes, with its delay measured",
     "tune": "try and measure a grid of settings on an image",
     "train": "reconstruct a clip as dynamic 3D Gaussians",
     "render": "render the frames of a finished run, or a splat file",

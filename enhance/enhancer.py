@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from enhance import brightness, needs, saturation
 from enhance.chroma import chroma_snr
 from enhance.field import FieldOfView
-from enhance.field_tracker import FieldTracker
 from enhance.first_pass import first_pass
 from enhance.guided_filter import Grids, Window, WindowModels, Windows, window
 from enhance.image import AnyImage, Float32Image, ImageError
@@ -31,6 +30,7 @@ from enhance.second_pass import (
 )
 from enhance.shown import Pixels, Shown
 from enhance.statistics import LiveStatistics, Statistics, Tally
+from enhance.stream import Stream
 from enhance.survey import LIKELY_SIGMA, Moments, Survey, statistics_of
 
 NO_VALUES: Final = np.empty((0, 0), np.float32)
@@ -74,10 +74,7 @@ class Enhancer:
 
     def __init__(self, live: LiveStatistics | None = None) -> None:
         """live: smooth the statistics from image to image; None: each image has its own."""
-        self._live = live
-        self._tracker = FieldTracker() if live is not None else None
-        self._before: Statistics | None = None
-        self._last: Statistics | None = None
+        self._stream = Stream(live) if live is not None else None
         self._shown: Shown | None = None
         self._survey: Survey | None = None
         self._chroma: float | None = None
@@ -100,10 +97,7 @@ class Enhancer:
             ImageError: an image, mask or field that cannot be used; the previous image is kept.
         """
         shown = Shown.of(image, tissue_mask, pixels)
-        if self._tracker is not None and pixels == "automatic":
-            shown = replace(shown, wanted=self._tracker.follow(shown.picture))
-        self._take(shown)
-        self._before = self._last
+        self._take(shown if self._stream is None else self._stream.next(shown, pixels))
 
     def _take(self, shown: Shown) -> None:
         self._shown = shown
@@ -130,13 +124,12 @@ class Enhancer:
         if statistics is not None:
             return self._draw(params, windows, statistics.resolved(params), tight=True)
         if params.p is not None:
-            self._last = self._statistics(params, ())
-            return self._draw(params, windows, self._last, tight=True)
+            return self._draw(params, windows, self._statistics(params, ()), tight=True)
         # P is 1/2 on nearly every image: draw with that, which measures on the way what is not known of Q.
         unknown = [one not in self._moments for one in windows]
         likely = self._statistics(params, windows)
         drawn = self._draw(params, windows, likely, unknown)
-        self._last = used = self._statistics(params, windows) if any(unknown) else likely
+        used = self._statistics(params, windows) if any(unknown) else likely
         return replace(drawn, statistics=used) if used.p == likely.p else self._draw(params, windows, used)
 
     def tally(self, params: EnhanceParams) -> Tally:
@@ -187,9 +180,9 @@ class Enhancer:
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
         snr = self._chroma_snr(params)
         measured = statistics_of(params, seen, sigmas, snr, self._now)
-        if self._live is None:
+        if self._stream is None:
             return measured
-        return self._live.follow(self._before, measured).resolved(params)
+        return self._stream.smoothed(measured, seen.histogram).resolved(params)
 
     def _chroma_snr(self, params: EnhanceParams) -> float | None:
         """Where it is needed."""

@@ -140,7 +140,7 @@ def _tasks(
     return np.array(sorted(tasks, key=lambda task: task[1] * (1 + coarse[task[0]])), dtype=np.int64)
 
 
-@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
+@njit(parallel=True, nogil=True, cache=True, fastmath={"contract"}, error_model="numpy")
 def _fit(
     fine: NDArray[np.float32],  # (2, h, w) block means and variances
     coarse: NDArray[np.float32],

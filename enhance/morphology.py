@@ -36,7 +36,7 @@ def opened(small: Float32Image, radius: int) -> Float32Image:
     return np.asarray(cv2.GaussianBlur(result, (0, 0), 0.6))
 
 
-@njit(parallel=True, cache=True, error_model="numpy")
+@njit(parallel=True, nogil=True, cache=True, error_model="numpy")
 def _erode(
     plane: NDArray[np.float32],  # (h, w)
     reaches: NDArray[np.int64],  # (radius + 1,): columns on either side, so many rows from the middle

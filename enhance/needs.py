@@ -120,7 +120,7 @@ def _ranging(window: Window) -> tuple[int, np.float32]:
     return 2 if window.coarse else 1, np.float32(math.sqrt(window.subsample**2 - 1))
 
 
-@njit(parallel=True, cache=True, error_model="numpy")
+@njit(parallel=True, nogil=True, cache=True, error_model="numpy")
 def _all_ratios(
     low: NDArray[np.float32],  # (2, h, w)
     step: int,

@@ -50,7 +50,7 @@ TWO, THREE = np.float32(2.0), np.float32(3.0)
 NOTHING, KEEP_LOGARITHM, FROM_LOGARITHM, KEEP_POWER, FROM_POWER = range(5)
 
 
-@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
+@njit(parallel=True, nogil=True, cache=True, fastmath={"contract"}, error_model="numpy")
 def render(
     image: NDArray[Any],  # (H, W, 3)
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all

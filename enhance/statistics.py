@@ -167,26 +167,33 @@ class LiveStatistics:
     """Statistics of a live stream: each image moves them part of the way, so that nothing flickers.
 
     Raises:
-        ValueError: a half-life below 0, or none.
+        ValueError: a half-life below 0, or none, or a cut of 0 or less.
 
     Example:
         >>> import numpy as np
         >>> from enhance import Enhancer, LiveStatistics
         >>> enhancer = Enhancer(LiveStatistics(half_life=1))
-        >>> for level in (50, 150, 150):
+        >>> for level in (50, 70, 70, 200, 200):
         ...     enhancer.show(np.full((32, 32, 3), level, np.uint8))
         ...     print(enhancer.enhance().statistics.level)
         50
-        100.0
-        125.0
+        60.0
+        65.0
+        132.5
+        200
     """
 
     half_life: float = 12.0
-    """Images after which half of a sudden change has been followed; 0 follows at once."""
+    """Images after which half of a change has been followed; 0 follows at once."""
+    cut: float = 24.0
+    """Grey levels by which V moves on average from one scene to another: with the second image of another
+    scene the statistics begin anew."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.half_life < np.inf:
             raise ValueError(f"expected a half_life of 0 or more images, got {self.half_life}")
+        if not self.cut > 0:
+            raise ValueError(f"expected a cut of more than 0 grey levels, got {self.cut}")
 
     def follow(self, before: Statistics | None, measured: Statistics) -> Statistics:
         """`before` moved towards what was `measured` on the next image; z and P are to be resolved again."""

@@ -26,7 +26,8 @@ from enhance.result import EnhanceResult
 from enhance.rows import sums_of
 from enhance.saturation import pull
 from enhance.shown import Pixels, Shown
-from enhance.statistics import Statistics
+from enhance.statistics import LiveStatistics, Statistics
+from enhance.stream import Stream
 from enhance.survey import LIKELY_SIGMA, Moments, Survey, statistics_of
 from enhance.upscale import at_places
 from enhance.vessel_first_pass import SUBSAMPLE, TASK, first_pass
@@ -165,7 +166,9 @@ class VesselEnhancer:
         [(48, 64, 3), (48, 64, 3)]
     """
 
-    def __init__(self) -> None:
+    def __init__(self, live: LiveStatistics | None = None) -> None:
+        """live: as of `Enhancer`."""
+        self._stream = Stream(live) if live is not None else None
         self._shown: Shown | None = None
         self._seen: Shown | None = None
         self._found: _Found | None = None
@@ -181,7 +184,8 @@ class VesselEnhancer:
         Raises:
             ImageError: an image, mask or field that cannot be used; the previous image is kept.
         """
-        self._shown = Shown.of(image, tissue_mask, pixels)
+        shown = Shown.of(image, tissue_mask, pixels)
+        self._shown = shown if self._stream is None else self._stream.next(shown, pixels)
 
     def enhance(
         self, params: VesselParams = VESSEL, *, statistics: Statistics | None = None
@@ -193,7 +197,7 @@ class VesselEnhancer:
         """
         now = self._look_within(statistics)
         found, ground = self._find(now, params)
-        dark = found.survey.level if statistics is None else statistics.level
+        dark = self._level(found) if statistics is None else statistics.level
         tone = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
         if statistics is not None:
             used = statistics.resolved(tone)
@@ -235,7 +239,17 @@ class VesselEnhancer:
         """Of the shown image; likely sigmas where Q is not measured."""
         survey = found.survey
         sigmas = tuple(one.sigma(survey.count) for one in self._moments)
-        return statistics_of(tone, survey, sigmas or (LIKELY_SIGMA,) * len(tone.radii), None, found.shown)
+        sigmas = sigmas or (LIKELY_SIGMA,) * len(tone.radii)
+        measured = statistics_of(tone, survey, sigmas, None, found.shown)
+        if self._stream is None:
+            return measured
+        return self._stream.smoothed(measured, survey.histogram).resolved(tone)
+
+    def _level(self, found: _Found) -> float:
+        """L of Eq 2, smoothed if the stream is live."""
+        if self._stream is None:
+            return found.survey.level
+        return self._statistics(EnhanceParams(d_factor=0.0), found).level
 
     def _draw(
         self, params: VesselParams, tone: EnhanceParams, used: Statistics, found: _Found, ground: _Ground

@@ -62,7 +62,7 @@ QUARTER = np.float32(0.25)
 NEXT = np.uint64(1)
 
 
-@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
+@njit(parallel=True, nogil=True, cache=True, fastmath={"contract"}, error_model="numpy")
 def first_pass(
     image: NDArray[Any],  # (H, W, 3)
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all

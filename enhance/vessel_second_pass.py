@@ -52,7 +52,7 @@ LOG2_E = np.float32(1 / np.log(2))
 MOST_EXPONENT = np.float32(80.0)
 
 
-@njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
+@njit(parallel=True, nogil=True, cache=True, fastmath={"contract"}, error_model="numpy")
 def second_pass(
     image: NDArray[Any],  # (H, W, 3)
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all

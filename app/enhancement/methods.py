@@ -11,7 +11,7 @@ from pydantic import Discriminator, Tag
 
 from app.errors import UserError
 from app.files.image_files import ArrayImage
-from enhance import EnhanceParams, Enhancer, EnhanceResult, Statistics, measure
+from enhance import EnhanceParams, Enhancer, EnhanceResult, LiveStatistics, Statistics, measure
 from enhance.baselines import BASELINES
 from enhance.image import BoolImage
 from enhance.shown import Pixels
@@ -55,8 +55,9 @@ class MethodEnhancer:
     The memory of both methods stays from picture to picture. Not to be used from two threads at once.
     """
 
-    def __init__(self) -> None:
-        self._paper, self._vessel = Enhancer(), VesselEnhancer()
+    def __init__(self, live: LiveStatistics | None = None) -> None:
+        """live: smooth the statistics from picture to picture of a stream."""
+        self._paper, self._vessel = Enhancer(live), VesselEnhancer(live)
         self._shown: tuple[ArrayImage, BoolImage | None, Pixels] | None = None
         self._seen: frozenset[Preset] = frozenset()
 

@@ -78,9 +78,7 @@ class H264Writer:
 
     def write(self, frame: ArrayImage, seconds: float | None) -> None:
         start = float(self._count / self._rate) if seconds is None else seconds
-        picture = av.VideoFrame.from_ndarray(frame, "rgb24").reformat(
-            format="yuv420p", dst_colorspace=self._matrix, dst_color_range=1, interpolation=EXACT
-        )
+        picture = encodable(frame, self._matrix)
         picture.pts = self._count if seconds is None else round(seconds * TICKS)
         picture.time_base = self._unit
         self._count += 1
@@ -99,6 +97,13 @@ class H264Writer:
         if self._sound is not None:
             self._sound.close()
         self._container.close()
+
+
+def encodable(frame: ArrayImage, matrix: str) -> av.VideoFrame:
+    """An (H, W, 3) RGB uint8 frame as the encoder takes it, by one of MATRICES."""
+    return av.VideoFrame.from_ndarray(frame, "rgb24").reformat(
+        format="yuv420p", dst_colorspace=matrix, dst_color_range=1, interpolation=EXACT
+    )
 
 
 def _tags(path: Path) -> _Tags:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -192,7 +193,7 @@ def flickering(count: int) -> list[NDArray[np.uint8]]:
 
 
 def test_live_statistics_begin_with_the_first_image_and_settle() -> None:
-    enhancer = Enhancer(LiveStatistics(half_life=2))
+    enhancer = Enhancer(LiveStatistics(half_life=2, cut=math.inf))
     dark, bright = vessels(60, 80) // 3, vessels(60, 80)
     enhancer.show(dark)
     first = enhancer.enhance().statistics

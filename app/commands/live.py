@@ -1,0 +1,187 @@
+"""`vesselsplat live SOURCE`: a capture device, a stream or a file as if live, enhanced without a window."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any, Final, cast
+
+from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
+from app.console.flags import add_fields
+from app.console.progress import progress
+from app.enhancement.methods import PAPER, VESSEL, load_kernels
+from app.enhancement.settable import PIXELS
+from app.errors import UserError
+from app.files.provenance import provenance, strict_json
+from app.live.address import LiveAddress, address_of
+from app.live.picture import LiveSetting, LiveStatus
+from app.live.recorder import WHATS, Recorder
+from app.live.session import LiveSession
+from app.live.sources.device import devices
+from app.live.sources.opening import open_source
+from app.live.sources.source import Wish
+from enhance import EnhanceParams
+from enhance.vessel import VesselParams
+from renderer.clip import ByteImage
+
+LOOK: Final = 0.05
+"""Seconds from one look at the session to the next."""
+PATIENCE: Final = 10.0
+"""Seconds without any picture after which a source that never gave one is given up."""
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "source",
+        metavar="SOURCE",
+        nargs="?",
+        help="number or name of a capture device, address of a stream (rtsp://HOST/PATH, udp://@:PORT, "
+        "http://...), or a file or folder that is played as if live",
+    )
+    parser.add_argument("--list", action="store_true", help="list the capture devices of this machine")
+    parser.add_argument("--seconds", type=float, metavar="N", help="stop after N seconds (default: Ctrl+C)")
+    parser.add_argument("--record", type=Path, metavar="FILE.mp4", help="record what is live into a new file")
+    parser.add_argument(
+        "--what", choices=WHATS, default=WHATS[0], help=f"what to record (default {WHATS[0]})"
+    )
+    parser.add_argument("--once", action="store_true", help="play a file to its end, not in a loop")
+    parser.add_argument(
+        "--size", nargs=2, type=int, metavar=("W", "H"), help="size in pixels to ask a device for"
+    )
+    parser.add_argument(
+        "--fps", type=float, metavar="F", help="frames a second to ask a device for, or to play a file at"
+    )
+    parser.add_argument("--pixel-format", metavar="FOUR", help="format to ask a device for: MJPG, YUYV")
+    parser.add_argument(
+        "--method", choices=(PAPER, VESSEL), default=PAPER, help="as of `vesselsplat enhance`"
+    )
+    add_fields(parser, EnhanceParams, FIELDS)
+    group = parser.add_argument_group("with --method vessel", "and --strength, --d-factor")
+    add_fields(cast(argparse.ArgumentParser, group), VesselParams, VESSEL_FIELDS)
+    parser.add_argument("--pixels", choices=PIXELS[:2], default=PIXELS[0], help="as of `vesselsplat enhance`")
+    parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
+
+
+def run(flags: argparse.Namespace) -> None:
+    known = devices()
+    if flags.list:
+        _list(flags.json, [vars(one) for one in known])
+        return
+    if flags.source is None:
+        raise UserError("expected a SOURCE: a device, the address of a stream, a file or a folder")
+    address, wish, setting = address_of(flags.source, known), wish_of(flags), setting_of(flags)
+    assert setting.params is not None
+    load_kernels(setting.params, _black())
+    recorder = None if flags.record is None else Recorder(flags.record, flags.what, address.name)
+    recipients = () if recorder is None else (recorder.add,)
+    began = time.perf_counter()
+    session = LiveSession(partial(open_source, address, wish), setting, recipients=recipients)
+    try:
+        with _told(address) as report:
+            _follow(session, flags.seconds, report)
+    finally:
+        session.close()
+        recording = None if recorder is None else recorder.finish()
+    last = session.status()
+    if last.made == 0:
+        raise UserError(f"no picture came from {address.name}: {last.reason or 'none in that time'}")
+    facts = _facts(last, time.perf_counter() - began) | {"source": address.name, "setting": setting}
+    if recording is not None:
+        facts["recording"] = recording
+    _say(facts, last, flags.json)
+    if recording is not None and recording.trouble:
+        raise UserError(f"the recording ended early ({recording.trouble}): {recording.path}")
+
+
+def wish_of(flags: argparse.Namespace) -> Wish:
+    """What the source is asked for. Raises UserError: what no source could give."""
+    if flags.seconds is not None and not flags.seconds > 0:
+        raise UserError(f"--seconds: expected more than 0, got {flags.seconds:g}")
+    if flags.fps is not None and not 0 < flags.fps < 1000:
+        raise UserError(f"--fps: expected more than 0 and less than 1000, got {flags.fps:g}")
+    if flags.size is not None and min(flags.size) < 1:
+        raise UserError(f"--size: expected two numbers from 1 on, got {flags.size[0]} {flags.size[1]}")
+    size = None if flags.size is None else (flags.size[0], flags.size[1])
+    return Wish(size, flags.fps, flags.pixel_format, not flags.once)
+
+
+def setting_of(flags: argparse.Namespace) -> LiveSetting:
+    params = params_of(flags)
+    assert params is not None
+    return LiveSetting(params, flags.pixels)
+
+
+def _black() -> ByteImage:
+    import numpy as np
+
+    return np.zeros((64, 64, 3), np.uint8)
+
+
+@contextmanager
+def _told(address: LiveAddress) -> Iterator[Any]:
+    with progress(f"live from {address.name}", 0, every=2.0) as report:
+        yield report
+
+
+def _follow(session: LiveSession, seconds: float | None, report: Any) -> None:
+    """Until the time is over, the source has ended, or it never came. Raises UserError: it cannot come."""
+    began = time.perf_counter()
+    while not session.is_over:
+        time.sleep(LOOK)
+        session.pictures.take()
+        now, passed = session.status(), time.perf_counter() - began
+        report(now.made, line_of(now))
+        if seconds is not None and passed >= seconds:
+            return
+        if now.made == 0 and passed > PATIENCE:
+            raise UserError(now.reason or f"no picture in {PATIENCE:.0f} s")
+    now = session.status()
+    if now.signal == "failed":
+        raise UserError(now.reason)
+
+
+def line_of(now: LiveStatus) -> str:
+    """How a session stands, in a line."""
+    if not now.is_live:
+        return f"{now.signal.upper()}: {now.reason}" if now.reason else now.signal.upper()
+    delay = "" if now.to_ready is None else f", {now.to_ready}"
+    return f"LIVE, {now.frames_per_second:.0f} frames/s{delay}, {now.dropped} dropped"
+
+
+def _facts(now: LiveStatus, seconds: float) -> dict[str, Any]:
+    return {
+        "told": now.told,
+        "seconds": seconds,
+        "arrived": now.arrived,
+        "made": now.made,
+        "dropped": now.dropped,
+        "times_lost": now.times_lost,
+        "ends": now.signal,
+        "reason": now.reason,
+        "milliseconds_from_arrival_to_enhanced": now.to_ready,
+    }
+
+
+def _say(facts: dict[str, Any], last: LiveStatus, as_json: bool) -> None:
+    if as_json:
+        sys.stdout.write(strict_json(provenance(**facts)) + "\n")
+        return
+    text = f"{facts['source']} ({last.told}): {last.made} pictures in {facts['seconds']:.1f} s"
+    text += f", {last.dropped} dropped; from arrival to enhanced {last.to_ready}\n"
+    if (one := facts.get("recording")) is not None:
+        text += f"{one.path}: {one.pictures} pictures, {one.seconds:.1f} s recorded\n"
+    sys.stdout.write(text)
+
+
+def _list(as_json: bool, found: list[dict[str, Any]]) -> None:
+    if as_json:
+        sys.stdout.write(strict_json(provenance(devices=found)) + "\n")
+    elif not found:
+        sys.stdout.write("no capture device\n")
+    for one in () if as_json else found:
+        sys.stdout.write(f"{one['where']}  {one['name']}\n")

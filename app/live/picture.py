@@ -1,0 +1,78 @@
+"""What a live session makes of a frame, and how it stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from app.enhancement.methods import EnhancementSettings
+from app.live.delays import Delay
+from enhance import Statistics
+from enhance.result import Omission
+from enhance.shown import Pixels
+from renderer.clip import ByteImage
+
+
+@dataclass(frozen=True)
+class LiveSetting:
+    """How frames are enhanced from now on. None: they are shown as they come."""
+
+    params: EnhancementSettings | None
+    pixels: Pixels = "automatic"
+
+
+@dataclass(frozen=True, eq=False)
+class LivePicture:
+    """One frame, original and enhanced."""
+
+    number: int
+    """Of the frames that were enhanced in this session, from 1."""
+    arrived: float
+    """On `time.perf_counter`."""
+    seconds: float
+    """On the source's own clock."""
+    original: ByteImage
+    """(H, W, 3) RGB."""
+    enhanced: ByteImage | None
+    """None: white light was asked for."""
+    setting: LiveSetting
+    statistics: Statistics | None
+    omitted: tuple[Omission, ...]
+    milliseconds: float
+    """Of the enhancement alone."""
+
+
+Signal = Literal["connecting", "live", "black", "stale", "lost", "ended", "failed"]
+"""Stale: no new picture for half a second. Black: pictures come, with nothing on them."""
+
+
+@dataclass(frozen=True)
+class LiveStatus:
+    """How a session stands at a moment."""
+
+    signal: Signal
+    reason: str
+    """Why there is no live picture, in one line; empty where there is one."""
+    told: str
+    """What the source really gives."""
+    frames_per_second: float
+    """Pictures that were made of late, a second; 0 where none was."""
+    arrived: int
+    """Frames of the source."""
+    made: int
+    """Pictures."""
+    dropped: int
+    """Frames that were late for the enhancement and have been left out."""
+    unseen: int
+    """Pictures that gave way to a newer one before anybody took them."""
+    times_lost: int
+    since: float | None
+    """Seconds since the newest picture arrived; None before the first."""
+    to_ready: Delay | None
+    """From arrival to enhanced."""
+    to_screen: Delay | None
+    """From arrival to the swap that showed it; None without a screen."""
+
+    @property
+    def is_live(self) -> bool:
+        return self.signal == "live"

@@ -1,0 +1,183 @@
+"""Records what is live, in a thread of its own: what is on the disk plays, whenever the process is killed."""
+
+from __future__ import annotations
+
+import logging
+import queue
+import shutil
+import threading
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final, Literal, get_args
+
+import numpy as np
+
+from app.errors import UserError, sentence
+from app.files.atomic import make_folder
+from app.files.legible import require_utf8
+from app.files.provenance import plain, provenance, write_sidecar
+from app.live.picture import LivePicture, LiveSetting
+from app.live.segment import Segment
+from renderer.clip import ByteImage
+
+What = Literal["original", "enhanced", "side by side"]
+WHATS: Final[tuple[What, ...]] = get_args(What)
+SUFFIX: Final = ".mp4"
+WAITING: Final = 8
+"""Pictures that may wait for the encoder; more are left out and counted."""
+LEAST_FREE: Final = 64 * 1024 * 1024
+"""Bytes that stay free on the disk: a full one would stop more than this recording."""
+LOOK_EVERY: Final = 32
+"""Pictures from one look at the disk to the next."""
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Recording:
+    """How far it is."""
+
+    path: Path
+    """Of the file that is written now, or was last."""
+    what: What
+    seconds: float = 0.0
+    """From the first picture to the last."""
+    pictures: int = 0
+    left_out: int = 0
+    """Pictures that the encoder had no time for."""
+    files: int = 1
+    """More than one where the size of the pictures has changed."""
+    is_over: bool = False
+    trouble: str = ""
+    """Why it ended before it was told to."""
+
+
+class Recorder:
+    """Give it pictures by `add`, which never waits; end it by `finish`."""
+
+    def __init__(self, path: Path, what: What, source: str) -> None:
+        """Begin a new file; source: what is recorded, as a person calls it, for its provenance.
+
+        Raises:
+            UserError: the path ends otherwise than in .mp4, is not UTF-8, is there already, or its folder
+                cannot be written.
+        """
+        if path.suffix.lower() != SUFFIX:
+            raise UserError(f"expected a recording to end in {SUFFIX}, got {path.name}: {path}")
+        require_utf8(path)
+        make_folder(path.parent)
+        try:
+            path.touch(exist_ok=False)
+        except FileExistsError:
+            raise UserError(f"expected a new file to record into, got one that is there: {path}") from None
+        except OSError as error:
+            raise UserError(f"cannot record ({sentence(error)}): {path}") from error
+        self.state = Recording(path, what)
+        self._source = source
+        self._first = path
+        self._waiting: queue.Queue[LivePicture | None] = queue.Queue(WAITING)
+        self._segment: Segment | None = None
+        self._start: float | None = None
+        self._settings: list[dict[str, Any]] = []
+        self._setting: LiveSetting | None = None
+        self._thread = threading.Thread(target=self._run, name="vesselsplat-recorder", daemon=True)
+        self._thread.start()
+
+    def add(self, picture: LivePicture) -> None:
+        """The next picture, in the order of arrival."""
+        if self.state.is_over:
+            return
+        try:
+            self._waiting.put_nowait(picture)
+        except queue.Full:
+            self.state = replace(self.state, left_out=self.state.left_out + 1)
+
+    def finish(self, timeout: float = 10.0) -> Recording:
+        """Write what waits and end the file. A recording without a picture leaves none."""
+        with suppress(queue.Full):
+            self._waiting.put(None, timeout=timeout)
+        self._thread.join(timeout)
+        return self.state
+
+    def _run(self) -> None:
+        trouble = ""
+        try:
+            while (picture := self._waiting.get()) is not None:
+                self._write(picture)
+        except (OSError, UserError, ValueError) as error:
+            log.warning("a recording has ended early", exc_info=True)
+            trouble = sentence(error)
+        self._end(trouble)
+
+    def _write(self, picture: LivePicture) -> None:
+        if self.state.pictures % LOOK_EVERY == 0:
+            free = shutil.disk_usage(self.state.path.parent).free
+            if free < LEAST_FREE:
+                raise UserError(f"the disk is nearly full: {free / 1e6:.0f} MB are free")
+        image = shown(picture, self.state.what)
+        if self._start is None:
+            self._start = picture.arrived
+        seconds = picture.arrived - self._start
+        if self._segment is None or self._segment.size != image.shape[1::-1]:
+            self._begin(image, seconds)
+        assert self._segment is not None
+        if picture.setting != self._setting:
+            self._note(picture.setting, seconds)
+        self._segment.write(image, seconds)
+        self.state = replace(self.state, seconds=seconds, pictures=self.state.pictures + 1)
+
+    def _begin(self, image: ByteImage, seconds: float) -> None:
+        """Another file where another size goes on."""
+        if self._segment is not None:
+            self._segment.finish()
+            files = self.state.files + 1
+            path = _numbered(self._first, files)
+            self.state = replace(self.state, path=path, files=files)
+        self._segment = Segment(self.state.path, (image.shape[1], image.shape[0]), seconds, self._facts())
+
+    def _note(self, setting: LiveSetting, seconds: float) -> None:
+        """From now on pictures are enhanced otherwise: said beside the file, which has a beginning only."""
+        self._setting = setting
+        said = {"from_seconds": round(seconds, 3), "params": setting.params, "pixels": setting.pixels}
+        self._settings.append(plain(said))
+        self._say()
+
+    def _facts(self) -> dict[str, Any]:
+        return provenance(kind="live recording", source=self._source, what=self.state.what)
+
+    def _say(self, **more: object) -> None:
+        write_sidecar(self._first, self._facts() | {"settings": self._settings} | plain(more))
+
+    def _end(self, trouble: str) -> None:
+        try:
+            if self._segment is not None:
+                self._segment.finish()
+            else:
+                self._first.unlink(missing_ok=True)
+        except (OSError, ValueError) as error:
+            trouble = trouble or sentence(error)
+        now = self.state = replace(self.state, is_over=True, trouble=trouble)
+        if self._segment is not None:
+            with suppress(OSError, UserError):
+                self._say(seconds=now.seconds, pictures=now.pictures, left_out=now.left_out, ended=trouble)
+
+
+def shown(picture: LivePicture, what: What) -> ByteImage:
+    """(H, W, 3), of an even size, as encoders need it."""
+    enhanced = picture.original if picture.enhanced is None else picture.enhanced
+    if what == "original":
+        image = picture.original
+    elif what == "enhanced":
+        image = enhanced
+    else:
+        image = np.concatenate((picture.original, enhanced), axis=1)
+    height, width = image.shape[0] // 2 * 2, image.shape[1] // 2 * 2
+    return np.ascontiguousarray(image[:height, :width])
+
+
+def _numbered(path: Path, number: int) -> Path:
+    """NAME-2.mp4, or the next that is free."""
+    while (found := path.with_name(f"{path.stem}-{number}{path.suffix}")).exists():
+        number += 1
+    return found

@@ -1,0 +1,60 @@
+"""One video file that is written as it comes: fragments of half a second, each complete by itself."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Final
+
+import av
+
+from app.files.h264_video import BT709, MATRICES, TICKS, encodable
+from app.files.provenance import strict_json
+from renderer.clip import ByteImage
+
+FRAGMENT: Final = 0.5
+"""Seconds that a fragment lasts at most, and so what a kill may cost beside the picture in hand."""
+# Without a look ahead: a picture that went in has come out.
+QUICK: Final = {"preset": "ultrafast", "tune": "zerolatency", "crf": "17", "x264-params": "mbtree=0"}
+FRAGMENTED: Final = {
+    "movflags": "frag_keyframe+empty_moov+default_base_moof",
+    "flush_packets": "1",
+}
+RATE: Final = Fraction(30)
+"""Of which nothing depends: each picture has its own time."""
+
+
+class Segment:
+    """Pictures of one size, each at its own time."""
+
+    def __init__(self, path: Path, size: tuple[int, int], seconds: float, facts: dict[str, Any]) -> None:
+        """seconds: at which the first picture is taken. Raises OSError: it cannot be written."""
+        self.size = size
+        self._start = seconds
+        self._container = av.open(f"file:{path.absolute()}", "w", container_options=FRAGMENTED)
+        self._container.metadata["comment"] = strict_json(facts)
+        self._stream = self._container.add_stream("libx264", rate=RATE, options=QUICK)
+        self._stream.width, self._stream.height, self._stream.pix_fmt = *size, "yuv420p"
+        codec = self._stream.codec_context
+        codec.time_base = Fraction(1, TICKS)
+        codec.color_primaries = codec.color_trc = codec.colorspace = BT709
+        codec.color_range = 1
+        self._last, self._key = -1, 0.0
+
+    def write(self, image: ByteImage, seconds: float) -> None:
+        """Raises OSError: the disk is full, or gone."""
+        frame = encodable(image, MATRICES[BT709])
+        passed = seconds - self._start
+        self._last = frame.pts = max(round(passed * TICKS), self._last + 1)
+        frame.time_base = Fraction(1, TICKS)
+        if passed >= self._key:
+            frame.pict_type = av.video.frame.PictureType.I
+            self._key = passed + FRAGMENT
+        self._container.mux(self._stream.encode(frame))
+
+    def finish(self) -> None:
+        """Raises OSError as `write`; the file is let go of in any case."""
+        try:
+            self._container.mux(self._stream.encode())
+        finally:
+            self._container.close()
