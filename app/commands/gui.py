@@ -8,6 +8,8 @@ from pathlib import Path
 from app.console.flags import add_fields, parameters
 from app.console.startup import has_display
 from app.errors import UserError
+from app.live.address import address_of
+from app.live.sources.device import devices
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 
 
@@ -15,6 +17,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "path", metavar="CLIP|IMAGE|VIDEO|RUN|SPLATFILE", nargs="?", type=Path, help="what to open"
     )
+    parser.add_argument("--live", metavar="SOURCE", help="show a live source, as of `vesselsplat live`")
     add_fields(parser, ClipOptions, EVERY_OPTION)
 
 
@@ -23,9 +26,12 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError(
             f"expected a clip, image, video, run or splat file, got no such file or folder: {flags.path}"
         )
+    if flags.path is not None and flags.live is not None:
+        raise UserError(f"expected a path or --live, got both: {flags.path} and {flags.live}")
     options = parameters(ClipOptions, flags)
+    live = None if flags.live is None else address_of(flags.live, devices())
     if not has_display():
         raise UserError("the app needs a display: neither DISPLAY nor WAYLAND_DISPLAY is set")
     from app.gui.window import run_app
 
-    run_app(flags.path, options)
+    run_app(flags.path, options, live)

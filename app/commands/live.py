@@ -20,7 +20,7 @@ from app.errors import UserError
 from app.files.provenance import provenance, strict_json
 from app.live.address import LiveAddress, address_of
 from app.live.picture import LiveSetting, LiveStatus
-from app.live.recorder import WHATS, Recorder
+from app.live.recorder import WHATS, Recorder, require_new
 from app.live.session import LiveSession
 from app.live.sources.device import devices
 from app.live.sources.opening import open_source
@@ -76,6 +76,8 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError("expected a SOURCE: a device, the address of a stream, a file or a folder")
     address, wish, setting = address_of(flags.source, known), wish_of(flags), setting_of(flags)
     assert setting.params is not None
+    if flags.record is not None:
+        require_new(flags.record)
     load_kernels(setting.params, _black())
     recorder = None if flags.record is None else Recorder(flags.record, flags.what, address.name)
     recipients = () if recorder is None else (recorder.add,)

@@ -23,9 +23,11 @@ from app.exports.records import (
 from app.exports.sources import Opened
 from app.files.atomic import filled, write_bytes
 from app.files.image_files import write_image
+from app.files.provenance import provenance, write_png
 from app.files.records import Source
 from app.files.stepping import map_steps, run_to_end
-from renderer.clip import ByteImage
+from app.live.picture import FRAME, LIVE
+from renderer.clip import ByteImage, Clip
 
 ImageSuffix = Literal[".png", ".jpg", ".tiff"]
 SUFFIXES: Final = {
@@ -125,11 +127,21 @@ def _made(request: ExportRequest, target: Path) -> Iterator[Step]:
         return
     assert not isinstance(record, SplatFolder)
     if isinstance(record, PanesRecord) and record.panes and clip is not None:
-        record = replace(record, source=Source.of(clip.path))
+        record = replace(record, source=Source.of(_kept(clip, request.folder)))
     if request.screen is not None and isinstance(record, PanesPicture):
         write_image(target, request.screen, record.signed, record.quality)
     else:
         yield from map_steps(make(record, request.sources, target), Step)
+
+
+def _kept(clip: Clip, folder: Path) -> Path:
+    """Where the clip lies. A frame of a live source is nowhere yet: it is kept beside what is made of it."""
+    if clip.format != LIVE:
+        return clip.path
+    path = folder / clip.path.name
+    if not path.exists():
+        write_png(path, clip.read_image(0), provenance(kind=FRAME))
+    return path
 
 
 def _renamed(staging: Path, request: ExportRequest) -> str:

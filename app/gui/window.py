@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Literal
 
 import glfw
 import moderngl
@@ -18,7 +17,15 @@ from app.console.log_file import logged
 from app.enhancement.methods import preset_of
 from app.errors import UserError
 from app.files.provenance import version
-from app.gui.actions import actions, presenting, preset_actions, queue_actions, remembered, session_actions
+from app.gui.actions import (
+    actions,
+    live_actions,
+    presenting,
+    preset_actions,
+    queue_actions,
+    remembered,
+    session_actions,
+)
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import Keyboard
@@ -27,12 +34,12 @@ from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import Viewport
 from app.gui.frame import dockings, starting
 from app.gui.frame.dialogs import Dialogs
-from app.gui.frame.dockings import REPORT, SPLATS, TUNING
+from app.gui.frame.dockings import REPORT, SPLATS, TUNING, panel
 from app.gui.frame.quitting import ask_before_quitting
 from app.gui.frame.screen import Screen
 from app.gui.frame.second_content import SecondContent
 from app.gui.frame.second_window import SecondWindow
-from app.gui.frame.title import NAME, Title
+from app.gui.frame.title import Title
 from app.gui.frame.window_shots import shoot_window
 from app.gui.panels import menus, overlays
 from app.gui.panels.about import draw_about
@@ -44,6 +51,7 @@ from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.export import draw_export
 from app.gui.panels.file_browser import draw_browser
 from app.gui.panels.guide import draw_guide
+from app.gui.panels.live import draw_live_choice
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.presentation import draw_presentation
 from app.gui.panels.reconstruction import draw_reconstruction
@@ -58,6 +66,7 @@ from app.gui.state.source import Source
 from app.gui.style import theme
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import MakeJob, start_due
+from app.gui.update.live import end_live, follow_live, shown
 from app.gui.update.preparing import follow_preparation
 from app.gui.update.update import take_pictures, update
 from app.gui.work import kept_layout
@@ -65,6 +74,9 @@ from app.gui.work.background import Apart, Worker
 from app.gui.work.settings import Places, Theme, load_clips, load_settings
 from app.kernels.preparer import Preparer
 from app.kernels.stamp import is_prepared
+from app.live.address import LiveAddress
+from app.live.session import LiveSession
+from app.live.sources.source import Wish
 from app.runs.job import TrainingJob
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -73,12 +85,15 @@ IDLE_FPS = 1.0
 """Events and finished work wake the window at once; a software driver pays some 30 ms for each frame."""
 BUSY_FPS = 25.0
 """While something runs in the background that the window should follow."""
-SIZE = (1280, 720)
+ACTIVE, ACTIVE_LIVE = 1.0, 0.05
+"""Seconds of frames without pause after each event."""
 RUNNER = WindowServices(dockings.restore, dockings.quit_app, dockings.toggle, dockings.is_shown)
 
 
-def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> None:
-    """Open the window, on a clip or a run if given, and return when it is closed.
+def run_app(
+    path: Path | None = None, clip_options: ClipOptions = DEFAULTS, live: LiveAddress | None = None
+) -> None:
+    """Open the window, on a clip, a run or a live source if given, and return when it is closed.
 
     `clip_options` are for all clips that are opened in it; a run keeps those it was begun with.
 
@@ -93,6 +108,8 @@ def run_app(path: Path | None = None, clip_options: ClipOptions = DEFAULTS) -> N
     session_actions.offer_recovery(window.state)
     if path is not None:
         actions.open_path(window.state, path)
+    elif live is not None:
+        live_actions.go_live(window.state, live, Wish())
     with logged(
         places.logs, f"VesselSplat {version()}, {platform.platform()}, Python {platform.python_version()}"
     ):
@@ -155,24 +172,8 @@ class Window:
 
     def runner_params(self) -> hello_imgui.RunnerParams:
         """Everything the runner needs; the test engine takes the same."""
-        params = hello_imgui.RunnerParams()
-        params.app_window_params.window_title = NAME
-        params.app_window_params.window_geometry.size = SIZE
-        params.app_window_params.restore_previous_geometry = True
-        window = params.imgui_window_params
-        window.default_imgui_window_type = hello_imgui.DefaultImGuiWindowType.provide_full_screen_dock_space
-        window.show_menu_bar = window.show_status_bar = True
-        window.show_menu_app = window.show_menu_view = window.show_menu_view_themes = False
-        window.show_status_fps = window.remember_status_bar_settings = window.remember_theme = False
+        params = starting.runner(self._layout_file, readable=self._has_sound_layout())
         params.fps_idling.fps_idle = IDLE_FPS
-        params.fps_idling.time_active_after_last_event = 1.0
-        params.ini_folder_type = hello_imgui.IniFolderType.absolute_path
-        params.ini_filename = str(self._layout_file)
-        params.ini_disable = not self._has_sound_layout()
-        gl = params.renderer_backend_options.open_gl_options
-        gl.major_version, gl.minor_version, gl.anti_aliasing_samples = 3, 3, 0
-        gl.use_core_profile = gl.use_forward_compat = True
-        gl.glsl_version = "150"
         params.docking_params, *params.alternative_docking_layouts = dockings.layouts(self._layout)
         params.remember_selected_alternative_layout = False
         self._connect(params)
@@ -211,6 +212,7 @@ class Window:
         calls.show_status = lambda: menus.draw_status(self.state)
         calls.post_render_dockable_windows = self._draw_over
         calls.before_swap = self._end_frame
+        calls.after_swap = partial(shown, self.state)
         calls.before_exit = self.close
         self._add_timeline(params)
 
@@ -233,20 +235,20 @@ class Window:
         layout.main_dock_space_node_flags = imgui.DockNodeFlags_.none
         layout.dockable_windows = [
             # Before the pictures, which show in the same frame what has moved here.
-            _panel("Enhancement", "Side", lambda: draw_enhancement(self.state, self._texture)),
-            _panel("Images", "MainDockSpace", self._draw_pictures),
-            _panel("3D view", "Below", self._draw_view),
-            _panel(SPLATS, "MainDockSpace", self._draw_view, "by the state"),
-            _panel("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state)),
-            _panel("Runs", "SideBelow", lambda: draw_runs(self.state)),
-            _panel("Cameras", "SideBelow", lambda: draw_cameras(self.state)),
-            _panel(
+            panel("Enhancement", "Side", lambda: draw_enhancement(self.state, self._texture)),
+            panel("Images", "MainDockSpace", self._draw_pictures),
+            panel("3D view", "Below", self._draw_view),
+            panel(SPLATS, "MainDockSpace", self._draw_view, "by the state"),
+            panel("Reconstruction", "SideBelow", lambda: draw_reconstruction(self.state)),
+            panel("Runs", "SideBelow", lambda: draw_runs(self.state)),
+            panel("Cameras", "SideBelow", lambda: draw_cameras(self.state)),
+            panel(
                 "Log", "Below", lambda: overlays.draw_log(self.state, imgui.set_clipboard_text), "by the menu"
             ),
-            _panel("Notes", "Below", lambda: overlays.draw_notes(self.state), "by the menu"),
-            _panel(REPORT, "MainDockSpace", lambda: self._draw_textured(draw_report), "by the menu"),
-            _panel(TUNING, "MainDockSpace", lambda: self._draw_textured(draw_tuning), "by the state"),
-            _panel(PANEL, "Side", lambda: draw_editing(self.state), "by the state"),
+            panel("Notes", "Below", lambda: overlays.draw_notes(self.state), "by the menu"),
+            panel(REPORT, "MainDockSpace", lambda: self._draw_textured(draw_report), "by the menu"),
+            panel(TUNING, "MainDockSpace", lambda: self._draw_textured(draw_tuning), "by the state"),
+            panel(PANEL, "Side", lambda: draw_editing(self.state), "by the state"),
         ]
         return layout
 
@@ -264,6 +266,7 @@ class Window:
         while self._dropped:
             actions.open_path(self.state, Path(self._dropped.pop()))
         follow_preparation(self.state, self._preparer)
+        follow_live(self.state, _session)
         update(self.state, self._channels, time.monotonic() - self._began)
         if not self._has_signal():
             # Training may have ended by the same one: what waits is kept for the next start.
@@ -282,6 +285,8 @@ class Window:
         )
         idling.enable_idling = not moves
         idling.fps_idle = BUSY_FPS if self.state.is_busy else IDLE_FPS
+        # Live pictures wake the window; frames between them would take their time on the processor.
+        idling.time_active_after_last_event = ACTIVE_LIVE if self.state.live.flows else ACTIVE
 
     def _wear(self, params: hello_imgui.RunnerParams) -> None:
         """The theme and the size of text that are chosen."""
@@ -346,6 +351,7 @@ class Window:
         draw_batches(self.state)
         self._draw_textured(draw_guide)
         draw_about(self.state, imgui.set_clipboard_text)
+        self._draw_textured(draw_live_choice)
         overlays.draw_recovery(self.state)
         self._dialogs.follow(self.state)
         draw_browser(self.state, self._texture)
@@ -376,6 +382,7 @@ class Window:
         if self.state.runs.reconstruction.job is not None:
             self.state.runs.reconstruction.job.close()
             self.state.runs.reconstruction.job = None
+        end_live(self.state)
         if self._preparer is not None:
             self._preparer.close()
         for worker in self._workers:
@@ -387,13 +394,4 @@ class Window:
         self._dropped = paths[:1]
 
 
-def _panel(
-    title: str,
-    dock: str,
-    draw: Callable[[], None],
-    shown: Literal["always", "by the menu", "by the state"] = "always",
-) -> hello_imgui.DockableWindow:
-    panel = hello_imgui.DockableWindow(title, dock, draw, shown == "always", shown == "by the menu")
-    panel.include_in_view_menu = shown != "by the state"
-    panel.remember_is_visible = shown == "by the menu"
-    return panel
+_session = partial(LiveSession, on_picture=hello_imgui.request_refresh)

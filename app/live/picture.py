@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 from app.enhancement.methods import EnhancementSettings
 from app.live.delays import Delay
 from enhance import Statistics
 from enhance.result import Omission
-from enhance.shown import Pixels
 from renderer.clip import ByteImage
+
+LIVE: Final = "live"
+"""Format of a clip that stands for a live source, or for a frame of it."""
+FRAME: Final = "live frame"
+RECORDING: Final = "live recording"
+"""Kinds of files that were recorded as they came: nothing makes them again."""
 
 
 @dataclass(frozen=True)
@@ -18,7 +23,7 @@ class LiveSetting:
     """How frames are enhanced from now on. None: they are shown as they come."""
 
     params: EnhancementSettings | None
-    pixels: Pixels = "automatic"
+    pixels: Literal["automatic", "all"] = "automatic"
 
 
 @dataclass(frozen=True, eq=False)

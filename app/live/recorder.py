@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import queue
 import shutil
 import threading
@@ -17,7 +18,7 @@ from app.errors import UserError, sentence
 from app.files.atomic import make_folder
 from app.files.legible import require_utf8
 from app.files.provenance import plain, provenance, write_sidecar
-from app.live.picture import LivePicture, LiveSetting
+from app.live.picture import RECORDING, LivePicture, LiveSetting
 from app.live.segment import Segment
 from renderer.clip import ByteImage
 
@@ -28,6 +29,8 @@ WAITING: Final = 8
 """Pictures that may wait for the encoder; more are left out and counted."""
 LEAST_FREE: Final = 64 * 1024 * 1024
 """Bytes that stay free on the disk: a full one would stop more than this recording."""
+LOOK: Final = 0.05
+"""Seconds after which it looks whether it was ended."""
 LOOK_EVERY: Final = 32
 """Pictures from one look at the disk to the next."""
 
@@ -57,26 +60,15 @@ class Recorder:
     """Give it pictures by `add`, which never waits; end it by `finish`."""
 
     def __init__(self, path: Path, what: What, source: str) -> None:
-        """Begin a new file; source: what is recorded, as a person calls it, for its provenance.
+        """Begin a new file, which nothing may be in the way of: see `require_new`.
 
-        Raises:
-            UserError: the path ends otherwise than in .mp4, is not UTF-8, is there already, or its folder
-                cannot be written.
+        source: what is recorded, as a person calls it, for its provenance.
         """
-        if path.suffix.lower() != SUFFIX:
-            raise UserError(f"expected a recording to end in {SUFFIX}, got {path.name}: {path}")
-        require_utf8(path)
-        make_folder(path.parent)
-        try:
-            path.touch(exist_ok=False)
-        except FileExistsError:
-            raise UserError(f"expected a new file to record into, got one that is there: {path}") from None
-        except OSError as error:
-            raise UserError(f"cannot record ({sentence(error)}): {path}") from error
         self.state = Recording(path, what)
         self._source = source
         self._first = path
-        self._waiting: queue.Queue[LivePicture | None] = queue.Queue(WAITING)
+        self._waiting: queue.Queue[LivePicture] = queue.Queue(WAITING)
+        self._ending = threading.Event()
         self._segment: Segment | None = None
         self._start: float | None = None
         self._settings: list[dict[str, Any]] = []
@@ -86,29 +78,43 @@ class Recorder:
 
     def add(self, picture: LivePicture) -> None:
         """The next picture, in the order of arrival."""
-        if self.state.is_over:
+        if self.state.is_over or self._ending.is_set():
             return
         try:
             self._waiting.put_nowait(picture)
         except queue.Full:
             self.state = replace(self.state, left_out=self.state.left_out + 1)
 
+    def end(self) -> None:
+        """Write what waits and end the file, without waiting for it: `state` tells when that is done."""
+        self._ending.set()
+
     def finish(self, timeout: float = 10.0) -> Recording:
-        """Write what waits and end the file. A recording without a picture leaves none."""
-        with suppress(queue.Full):
-            self._waiting.put(None, timeout=timeout)
+        """The same, and wait for it. A recording without a picture leaves no file."""
+        self.end()
         self._thread.join(timeout)
         return self.state
 
     def _run(self) -> None:
         trouble = ""
         try:
-            while (picture := self._waiting.get()) is not None:
+            make_folder(self._first.parent)
+            self._first.touch(exist_ok=False)
+            while (picture := self._next()) is not None:
                 self._write(picture)
         except (OSError, UserError, ValueError) as error:
             log.warning("a recording has ended early", exc_info=True)
             trouble = sentence(error)
         self._end(trouble)
+
+    def _next(self) -> LivePicture | None:
+        """None: it was ended, and nothing waits."""
+        while True:
+            try:
+                return self._waiting.get(timeout=LOOK)
+            except queue.Empty:
+                if self._ending.is_set():
+                    return None
 
     def _write(self, picture: LivePicture) -> None:
         if self.state.pictures % LOOK_EVERY == 0:
@@ -144,7 +150,7 @@ class Recorder:
         self._say()
 
     def _facts(self) -> dict[str, Any]:
-        return provenance(kind="live recording", source=self._source, what=self.state.what)
+        return provenance(kind=RECORDING, source=self._source, what=self.state.what)
 
     def _say(self, **more: object) -> None:
         write_sidecar(self._first, self._facts() | {"settings": self._settings} | plain(more))
@@ -153,14 +159,23 @@ class Recorder:
         try:
             if self._segment is not None:
                 self._segment.finish()
-            else:
+            elif not trouble:
                 self._first.unlink(missing_ok=True)
         except (OSError, ValueError) as error:
             trouble = trouble or sentence(error)
         now = self.state = replace(self.state, is_over=True, trouble=trouble)
         if self._segment is not None:
             with suppress(OSError, UserError):
-                self._say(seconds=now.seconds, pictures=now.pictures, left_out=now.left_out, ended=trouble)
+                self._say(recorded=_without_path(now))
+
+
+def require_new(path: Path) -> None:
+    """Raises UserError: it ends otherwise than in .mp4, is not UTF-8, or is there already."""
+    if path.suffix.lower() != SUFFIX:
+        raise UserError(f"expected a recording to end in {SUFFIX}, got {path.name}: {path}")
+    require_utf8(path)
+    if os.path.lexists(path):
+        raise UserError(f"expected a new file to record into, got one that is there: {path}")
 
 
 def shown(picture: LivePicture, what: What) -> ByteImage:
@@ -174,6 +189,11 @@ def shown(picture: LivePicture, what: What) -> ByteImage:
         image = np.concatenate((picture.original, enhanced), axis=1)
     height, width = image.shape[0] // 2 * 2, image.shape[1] // 2 * 2
     return np.ascontiguousarray(image[:height, :width])
+
+
+def _without_path(done: Recording) -> dict[str, Any]:
+    """What may be said of it: no folder of this computer."""
+    return {name: value for name, value in vars(done).items() if name not in ("path", "is_over")}
 
 
 def _numbered(path: Path, number: int) -> Path:

@@ -14,6 +14,7 @@ from app.console.flags import problem
 from app.errors import UserError
 from app.exports.replay.recorded import recorded
 from app.gui.session_file import SESSION, SessionSource
+from app.live.picture import FRAME, RECORDING
 from app.report.section import holds_report, read_report
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import holder
@@ -191,13 +192,18 @@ def of_json(path: Path) -> Facts:
         raise UserError(f"expected a report or a provenance, got another JSON file: {path}")
     there = export.is_file()
     text = f"provenance of {export.name}" + ("" if there else ", which no longer exists")
-    steps = (next_steps(export, ("replay", "PATH")),) if there else ()
+    steps = (next_steps(export, ("replay", "PATH")),) if there and can_replay(facts) else ()
     return (Fact("what", text, {"kind": "provenance"}), *_told(facts), *steps)
 
 
 def of_export(path: Path) -> Facts:
     """What a file that this program wrote says of itself. Raises UserError: it says nothing."""
     return (Fact("what", "exported by VesselSplat", {"kind": "export"}), *_told(recorded(path)))
+
+
+def can_replay(facts: dict[str, Any]) -> bool:
+    """Not what was recorded as it came."""
+    return facts.get("kind") not in (FRAME, RECORDING)
 
 
 def is_export(path: Path) -> bool:

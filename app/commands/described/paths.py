@@ -7,6 +7,7 @@ from pathlib import Path
 from app.commands.described.clips import of_clip, of_video
 from app.commands.described.fact import Fact, count, next_steps
 from app.commands.described.files import (
+    can_replay,
     is_export,
     of_export,
     of_json,
@@ -16,6 +17,7 @@ from app.commands.described.files import (
     of_sweep,
 )
 from app.errors import UserError
+from app.exports.replay.recorded import recorded
 from app.gui.session_file import SUFFIX
 from app.runs.run_folder import RunFolder
 from app.sweeps.plan import is_sweep
@@ -60,7 +62,8 @@ def _file(path: Path) -> tuple[Fact, ...]:
     # An export is told as such first, then what it is like any picture or video.
     kept = [fact for fact in own if fact.name in ("frames", "frame rate", "size")]
     output = "OUT.mp4" if any(fact.name == "frame rate" for fact in own) else "OUT.png"
-    return *of_export(path), *kept, next_steps(path, ("replay", "PATH"), ("enhance", "PATH", output))
+    again = (("replay", "PATH"),) if can_replay(recorded(path)) else ()
+    return *of_export(path), *kept, next_steps(path, *again, ("enhance", "PATH", output))
 
 
 def _folder(path: Path) -> tuple[Fact, ...]:

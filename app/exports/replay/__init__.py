@@ -16,6 +16,7 @@ from app.exports.replay.recorded import Facts, recorded
 from app.exports.replay.sources import Found
 from app.files.provenance import SCHEMA
 from app.files.stepping import run_to_end
+from app.live.picture import FRAME, RECORDING
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,8 @@ def _record(facts: Facts, path: Path) -> Export:
     kind, schema = facts.get("kind"), facts.get("schema", SCHEMA)
     if schema != SCHEMA:
         raise UserError(f"expected a record of schema {SCHEMA}, got {schema}, of another version: {path}")
+    if kind in (FRAME, RECORDING):
+        raise UserError(f"a {kind} was recorded as it came, and nothing can make it again: {path}")
     if kind not in KINDS:
         raise UserError(f"expected an export of one of {', '.join(KINDS)}, got kind {kind}: {path}")
     try:

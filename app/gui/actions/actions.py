@@ -45,6 +45,11 @@ def fail(state: AppState, sentence: str) -> None:
     log.info("shown: %s", legible(sentence))
 
 
+def stoppable(banner: Banner) -> Banner:
+    """The same, of what goes on and can be given up."""
+    return replace(banner, can_stop=True)
+
+
 def dismiss(state: AppState) -> None:
     """What went wrong has been read."""
     state.window.banner = None
@@ -149,6 +154,7 @@ def stop_opening(state: AppState) -> None:
     for request in filter(None, (state.source.opening, state.scene.second.opening)):
         say(state, f"stopped waiting for {request.path}")
     state.source.opening = state.scene.second.opening = state.window.banner = None
+    state.live.leaving = state.live.connects
 
 
 def leave(state: AppState, go: Callable[[], None]) -> None:

@@ -14,6 +14,7 @@ from app.gui.actions import (
     comparing,
     export_actions,
     history_actions,
+    live_actions,
     picture_actions,
     session_actions,
     tuning_actions,
@@ -82,6 +83,13 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
             synonyms=("load", "file", "movie", "still", "run"),
         ),
         Command(
+            "Open live source…",
+            live_actions.choose_source,
+            ("Ctrl+L",),
+            text="a capture device, a stream, or a file as if live",
+            synonyms=("camera", "capture", "stream", "rtsp", "webcam", "grabber", "device", "record"),
+        ),
+        Command(
             "Try the built-in clip",
             actions.open_phantom,
             synonyms=("demo", "example", "sample", "phantom", "test"),
@@ -105,6 +113,12 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         Command("Enhance files and folders…", batch_actions.toggle_batches, ("Ctrl+Shift+B",),
                 text="enhance many images, videos and folders with the current settings",
                 synonyms=("batch", "convert", "many", "process")),
+        Command("Record the live source", live_actions.toggle_recording, ("Ctrl+Shift+L",),
+                text="record the live source, or end the recording",
+                applies=lambda s: s.live.session is not None, ticked=lambda s: s.live.records,
+                synonyms=("video", "capture", "mp4", "store")),
+        Command("Close the live source", live_actions.leave_live,
+                applies=lambda s: s.live.session is not None, synonyms=("stop", "end", "disconnect")),
         Command("Save session", session_actions.save, ("Ctrl+S",),
                 text="save the open files, settings, views and notes; open it like a clip",
                 applies=lambda s: s.source.path is not None, synonyms=("project", "workspace", "store")),
@@ -131,6 +145,10 @@ def _toggle_recent(state: AppState) -> None:
     actions.remember_recent(state, not state.settings.remember_recent)
 
 
+def _is_frozen(state: AppState) -> bool:
+    return state.timeline.frozen_index is not None or state.live.still is not None
+
+
 def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
         Command("Enhancement", actions.toggle_enhancement, ("E",), text="enhancement on or off",
@@ -139,8 +157,8 @@ def _picture(state: AppState) -> tuple[Section, ...]:
         Command("Plain white light", actions.white_light, ("Shift+W",), applies=has_clip,
                 text="white light: the frames as recorded, in all panes and the 3D view",
                 synonyms=("original", "wli", "normal", "unenhanced", "before")),
-        Command("Freeze", actions.toggle_freeze, ("F",), text="hold this frame in both panes",
-                applies=has_clip, ticked=lambda s: s.timeline.frozen_index is not None,
+        Command("Freeze", live_actions.toggle_freeze, ("F",), text="hold this frame in both panes",
+                applies=has_clip, ticked=_is_frozen,
                 synonyms=("hold", "still")),
     )  # fmt: skip
     zooms = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Final
+from typing import Final, Literal
 
 import glfw
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
@@ -208,3 +208,16 @@ def _show(window: hello_imgui.DockableWindow, wanted: bool) -> None:
 
 def _docking() -> hello_imgui.DockingParams:
     return hello_imgui.get_runner_params().docking_params
+
+
+def panel(
+    title: str,
+    dock: str,
+    draw: Callable[[], None],
+    shown: Literal["always", "by the menu", "by the state"] = "always",
+) -> hello_imgui.DockableWindow:
+    """What the runner docks by that title."""
+    made = hello_imgui.DockableWindow(title, dock, draw, shown == "always", shown == "by the menu")
+    made.include_in_view_menu = shown != "by the state"
+    made.remember_is_visible = shown == "by the menu"
+    return made

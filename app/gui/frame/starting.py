@@ -9,7 +9,10 @@ import glcontext  # type: ignore[import-untyped]
 import moderngl
 from imgui_bundle import hello_imgui, imgui
 
+from app.gui.frame.title import NAME
 from app.gui.work import kept_layout
+
+SIZE = (1280, 720)
 
 
 def can_hold_files(folder: Path) -> bool:
@@ -34,3 +37,24 @@ def configure(layout: Path) -> None:
     io = imgui.get_io()
     io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard | imgui.ConfigFlags_.docking_enable
     io.config_windows_move_from_title_bar_only = True
+
+
+def runner(layout_file: Path, *, readable: bool) -> hello_imgui.RunnerParams:
+    """One window with all panels docked in it, on OpenGL 3.3; `readable`: the layout on disk counts."""
+    params = hello_imgui.RunnerParams()
+    params.app_window_params.window_title = NAME
+    params.app_window_params.window_geometry.size = SIZE
+    params.app_window_params.restore_previous_geometry = True
+    window = params.imgui_window_params
+    window.default_imgui_window_type = hello_imgui.DefaultImGuiWindowType.provide_full_screen_dock_space
+    window.show_menu_bar = window.show_status_bar = True
+    window.show_menu_app = window.show_menu_view = window.show_menu_view_themes = False
+    window.show_status_fps = window.remember_status_bar_settings = window.remember_theme = False
+    params.ini_folder_type = hello_imgui.IniFolderType.absolute_path
+    params.ini_filename = str(layout_file)
+    params.ini_disable = not readable
+    gl = params.renderer_backend_options.open_gl_options
+    gl.major_version, gl.minor_version, gl.anti_aliasing_samples = 3, 3, 0
+    gl.use_core_profile = gl.use_forward_compat = True
+    gl.glsl_version = "150"
+    return params

@@ -9,7 +9,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.settable import MODES, SLOTS, SOURCES
-from app.gui.actions import actions, comparing, laid_out, picture_actions
+from app.gui.actions import actions, comparing, laid_out, live_actions, picture_actions
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.overlays import make_room
@@ -28,7 +28,7 @@ MODE_TEXT = (
     "right. D: where and by how much they differ."
 )
 ENHANCING_TEXT = "E: on or off. Shift+W: plain white light. Hold O: the original in every pane."
-FREEZE_TEXT = "F: hold this frame in both panes while the clip plays on."
+FREEZE_TEXT = "F: hold this frame in both panes while the clip plays on, or the live source goes on."
 FAINTER_TEXT = (
     "Colour difference (CIEDE2000) between the strongest dark lines of the original frame and what lies "
     "beside them. 1 is just noticeable."
@@ -64,8 +64,8 @@ def _draw_toolbar(state: AppState) -> None:
     turn, color = partial(actions.toggle_enhancement, state), theme.switch(state.enhancement.active)
     button(f"{label}###enhancing", turn, ENHANCING_TEXT, color=color, width=8)
     beside("Frozen")
-    frozen = state.timeline.frozen_index is not None
-    freeze, color = partial(actions.toggle_freeze, state), theme.switch(frozen, caution=True)
+    frozen = state.timeline.frozen_index is not None or state.live.still is not None
+    freeze, color = partial(live_actions.toggle_freeze, state), theme.switch(frozen, caution=True)
     button("Frozen###freeze" if frozen else "Freeze###freeze", freeze, FREEZE_TEXT, color=color)
     beside_of(em(7), 1)
     mode = choose("mode", chosen.mode, MODE_LABELS, MODE_TEXT, 7)

@@ -11,11 +11,14 @@ from app.exports.comparison_images import heat_scale
 from app.gui.actions import clip_actions, laid_out, picture_actions, presenting
 from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import Pane, Tag, pixel, tinted
+from app.gui.state.live_words import is_not_live
+from app.gui.state.panes import Pane, pixel, tinted
+from app.gui.state.tags import Tag
 from app.gui.style import theme
 from app.gui.style.widgets import Area, em, fill_around, stack_tags, tag, tag_height
 from app.gui.views.comparison import Side
 from app.gui.views.picture_view import PictureView, Placement
+from app.live.picture import LIVE
 from renderer.clip import ByteImage
 
 WHEEL_STEP = 1.15
@@ -47,6 +50,8 @@ def draw_pane(
         _draw_image(state, textures, slot, pane.image, area)
         if pointer is None and len(read) == 1:
             _draw_cross(state, pane.image, area)
+        if is_not_live(state.live):
+            _draw_rim(area)
         said = pane.tags if labels else [one for one in pane.tags if one.tone == "caution"]
         _draw_tags(said, area.corner, area.size.x)
         if labels:
@@ -68,6 +73,8 @@ def draw_divider(
             with imgui_ctx.push_clip_rect(ImVec2(start, area.corner.y), ImVec2(end, area.end.y), True):
                 _draw_image(state, textures, side, pane.image, area)
                 _draw_tags(pane.tags, ImVec2(start, area.corner.y), end - start)
+        if is_not_live(state.live):
+            _draw_rim(area)
         _draw_line(area, x)
         _draw_readout(state, (left, right), area)
     return pointer
@@ -96,6 +103,8 @@ def frame_text(pictures: Pictures, *, short: bool = False) -> str:
     """Which frame the pictures are of, counted from 1, as people do; unless `short` also its name."""
     request = pictures.request
     name = request.clip.labels[request.frame_index]
+    if request.clip.format == LIVE:
+        return name
     place = f"{request.frame_index + 1} / {len(request.clip)}"
     return place if short or name.isdigit() else f"{place}   {name}"
 
@@ -176,6 +185,13 @@ def draw_part(
         high = low + ImVec2(shown.width / scale, shown.height / scale)
         imgui.get_window_draw_list().add_image(shown.texture, low, high)
     fill_around(area, low, high, theme.SURROUND)
+
+
+def _draw_rim(area: Area) -> None:
+    """Around a picture of a live source that is not of this moment: seen from across the room."""
+    ink, width = imgui.get_color_u32(theme.TAG_CAUTION), em(0.35)
+    half = ImVec2(width / 2, width / 2)
+    imgui.get_window_draw_list().add_rect(area.corner + half, area.end - half, ink, 0, width)
 
 
 def _draw_tags(tags: Sequence[Tag], corner: ImVec2, width: float) -> None:

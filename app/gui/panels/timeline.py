@@ -11,6 +11,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from app.enhancement.image_mask import NO_MASK
 from app.gui.actions import actions, clip_actions, export_actions, laid_out
 from app.gui.commands.commands import has_something
+from app.gui.panels.live import draw_live_bar
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import Area, button, em, explain
@@ -30,7 +31,11 @@ TOOL_LABELS = {"text": "Text box", "view": "View circle"}
 
 
 def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextureRef]) -> None:
-    """Two rows, the strip and the slider one above the other; greyed out without a clip."""
+    """Two rows, the strip and the slider one above the other; greyed out without a clip. A live source has
+    its own."""
+    if state.live.session is not None and state.live.clip is not None:
+        draw_live_bar(state)
+        return
     count = 1 if state.source.clip is None else len(state.source.clip)
     room, start, gap = imgui.get_content_region_avail().x, imgui.get_cursor_pos_x(), em(0.5)
     left = round(start + em(LEFT) + gap)

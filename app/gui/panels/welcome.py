@@ -10,7 +10,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import legible
-from app.gui.actions import actions
+from app.gui.actions import actions, live_actions
 from app.gui.commands.command import Act
 from app.gui.commands.commands import open_file, open_folder
 from app.gui.drawing.textures import ShowsPictures
@@ -44,6 +44,7 @@ ICONS: Final[dict[Kind, str]] = {
 CHOICES: Final[tuple[tuple[str, Act], ...]] = (
     (f"{icons.ICON_FA_FOLDER_OPEN}   Open folder…", open_folder),
     (f"{icons.ICON_FA_FILM}   Open file…", open_file),
+    (f"{icons.ICON_FA_VIDEO}   Live source…###live", live_actions.choose_source),
     (f"{icons.ICON_FA_MAGIC}   Try the built-in clip###phantom", actions.open_phantom),
 )
 SAMPLES: Final = (
@@ -101,16 +102,13 @@ def _draw_drop(state: AppState, area: Area) -> None:
     _draw_dashes(area, ink)
     start, line, pad = imgui.get_cursor_pos(), imgui.get_frame_height_with_spacing(), em(1)
     stacked = area.size.x < _width_of_choices() + 2 * pad
-    content = em(3.0) + line + (3 if stacked else 1) * line
+    content = em(3.0) + line + (len(CHOICES) if stacked else 1) * line
     top = start.y + max((area.size.y - content) / 2, em(0.3))
     imgui.set_cursor_pos(ImVec2(imgui.get_cursor_start_pos().x, top))
     if not stacked or area.size.y > content:
         with imgui_ctx.push_font(None, 2.2 * theme.FONT_SIZE):
             centered(icons.ICON_FA_DOWNLOAD)
-    opening = state.source.opening
-    said = SHORT_TEXT if stacked else DROP_TEXT
-    said = said if opening is None else f"Opening {legible(opening.path.name)}…"
-    centered(said, theme.now().text)
+    centered(state.opens or (SHORT_TEXT if stacked else DROP_TEXT), theme.now().text)
     imgui.spacing()
     _draw_choices(state, area, stacked=stacked)
     imgui.set_cursor_pos(start)

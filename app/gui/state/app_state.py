@@ -13,6 +13,7 @@ from app.gui.state.choosing import Purpose
 from app.gui.state.editing import Editing
 from app.gui.state.enhancement import Enhancement, SettingsSnapshot
 from app.gui.state.exports import Batches, Exports
+from app.gui.state.live import Live
 from app.gui.state.picture import Comparing, Picture
 from app.gui.state.presenting import Presenting, SecondWindow
 from app.gui.state.reconstruction import Runs
@@ -29,6 +30,7 @@ from app.gui.work.run_measures import RunMeasuresRequest
 from app.gui.work.runs import RunsRequest
 from app.gui.work.settings import Places, Settings
 from app.kernels.progress import Kind
+from app.live.picture import LIVE
 from app.runs.clip_selection import WHOLE
 from app.scenes.backgrounds import BACKGROUNDS, Background
 from app.scenes.scene import Scene
@@ -50,6 +52,7 @@ class AppState:
     settings: Settings = field(default_factory=Settings)
     source: Source = field(default_factory=Source)
     timeline: Timeline = field(default_factory=Timeline)
+    live: Live = field(default_factory=Live)
     enhancement: Enhancement = field(default_factory=Enhancement)
     picture: Picture = field(default_factory=Picture)
     comparing: Comparing = field(default_factory=Comparing)
@@ -101,9 +104,11 @@ class AppState:
 
     @property
     def picture_request(self) -> PictureRequest | None:
-        """What the two pictures should show now."""
+        """What the two pictures should show now; of a live source, whatever came last."""
         if self.source.clip is None:
             return None
+        if self.live.flows and self.picture.pictures is not None:
+            return self.picture.pictures.request
         params = self.enhancement.params if self.enhancement.active else None
         mask = self.source.part.mask
         span = self.source.span if self.source.part.trim else None
@@ -150,6 +155,8 @@ class AppState:
     def opens(self) -> str:
         """What takes the place of all that is shown once it is there, in words; empty when nothing does."""
         request = self.source.opening
+        if request is None and self.live.connects:
+            return "Connecting to the live source…"
         if request is None or request.path.suffix.lower() in VIEW_SUFFIXES:
             return ""
         return f"Opening {legible(request.path.name)}…"
@@ -187,6 +194,7 @@ class AppState:
         return (
             self.runs.reconstruction.is_alive
             or self.source.opening is not None
+            or self.live.session is not None
             or self.pictures_wait
             or self.tuning.request is not None
             or self.editing.wish is not None
@@ -214,13 +222,15 @@ class AppState:
         """What the unfolded list should be of."""
         if not self.runs.asks_for_omissions or self.source.clip is None or self.runs.reconstruction.is_alive:
             return None
+        if self.source.clip.format == LIVE:
+            return None
         config = replace(self.runs.reconstruction.config, iterations=TrainConfig().iterations)
         return OmissionsRequest(self.source.clip, config, self.source.training_part)
 
     @property
     def runs_request(self) -> RunsRequest | None:
         """Which runs should be listed now; None while the list is not on screen."""
-        if not self.runs.is_listed or self.source.clip is None:
+        if not self.runs.is_listed or self.source.clip is None or self.source.clip.format == LIVE:
             return None
         return RunsRequest(self.places.runs, self.source.clip, int(self.window.now / LOOK_AGAIN))
 

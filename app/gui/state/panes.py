@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from app.exports.comparison_images import Difference, DifferenceRequest, Other, 
 from app.exports.page import describe
 from app.files.legible import legible, named
 from app.gui.state.app_state import AppState
+from app.gui.state.live_words import live_tags
+from app.gui.state.tags import Tag
 from app.gui.views.comparison import SIDES, Side
 from app.kernels.progress import rounded
 from app.scenes.scene import Scene
@@ -21,21 +23,12 @@ from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import BoolImage, ByteImage
 
-Tone = Literal["plain", "enhanced", "caution"]
 STALE_SECONDS = 0.15
 """Younger than this, an update on its way is not worth a flashing tag."""
 LONG_SECONDS = 3.0
 """After which a person wonders whether anything happens."""
 FIRST_USE = "The first use of a method takes up to a minute."
 """Its kernels are compiled then, once on a computer, where the one-time preparation has not done it."""
-
-
-@dataclass(frozen=True)
-class Tag:
-    """One line over a picture; the tone says how loud."""
-
-    text: str
-    tone: Tone = "plain"
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +49,8 @@ def shown_mode(state: AppState) -> Mode:
 
 def why_not(state: AppState, source: str) -> str:
     """What a source still lacks, in a sentence; empty when it can be shown."""
+    if state.live.flows and source not in (ORIGINAL, ENHANCED):
+        return "Not while the source is live: freeze the picture first."
     if source in ("A", "B") and source not in state.enhancement.stored:
         return f"No settings are stored as {source} yet: Shift+{source} stores the current ones."
     if source == RENDER and not _renders(state):
@@ -168,7 +163,7 @@ def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
 
 
 def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:
-    tags = []
+    tags = [*live_tags(state.live)]
     if state.opens:
         tags.append(Tag(f"{state.opens} earlier clip shown", "caution"))
     if state.timeline.frozen_index is not None:

@@ -24,6 +24,7 @@ from app.gui.actions import (
     export_actions,
     guide_actions,
     job_actions,
+    live_actions,
     preset_actions,
     queue_actions,
     run_actions,
@@ -48,6 +49,7 @@ from app.gui.work.changing_runs import ChangeRequest, change_run, measure_folder
 from app.gui.work.depths import find_ways, read_depth
 from app.gui.work.kept_layout import seal_anew
 from app.gui.work.listing import list_folder, thumbnail_of
+from app.gui.work.live_devices import find_devices
 from app.gui.work.measuring import Measurer
 from app.gui.work.naming import encoder_of, name_of
 from app.gui.work.neighbours import find_neighbours
@@ -155,6 +157,7 @@ class Channels:
         self.listing, self.small_files = NewestChannel(list_folder), NewestChannel(thumbnail_of)
         self.names, self.encoders = NewestChannel(name_of), Channel(encoder_of)
         self.reveals = Channel(reveal, depth=4)
+        self.devices = NewestChannel(find_devices)
         self.tidying, self.clearing = Channel(tidy), Channel(clear_places)
 
     @cached_property
@@ -230,6 +233,7 @@ class Channels:
             Row(self.names, export_actions.take_name, export_actions.name_wish, "apart"),
             Row(self.encoders, export_actions.take_encoder, export_actions.encoder_wish, "apart",
                 forgets=False),
+            Row(self.devices, live_actions.take_devices, live_actions.devices_wish, "apart"),
             Row(self.reveals, export_actions.take_revealed, server="apart"),
             Row(self.changes, changing_runs.take_changed, server=SECOND),
             Row(self.footprints, told("the folder cannot be measured", changing_runs.take_footprint),

@@ -42,7 +42,7 @@ def _ask_for_pictures(state: AppState, channels: Channels) -> bool:
     """Before answers are taken, for a setting that has moved, and at the end, for a frame that plays. Whether
     these had not been asked for before."""
     pictures = state.asked_pictures
-    if pictures is None or channels.pictures.asked == pictures:
+    if pictures is None or state.live.flows or channels.pictures.asked == pictures:
         return False
     state.picture.asked_at = state.window.now
     channels.pictures.ask(pictures)

@@ -39,7 +39,8 @@ REDUCED = 0.5
 
 def at_rest(state: AppState) -> bool:
     """Whether no new picture has been asked for lately: no slider waits for what is wished for then."""
-    return not state.timeline.playing and state.window.now - state.picture.asked_at >= REST
+    moves = state.timeline.playing or state.live.flows
+    return not moves and state.window.now - state.picture.asked_at >= REST
 
 
 def to_measure(state: AppState) -> Pictures | None:

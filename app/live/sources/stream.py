@@ -61,7 +61,7 @@ class StreamSource:
         try:
             return next(self._frames)
         except StopIteration:
-            raise SourceLost(f"{self._name} has ended") from None
+            raise SourceLost("the stream has ended") from None
 
     def close(self) -> None:
         self._frames.close()
@@ -84,7 +84,7 @@ class StreamSource:
                 at = time.perf_counter()
                 yield from (self._arrived(frame, at) for frame in _frames(packet))
         except (av.error.FFmpegError, OSError) as error:
-            raise SourceLost(f"{self._name} gives no more pictures ({_reason(error)})") from error
+            raise SourceLost(_reason(error)) from error
 
     @staticmethod
     def _arrived(frame: VideoFrame, at: float) -> Arrived:

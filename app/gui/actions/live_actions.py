@@ -1,0 +1,154 @@
+"""What a person does with a live source, as functions on the state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from app.errors import UserError, sentence
+from app.files.provenance import stamp
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.state.live import Live
+from app.gui.work.background import Failure
+from app.gui.work.live_devices import DevicesRequest, Found
+from app.live.address import Device, LiveAddress, address_of
+from app.live.picture import LIVE, LivePicture
+from app.live.recorder import Recorder, What
+from app.live.sources.source import Wish
+from renderer.clip import ByteImage, Clip
+from renderer.readers.frames import without_depth
+
+FIELD_OF_VIEW = 60.0
+
+
+def choose_source(state: AppState) -> None:
+    """Open the dialog, and look for devices anew."""
+    choice = state.live.choice
+    choice.shown, choice.looks, choice.found, choice.trouble = True, choice.looks + 1, None, ""
+
+
+def show_choice(state: AppState, shown: bool) -> None:
+    state.live.choice.shown = shown
+
+
+def type_address(state: AppState, text: str) -> None:
+    state.live.choice.text, state.live.choice.trouble = text, ""
+
+
+def choose_wish(state: AppState, wish: Wish) -> None:
+    """What the next source is asked for."""
+    state.live.choice.wish = wish
+
+
+def devices_wish(state: AppState) -> DevicesRequest | None:
+    return DevicesRequest(state.live.choice.looks) if state.live.choice.shown else None
+
+
+def take_devices(state: AppState, request: DevicesRequest, answer: Found | Failure) -> None:
+    if isinstance(answer, Found) and request.looks == state.live.choice.looks:
+        state.live.choice.found = answer
+
+
+def open_typed(state: AppState) -> None:
+    """The address in the dialog."""
+    choice = state.live.choice
+    try:
+        address = address_of(choice.text, choice.found.devices if choice.found is not None else ())
+    except UserError as error:
+        choice.trouble = str(error)
+        return
+    go_live(state, address, choice.wish)
+
+
+def open_device(state: AppState, device: Device) -> None:
+    go_live(state, LiveAddress("device", device.where, device.name), state.live.choice.wish)
+
+
+def play_file(state: AppState, path: Path) -> None:
+    """As if it were live."""
+    go_live(state, LiveAddress("file", str(path.absolute()), path.resolve().name), state.live.choice.wish)
+
+
+def go_live(state: AppState, address: LiveAddress, wish: Wish) -> None:
+    """Show it from the next frame on, after a question where something is not saved."""
+
+    def go() -> None:
+        state.live.choice.shown, state.live.asked = False, (address, wish)
+        state.source.opening = state.window.banner = None
+
+    actions.leave_session(state, go)
+
+
+def leave_live(state: AppState) -> None:
+    """End it; the last picture stays until something else is opened."""
+    state.live.leaving = True
+
+
+def toggle_freeze(state: AppState) -> None:
+    """Hold the picture while the source goes on, or follow the source again; of a clip, its frame."""
+    live = state.live
+    if live.session is None:
+        actions.toggle_freeze(state)
+    elif live.still is not None:
+        live.still, state.source.clip = None, live.clip
+    elif live.newest is not None and live.clip is not None:
+        live.still = state.source.clip = still_of(live.newest)
+
+
+def still_of(picture: LivePicture) -> Clip:
+    """The frame as a clip of its own, by the name under which it is kept when something is made of it."""
+    return clip_of(Path(f"live-{stamp()}.png"), picture.original)
+
+
+def clip_of(path: Path, image: ByteImage) -> Clip:
+    """A clip of one frame of which no file is there."""
+    return without_depth(
+        path,
+        LIVE,
+        labels=(path.name,),
+        size=(image.shape[1], image.shape[0]),
+        read=lambda index: (image,)[index],
+        field_of_view=FIELD_OF_VIEW,
+    )
+
+
+def following(address: LiveAddress, live: Live, image: ByteImage) -> Clip:
+    """The clip that stands for what is live: its frame is the newest."""
+
+    def newest(index: int) -> ByteImage:
+        picture = live.newest
+        return (image if picture is None else picture.original,)[index]
+
+    clip = clip_of(Path("live.png"), image)
+    return replace(clip, name=address.name, labels=(address.name,), read_image=newest)
+
+
+def choose_what(state: AppState, what: What) -> None:
+    """What the next recording is of."""
+    state.live.what = what
+
+
+def toggle_recording(state: AppState) -> None:
+    """Begin one in the folder of exports, or end it."""
+    live = state.live
+    if live.recorder is not None:
+        finish_recording(state)
+        return
+    if live.session is None or live.address is None:
+        return
+    path = state.export_folder / f"live-{stamp()}-{live.what.replace(' ', '-')}.mp4"
+    try:
+        live.recorder = Recorder(path, live.what, live.address.name)
+    except (UserError, OSError) as error:
+        actions.fail(state, f"the recording cannot begin: {sentence(error)}")
+        return
+    live.session.recipients = (live.recorder.add,)
+
+
+def finish_recording(state: AppState) -> None:
+    """What waits is written; its end is told by the update."""
+    if state.live.session is not None:
+        state.live.session.recipients = ()
+    if state.live.recorder is not None:
+        state.live.recorder.end()

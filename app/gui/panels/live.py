@@ -1,0 +1,180 @@
+"""What is live: the bar in the timeline's place, and the dialog that asks for a source."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Final
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import icons_fontawesome_4 as icons
+
+from app.files.legible import legible
+from app.gui.actions import actions, export_actions, live_actions
+from app.gui.drawing.textures import ShowsPictures
+from app.gui.state.app_state import AppState
+from app.gui.state.live import RATES, SIZES
+from app.gui.state.live_words import delay_text, not_live, pace
+from app.gui.style import theme
+from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note
+from app.gui.views.clip_time import clock
+from app.live.address import Device
+from app.live.recorder import WHATS
+
+TITLE: Final = "Open live source"
+WIDTH: Final = 34.0
+PREVIEW: Final = ImVec2(8.0, 4.5)
+"""Em of a preview."""
+TALL: Final = 2.5
+HINT: Final = "rtsp://, udp://, http:// or a number"
+ADDRESS_TEXT: Final = (
+    "Number of a device, or address of a stream: rtsp://HOST/PATH, udp://@:PORT, http://HOST/PATH. A stream "
+    "that you open here is the only thing that VesselSplat ever fetches from a network."
+)
+FILE_TEXT: Final = "Play a video or a folder of images at its own rate, in a loop, as if it were live."
+FREEZE_TEXT: Final = "F: hold this picture while the source goes on."
+SAVE_TEXT: Final = "S: an image of what is shown, and beside it the frame as it came."
+RECORD_TEXT: Final = (
+    "Ctrl+Shift+L: record into the folder of exports. What is recorded plays even if the computer stops: at "
+    "most the last second is lost."
+)
+WHAT_TEXT: Final = "What is recorded. From originals, enhanced videos and reconstructions can be made later."
+
+
+def draw_live_bar(state: AppState) -> None:
+    """Two rows: what can be done, and how the source stands."""
+    live, status = state.live, state.live.status
+    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, _tall()):
+        frozen = live.still is not None
+        freeze = partial(live_actions.toggle_freeze, state)
+        color = theme.switch(frozen, caution=True)
+        button("Frozen###hold" if frozen else "Freeze###hold", freeze, FREEZE_TEXT, color=color, width=7.8)
+        imgui.same_line()
+        _draw_record(state)
+        imgui.same_line()
+        right = imgui.get_content_region_avail().x - em(9)
+        imgui.align_text_to_frame_padding()
+        _draw_signal(state)
+        imgui.same_line(imgui.get_cursor_pos_x() + right if status is None else _right())
+        save = partial(export_actions.save_picture, state)
+        button(f"{icons.ICON_FA_CAMERA}  Save image", save, SAVE_TEXT, width=9.0)
+    with imgui_ctx.push_id("below"):
+        what = choose("what", live.what, {one: one.capitalize() for one in WHATS}, WHAT_TEXT, 15.8)
+        if what != live.what and not live.records:
+            live_actions.choose_what(state, what)
+        imgui.same_line()
+        imgui.align_text_to_frame_padding()
+        if status is not None:
+            muted(f"{status.told}   ·   {status.arrived} frames, {status.dropped} dropped")
+            explain(delay_text(status))
+        imgui.same_line(_right())
+        button("Close source", partial(live_actions.leave_live, state), "End the live source.", width=9.0)
+
+
+def _right() -> float:
+    """Where the last column begins."""
+    return imgui.get_window_width() - em(9.0) - imgui.get_style().window_padding.x
+
+
+def _tall() -> ImVec2:
+    return ImVec2(imgui.get_style().frame_padding.x, (em(TALL) - em()) / 2)
+
+
+def _draw_record(state: AppState) -> None:
+    live = state.live
+    toggle = partial(live_actions.toggle_recording, state)
+    if not live.records:
+        button(f"{icons.ICON_FA_CIRCLE}  Record###record", toggle, RECORD_TEXT, width=7.5)
+        return
+    said = clock(live.recording.seconds) if live.recording is not None else "0:00.0"
+    label = f"{icons.ICON_FA_STOP}  {said}###record"
+    button(label, toggle, "Ctrl+Shift+L: end the recording.", color=theme.now().danger, width=7.5)
+
+
+def _draw_signal(state: AppState) -> None:
+    status = state.live.status
+    if status is None:
+        return
+    if status.is_live:
+        imgui.text_unformatted(f"LIVE   {pace(status)}")
+        explain(delay_text(status))
+    else:
+        imgui.text_colored(theme.now().warning, not_live(status))
+
+
+def draw_live_choice(state: AppState, textures: ShowsPictures) -> None:
+    """A window of its own."""
+    choice = state.live.choice
+    if not choice.shown:
+        return
+    with imgui_ctx.begin(TITLE, True, floating(WIDTH) | imgui.WindowFlags_.no_saved_settings) as window:
+        live_actions.show_choice(state, bool(window.opened))
+        if not window:
+            return
+        _draw_devices(state, textures)
+        imgui.separator_text("Stream or device by address")
+        _draw_address(state)
+        imgui.separator_text("Without a camera")
+        take = partial(actions.choose_path, state, take=live_actions.play_file, purpose="file")
+        button(f"{icons.ICON_FA_FILM}  Play a video as if live…", partial(take, "file"), FILE_TEXT)
+        imgui.same_line()
+        button("Play a folder…", partial(take, "folder", purpose="folder"), FILE_TEXT)
+        imgui.separator_text("Ask for")
+        _draw_wish(state)
+
+
+def _draw_devices(state: AppState, textures: ShowsPictures) -> None:
+    found = state.live.choice.found
+    imgui.align_text_to_frame_padding()
+    if found is None:
+        muted("Looking for capture devices…")
+    elif not found.devices:
+        muted("No capture device is connected.")
+    else:
+        muted("Capture devices")
+    imgui.same_line(imgui.get_window_width() - em(8))
+    look = partial(live_actions.choose_source, state)
+    button(f"{icons.ICON_FA_SYNC}  Look again", look, "List the devices anew.", width=7)
+    for one in found.devices if found is not None else ():
+        _draw_device(state, one, textures)
+
+
+def _draw_device(state: AppState, one: Device, textures: ShowsPictures) -> None:
+    found = state.live.choice.found
+    preview = found.previews.get(one.where) if found is not None else None
+    with imgui_ctx.push_id(one.where):
+        if preview is not None:
+            width = em(PREVIEW.y) * preview.shape[1] / preview.shape[0]
+            imgui.image(textures.whole(f"device {one.where}", preview), ImVec2(width, em(PREVIEW.y)))
+            imgui.same_line()
+        label = f"{legible(one.name)}###open"
+        button(label, partial(live_actions.open_device, state, one), "Show what it sees.", width=-1)
+
+
+def _draw_address(state: AppState) -> None:
+    choice = state.live.choice
+    imgui.set_next_item_width(-em(5))
+    entered, text = imgui.input_text_with_hint(
+        "##address",
+        "rtsp://, udp://, http:// or a number",
+        choice.text,
+        imgui.InputTextFlags_.enter_returns_true,
+    )
+    if text != choice.text:
+        live_actions.type_address(state, text)
+    explain(ADDRESS_TEXT)
+    imgui.same_line()
+    opened = partial(live_actions.open_typed, state)
+    button("Open###typed", opened, ADDRESS_TEXT, enabled=bool(choice.text.strip()), width=4.5)
+    if entered and choice.text.strip():
+        opened()
+    if choice.trouble:
+        note(choice.trouble, theme.now().warning)
+
+
+def _draw_wish(state: AppState) -> None:
+    wish = state.live.choice.wish
+    size = choose_row("Size", wish.size, SIZES, "Of devices: what is given may differ, and is said.")
+    rate = choose_row("Frames/s", wish.frames_per_second, RATES, "Of devices, and of files that are played.")
+    if (size, rate) != (wish.size, wish.frames_per_second):
+        live_actions.choose_wish(state, replace(wish, size=size, frames_per_second=rate))

@@ -1,0 +1,88 @@
+"""What is live: the source, the pictures that come from it, what is recorded. A part of the state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from app.gui.work.live_devices import Found
+from app.live.address import LiveAddress
+from app.live.picture import LivePicture, LiveStatus
+from app.live.recorder import Recorder, Recording, What
+from app.live.session import LiveSession
+from app.live.sources.source import Wish
+from renderer.clip import Clip
+
+SIZES: Final[Mapping[tuple[int, int] | None, str]] = {
+    None: "as it comes",
+    (720, 576): "720 × 576",
+    (1280, 720): "1280 × 720",
+    (1920, 1080): "1920 × 1080",
+    (3840, 2160): "3840 × 2160",
+}
+RATES: Final[Mapping[float | None, str]] = {
+    None: "as it comes",
+    25.0: "25",
+    30.0: "30",
+    50.0: "50",
+    60.0: "60",
+}
+
+
+@dataclass
+class LiveChoice:
+    """The dialog that asks for a source."""
+
+    shown: bool = False
+    text: str = ""
+    """Address that is typed."""
+    wish: Wish = field(default_factory=Wish)
+    found: Found | None = None
+    """The devices, once they are listed."""
+    looks: int = 0
+    """How often they were asked for."""
+    trouble: str = ""
+    """Why the typed address is none."""
+
+
+@dataclass
+class Live:
+    """Live actions change it, and the update, which follows the session; drawing reads it."""
+
+    choice: LiveChoice = field(default_factory=LiveChoice)
+    asked: tuple[LiveAddress, Wish] | None = None
+    """What is to be live from the next frame on."""
+    leaving: bool = False
+    """It is to end with the next frame."""
+    address: LiveAddress | None = None
+    session: LiveSession | None = None
+    clip: Clip | None = None
+    """Stands for the newest picture among what is open; None until there is one."""
+    still: Clip | None = None
+    """The frozen frame; None while the pictures follow the source."""
+    newest: LivePicture | None = None
+    unshown: LivePicture | None = None
+    """It will be on screen with the next swap."""
+    status: LiveStatus | None = None
+    recorder: Recorder | None = None
+    recording: Recording | None = None
+    """How far it is, or how it ended."""
+    what: What = "original"
+    """Is recorded."""
+    told: str = ""
+    """The trouble that was told last, which is told once."""
+
+    @property
+    def flows(self) -> bool:
+        """Pictures on screen come from the source, not from a clip."""
+        return self.session is not None and self.clip is not None and self.still is None
+
+    @property
+    def connects(self) -> bool:
+        """Nothing has come yet."""
+        return self.asked is not None or (self.session is not None and self.clip is None)
+
+    @property
+    def records(self) -> bool:
+        return self.recorder is not None

@@ -1,0 +1,150 @@
+"""Follows the live source, once a frame: begins and ends it, shows its newest picture, tells its troubles."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from app.enhancement.frame_enhancer import PictureRequest, Pictures
+from app.enhancement.methods import preset_of
+from app.enhancement.settable import drawn
+from app.files.legible import located
+from app.gui.actions import actions, live_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.live import Live
+from app.gui.work.opening import Opened
+from app.live.picture import LivePicture, LiveSetting
+from app.live.session import LiveSession
+from app.live.sources.opening import open_source
+from app.live.sources.source import Source
+
+MakeSession = Callable[[Callable[[], Source], LiveSetting], LiveSession]
+
+
+def follow_live(state: AppState, make_session: MakeSession) -> None:
+    live = state.live
+    if live.asked is not None:
+        _begin(state, make_session)
+    if live.session is None:
+        return
+    if live.leaving or _gave_way(state):
+        end_live(state)
+        return
+    live.session.setting = _setting(state)
+    live.status = live.session.status()
+    picture = live.session.pictures.take()
+    if picture is not None:
+        live.newest = picture
+        if live.still is None:
+            _show(state, picture)
+    _tell(state)
+    _follow_recording(state)
+
+
+def shown(state: AppState) -> None:
+    """The swap is done: what was drawn is on the screen."""
+    live = state.live
+    if live.session is not None and live.unshown is not None:
+        live.session.shown(live.unshown, time.perf_counter())
+    live.unshown = None
+
+
+def end_live(state: AppState) -> None:
+    """Let go of the source; a recording is completed. The last picture stays as what it is."""
+    live = state.live
+    session, recorder = live.session, live.recorder
+    if session is not None:
+        session.close()
+    if recorder is not None:
+        live.recording = recorder.finish()
+        _tell_recording(state)
+    if live.clip is not None and live.newest is not None and state.source.clip is live.clip:
+        state.source.clip = live_actions.still_of(live.newest)
+    state.live = Live(choice=live.choice, what=live.what, asked=live.asked)
+
+
+def _begin(state: AppState, make_session: MakeSession) -> None:
+    """What is live until now gives way."""
+    asked, state.live.asked = state.live.asked, None
+    end_live(state)
+    assert asked is not None
+    address, wish = asked
+    state.live.address = address
+    state.live.session = make_session(partial(open_source, address, wish), _setting(state))
+
+
+def _gave_way(state: AppState) -> bool:
+    """Something else was opened."""
+    live = state.live
+    return (
+        live.clip is not None and state.source.clip is not live.clip and state.source.clip is not live.still
+    )
+
+
+def _setting(state: AppState) -> LiveSetting:
+    """White light while its kernels are compiled."""
+    params, pixels = state.enhancement.params, drawn(state.enhancement.pixels)
+    off = not state.enhancement.active or state.lacks(preset_of(params))
+    return LiveSetting(None if off else params, pixels)
+
+
+def _show(state: AppState, picture: LivePicture) -> None:
+    live, size = state.live, (picture.original.shape[1], picture.original.shape[0])
+    assert live.address is not None
+    if live.clip is None:
+        clip = live_actions.following(live.address, live, picture.original)
+        actions.show_opened(state, Path(live.address.name), Opened(clip=clip, in_passing=True))
+        live.clip, state.source.path = clip, None
+    elif live.clip.size != size:
+        actions.say(state, f"the live pictures have another size now: {size[0]} × {size[1]}")
+        live.clip = state.source.clip = live_actions.following(live.address, live, picture.original)
+    setting = picture.setting
+    request = PictureRequest(live.clip, 0, setting.params, "image", setting.pixels)
+    state.picture.pictures = Pictures(
+        request,
+        picture.original,
+        picture.enhanced,
+        picture.statistics,
+        picture.milliseconds,
+        picture.omitted,
+    )
+    live.unshown = picture
+
+
+def _tell(state: AppState) -> None:
+    """Trouble before the first picture, where nothing on screen says it; each once."""
+    live, status = state.live, state.live.status
+    if status is None or live.clip is not None or not status.reason or status.reason == live.told:
+        return
+    live.told = status.reason
+    actions.fail(state, status.reason)
+    if status.signal == "failed":
+        live.leaving = True
+    elif state.window.banner is not None:
+        state.window.banner = actions.stoppable(state.window.banner)
+
+
+def _follow_recording(state: AppState) -> None:
+    live = state.live
+    if live.recorder is None:
+        return
+    live.recording = live.recorder.state
+    if live.recording.is_over:
+        live.recorder = None
+        if live.session is not None:
+            live.session.recipients = ()
+        _tell_recording(state)
+
+
+def _tell_recording(state: AppState) -> None:
+    done = state.live.recording
+    if done is None:
+        return
+    if done.trouble:
+        actions.fail(state, f"the recording ended: {done.trouble}. What was recorded until then is kept.")
+    elif done.pictures:
+        more = f" in {done.files} files" if done.files > 1 else ""
+        actions.announce(state, f"recorded {done.path.name}{more} in {located(done.path.parent)}")
+        state.exports.last = done.path
