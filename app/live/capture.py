@@ -83,7 +83,7 @@ class Capture:
                 return
             except Exception as error:
                 # Drivers raise anything; the thread outlives it, and says so.
-                log.warning("live source failed", exc_info=True)
+                log.info("live source failed", exc_info=True)
                 self._become("lost", sentence(error))
             wait = FIRST_WAIT if self.count > before else min(2 * wait, LONGEST_WAIT)
             self._closing.wait(wait)

@@ -103,7 +103,7 @@ class Recorder:
             while (picture := self._next()) is not None:
                 self._write(picture)
         except (OSError, UserError, ValueError) as error:
-            log.warning("a recording has ended early", exc_info=True)
+            log.info("a recording has ended early", exc_info=True)
             trouble = sentence(error)
         self._end(trouble)
 

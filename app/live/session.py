@@ -169,7 +169,7 @@ def is_black(image: ByteImage) -> bool:
     """Nothing is on it: all of it is black, or one dark grey as of grabbers without a signal."""
     sample = image[::SPARSE, ::SPARSE]
     top = int(sample.max(initial=0))
-    return top <= BLACK or (top <= PEDESTAL and top - int(sample.min(initial=0)) <= BLACK // 2)
+    return top <= BLACK or (top <= PEDESTAL and top - int(sample.min(initial=255)) <= BLACK // 2)
 
 
 def _enhanced(

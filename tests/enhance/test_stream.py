@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -44,7 +46,7 @@ def test_a_scene_that_changes_slowly_is_one_scene() -> None:
     live = levels(Enhancer(LiveStatistics()), fading)
     last = enhance(fading[-1]).statistics.level
     assert live[-1] < 0.9 * last
-    assert all(later >= earlier for earlier, later in zip(live, live[1:], strict=False))
+    assert all(later >= earlier for earlier, later in pairwise(live))
 
 
 def test_vessel_is_smoothed_in_its_picture_too() -> None:

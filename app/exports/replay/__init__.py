@@ -58,7 +58,7 @@ def _record(facts: Facts, path: Path) -> Export:
     if schema != SCHEMA:
         raise UserError(f"expected a record of schema {SCHEMA}, got {schema}, of another version: {path}")
     if kind in (FRAME, RECORDING):
-        raise UserError(f"a {kind} was recorded as it came, and nothing can make it again: {path}")
+        raise UserError(f"a {kind} is of its moment, and nothing can make it again: {path}")
     if kind not in KINDS:
         raise UserError(f"expected an export of one of {', '.join(KINDS)}, got kind {kind}: {path}")
     try:

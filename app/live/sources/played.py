@@ -7,7 +7,6 @@ from bisect import bisect_right
 from functools import partial
 from pathlib import Path
 
-from app.errors import UserError
 from app.live.sources.source import Arrived, Wish
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
@@ -21,10 +20,8 @@ class PlayedSource:
     """Keeps to the clock: frames that a reader is too slow for are left out, as a camera would."""
 
     def __init__(self, path: Path, wish: Wish) -> None:
-        """Raises ClipError: nothing that can be read; UserError: frames of several sizes."""
+        """Raises ClipError: nothing that can be read, or frames of several sizes."""
         clip = open_clip(path, ClipOptions(depth="off"))
-        if not clip.has_one_size:
-            raise UserError(f"expected images of one size to play as if live, got several: {path}")
         self._clip, self._loop = clip, wish.loop
         self.frames_per_second = wish.frames_per_second or clip.frames_per_second or RATE
         self._times = _times(clip, self.frames_per_second, own=wish.frames_per_second is None)

@@ -1,0 +1,59 @@
+"""`vesselsplat live` on a folder as if live; its mistakes in one line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from assets import phantom_path
+from renderer.sources import open_clip
+from tests.app.conftest import Call
+
+Command = Callable[..., Call]
+
+
+def test_a_clip_as_if_live_is_enhanced_recorded_and_measured(vesselsplat: Command, tmp_path: Path) -> None:
+    film = tmp_path / "new" / "film.mp4"
+    done = vesselsplat("live", phantom_path(), "--once", "--record", film, "--what", "side by side", "--json")
+    assert done.code == 0
+    told = json.loads(done.out)
+    assert told["source"] == "phantom"
+    assert told["arrived"] + told["dropped"] >= told["made"] > 10
+    assert told["ends"] == "ended"
+    delay = told["milliseconds_from_arrival_to_enhanced"]
+    assert 0 < delay["median"] <= delay["p95"] <= delay["worst"]
+    width, height = open_clip(phantom_path()).size
+    assert open_clip(film).size == (2 * width, height)
+    assert len(open_clip(film)) == told["recording"]["pictures"]
+    assert vesselsplat("info", film).code == 0
+    refused = vesselsplat("replay", film)
+    assert (refused.code, "of its moment" in refused.error) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("flags", "said"),
+    [
+        ((), "expected a SOURCE"),
+        (("nosuch",), "expected a capture device"),
+        (("gopher://x",), "expected a stream by"),
+        (("77", "--seconds", "0.6"), "no picture came from device 77"),
+        ((str(phantom_path()), "--seconds", "0"), "--seconds"),
+        ((str(phantom_path()), "--fps", "-1"), "--fps"),
+        ((str(phantom_path()), "--record", "film.avi"), "expected a recording to end in .mp4"),
+        ((str(phantom_path()), "--coring", "1"), "--coring has no effect"),
+    ],
+)
+def test_mistakes_are_one_line(vesselsplat: Command, flags: tuple[str, ...], said: str) -> None:
+    done = vesselsplat("live", *flags)
+    assert done.code == 2
+    assert said in done.error
+    assert "Traceback" not in done.error
+
+
+def test_devices_are_listed(vesselsplat: Command) -> None:
+    done = vesselsplat("live", "--list", "--json")
+    assert done.code == 0
+    assert isinstance(json.loads(done.out)["devices"], list)

@@ -1,0 +1,169 @@
+"""What is recorded plays: after its end, after a kill, on a full disk; with its times and settings."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.errors import UserError
+from app.live.picture import LivePicture, LiveSetting
+from app.live.recorder import WHATS, Recorder, Recording, require_new, shown
+from enhance import EnhanceParams
+from renderer.sources import open_clip
+from tests.app.conftest import ROOT
+from tests.app.live.painted import painted, wait_for
+
+SETTING = LiveSetting(EnhanceParams())
+LIVE = """
+import sys, time
+from pathlib import Path
+from app.live.recorder import Recorder
+from tests.app.live.test_recorder import picture
+
+recorder = Recorder(Path(sys.argv[1]), "original", "a source")
+start = time.perf_counter()
+for number in range(4000):
+    time.sleep(max(start + number / 50 - time.perf_counter(), 0))
+    recorder.add(picture(number, time.perf_counter() - start))
+    sys.stdout.write(f"{time.perf_counter() - start}\\n")
+    sys.stdout.flush()
+"""
+FULL = """
+import resource, signal, sys, time
+from pathlib import Path
+from app.live.recorder import Recorder
+from tests.app.live.test_recorder import picture
+
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (200_000, 200_000))
+recorder = Recorder(Path(sys.argv[1]), "original", "a source")
+for number in range(4000):
+    if recorder.state.is_over:
+        break
+    recorder.add(picture(number, number / 50))
+    time.sleep(0.002)
+sys.stdout.write(recorder.finish().trouble)
+"""
+
+
+def picture(number: int, seconds: float, size: tuple[int, int] = (96, 128)) -> LivePicture:
+    """Noise beside the level: what an encoder cannot make small."""
+    level = 40 + 4 * (number % 40)
+    original = painted(level, size)
+    original[:, : size[1] // 2] = np.random.default_rng(number).integers(0, 255, (size[0], size[1] // 2, 3))
+    return LivePicture(number, seconds, seconds, original, 255 - original, SETTING, None, (), 1.0)
+
+
+def recorded(path: Path, pictures: list[LivePicture]) -> Recording:
+    recorder = Recorder(path, "original", "a source")
+    for one in pictures:
+        recorder.add(one)
+        wait_for(
+            lambda one=one: recorder.state.pictures >= one.number or recorder.state.is_over, "the encoder"
+        )
+    return recorder.finish()
+
+
+def test_a_recording_keeps_pictures_and_their_times(tmp_path: Path) -> None:
+    seconds = [0.0, 0.04, 0.08, 0.2, 0.24, 1.0, 1.04]
+    done = recorded(tmp_path / "a.mp4", [picture(at + 1, when) for at, when in enumerate(seconds)])
+    clip = open_clip(done.path)
+    assert done == Recording(tmp_path / "a.mp4", "original", 1.04, 7, is_over=True)
+    assert clip.frame_times == pytest.approx(seconds, abs=1e-4)
+    for at in range(7):
+        right = slice(70, None)
+        apart = clip.read_image(at)[:, right].astype(float) - picture(at + 1, 0).original[:, right]
+        assert np.abs(apart[:40]).mean() < 3
+    facts = json.loads((tmp_path / "a.mp4.json").read_text())
+    assert facts["kind"] == "live recording"
+    assert facts["settings"][0]["params"]["radii"] == [4, 16, 64]
+    assert str(tmp_path) not in json.dumps(facts)
+
+
+def test_a_changed_setting_is_noted_with_its_time(tmp_path: Path) -> None:
+    other = LiveSetting(EnhanceParams(z=0.1))
+    pictures = [picture(1, 0.0), picture(2, 0.5), replace(picture(3, 1.0), setting=other)]
+    recorded(tmp_path / "a.mp4", pictures)
+    told = json.loads((tmp_path / "a.mp4.json").read_text())["settings"]
+    assert [(one["from_seconds"], one["params"]["z"]) for one in told] == [(0.0, None), (1.0, 0.1)]
+
+
+def test_another_size_goes_on_in_another_file(tmp_path: Path) -> None:
+    pictures = [picture(1, 0.0), picture(2, 0.1), picture(3, 0.2, (64, 64)), picture(4, 0.3, (64, 64))]
+    done = recorded(tmp_path / "a.mp4", pictures)
+    assert (done.files, done.path.name) == (2, "a-2.mp4")
+    assert [open_clip(tmp_path / name).size for name in ("a.mp4", "a-2.mp4")] == [(128, 96), (64, 64)]
+
+
+def test_without_a_picture_there_is_no_file(tmp_path: Path) -> None:
+    assert Recorder(tmp_path / "a.mp4", "enhanced", "a source").finish().is_over
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("what", WHATS)
+def test_what_is_recorded_is_what_was_asked_for(what: str) -> None:
+    one = picture(1, 0.0, (31, 41))
+    assert one.enhanced is not None
+    whole = {"original": one.original, "enhanced": one.enhanced}.get(what)
+    if whole is None:
+        whole = np.concatenate((one.original, one.enhanced), axis=1)
+    assert np.array_equal(shown(one, what), whole[:30, : whole.shape[1] // 2 * 2])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["a.avi", "there.mp4"])
+def test_a_wrong_or_taken_name_is_refused(tmp_path: Path, name: str) -> None:
+    (tmp_path / "there.mp4").write_bytes(b"mine")
+    with pytest.raises(UserError, match=name):
+        require_new(tmp_path / name)
+    assert Recorder(tmp_path / "there.mp4", "original", "x").finish().trouble
+    assert (tmp_path / "there.mp4").read_bytes() == b"mine"
+
+
+def started(code: str, path: Path) -> subprocess.Popen[str]:
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    line = [sys.executable, "-c", code, str(path)]
+    return subprocess.Popen(line, stdout=subprocess.PIPE, text=True, env=environment)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="kills as POSIX does")
+def test_a_killed_recording_plays_and_lacks_no_more_than_a_second(tmp_path: Path) -> None:
+    last = 0.0
+    with started(LIVE, tmp_path / "a.mp4") as process:
+        assert process.stdout is not None
+        while last < 2.3:
+            last = float(process.stdout.readline())
+        process.kill()
+        last = max([last, *map(float, process.stdout.read().split("\n")[:-1])])
+    clip = open_clip(tmp_path / "a.mp4")
+    assert clip.frame_times is not None
+    assert last - 1.0 < clip.frame_times[-1] <= last
+    assert clip.read_image(len(clip) - 1).shape == (96, 128, 3)
+    assert json.loads((tmp_path / "a.mp4.json").read_text())["kind"] == "live recording"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits files as Linux does")
+def test_a_full_disk_ends_the_recording_in_a_line_and_what_is_there_plays(tmp_path: Path) -> None:
+    with started(FULL, tmp_path / "a.mp4") as process:
+        said, _ = process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert "too large" in said.lower()
+    assert len(open_clip(tmp_path / "a.mp4")) > 10
+
+
+def test_a_busy_encoder_leaves_pictures_out_and_counts_them(tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path / "a.mp4", "original", "a source")
+    start = time.perf_counter()
+    for number in range(1, 120):
+        recorder.add(picture(number, number / 50))
+    assert time.perf_counter() - start < 5
+    done = recorder.finish()
+    assert done.pictures + done.left_out == 119
