@@ -185,6 +185,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
     state.source.content = opened.content
     state.source.bare, state.source.depth_ways = opened.bare, None
+    state.source.notices = opened.to_be_read
     state.source.depth_wish = _kept_depth(state, opened)
     state.picture.measured = None
     state.timeline.playing, state.timeline.frozen_index = False, None

@@ -94,6 +94,13 @@ class Opened:
     """One of a folder's images after another: not worth remembering."""
 
     @property
+    def to_be_read(self) -> tuple[str, ...]:
+        """What is said beside the images: of a video what it is read as, but for the warning above them."""
+        if self.clip is None or self.clip.format != "video":
+            return ()
+        return tuple(notice for notice in self.clip.notices if notice != self.warning)
+
+    @property
     def content(self) -> Content:
         """Folders of images without depth count as stills."""
         if self.run is not None or self.clip is None:
