@@ -145,7 +145,9 @@ def _tuning_sheet(record: TuningSheet, sources: Sources, target: Path) -> None:
     wanted = [Setting((place,), one.label, one.params) for place, one in enumerate(record.settings)]
     cells = tried(image, wanted, mask, drawn(record.pixels))
     tiles = {cell.setting: tile(cell, cell.setting.label) for cell in cells}
-    picture = contact_sheet(record.title, [tiles[setting] for setting in wanted], record.columns)
+    picture = contact_sheet(
+        record.title, [tiles[setting] for setting in wanted], record.columns, breaks=record.breaks_labels
+    )
     write_png(target, picture, record.signed)
 
 
