@@ -258,8 +258,11 @@ def report_came(state: AppState) -> None:
 
 
 def seek(state: AppState, index: int) -> None:
-    """Go to a frame, kept within the clip."""
-    if state.source.clip is not None:
+    """Go to a frame, kept within the clip, or to a moment of a reconstruction without one."""
+    if state.is_model_alone:
+        state.scene.own_time = min(max(index, 0), state.moments - 1) / state.moments
+        state.timeline.playhead = float(state.moment)
+    elif state.source.clip is not None:
         state.timeline.frame_index = min(max(index, 0), len(state.source.clip) - 1)
         state.timeline.playhead = float(state.timeline.frame_index)
 
@@ -271,7 +274,7 @@ def step(state: AppState, frames: int) -> None:
         _open_beside(state, frames)
         return
     state.timeline.playing, state.timeline.frozen_index = False, None
-    seek(state, state.timeline.frame_index + frames)
+    seek(state, state.moment + frames)
 
 
 def _open_beside(state: AppState, by: int) -> None:
@@ -290,13 +293,14 @@ def _open_beside(state: AppState, by: int) -> None:
 
 def go_to_end(state: AppState, *, last: bool) -> None:
     """The first or the last frame that counts, in the same way."""
-    step(state, state.source.span[last] - state.timeline.frame_index)
+    ends = (0, state.moments - 1) if state.is_model_alone else state.source.span
+    step(state, ends[last] - state.moment)
 
 
 def toggle_play(state: AppState) -> None:
-    if state.source.clip is not None and len(state.source.clip) > 1:
+    if state.moments > 1:
         state.timeline.playing = not state.timeline.playing
-        state.timeline.playhead = float(state.timeline.frame_index)
+        state.timeline.playhead = float(state.moment)
 
 
 def toggle_freeze(state: AppState) -> None:
