@@ -168,8 +168,8 @@ def _write_summary(
     title += f", best {sort} first" if sort else ""
     columns = columns_of([len(one.values) for one in axes], in_order=sort is None)
     shown = tuple(SheetCell(label=said(row.setting), params=row.setting.params) for row in rows)
-    sheet = TuningSheet(**origin.shared, title=title, columns=columns, settings=shown)
-    picture = contact_sheet(title, [row.tile for row in rows], columns)
+    sheet = TuningSheet(**origin.shared, title=title, columns=columns, breaks_labels=True, settings=shown)
+    picture = contact_sheet(title, [row.tile for row in rows], columns, breaks=True)
     write_png(folder / "sheet.png", picture, sheet.signed)
     (folder / "tuning.csv").write_bytes(_table(axes, rows))
     cells = [row.facts for row in rows]

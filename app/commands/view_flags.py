@@ -38,6 +38,8 @@ def add_flag(parser: argparse.ArgumentParser) -> None:
 
 def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> list[ViewRequest]:
     """One a moment. Raises UserError for a difference where there are no frames."""
+    if flags.view == "motion" and scene.is_series:
+        raise UserError("--view motion: expected one model that moves, got a splat file per moment")
     clip = _references(flags) if flags.view == "difference" else None
     finer, views = flags.supersampling, []
     for moment in wanted:

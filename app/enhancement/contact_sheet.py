@@ -23,7 +23,7 @@ BACKGROUND = (40, 40, 40)
 TEXT = (232, 232, 232)
 FAINT = (160, 160, 160)
 GAP = 12
-LABEL_HEIGHT = 30
+LABEL_SIZE, LINE_HEIGHT, LABEL_PADDING = 16, 20, 10
 TITLE_HEIGHT = 40
 FOOT_HEIGHT = 28
 
@@ -33,10 +33,13 @@ class Tile:
     """One picture (H, W, 3) RGB with the words above it."""
 
     label: str
+    """In as many lines as it needs, where it has no breaks of its own."""
     image: ByteImage
 
 
-def sheet(title: str, tiles: Sequence[Tile], foot: str, *, columns: int, tile_width: int) -> ByteImage:
+def sheet(
+    title: str, tiles: Sequence[Tile], foot: str, *, columns: int, tile_width: int, breaks: bool = True
+) -> ByteImage:
     """The tiles in rows of `columns`, each scaled to `tile_width` pixels, as an (H, W, 3) RGB picture.
 
     Raises:
@@ -45,19 +48,40 @@ def sheet(title: str, tiles: Sequence[Tile], foot: str, *, columns: int, tile_wi
     if not tiles:
         raise ValueError("expected at least one tile, got none")
     images = [_scaled(tile.image, tile_width) for tile in tiles]
-    rows = -(-len(tiles) // columns)
-    cell = max(image.shape[0] for image in images) + LABEL_HEIGHT
+    labels = [
+        _lines(tile.label, tile_width) if breaks else [tile.label.replace("\n", "   ")] for tile in tiles
+    ]
+    rows, above = -(-len(tiles) // columns), LINE_HEIGHT * max(map(len, labels)) + LABEL_PADDING
+    cell = max(image.shape[0] for image in images) + above
     width = GAP + min(columns, len(tiles)) * (tile_width + GAP)
     canvas = Image.new("RGB", (width, TITLE_HEIGHT + rows * (cell + GAP) + FOOT_HEIGHT), BACKGROUND)
     draw = ImageDraw.Draw(canvas)
     _write(draw, (GAP, 0), TITLE_HEIGHT, title, 20, TEXT, width - 2 * GAP)
-    for index, (tile, image) in enumerate(zip(tiles, images, strict=True)):
+    for index, (lines, image) in enumerate(zip(labels, images, strict=True)):
         x = GAP + index % columns * (tile_width + GAP)
         y = TITLE_HEIGHT + index // columns * (cell + GAP)
-        _write(draw, (x, y), LABEL_HEIGHT, tile.label, 16, TEXT, tile_width)
-        canvas.paste(Image.fromarray(image), (x, y + LABEL_HEIGHT))
+        top = y + LABEL_PADDING // 2
+        for place, line in enumerate(lines):
+            _write(draw, (x, top + place * LINE_HEIGHT), LINE_HEIGHT, line, LABEL_SIZE, TEXT, tile_width)
+        canvas.paste(Image.fromarray(image), (x, y + above))
     _write(draw, (GAP, canvas.height - FOOT_HEIGHT), FOOT_HEIGHT, foot, 14, FAINT, width - 2 * GAP)
     return np.array(canvas)
+
+
+def _lines(text: str, room: int) -> list[str]:
+    """Broken between words, so that letters keep their size; a word that is too wide stands alone."""
+    font: Any = ImageFont.load_default(LABEL_SIZE)
+    lines: list[str] = []
+    for part in text.split("\n"):
+        line = ""
+        for word in part.split():
+            longer = f"{line} {word}".strip()
+            if line and font.getlength(longer) > room:
+                lines.append(line)
+                longer = word
+            line = longer
+        lines.append(line)
+    return lines
 
 
 def _scaled(image: ByteImage, width: int) -> ByteImage:
@@ -85,7 +109,7 @@ def _write(
 
 def tile(cell: Cell, label: str) -> Tile:
     """As wide as the sheet has room for; of the measures without what differs from one time to the next."""
-    return Tile(f"{label}   {in_words(cell.measures)}", small(cell.image, TILE_WIDTH))
+    return Tile(f"{label}\n{in_words(cell.measures)}", small(cell.image, TILE_WIDTH))
 
 
 def in_words(measures: Measures) -> str:
@@ -104,9 +128,9 @@ def small(image: ArrayImage, width: int) -> ByteImage:
     return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
 
 
-def contact_sheet(title: str, tiles: Sequence[Tile], columns: int) -> ByteImage:
-    """(H, W, 3) RGB."""
-    return sheet(title, tiles, FOOT, columns=columns, tile_width=TILE_WIDTH)
+def contact_sheet(title: str, tiles: Sequence[Tile], columns: int, *, breaks: bool) -> ByteImage:
+    """(H, W, 3) RGB; a label has lines, or is one that is made smaller until it fits."""
+    return sheet(title, tiles, FOOT, columns=columns, tile_width=TILE_WIDTH, breaks=breaks)
 
 
 def columns_of(axis_lengths: Sequence[int], *, in_order: bool) -> int:

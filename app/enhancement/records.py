@@ -85,4 +85,6 @@ class TuningSheet(Record):
     pixels: Pixels
     title: str
     columns: int
+    breaks_labels: bool = False
+    """Into as many lines as they need; False, as before 0.2.0: made as small as one line has room for."""
     settings: tuple[SheetCell, ...]

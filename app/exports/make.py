@@ -145,7 +145,9 @@ def _tuning_sheet(record: TuningSheet, sources: Sources, target: Path) -> None:
     wanted = [Setting((place,), one.label, one.params) for place, one in enumerate(record.settings)]
     cells = tried(image, wanted, mask, drawn(record.pixels))
     tiles = {cell.setting: tile(cell, cell.setting.label) for cell in cells}
-    picture = contact_sheet(record.title, [tiles[setting] for setting in wanted], record.columns)
+    picture = contact_sheet(
+        record.title, [tiles[setting] for setting in wanted], record.columns, breaks=record.breaks_labels
+    )
     write_png(target, picture, record.signed)
 
 
@@ -191,13 +193,12 @@ def _splats(record: Splats, sources: Sources, target: Path) -> None:
         UserError: one that would lose colours, or more than the format holds.
     """
     scene, degree = sources.scene(record), record.sh_degree
-    raw = scene.model.raw
+    moved = scene.model.motion.moved(scene.model.raw, record.time)
     try:
-        raw = raw if degree is None else raw.of_degree(degree)
+        moved = moved if degree is None else moved.of_degree(degree)
     except ValueError as error:
         got = f"{degree} for {error}"
         raise UserError(f"--sh-degree: expected one that holds the whole model, got {got}") from error
-    moved = scene.model.motion.moved(raw, record.time)
     if target.suffix.lower() == ".ply":
         write_bytes(target, ply_bytes(moved, scene.mode, comments(record.signed)))
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Final
 
@@ -49,6 +50,11 @@ def named(method: str) -> str:
 def grouped(number: int) -> str:
     """Thousands apart: 28,310."""
     return f"{number:,}"
+
+
+def without_flags(text: str) -> str:
+    """Without hints at flags in brackets, which only the command line has."""
+    return re.sub(r" \(--[^()]*\)", "", text)
 
 
 def capital(text: str) -> str:

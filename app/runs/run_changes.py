@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.errors import UserError
+from app.files.bin import has_bin, move_to_bin
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
 
@@ -20,6 +21,8 @@ class Footprint:
     files: int
     size: int
     """Bytes."""
+    has_bin: bool = True
+    """The system has a bin that takes it."""
 
 
 def folder_name(wanted: str) -> str:
@@ -32,7 +35,7 @@ def footprint(path: Path) -> Footprint:
     if not path.is_dir():
         raise UserError(f"expected a folder, got none: {path}")
     sizes = [os.lstat(Path(folder, name)).st_size for folder, _, names in os.walk(path) for name in names]
-    return Footprint(len(sizes), sum(sizes))
+    return Footprint(len(sizes), sum(sizes), has_bin(path))
 
 
 def rename_run(path: Path, wanted: str) -> Path:
@@ -51,9 +54,15 @@ def rename_run(path: Path, wanted: str) -> Path:
     return there
 
 
-def delete_run(path: Path) -> None:
-    """With all that lies in its folder. Raises UserError or OSError: some of it is left."""
+def delete_run(path: Path, *, for_good: bool = False) -> None:
+    """With all that lies in its folder: to the system's bin unless `for_good`.
+
+    Raises UserError or OSError: it stays, but `for_good` some of it may be gone.
+    """
     _require_free(path)
+    if not for_good:
+        move_to_bin(path)
+        return
     # In one step it is no run any more: what is cut short leaves nothing that looks like one.
     doomed = path.with_name(f".{path.name}.deleted")
     path.rename(doomed)

@@ -16,13 +16,14 @@ from app.scenes.records import ClipSource, RunSource, SceneRecord
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.camera import Camera
 from renderer.clip import Clip
+from renderer.deformation.frame_by_frame import FrameByFrame
 from renderer.deformation.motion import Still
 from renderer.editing.edits import Edits
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE, middle_distance
-from renderer.readers.listing import listed
 from renderer.splat_files import SplatFileError, is_named_as_splats, read_splats, whole
+from renderer.splat_series import read_series, series_files
 from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
 
@@ -77,6 +78,11 @@ class Scene:
     def is_of_run(self) -> bool:
         """Not of a file of splats."""
         return self.iterations > 0
+
+    @property
+    def is_series(self) -> bool:
+        """Of a file per moment: other Gaussians at each."""
+        return isinstance(self.model.motion, FrameByFrame)
 
     def time(self, index: int) -> float:
         """Of frame `index`, in [0, 1)."""
@@ -134,16 +140,17 @@ class Training:
 
 
 def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
-    """A file of splats, or a run with what was edited by hand, unless it is wanted as trained.
+    """A file of splats, a folder of numbered ones, or a run with what was edited by hand, unless it is wanted
+    as trained.
 
     Raises:
-        UserError: no finished run and no file of splats, or the edits are of another model.
+        UserError: no finished run and no splats, or the edits are of another model.
     """
     if is_named_as_splats(path) or path.is_file():
         return splat_scene(path)
     folder = RunFolder(path)
-    if not folder.is_run:
-        _require_no_series(path)
+    if not folder.is_run and series_files(path):
+        return series_scene(path)
     scene = finished_scene(folder, folder.record())
     edits = None if as_trained else read_edits(folder, len(scene.model))
     if edits is None:
@@ -155,33 +162,40 @@ def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
     return replace(scene.edited(edits), notices=(said,))
 
 
-def _require_no_series(path: Path) -> None:
-    """Raises UserError: a folder of splat files, each of one moment, with neither cameras nor frames."""
-    files = path.iterdir() if path.is_dir() else ()
-    names = sorted(file.name for file in files if is_named_as_splats(file))
-    if names:
-        own = "name one of these, or the run that they were exported from"
-        raise UserError(f"expected a run, got a folder of the splat files {listed(names)}: {own}: {path}")
-
-
 def splat_scene(path: Path) -> Scene:
     """Raises UserError: the file cannot be read, or is damaged."""
     try:
         file = read_splats(path)
     except SplatFileError as error:
         raise UserError(str(error)) from error
-    path = whole(path)
-    model = DynamicGaussians(file.raw, Still())
+    notices = (*file.notices, *(() if len(file.raw) else ("no splats to render: images stay black",)))
+    return _without_cameras(whole(path), DynamicGaussians(file.raw, Still()), 1, file.mode, notices)
+
+
+def series_scene(path: Path) -> Scene:
+    """A folder of numbered splat files, one a moment. Raises UserError: one cannot be read, or is damaged."""
+    try:
+        series = read_series(path)
+    except SplatFileError as error:
+        raise UserError(str(error)) from error
+    moments = series.moments
+    model = DynamicGaussians(moments[0], FrameByFrame(moments))
+    return _without_cameras(path, model, len(moments), series.files[0].mode, series.notices)
+
+
+def _without_cameras(
+    path: Path, model: DynamicGaussians, frames: int, mode: RenderMode, notices: tuple[str, ...]
+) -> Scene:
+    """Seen at all frames by one camera that has nearly all of it in view at the first."""
     camera = framing(model)
-    notices = (*file.notices, *(() if len(model) else ("no splats to render: images stay black",)))
     return Scene(
-        name=path.name,
+        name=path.absolute().name,
         model=model,
-        cameras=(camera,),
+        cameras=(camera,) * frames,
         distance=middle_distance(model, camera),
-        mode=file.mode,
+        mode=mode,
         unit=SCENE_UNITS,
-        record=SceneRecord(splats=Source.of(path), render_mode=file.mode, notices=notices),
+        record=SceneRecord(splats=Source.of(path), render_mode=mode, notices=notices),
         path=path,
         notices=notices,
     )

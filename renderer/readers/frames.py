@@ -62,7 +62,6 @@ def _instead(visible: Sequence[Path], files: Sequence[Path]) -> str:
 
     splats = [entry.name for entry in files if is_named_as_splats(entry)]
     if splats:
-        # Each is of one moment: a series of them has neither cameras nor frames.
         own = "open one of these, or the run that they were exported from"
         return f"; it holds the splat files {listed(splats)}: {own}"
     folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))

@@ -73,6 +73,17 @@ def runs(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str,
     return paths
 
 
+@pytest.fixture
+def bin_files(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Where an empty bin of the system keeps what is moved into it."""
+    data = tmp_path_factory.mktemp("data")
+    monkeypatch.setenv("XDG_DATA_HOME", str(data))
+    # It is settled as the package is imported.
+    for name in [name for name in sys.modules if name.startswith("send2trash")]:
+        monkeypatch.delitem(sys.modules, name)
+    return data / "Trash" / "files"
+
+
 def tissue(seed: int, brightness: int = 160) -> np.ndarray:
     """(40, 60, 3) BGR uint8, reddish and smooth."""
     noise = np.random.default_rng(seed).normal(0, 20, (40, 60, 3))

@@ -249,12 +249,26 @@ def test_render_refuses_what_a_run_does_not_have(
     assert {path.stem for path in tmp_path.iterdir()} == set(texts)
 
 
-def test_a_folder_of_splat_files_says_what_to_name(tmp_path: Path, vesselsplat: Cli) -> None:
-    for name in ("0000.ply", "0001.ply", "notes.txt"):
-        (tmp_path / name).touch()
-    call = vesselsplat("render", tmp_path, "--out", tmp_path / "out")
-    assert call.code == 2
-    assert (
-        "expected a run, got a folder of the splat files 0000.ply, 0001.ply: name one of these" in call.error
-    )
-    assert call.error.count("\n") == 1
+def test_a_folder_of_exported_splats_is_the_run_through_time(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    """Through the clip's cameras every moment is what the run itself is then."""
+    folder, cameras = tmp_path / "splats", tmp_path / "cameras.json"
+    flags = ("--ply", folder, "--cameras", cameras, "--frames", "0", "4", "9")
+    assert vesselsplat("export", runs["original"], *flags).code == 0
+    (folder / "notes.txt").write_text("of the exporter")
+    told = json.loads(vesselsplat("info", folder, "--json").out)
+    assert told["what"] == {"kind": "splat series"}
+    assert told["files"] == {"count": 3}
+    camera = tmp_path / "camera.json"
+    camera.write_text(json.dumps(RunFolder(runs["original"]).record().camera(0).to_json()))
+    for source, frames in ((runs["original"], ("0", "4", "9")), (folder, ("0", "1", "2"))):
+        out = tmp_path / f"of-{source.name}"
+        call = vesselsplat("render", source, "--out", out, "--frames", *frames, "--camera", camera)
+        assert call.code == 0, call.error
+    both = [sorted((tmp_path / f"of-{name}").glob("*.png")) for name in (runs["original"].name, "splats")]
+    for own, again in zip(*both, strict=True):
+        assert np.abs(cv2.imread(own).astype(int) - cv2.imread(again)).max() <= 1
+    assert vesselsplat("replay", both[1][1], "--source", folder).code == 0
+    refused = vesselsplat("render", folder, "--out", tmp_path / "none", "--view", "motion")
+    assert (refused.code, refused.error.count("\n")) == (2, 1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -115,6 +116,20 @@ def of_splats(path: Path) -> Facts:
         *notices(said),
         *_origin(path),
         next_steps(path, ("render", "PATH", "--out", "OUT", "--time", "0"), ("gui", "PATH")),
+    )
+
+
+def of_series(path: Path, files: Sequence[Path]) -> Facts:
+    """A folder of splat files, one a moment. Raises UserError: the first cannot be read."""
+    (model,) = (fact for fact in of_splats(files[0]) if fact.name == "model")
+    size = sum(file.stat().st_size for file in files)
+    return (
+        Fact("what", "splat files, one per moment", {"kind": "splat series"}),
+        Fact("files", f"{len(files)}, {files[0].name} to {files[-1].name}", {"count": len(files)}),
+        Fact("model", f"{model.text}, at the first moment", model.value),
+        Fact("size", f"{size / 1e6:.1f} MB", size),
+        Fact("unit", "scene units"),
+        next_steps(path, ("render", "PATH", "--out", "OUT"), ("gui", "PATH")),
     )
 
 

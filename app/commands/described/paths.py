@@ -12,6 +12,7 @@ from app.commands.described.files import (
     of_export,
     of_json,
     of_run,
+    of_series,
     of_session,
     of_splats,
     of_sweep,
@@ -27,6 +28,7 @@ from renderer.readers.picture_kinds import frame_folder
 from renderer.readers.pictures import VIDEOS, is_picture, is_visible, natural_key
 from renderer.regular_files import require_regular
 from renderer.splat_files import is_named_as_splats
+from renderer.splat_series import series_files
 
 
 def described(path: Path) -> tuple[Fact, ...]:
@@ -73,6 +75,8 @@ def _folder(path: Path) -> tuple[Fact, ...]:
         return of_sweep(path)
     if is_named_as_splats(path):
         return of_splats(path)
+    if files := series_files(path):
+        return of_series(path, files)
     known = layout_of(path).name != "images"
     pictures = any(is_picture(entry) for entry in frame_folder(path).iterdir())
     return of_clip(path) if known or pictures else _other(path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.errors import UserError
 from app.exports.records import BrowserModel
 from app.files.records import extended
 from app.scenes.scene import Scene
@@ -9,7 +10,9 @@ from renderer.camera import Camera
 
 
 def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> BrowserModel:
-    """All of its time, as `camera` sees it first."""
+    """All of its time, as `camera` sees it first. Raises UserError: it is of a file per moment."""
+    if scene.is_series:
+        raise UserError(f"expected one model that moves, got a splat file per moment: {scene.name}")
     clip, frames = scene.record.clip, len(scene.cameras)
     return extended(
         BrowserModel,

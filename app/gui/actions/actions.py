@@ -191,6 +191,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
     state.source.content = opened.content
     state.source.bare, state.source.depth_ways = opened.bare, None
+    state.source.notices = opened.to_be_read
     state.source.depth_wish = _kept_depth(state, opened)
     state.picture.measured = None
     state.timeline.playing, state.timeline.frozen_index = False, None
@@ -263,8 +264,11 @@ def report_came(state: AppState) -> None:
 
 
 def seek(state: AppState, index: int) -> None:
-    """Go to a frame, kept within the clip."""
-    if state.source.clip is not None:
+    """Go to a frame, kept within the clip, or to a moment of a reconstruction without one."""
+    if state.is_model_alone:
+        state.scene.own_time = min(max(index, 0), state.moments - 1) / state.moments
+        state.timeline.playhead = float(state.moment)
+    elif state.source.clip is not None:
         state.timeline.frame_index = min(max(index, 0), len(state.source.clip) - 1)
         state.timeline.playhead = float(state.timeline.frame_index)
 
@@ -276,7 +280,7 @@ def step(state: AppState, frames: int) -> None:
         _open_beside(state, frames)
         return
     state.timeline.playing, state.timeline.frozen_index = False, None
-    seek(state, state.timeline.frame_index + frames)
+    seek(state, state.moment + frames)
 
 
 def _open_beside(state: AppState, by: int) -> None:
@@ -295,13 +299,14 @@ def _open_beside(state: AppState, by: int) -> None:
 
 def go_to_end(state: AppState, *, last: bool) -> None:
     """The first or the last frame that counts, in the same way."""
-    step(state, state.source.span[last] - state.timeline.frame_index)
+    ends = (0, state.moments - 1) if state.is_model_alone else state.source.span
+    step(state, ends[last] - state.moment)
 
 
 def toggle_play(state: AppState) -> None:
-    if state.source.clip is not None and len(state.source.clip) > 1:
+    if state.moments > 1:
         state.timeline.playing = not state.timeline.playing
-        state.timeline.playhead = float(state.timeline.frame_index)
+        state.timeline.playhead = float(state.moment)
 
 
 def toggle_freeze(state: AppState) -> None:

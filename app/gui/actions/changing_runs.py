@@ -82,7 +82,7 @@ def answer(state: AppState, *, agreed: bool) -> None:
     """The question is gone, and what it asked is done in the background or not at all."""
     question, state.runs.question = state.runs.question, None
     if question is not None and agreed and not (question.name is not None and why_not_name(question)):
-        state.window.wishes += (ChangeRequest(question.path, question.name),)
+        state.window.wishes += (ChangeRequest(question.path, question.name, question.is_for_good),)
 
 
 def take_changed(state: AppState, request: ChangeRequest, answer: Changed | Failure) -> None:
@@ -94,8 +94,10 @@ def take_changed(state: AppState, request: ChangeRequest, answer: Changed | Fail
         return
     if answer.path == request.path:
         return
-    said = "deleted" if answer.path is None else f"is now called {legible(answer.path.name)}"
-    actions.announce(state, f"{name} {said}" if answer.path is not None else f"{said} {name}")
+    gone = f"deleted {name}" if request.for_good else f"moved {name} to the bin"
+    actions.announce(
+        state, gone if answer.path is None else f"{name} is now called {legible(answer.path.name)}"
+    )
     second = state.scene.second.shown
     if second is not None and second.path == request.path:
         second_actions.close_second(state)

@@ -9,6 +9,11 @@ from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import Room
 
 
+def dismiss_notices(state: AppState) -> None:
+    """What is said of the open video has been read."""
+    state.source.notices = ()
+
+
 def zoom(
     state: AppState, factor: float, at: tuple[float, float], picture: tuple[int, int], pane: Room
 ) -> None:

@@ -64,6 +64,10 @@ def has_clip(state: AppState) -> bool:
     return state.source.clip is not None
 
 
+def has_time(state: AppState) -> bool:
+    return state.moments > 0
+
+
 def has_something(state: AppState) -> bool:
     return state.picture.pictures is not None or state.scene.model is not None
 
@@ -226,20 +230,20 @@ def _slot(slot: Slot) -> tuple[Command, Command]:
 def _clip() -> tuple[Section, ...]:
     time = (
         Command("Play", actions.toggle_play, ("Space", "P", "K"), text="play or pause",
-                applies=lambda s: s.source.clip is not None and len(s.source.clip) > 1,
-                ticked=lambda s: s.timeline.playing, synonyms=("pause", "stop", "start", "video")),
-        Command("Previous frame", partial(actions.step, frames=-1), ("Left", "comma"), applies=has_clip,
+                applies=lambda s: s.moments > 1, ticked=lambda s: s.timeline.playing,
+                synonyms=("pause", "stop", "start", "video")),
+        Command("Previous frame", partial(actions.step, frames=-1), ("Left", "comma"), applies=has_time,
                 repeats=True),
-        Command("Next frame", partial(actions.step, frames=1), ("Right", "period"), applies=has_clip,
+        Command("Next frame", partial(actions.step, frames=1), ("Right", "period"), applies=has_time,
                 repeats=True),
-        Command("Ten frames back", partial(actions.step, frames=-10), ("Shift+Left",), applies=has_clip,
+        Command("Ten frames back", partial(actions.step, frames=-10), ("Shift+Left",), applies=has_time,
                 repeats=True),
-        Command("Ten frames forward", partial(actions.step, frames=10), ("Shift+Right",), applies=has_clip,
+        Command("Ten frames forward", partial(actions.step, frames=10), ("Shift+Right",), applies=has_time,
                 repeats=True),
-        Command("First frame", partial(actions.go_to_end, last=False), ("Home",), applies=has_clip,
+        Command("First frame", partial(actions.go_to_end, last=False), ("Home",), applies=has_time,
                 text="first frame of the clip, or of its trimmed part",
                 synonyms=("begin", "beginning", "start", "rewind")),
-        Command("Last frame", partial(actions.go_to_end, last=True), ("End",), applies=has_clip,
+        Command("Last frame", partial(actions.go_to_end, last=True), ("End",), applies=has_time,
                 text="last frame of the clip, or of its trimmed part", synonyms=("end", "finish")),
     )  # fmt: skip
     parts = (

@@ -9,6 +9,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.settable import MODES, SLOTS, SOURCES
+from app.files.legible import capital
 from app.gui.actions import actions, comparing, laid_out, live_actions, picture_actions
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
@@ -18,7 +19,7 @@ from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import difference_pane, fainter, pane, shown_mode, why_not
 from app.gui.style import theme
-from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, muted
+from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, muted, note
 from app.gui.views.comparison import SIDES, Side, label_of
 from enhance import EnhanceParams, VesselParams
 
@@ -33,6 +34,7 @@ FAINTER_TEXT = (
     "Colour difference (CIEDE2000) between the strongest dark lines of the original frame and what lies "
     "beside them. 1 is just noticeable."
 )
+NOTICES_TEXT = "Hide this. It stays in the log."
 VESSEL_TEXT = "Switch to the preset that darkens and reddens narrow dark structures as blood would."
 ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, yellow where all are at 0."
 
@@ -51,6 +53,7 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
         imgui.dummy(ImVec2(0, em(4)))
         centered("It cannot be read." if state.is_unreadable else "Reading the first frame…")
         return
+    _draw_notices(state)
     draw_fainter(state)
     height = max(imgui.get_content_region_avail().y, em(4))
     if shown_mode(state) == "side by side":
@@ -139,6 +142,19 @@ def _draw_one(state: AppState, pictures: Pictures, textures: ShowsPictures, area
     laid_out.point(state, draw_pane(state, textures, "single", shown, (left, right), area))
     if difference is not None:
         draw_bar(difference.top, area)
+
+
+def _draw_notices(state: AppState) -> None:
+    """What the open video is read as, until it has been read."""
+    start = 0.0
+    for place, notice in enumerate(state.source.notices):
+        if place == 0:
+            button("OK##notices", partial(picture_actions.dismiss_notices, state), NOTICES_TEXT, small=True)
+            start = imgui.get_item_rect_size().x
+        else:
+            imgui.dummy(ImVec2(start, 0))
+        imgui.same_line(0, em(0.5))
+        note(f"{capital(notice)}.", theme.now().text)
 
 
 def draw_fainter(state: AppState) -> None:

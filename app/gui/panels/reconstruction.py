@@ -9,7 +9,7 @@ import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx, implot
 from numpy.typing import NDArray
 
-from app.files.legible import capital, grouped, legible, named
+from app.files.legible import capital, grouped, legible, named, without_flags
 from app.gui.actions import job_actions, laid_out, run_actions
 from app.gui.panels.reconstruction_choices import draw_choices
 from app.gui.panels.run_measures import draw_run_measures
@@ -196,7 +196,7 @@ def _draw_omission(state: AppState, omission: Omission) -> None:
 def _draw_messages(run: Reconstruction) -> None:
     with imgui_ctx.push_text_wrap_pos(0):
         for warning in run.warnings[-3:]:
-            imgui.text_colored(theme.now().warning, capital(legible(warning)))
+            imgui.text_colored(theme.now().warning, capital(legible(without_flags(warning))))
         for omission in run.omitted:
             muted(f"Left out: {omission.what}")
             explain(f"{capital(omission.why)}. Saves {omission.saves}.")

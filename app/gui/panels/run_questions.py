@@ -12,6 +12,7 @@ from app.gui.style.widgets import ask, button, in_line, muted, question
 from app.runs.run_changes import Footprint, folder_name
 
 RENAME, DELETE = "Rename the run", "Delete the run?"
+FOR_GOOD = "There is no bin for it here: it is deleted for good."
 
 
 def draw_run_question(state: AppState) -> None:
@@ -26,7 +27,7 @@ def draw_run_question(state: AppState) -> None:
 
 
 def _draw_delete(state: AppState, asked: RunQuestion) -> None:
-    said = (legible(str(asked.path)), held(asked.footprint), "This cannot be undone.")
+    said = (legible(str(asked.path)), held(asked.footprint), *([FOR_GOOD] if asked.is_for_good else []))
     if reply := ask(DELETE, said, ("Delete", "Keep")):
         changing_runs.answer(state, agreed=reply == "Delete")
 

@@ -18,7 +18,7 @@ from app.gui.style.widgets import Area, button, em, explain
 from app.gui.views.clip_time import clock, seconds_at
 from app.gui.views.frame_scale import PADDING, FrameScale
 from app.gui.work.strip import Strip, count_for
-from renderer.clip import ByteImage, Clip
+from renderer.clip import ByteImage
 
 STRIP_HEIGHT = 2.5
 LEFT, RIGHT = 7.8, 9.0
@@ -36,7 +36,7 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
     if state.live.session is not None and state.live.clip is not None:
         draw_live_bar(state)
         return
-    count = 1 if state.source.clip is None else len(state.source.clip)
+    count = max(state.moments, 1)
     room, start, gap = imgui.get_content_region_avail().x, imgui.get_cursor_pos_x(), em(0.5)
     left = round(start + em(LEFT) + gap)
     across = round(max(room - em(LEFT + RIGHT) - 2 * gap, em(4)))
@@ -51,9 +51,11 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
     with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, _tall()):
         save, enabled = partial(export_actions.save_picture, state), has_something(state)
         button(f"{icons.ICON_FA_CAMERA}  Save image", save, SAVE_TEXT, enabled=enabled, width=RIGHT)
-    imgui.begin_disabled(count < 2)
+    imgui.begin_disabled(count < 2 or state.source.clip is None)
     _draw_trim(state)
+    imgui.end_disabled()
     imgui.same_line(left)
+    imgui.begin_disabled(count < 2)
     _draw_slider(state, count, across)
     imgui.end_disabled()
     imgui.same_line(right)
@@ -67,8 +69,8 @@ def _tall() -> ImVec2:
 
 def _draw_slider(state: AppState, count: int, across: int) -> None:
     imgui.set_next_item_width(across)
-    label = in_folder(state) or _place(state.source.clip, state.timeline.frame_index)
-    now, most, flags = state.timeline.frame_index + 1, max(count, 2), imgui.SliderFlags_.always_clamp
+    label = in_folder(state) or _place(state)
+    now, most, flags = state.moment + 1, max(count, 2), imgui.SliderFlags_.always_clamp
     grab = imgui.get_style().color_(imgui.Col_.slider_grab) if count > 1 else theme.grey(0, 0)
     with imgui_ctx.push_style_color(imgui.Col_.slider_grab, grab):
         changed, frame = imgui.slider_int("##frame", now, 1, most, label, flags)
@@ -82,12 +84,13 @@ def in_folder(state: AppState) -> str:
     return "" if place is None else f"{place + 1} of {len(state.source.neighbours.images)} in this folder"
 
 
-def _place(clip: Clip | None, index: int) -> str:
+def _place(state: AppState) -> str:
     """The number of the frame, for the slider to fill in, and of a video its time."""
-    if clip is None:
+    clip = state.source.clip
+    if state.moments < 2 and clip is None:
         return "no clip"
-    seconds = seconds_at(clip, index)
-    return f"frame %d / {len(clip)}" + ("" if seconds is None else f" · {clock(seconds)}")
+    seconds = None if clip is None else seconds_at(clip, state.moment)
+    return f"frame %d / {state.moments}" + ("" if seconds is None else f" · {clock(seconds)}")
 
 
 def _draw_transport(state: AppState) -> None:
@@ -151,17 +154,17 @@ def _draw_strip(
     scale = FrameScale(area.corner.x, across, count, imgui.get_style().grab_min_size)
     laid_out.size_strip(state, 0 if clip is None else count_for(clip, *area.inside))
     imgui.invisible_button("strip", area.size)
-    if imgui.is_item_active() and clip is not None:
+    if imgui.is_item_active() and count > 1:
         actions.seek(state, scale.frame_at(imgui.get_mouse_pos().x))
     explain("Thumbnails of the clip: click or drag to go to a frame.")
     draw = imgui.get_window_draw_list()
-    if clip is None:
+    if clip is None and count < 2:
         draw.add_rect(area.corner, area.end, imgui.get_color_u32(theme.now().shade(0.21)), em(0.25))
         at = area.corner + (area.size - imgui.calc_text_size(EMPTY)) / 2
         draw.add_text(at, imgui.get_color_u32(theme.now().muted), EMPTY)
         return
     draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.SURROUND))
-    if strip is not None and strip.request.clip is clip:
+    if strip is not None and clip is not None and strip.request.clip is clip:
         _draw_small(strip, texture(strip.image), area)
     _draw_marks(state, scale, area)
     if state.opens:
@@ -189,13 +192,13 @@ def _draw_small(strip: Strip, shown: imgui.ImTextureRef, area: Area) -> None:
 def _draw_marks(state: AppState, scale: FrameScale, area: Area) -> None:
     """The present frame, above the slider's handle, and what the trim leaves out in the dark."""
     draw, top, bottom = imgui.get_window_draw_list(), area.corner.y, area.end.y
-    kept = scale.ends(*state.source.span)
-    if state.source.part.trim is not None:
+    if state.source.part.trim is not None and state.source.clip is not None:
+        kept = scale.ends(*state.source.span)
         shade, ink = imgui.get_color_u32(theme.grey(0.05, 0.75)), imgui.get_color_u32(theme.MARK)
         for left, right in ((area.corner.x, kept[0]), (kept[1], area.end.x)):
             draw.add_rect_filled((left, top), (right, bottom), shade)
         for x in kept:
             draw.add_line((x, top), (x, bottom), ink, em(0.15))
     if scale.count > 1:
-        left, right = scale.ends(state.timeline.frame_index, state.timeline.frame_index)
+        left, right = scale.ends(state.moment, state.moment)
         draw.add_rect((left, top), (right, bottom), imgui.get_color_u32(theme.INK), 0, em(0.12))

@@ -174,8 +174,8 @@ def _draw_kind(state: AppState) -> None:
 
 def _draw_time(state: AppState) -> None:
     model = state.scene.model
-    if model is None or len(model.cameras) < 2:
-        return
+    if model is None or len(model.cameras) < 2 or model.is_series:
+        return  # Between the moments of a series there is nothing: the timeline has them all.
     beside_of(em(8))
     imgui.set_next_item_width(-em(0.1))
     first, last = model.start + 1, model.start + len(model.cameras)

@@ -103,6 +103,21 @@ class AppState:
         return 0, 1 if self.source.clip is None else len(self.source.clip)
 
     @property
+    def moments(self) -> int:
+        """Frames of the open clip, or of a reconstruction without one; 0 for nothing."""
+        if self.source.clip is not None:
+            return len(self.source.clip)
+        return 0 if self.scene.model is None else len(self.scene.model.cameras)
+
+    @property
+    def moment(self) -> int:
+        """Which of them the timeline stands on."""
+        model = self.scene.model
+        if model is None or self.source.clip is not None:
+            return self.timeline.frame_index
+        return model.frame_at(self.scene.own_time)
+
+    @property
     def picture_request(self) -> PictureRequest | None:
         """What the two pictures should show now; of a live source, whatever came last."""
         if self.source.clip is None:

@@ -66,7 +66,8 @@ class Browsing:
     @property
     def entries(self) -> tuple[Entry, ...]:
         """Those that can be entered or chosen, as sorted: folders first."""
-        key = (id(self.listing), self.filter, self.column, self.descending)
+        # The listing itself: another may lie where one that is gone has lain.
+        key = (self.listing, self.filter, self.column, self.descending)
         if self._shown is None or self._shown[0] != key:
             self._shown = key, self._sorted()
         return self._shown[1]

@@ -124,6 +124,11 @@ class RunQuestion:
     footprint: Footprint | None = None
     """Of its folder; None: not known yet."""
 
+    @property
+    def is_for_good(self) -> bool:
+        """Deleted past the system's bin, which takes no such folder: never without saying so."""
+        return self.footprint is not None and not self.footprint.has_bin
+
 
 @dataclass
 class Runs:

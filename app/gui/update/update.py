@@ -89,12 +89,22 @@ def _may_show(state: AppState, pictures: Pictures) -> bool:
 
 def _play(state: AppState, elapsed: float) -> None:
     """Time goes on only when what it needs is on screen: a slow machine plays slower, never out of step."""
+    if state.timeline.playing and state.is_model_alone:
+        _play_alone(state, elapsed)
+        return
     waits = state.timeline.frozen_index is None and state.pictures_wait
     if not state.timeline.playing or state.source.clip is None or waits:
         return
     clip, span = state.source.clip, state.source.span
     state.timeline.playhead = onward(clip, span, state.timeline.playhead, min(elapsed, 0.25))
     state.timeline.frame_index = int(state.timeline.playhead)
+
+
+def _play_alone(state: AppState, elapsed: float) -> None:
+    """A reconstruction without its clip, in as many moments a second; after the last one comes the first."""
+    time = state.timeline
+    time.playhead = (time.playhead + min(elapsed, 0.25) * FRAMES_PER_SECOND) % state.moments
+    state.scene.own_time = int(time.playhead) / state.moments
 
 
 def _ask(state: AppState, channels: Channels) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from app.runs.run_folder import RunFolder
 from renderer.splat_files import is_named_as_splats
+from renderer.splat_series import series_files
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ def _holds_model(path: Path) -> bool:
         if is_named_as_splats(path):
             return path.exists()
         run = RunFolder(path)
-        return run.is_finished or (run.is_run and run.has_checkpoint)
+        if not run.is_run:
+            return bool(series_files(path))
+        return run.is_finished or run.has_checkpoint
     except OSError:
         return False

@@ -16,6 +16,8 @@ class ChangeRequest:
     path: Path
     name: str | None
     """The new one; None: it is deleted."""
+    for_good: bool = False
+    """Past the system's bin."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class Changed:
 def change_run(request: ChangeRequest) -> Iterator[Changed]:
     """Answers a ChangeRequest. Raises OSError or UserError."""
     if request.name is None:
-        delete_run(request.path)
+        delete_run(request.path, for_good=request.for_good)
         yield Changed(None)
     else:
         yield Changed(rename_run(request.path, request.name))

@@ -60,7 +60,7 @@ class Entry:
         return self.kind == "folder" or is_picture(self.path) or self.path.suffix.lower() in VIDEOS
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Listing:
     """Neither hidden files nor hidden folders."""
 

@@ -17,7 +17,7 @@ from app.runs.progress_log import TrainingLog, told
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
-from app.scenes.scene import Scene, Training, finished_scene, run_scene, splat_scene
+from app.scenes.scene import Scene, Training, finished_scene, run_scene, series_scene, splat_scene
 from app.sweeps.plan import SWEEP, is_sweep
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
@@ -29,6 +29,7 @@ from renderer.readers.stills import NOT_READABLE
 from renderer.regular_files import require_regular
 from renderer.sources import open_bare, open_case, open_clip, with_chosen_depth
 from renderer.splat_files import is_named_as_splats
+from renderer.splat_series import series_files
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.view_files import Views, import_views
 
@@ -94,6 +95,13 @@ class Opened:
     """One of a folder's images after another: not worth remembering."""
 
     @property
+    def to_be_read(self) -> tuple[str, ...]:
+        """What is said beside the images: of a video what it is read as, but for the warning above them."""
+        if self.clip is None or self.clip.format != "video":
+            return ()
+        return tuple(notice for notice in self.clip.notices if notice != self.warning)
+
+    @property
     def content(self) -> Content:
         """Folders of images without depth count as stills."""
         if self.run is not None or self.clip is None:
@@ -131,7 +139,7 @@ def _open(request: OpenRequest) -> Iterator[Opened]:
         yield _open_session(request.path)
         return
     if is_named_as_splats(request.path):
-        yield _open_splats(request.path)
+        yield _open_splats(splat_scene(request.path))
         return
     if request.path.suffix.lower() in VIEW_SUFFIXES:
         yield _open_beside(request.path)
@@ -143,6 +151,9 @@ def _open(request: OpenRequest) -> Iterator[Opened]:
     run = RunFolder(folder)
     if run.is_run or request.path.suffix == ".safetensors":
         yield _open_run(run)
+        return
+    if series_files(request.path):
+        yield _open_splats(series_scene(request.path))
         return
     read = _read(request.path, request.options)
     # A folder that lists but does not decode is found out here, not in the middle of a session.
@@ -217,8 +228,7 @@ def _open_session(path: Path) -> Opened:
     return replace(opened, session=session, second=second, path=place, notices=notices, warning=warning)
 
 
-def _open_splats(path: Path) -> Opened:
-    scene = splat_scene(path)
+def _open_splats(scene: Scene) -> Opened:
     return Opened(None, splats=scene, notices=scene.notices)
 
 

@@ -23,6 +23,7 @@ from renderer.readers.clip_options import DEFAULTS
 from renderer.regular_files import read_whole
 from renderer.sources import open_case
 from renderer.splat_files import is_named_as_splats
+from renderer.splat_series import series_files
 
 SIDE: Final = 320
 """Pixels of the longer side."""
@@ -81,7 +82,9 @@ def _kind(path: Path) -> Kind:
         return "splats"
     if path.suffix.lower() in VIEW_SUFFIXES or is_sweep(path):
         return "report"
-    return "run" if RunFolder(path).is_run else "clip"
+    if RunFolder(path).is_run:
+        return "run"
+    return "splats" if series_files(path) else "clip"
 
 
 def _key(path: Path) -> str | None:

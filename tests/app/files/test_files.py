@@ -13,7 +13,15 @@ import numpy as np
 import pytest
 from PIL import Image, ImageOps
 
-from app.enhancement.contact_sheet import BACKGROUND, GAP, LABEL_HEIGHT, TITLE_HEIGHT, Tile, sheet
+from app.enhancement.contact_sheet import (
+    BACKGROUND,
+    GAP,
+    LABEL_PADDING,
+    LINE_HEIGHT,
+    TITLE_HEIGHT,
+    Tile,
+    sheet,
+)
 from app.errors import UserError
 from app.files.atomic import filled, replaced, write_bytes
 from app.files.image_files import read_image, write_image
@@ -156,24 +164,32 @@ def test_a_video_of_mixed_sizes_is_refused_and_not_written(tmp_path: Path) -> No
 
 def test_a_sheet_shows_every_tile_where_its_label_is() -> None:
     colors = [(255, 0, 0), (0, 255, 0), (0, 0, 255)]
-    tiles = [Tile(f"tile {color}", np.full((20, 40, 3), color, dtype=np.uint8)) for color in colors]
+    tiles = [Tile(f"{color[0]}\ntile", np.full((20, 40, 3), color, dtype=np.uint8)) for color in colors]
     picture = sheet("Title", tiles, "Foot", columns=2, tile_width=80)
-    cell = 40 + LABEL_HEIGHT
+    above = 2 * LINE_HEIGHT + LABEL_PADDING
+    cell = 40 + above
     for index, color in enumerate(colors):
         x = GAP + index % 2 * (80 + GAP)
-        y = TITLE_HEIGHT + index // 2 * (cell + GAP) + LABEL_HEIGHT
+        y = TITLE_HEIGHT + index // 2 * (cell + GAP) + above
         assert (picture[y : y + 40, x : x + 80] == color).all()
-        label = picture[y - LABEL_HEIGHT : y, x : x + 80]
+        label = picture[y - above : y, x : x + 80]
         assert (label != BACKGROUND).any()
     # The empty place of the last row stays neutral.
     assert (picture[TITLE_HEIGHT + cell + GAP :, 80 + 2 * GAP :][:cell] == BACKGROUND).all()
 
 
-def test_a_long_label_stays_within_its_tile() -> None:
-    tile = Tile("a label that is far too long for its small tile", np.zeros((20, 40, 3), dtype=np.uint8))
-    picture = sheet("T", [tile, tile], "F", columns=2, tile_width=300)
-    between = picture[TITLE_HEIGHT:-30, GAP + 300 : 2 * GAP + 300]
-    assert (between == BACKGROUND).all()
+def test_a_long_label_is_broken_and_keeps_its_size_within_its_tile() -> None:
+    """Words of capitals, each as high as the others in whatever line."""
+    images = np.zeros((20, 40, 3), dtype=np.uint8)
+    picture = sheet("T", [Tile("HIH " * 15, images), Tile("HIH", images)], "F", columns=2, tile_width=150)
+    width, left = GAP + 150, picture[TITLE_HEIGHT:, GAP:][:, :150]
+    assert (picture[TITLE_HEIGHT:-30, width : width + GAP] == BACKGROUND).all()
+    dark = (left == 0).all(axis=(1, 2))
+    lines = (left[: int(np.argmax(dark))] > 200).any(axis=(1, 2))
+    starts, ends = (np.flatnonzero(np.diff(lines.astype(int)) == step) for step in (1, -1))
+    alone = (picture[TITLE_HEIGHT:, 2 * width - 150 : 2 * width] > 200).any(axis=(1, 2))
+    assert len(starts) > 2
+    assert set(ends - starts) == {int(alone[: int(np.argmax(dark))].sum())}
 
 
 @pytest.mark.parametrize("suffix", ["png", "webp", "tiff"])

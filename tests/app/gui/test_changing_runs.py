@@ -9,6 +9,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.gui.actions import actions, changing_runs
+from app.gui.panels import run_questions
 from app.gui.panels.run_questions import held
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
@@ -51,6 +52,7 @@ def run_of(state: AppState, name: str) -> ListedRun:
     return next(run for run in found.runs if run.path.name == name)
 
 
+@pytest.mark.usefixtures("bin_files")
 def test_only_what_was_agreed_to_is_done(listed: AppState) -> None:
     channels, one = Channels(), run_of(listed, "one")
     for agreed in (False, True):
@@ -69,7 +71,28 @@ def test_only_what_was_agreed_to_is_done(listed: AppState) -> None:
         assert one.path.exists() != agreed
     update(listed, channels, 0.4)
     assert listed.window.toast is not None
-    assert "deleted one" in listed.window.toast.message
+    assert listed.window.toast.message == "moved one to the bin"
+
+
+def test_past_the_bin_is_said_before(
+    listed: AppState, monkeypatch: pytest.MonkeyPatch, bin_files: Path
+) -> None:
+    bin_files.parent.write_text("in the place of a bin")
+    texts: list[str] = []
+    monkeypatch.setattr(run_questions, "ask", lambda title, said, replies: texts.extend(said) or "Delete")
+    channels, one = Channels(), run_of(listed, "one")
+    changing_runs.ask_delete(listed, one)
+    update(listed, channels, 0.1)
+    assert channels.footprints.run_waiting()
+    update(listed, channels, 0.2)
+    run_questions.draw_run_question(listed)
+    assert texts[-1] == run_questions.FOR_GOOD
+    update(listed, channels, 0.3)
+    assert channels.changes.run_waiting()
+    update(listed, channels, 0.4)
+    assert not one.path.exists()
+    assert listed.window.toast is not None
+    assert listed.window.toast.message == "deleted one"
 
 
 def test_what_is_in_training_or_queued_is_left_alone(listed: AppState) -> None:
@@ -107,6 +130,7 @@ def test_a_folder_is_said_in_words() -> None:
 
 
 @pytest.mark.display
+@pytest.mark.usefixtures("bin_files")
 def test_the_run_that_is_shown_is_renamed_and_deleted_by_mouse_and_keyboard(places: Places) -> None:
     trained(places.runs, "first")
     jobs: list[FakeJob] = []

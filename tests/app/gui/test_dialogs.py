@@ -16,8 +16,9 @@ from app.errors import UserError
 from app.gui.actions import actions, browse_actions
 from app.gui.panels import file_browser
 from app.gui.state.app_state import AppState
-from app.gui.state.choosing import QUESTIONS
-from app.gui.work.listing import SIDE, Listing, ListRequest, list_folder, thumbnail_of
+from app.gui.state.browsing import Browsing
+from app.gui.state.choosing import QUESTIONS, Choosing
+from app.gui.work.listing import SIDE, Entry, Listing, ListRequest, list_folder, thumbnail_of
 from app.gui.work.settings import Places, load_settings
 from tests.app.gui.chooser import Chooser
 from tests.app.gui.settling import keep_all
@@ -81,6 +82,18 @@ def test_enter_opens_what_is_typed_but_not_what_the_dialog_begins_with(
     chooser.press(K.enter)
     assert chooser.chosen == [folder / "2.png"]
     assert state.window.browsing is None
+
+
+def test_a_listing_in_the_place_in_memory_of_one_that_is_gone_is_listed_anew(
+    chooser: Chooser, folder: Path
+) -> None:
+    """Python gives the room of what is freed to what comes next: one and the same id for both."""
+    browsing = Browsing(Choosing("file", chooser.chosen.append, "file", folder), folder)
+    found = {inside: (Entry(inside / "x.png", "file"),) for inside in (folder, folder / "A clip")}
+    for inside in (*found, *found):
+        browsing.listing = None
+        browsing.listing = Listing(inside, found[inside])
+        assert browsing.entries == found[inside]
 
 
 def test_a_file_that_is_not_there_is_said_not_to_be(

@@ -88,6 +88,20 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
     ui.frame(lambda: draw_reconstruction(opened))
 
 
+def test_a_warning_names_no_flag_of_the_command_line(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(reconstruction, "capital", lambda text: said.append(text) or text)
+    run = opened.runs.reconstruction
+    run.status, run.started = "running", Started(0, 100, 30, ())
+    run.progress = Progress(50, 100, 0.1, 25.0, 61.0, 3700.0, 30_000)
+    run.warnings = ["lengths have no scale (--baseline gives it in mm)", "estimated (a lamp at the camera)"]
+    ui.frame(lambda: reconstruction.draw_reconstruction(opened))
+    assert "lengths have no scale" in said
+    assert "estimated (a lamp at the camera)" in said
+
+
 def test_the_status_bar_says_as_much_as_there_is_room_for(ui: Ui) -> None:
     said: list[str] = []
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -34,13 +35,38 @@ def test_a_name_that_is_none_or_taken_is_refused(run: Path, name: str) -> None:
     assert RunFolder(run).is_finished
 
 
-def test_a_deleted_run_is_gone_and_nothing_else(run: Path) -> None:
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system keeps its bin to itself")
+def test_a_deleted_run_is_in_the_bin_and_can_be_had_back(run: Path, bin_files: Path) -> None:
+    beside = run.parent / "beside.txt"
+    beside.write_text("mine")
+    kept = {path.relative_to(run): path.read_bytes() for path in run.rglob("*") if path.is_file()}
+    assert footprint(run).has_bin
+    delete_run(run)
+    assert list(run.parent.iterdir()) == [beside]
+    thrown = bin_files / "run"
+    assert {
+        path.relative_to(thrown): path.read_bytes() for path in thrown.rglob("*") if path.is_file()
+    } == kept
+    (told,) = (bin_files.parent / "info").iterdir()
+    assert str(run) in told.read_text()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system keeps its bin to itself")
+def test_without_a_bin_nothing_goes_unless_for_good(run: Path, bin_files: Path) -> None:
+    bin_files.parent.write_text("in the place of a bin")
+    assert not footprint(run).has_bin
+    with pytest.raises((UserError, OSError)):
+        delete_run(run)
+    assert RunFolder(run).is_finished
+
+
+def test_a_run_deleted_for_good_is_gone_and_nothing_else(run: Path) -> None:
     beside = run.parent / "beside.txt"
     beside.write_text("mine")
     kept = footprint(run)
     assert kept.files == sum(path.is_file() for path in run.rglob("*"))
     assert kept.size == sum(path.stat().st_size for path in run.rglob("*") if path.is_file())
-    delete_run(run)
+    delete_run(run, for_good=True)
     assert list(run.parent.iterdir()) == [beside]
 
 

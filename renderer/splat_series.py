@@ -1,0 +1,95 @@
+"""A folder of numbered splat files, one a moment, as exports of moving models are: through time, in bounded
+memory."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Final
+
+from renderer.raw_gaussians import RawGaussians
+from renderer.readers.clip_files import files_in
+from renderer.readers.listing import listed
+from renderer.readers.pictures import is_picture
+from renderer.splat_files import SUFFIXES, SplatFile, SplatFileError, read_splats
+
+MOST_BYTES: Final = 1 << 30
+"""Of Gaussians in memory, about. Beyond it, evenly chosen files are read; the same ones on every computer."""
+NUMBER = re.compile(r"(\d+)(?!.*\d)")
+
+
+@dataclass(frozen=True, eq=False)
+class SplatSeries:
+    """One a moment, in the order of the files' numbers."""
+
+    files: tuple[SplatFile, ...]
+    notices: tuple[str, ...] = ()
+    """What was left out or repaired."""
+
+    @property
+    def moments(self) -> tuple[RawGaussians, ...]:
+        return tuple(file.raw for file in self.files)
+
+
+def series_files(folder: Path) -> tuple[Path, ...]:
+    """Two or more splat files whose names differ by their last number alone, in its order, in a folder
+    without images; else none. Of several such series, the longest. No file is read."""
+    series: dict[tuple[str, ...], dict[int, Path]] = defaultdict(dict)
+    try:
+        files = sorted(files_in(folder))
+    except OSError:
+        return ()
+    if any(map(is_picture, files)):
+        return ()
+    for file in files:
+        if file.suffix.lower() in SUFFIXES and (found := NUMBER.search(file.stem)):
+            alike = file.stem[: found.start()], file.stem[found.end() :], file.suffix
+            series[alike].setdefault(int(found[1]), file)
+    longest = max(series.values(), key=len, default={})
+    return tuple(longest[number] for number in sorted(longest)) if len(longest) > 1 else ()
+
+
+def read_series(folder: Path, most_bytes: int = MOST_BYTES) -> SplatSeries:
+    """Raises SplatFileError: a file cannot be read, or is damaged, or there are no two of them."""
+    paths = series_files(folder)
+    if not paths:
+        raise SplatFileError(f"expected two or more numbered splat files, got a folder without: {folder}")
+    count = _fitting(paths, most_bytes)
+    kept = sorted({round(place * (len(paths) - 1) / (count - 1)) for place in range(count)})
+    files = tuple(read_splats(paths[place]) for place in kept)
+    return SplatSeries(
+        files, (*_left_out(folder, paths, len(kept), most_bytes), *_repairs(paths, kept, files))
+    )
+
+
+def _fitting(paths: tuple[Path, ...], most_bytes: int) -> int:
+    """How many of them fit, two at least, judged by the first one and the sizes of all."""
+    sizes = [max(path.stat().st_size, 1) for path in paths]
+    whole = _bytes_of(read_splats(paths[0]).raw) * sum(sizes) / sizes[0]
+    return max(min(len(paths), int(len(paths) * most_bytes / max(whole, 1))), 2)
+
+
+def _bytes_of(raw: RawGaussians) -> int:
+    return sum(getattr(raw, field.name).nbytes for field in fields(raw))
+
+
+def _left_out(folder: Path, paths: tuple[Path, ...], kept: int, most_bytes: int) -> list[str]:
+    said = []
+    if kept < len(paths):
+        said.append(f"{kept} of {len(paths)} moments are shown, as many as fit into {most_bytes >> 20} MB")
+    others = {file.name for file in files_in(folder) if file.suffix.lower() in SUFFIXES}
+    if strays := sorted(others - {path.name for path in paths}):
+        said.append(f"left out, not of the numbered splat files: {listed(strays)}")
+    return said
+
+
+def _repairs(paths: tuple[Path, ...], kept: list[int], files: tuple[SplatFile, ...]) -> list[str]:
+    """Of each file, what had to be repaired; the first ones."""
+    said = [
+        f"{paths[place].name}: {notice}"
+        for place, file in zip(kept, files, strict=True)
+        for notice in file.notices
+    ]
+    return [listed(said)] if said else []

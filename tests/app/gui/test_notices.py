@@ -1,0 +1,54 @@
+"""What a video is read as, where its image is: one line each, until it has been read."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from imgui_bundle import imgui
+
+from app.gui.actions import actions
+from app.gui.panels import compare
+from app.gui.state.app_state import AppState
+from app.gui.work.opening import Opened
+from tests.app.gui.conftest import make_clip
+from tests.app.gui.ui import Ui
+
+SAID = ("interlaced video: deinterlaced, one image per frame", "the frame rate varies")
+
+
+def test_they_stand_above_the_images_until_they_have_been_read(
+    ui: Ui, state: AppState, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    texts: list[str] = []
+    note = compare.note
+    monkeypatch.setattr(compare, "note", lambda text, *given: (texts.append(text), note(text, *given)))
+    spots: list[tuple[float, float]] = []
+    press = compare.button
+
+    def button(label: str, *given: object, **named: object) -> bool:
+        pressed = press(label, *given, **named)  # type: ignore[arg-type]
+        if label.endswith("##notices"):
+            low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+            spots.append(((low.x + high.x) / 2, (low.y + high.y) / 2))
+        return pressed
+
+    monkeypatch.setattr(compare, "button", button)
+    clip = replace(make_clip(tmp_path / "scope.mp4"), format="video", notices=SAID)
+    actions.show_opened(state, clip.path, Opened(clip, bare=clip, notices=clip.notices))
+
+    def draw() -> None:
+        compare._draw_notices(state)
+
+    ui.frame(draw)
+    assert texts == ["Interlaced video: deinterlaced, one image per frame.", "The frame rate varies."]
+    ui.drag(draw, spots[0], spots[0])
+    texts.clear()
+    ui.frame(draw)
+    assert texts == []
+    assert list(state.window.log)[:2] == list(SAID)
+    # A warning stands above the images already, and of folders what is left out is for the log.
+    warned = Opened(clip, bare=clip, notices=clip.notices, warning=SAID[0])
+    assert warned.to_be_read == SAID[1:]
+    assert Opened(replace(clip, format="images")).to_be_read == ()
