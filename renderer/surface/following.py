@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
+from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from renderer.splats import Float32Array, RenderMode
 from renderer.surface.maps import Maps, displacement, maps_of, read
@@ -40,6 +41,8 @@ class Follower:
     """(V,) of each camera, how much it tells of each vertex at `time`."""
     taken: tuple[float, ...]
     """When the clip was seen through each camera."""
+    picture: ByteImage | None = None
+    """(H, W, 3) what the only camera sees at `time`; None where several see the surface."""
 
     def at(self, time: float) -> Mesh:
         """The same vertices where they are at `time` in [0, 1], in the colours of then."""

@@ -9,8 +9,9 @@ from typing import Final
 import numpy as np
 
 from renderer.camera import Camera
+from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
-from renderer.splats import RenderMode
+from renderer.splats import Float32Array, RenderMode
 from renderer.surface.following import Follower, seen_colors, sight
 from renderer.surface.fusion import fused
 from renderer.surface.height_field import height_field
@@ -70,6 +71,7 @@ def surface_of(
         time=REFERENCE,
         sights=sights,
         taken=tuple(index / len(cameras) for index in taken),
+        picture=_rounded(views[0].color) if len(views) == 1 else None,
     )
 
 
@@ -78,6 +80,11 @@ def looked_through(cameras: Sequence[Camera]) -> tuple[int, ...]:
     different = list({camera: index for index, camera in reversed([*enumerate(cameras)])}.values())[::-1]
     places = np.unique(np.rint(np.linspace(0, len(different) - 1, MOST_CAMERAS)).astype(int))
     return tuple(different[place] for place in places)
+
+
+def _rounded(color: Float32Array) -> ByteImage:
+    levels: ByteImage = np.rint(color.clip(0, 1) * 255).astype(np.uint8)
+    return levels
 
 
 def _mesh(views: Sequence[Maps], vertices: int) -> Mesh:

@@ -1,0 +1,32 @@
+"""The file of a record, in the format of its suffix."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+
+from app.errors import UserError
+from app.exports.meshes.film import filmed
+from app.exports.meshes.glb import glb_bytes
+from app.exports.meshes.mesh_text import MOMENTS
+from app.exports.records import SurfaceMesh
+from app.files.atomic import write_bytes
+from app.scenes.scene import Scene
+from app.scenes.surfaces import surface
+from renderer.surface.of_model import Fineness
+
+
+def write_surface(record: SurfaceMesh, scene: Scene, target: Path) -> Generator[int, None, None]:
+    """One moment where the record has one, else all of the clip.
+
+    Yields how many of its frames have been looked at. Raises UserError: no surface, or no such format.
+    """
+    follower, suffix = surface(scene, Fineness(record.vertices, record.faces)), target.suffix.lower()
+    if record.time is None and suffix == ".glb":
+        film = yield from filmed(follower, scene)
+        content = glb_bytes(film, scene.unit, record.seconds, record.title, record.signed)
+    elif record.time is not None and suffix in MOMENTS:
+        content = MOMENTS[suffix](follower.at(record.time), scene.unit, record.signed)
+    else:
+        raise UserError(f"expected one moment as {', '.join(MOMENTS)}, or a clip as .glb, got {target.name}")
+    write_bytes(target, content)
