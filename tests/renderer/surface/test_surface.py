@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from renderer.camera import Camera
-from renderer.measuring.surface_accuracy import material, surface_errors
+from renderer.clip import Frame
+from renderer.measuring.surface_accuracy import depth_distances, material, surface_errors
 from renderer.phantom import Phantom, PhantomParams
 from renderer.surface.following import Follower
 from renderer.surface.height_field import height_field
@@ -102,3 +105,19 @@ def test_errors_are_those_that_were_put_in() -> None:
     assert errors.normal < 2
     assert errors.drift < 1e-3
     assert np.abs(material(mesh.vertices, surface, 0.3) - owned).max() < 1e-3
+
+
+def test_distances_to_measured_depth_are_along_the_normal_and_on_tissue_alone() -> None:
+    tissue = np.ones((72, 96), bool)
+    tissue[:, :48] = False
+    slanted = np.arange(96) * np.float32(0.2) + np.zeros((72, 1), np.float32) + 40
+    depth = np.where(tissue, slanted, 0).astype(np.float32)
+    maps = Maps(CAMERA, slanted + np.float32(0.5), np.ones((72, 96), bool), np.zeros((72, 96, 3), np.float32))
+    mesh = height_field(maps, 3)
+    frame = Frame(0, 0.0, np.zeros((72, 96, 3), np.uint8), CAMERA, tissue, tissue, depth)
+    found = depth_distances(mesh, frame)
+    seen = CAMERA.project(mesh.vertices.astype(float))[0][:, 0] > 48.5
+    assert 0.85 * np.count_nonzero(seen) < len(found) <= np.count_nonzero(seen)
+    # A surface that falls away by 0.2 a pixel, of 0.4 across, is nearer than along the line of sight.
+    assert 0.3 < found.mean() < 0.5
+    assert len(depth_distances(mesh, replace(frame, depth=None))) == 0
