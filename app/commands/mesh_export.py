@@ -20,7 +20,7 @@ from app.files.stepping import run_to_end
 from app.scenes.scene import Scene
 from app.scenes.surfaces import surface
 from app.scenes.view_selection import Moment
-from renderer.surface.of_model import VERTICES, Fineness
+from renderer.surface.fineness import VERTICES, Fineness
 
 SUFFIXES: Final = (".glb",)
 """Of files that hold the whole clip."""

@@ -19,7 +19,7 @@ from app.files.video import Written
 from app.scenes.records import DrawnRecord, MomentRecord, RecordedCamera, SceneRecord, ViewRecord
 from enhance import Statistics
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-from renderer.surface.of_model import VERTICES
+from renderer.surface.fineness import VERTICES
 
 MOST_COARSE, MOST_FINE = 100, 2_000_000
 """Vertices of a surface."""

@@ -18,7 +18,7 @@ from app.runs.train_run import PRESETS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
-from renderer.surface.of_model import VERTICES
+from renderer.surface.fineness import VERTICES
 from renderer.train.config import TrainConfig
 
 TaskName = Literal["enhance", "train", "mesh"]

@@ -18,7 +18,7 @@ from app.scenes.surfaces import surface
 from app.scenes.view_selection import FRAMES_PER_SECOND
 from app.sweeps.settings import Meshing
 from renderer.measuring.surface_accuracy import depth_distances
-from renderer.surface.of_model import Fineness
+from renderer.surface.fineness import Fineness
 
 MOST: Final = 95
 """Per cent of the distances, which the second of the two holds."""

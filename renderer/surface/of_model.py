@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,6 +11,7 @@ from renderer.camera import Camera
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from renderer.splats import Float32Array, RenderMode
+from renderer.surface.fineness import AS_IT_COMES, Fineness
 from renderer.surface.following import Follower, seen_colors, sight
 from renderer.surface.fusion import fused
 from renderer.surface.height_field import height_field
@@ -20,25 +20,10 @@ from renderer.surface.mesh import Mesh
 from renderer.surface.simplifying import simplified
 from renderer.surface.surface_nets import surface_net
 
-VERTICES: Final = 20_000
-"""Of a picture full of tissue, without a wish for another number."""
 REFERENCE: Final = 0.5
 """The time whose surface is followed: the middle, from which the tissue has the shortest way."""
 MOST_CAMERAS: Final = 12
 """Of a clip whose camera moves, that are looked through; evenly spread over its frames."""
-
-
-@dataclass(frozen=True)
-class Fineness:
-    """How many triangles."""
-
-    vertices: int = VERTICES
-    """About, before simplifying; the distance between two is the same over the picture."""
-    faces: int | None = None
-    """At most, by simplifying; None: as they come."""
-
-
-AS_IT_COMES: Final = Fineness()
 
 
 def surface_of(

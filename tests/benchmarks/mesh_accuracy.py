@@ -26,11 +26,12 @@ from app.scenes.surfaces import surface
 from renderer.measuring.surface_accuracy import SurfaceErrors, material, surface_errors
 from renderer.phantom import Phantom, PhantomParams
 from renderer.phantom.surface import Surface
+from renderer.surface.fineness import Fineness
 from renderer.surface.following import Follower
 from renderer.surface.height_field import height_field
 from renderer.surface.maps import maps_of
 from renderer.surface.mesh import Mesh
-from renderer.surface.of_model import Fineness, surface_of
+from renderer.surface.of_model import surface_of
 
 TIMES = (0.05, 0.25, 0.5, 0.75, 0.95)
 SIZES = (Fineness(1000), Fineness(5000), Fineness(20_000), Fineness(80_000), Fineness(80_000, faces=10_000))

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.scenes.scene import Scene
 from renderer.splats import Float32Array
-from renderer.surface.following import Follower
 from renderer.surface.mesh import Mesh
+
+if TYPE_CHECKING:
+    from renderer.surface.following import Follower
 
 STRAIGHT: Final = 5e-4
 """Of the distance to the tissue, by which vertices may be off between the moments that are kept: 0.03 mm at

@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.exports.records import SurfaceMesh
 from app.files.records import extended
 from app.scenes.scene import Scene
-from renderer.surface.of_model import VERTICES
+from renderer.surface.fineness import VERTICES
 
 
 def surface_mesh(

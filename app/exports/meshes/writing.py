@@ -13,7 +13,7 @@ from app.exports.records import SurfaceMesh
 from app.files.atomic import write_bytes
 from app.scenes.scene import Scene
 from app.scenes.surfaces import surface
-from renderer.surface.of_model import Fineness
+from renderer.surface.fineness import Fineness
 
 
 def write_surface(record: SurfaceMesh, scene: Scene, target: Path) -> Generator[int, None, None]:

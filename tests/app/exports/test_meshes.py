@@ -17,8 +17,8 @@ from app.exports.meshes.film import straight_parts
 from app.exports.meshes.glb import read_glb
 from app.scenes.scene import open_scene
 from app.scenes.surfaces import surface
+from renderer.surface.fineness import Fineness
 from renderer.surface.following import Follower
-from renderer.surface.of_model import Fineness
 from tests.app.conftest import Call
 
 FINENESS = Fineness(vertices=500)
