@@ -95,7 +95,8 @@ def _elements(content: bytes) -> Iterator[Array]:
     ply = read_ply(content)
     yield from (structured_to_unstructured(element.rows) for element in ply.elements)
     rows = sum(element.rows.nbytes for element in ply.elements)
-    yield np.frombuffer(content, np.uint8, offset=content.find(END) + len(END) + rows)
+    if lists := content[content.find(END) + len(END) + rows :]:
+        yield np.frombuffer(lists, np.uint8)
 
 
 def _tracks(path: Path) -> Iterator[Array]:
