@@ -1,4 +1,4 @@
-"""`vesselsplat export RUN --mesh FILE.glb|DIR`: the tissue surface as a mesh that moves, or one a frame."""
+"""`vesselsplat export RUN --mesh FILE.glb|FILE.usdc|DIR`: the tissue surface as a mesh that moves."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
 
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.make import make
 from app.exports.meshes.mesh_text import MOMENTS
 from app.exports.meshes.of_scene import surface_mesh
+from app.exports.meshes.usd import require_usd
+from app.exports.meshes.writing import CLIPS
 from app.exports.records import LEAST_FACES, MOST_COARSE, MOST_FINE
 from app.exports.sources import Opened
 from app.files.atomic import filled
@@ -22,17 +23,14 @@ from app.scenes.surfaces import surface
 from app.scenes.view_selection import Moment
 from renderer.surface.fineness import VERTICES, Fineness
 
-SUFFIXES: Final = (".glb",)
-"""Of files that hold the whole clip."""
-
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--mesh",
         type=Path,
-        metavar="FILE.glb|DIR",
-        help="the tissue surface: as glTF with one topology that moves through the clip, or a folder with a "
-        "mesh per frame",
+        metavar="FILE.glb|FILE.usdc|DIR",
+        help="the tissue surface: as glTF or USD with one topology that moves through the clip, or a folder "
+        "with a mesh per frame",
     )
     parser.add_argument(
         "--mesh-format",
@@ -59,8 +57,10 @@ def check(flags: argparse.Namespace) -> None:
     """Raises UserError for a number, or a file, that no mesh has."""
     if flags.mesh is None:
         return
-    if flags.mesh.suffix and flags.mesh.suffix.lower() not in SUFFIXES and not flags.mesh.is_dir():
-        raise UserError(f"--mesh: expected a .glb file or a folder, got {flags.mesh.name}")
+    if flags.mesh.suffix and flags.mesh.suffix.lower() not in CLIPS and not flags.mesh.is_dir():
+        raise UserError(f"--mesh: expected a .glb or .usdc file, or a folder, got {flags.mesh.name}")
+    if flags.mesh.suffix.lower() == ".usdc":
+        require_usd()
     if not MOST_COARSE <= flags.vertices <= MOST_FINE:
         raise UserError(f"--vertices: expected {MOST_COARSE} to {MOST_FINE}, got {flags.vertices}")
     if flags.faces is not None and flags.faces < LEAST_FACES:
@@ -72,7 +72,7 @@ def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> 
     path: Path = flags.mesh
     mesh = surface(scene, Fineness(flags.vertices, flags.faces)).mesh
     said = f"{len(mesh.vertices)} vertices, {len(mesh.faces)} triangles"
-    if path.suffix.lower() in SUFFIXES:
+    if path.suffix.lower() in CLIPS:
         _write_file(flags, scene)
         sys.stdout.write(f"{path}: {said}, {path.stat().st_size / 1e6:.1f} MB\n")
     else:

@@ -206,7 +206,7 @@ def is_export(path: Path) -> bool:
 
 def is_surface(path: Path) -> bool:
     """A mesh of ours."""
-    if path.suffix.lower() not in (".glb", ".obj", ".ply") or path.stat().st_size > READ_WHOLE:
+    if path.suffix.lower() not in (".glb", ".usdc", ".obj", ".ply") or path.stat().st_size > READ_WHOLE:
         return False
     try:
         return recorded(path).get("kind") == "surface mesh"

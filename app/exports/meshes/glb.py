@@ -81,7 +81,7 @@ def glb_bytes(film: Film, unit: str, seconds: float, name: str, facts: Mapping[s
         material["baseColorTexture"] = {"index": 0}
         textures = _textures(buffer, film.picture)
     else:
-        attributes["COLOR_0"] = buffer.array(_linear(film.mesh.colors), VERTICES)
+        attributes["COLOR_0"] = buffer.array(linear(film.mesh.colors), VERTICES)
     primitive: dict[str, Any] = {
         "attributes": attributes,
         "indices": buffer.array(film.mesh.faces.astype(np.uint32).ravel(), ELEMENTS),
@@ -153,7 +153,7 @@ def _animations(buffer: _Buffer, times: Sequence[float], seconds: float) -> dict
     return {"animations": [{"name": "clip", "samplers": [sampler], "channels": [channel]}]}
 
 
-def _linear(colors: Float32Array) -> Float32Array:
+def linear(colors: Float32Array) -> Float32Array:
     """Vertex colours of glTF are linear, where textures are sRGB."""
     low = colors / 12.92
     return np.where(colors <= 0.04045, low, ((colors + 0.055) / 1.055) ** 2.4).astype(np.float32)

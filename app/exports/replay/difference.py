@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from app.exports.browser.page import read_page
 from app.exports.meshes.glb import read_glb
 from app.exports.meshes.mesh_text import obj_rows
+from app.exports.meshes.usd import read_usd
 from app.files.image_files import read_image
 from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
@@ -79,6 +80,8 @@ def arrays(path: Path) -> Iterator[Array]:
         return _elements(read_whole(path))
     if suffix == ".glb":
         return iter(read_glb(read_whole(path))[1])
+    if suffix == ".usdc":
+        return iter(read_usd(path)[1])
     if suffix == ".obj":
         return iter((obj_rows(read_whole(path)),))
     if suffix in (".spz", ".sog"):

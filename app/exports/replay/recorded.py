@@ -9,6 +9,7 @@ from app.errors import UserError
 from app.exports.browser.page import read_page
 from app.exports.meshes.glb import read_glb
 from app.exports.meshes.mesh_text import obj_comments
+from app.exports.meshes.usd import read_usd
 from app.files.embedded import CARRIERS, KEYWORD, carried
 from app.files.provenance import facts_of, read_provenance
 from renderer.ply_comments import joined
@@ -29,6 +30,8 @@ def recorded(path: Path) -> Facts:
         return _in_comment(path)
     if suffix == ".glb":
         return read_glb(read_whole(path))[0]
+    if suffix == ".usdc":
+        return read_usd(path)[0]
     if suffix == ".obj":
         text = joined(KEYWORD, obj_comments(read_whole(path)))
         if text is None:

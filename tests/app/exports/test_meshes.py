@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from pxr import Usd, UsdGeom
 
 from app.errors import UserError
 from app.exports.meshes.film import straight_parts
 from app.exports.meshes.glb import read_glb
+from app.exports.meshes.usd import read_usd
 from app.scenes.scene import open_scene
 from app.scenes.surfaces import surface
 from renderer.surface.fineness import Fineness
@@ -114,12 +116,45 @@ def test_the_file_says_what_it_is_of_and_comes_again(
     assert again.out.rstrip().endswith("identical"), again.error + again.out
 
 
+def test_usd_core_reads_the_surface_of_every_frame(
+    runs: dict[str, Path], follower: Follower, vesselsplat: Callable[..., Call], tmp_path: Path
+) -> None:
+    scene, path = open_scene(runs["original"]), tmp_path / "surface.usdc"
+    done = vesselsplat("export", runs["original"], "--mesh", path, "--vertices", 500)
+    assert done.code == 0, done.error
+    stage = Usd.Stage.Open(str(path))
+    assert UsdGeom.GetStageMetersPerUnit(stage) == 0.001
+    assert UsdGeom.GetStageUpAxis(stage) == "Y"
+    assert (stage.GetTimeCodesPerSecond(), stage.GetEndTimeCode()) == (15, 9)
+    mesh = UsdGeom.Mesh(stage.GetDefaultPrim())
+    for frame in range(10):
+        own = follower.at(scene.time(frame))
+        shown = np.array(mesh.GetPointsAttr().Get(frame))
+        assert np.linalg.norm(shown * [1, -1, -1] - own.vertices, axis=1).max() < 6e-4 * scene.distance
+    assert np.array(mesh.GetFaceVertexIndicesAttr().Get()).tolist() == follower.mesh.faces.ravel().tolist()
+    del stage, mesh
+    again = vesselsplat("replay", path, "--source", runs["original"])
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
+    assert "surface mesh" in vesselsplat("info", path).out
+    content, drawn = path.read_bytes(), random.Random(0)
+    for _ in range(100):
+        damaged = bytearray(content)
+        for _ in range(drawn.randrange(1, 8)):
+            damaged[-drawn.randrange(1, 900)] = drawn.randrange(256)
+        path.write_bytes(damaged)
+        with suppress(UserError):
+            read_usd(path)
+    path.write_bytes(content[:200])
+    cut = vesselsplat("replay", path, "--source", runs["original"])
+    assert (cut.code, cut.error.count("\n")) == (2, 1)
+
+
 def test_bad_wishes_are_one_line(
     runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = runs["original"]
     for flags, said in (
-        (("--mesh", tmp_path / "a.stl"), "--mesh: expected a .glb file or a folder, got a.stl"),
+        (("--mesh", tmp_path / "a.stl"), "--mesh: expected a .glb or .usdc file, or a folder, got a.stl"),
         (("--mesh", tmp_path / "a.glb", "--faces", 3), "--faces: expected at least 50, got 3"),
         (("--mesh", tmp_path / "a.glb", "--vertices", 1), "--vertices: expected 100 to 2000000, got 1"),
     ):
@@ -130,6 +165,10 @@ def test_bad_wishes_are_one_line(
     done = vesselsplat("export", run, "--mesh", tmp_path / "a.glb", "--faces", 50)
     assert done.code == 2
     assert "pip install 'vesselsplat[mesh]'" in done.error
+    monkeypatch.setitem(__import__("sys").modules, "pxr", None)
+    done = vesselsplat("export", run, "--mesh", tmp_path / "a.usdc")
+    assert done.code == 2
+    assert "pip install 'vesselsplat[usd]'" in done.error
 
 
 def test_a_damaged_file_is_refused_in_one_line(written: Path) -> None:
