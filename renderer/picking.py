@@ -27,6 +27,15 @@ class SurfacePoint:
     spread: float
     """Standard deviation of the depths that are blended there, in scene units along z."""
 
+    @classmethod
+    def at(cls, camera: Camera, pixel: tuple[int, int], depth: float, spread: float = 0.0) -> SurfacePoint:
+        """On the ray through the middle of pixel (column, row)."""
+        column, row = pixel
+        pose = camera.world_from_camera
+        x, y = (column + 0.5 - camera.cx) / camera.fx, (row + 0.5 - camera.cy) / camera.fy
+        ray = pose[:3, :3] @ [x, y, 1.0]
+        return cls(np.asarray(ray * depth + pose[:3, 3]), np.asarray(ray), spread)
+
 
 def surface_point(
     splats: Splats, camera: Camera, pixel: tuple[int, int], near: float, mode: RenderMode = "default"
@@ -55,7 +64,5 @@ def surface_point(
         return None
     depth = float(rendered.depth[row, column])
     mean, square = (float(rendered.image[row, column, channel]) / alpha for channel in (0, 1))
-    pose = camera.world_from_camera
-    ray = pose[:3, :3] @ [(column + 0.5 - camera.cx) / camera.fx, (row + 0.5 - camera.cy) / camera.fy, 1.0]
     spread = farthest * float(np.sqrt(max(square - mean**2, 0.0)))
-    return SurfacePoint(np.asarray(ray * depth + pose[:3, 3]), np.asarray(ray), spread)
+    return SurfacePoint.at(camera, pixel, depth, spread)

@@ -1,4 +1,5 @@
-"""`vesselsplat export RUN --ply|--spz|--sog DIR | --video|--html|--cameras FILE`: a model for others."""
+"""`vesselsplat export RUN --ply|--spz|--sog DIR | --mesh FILE|DIR |
+--video|--html|--cameras FILE`: a model for others."""
 
 from __future__ import annotations
 
@@ -6,7 +7,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from app.commands import view_flags
+from app.commands import mesh_export, view_flags
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.browser.of_scene import browser_model
@@ -60,6 +61,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="the model over time as one page that any browser plays, without a network",
     )
+    mesh_export.add_flags(parser)
     parser.add_argument("--cameras", type=Path, metavar="FILE", help="the poses as cameras.json")
     view_selection.add_flags(parser)
     view_flags.add_flag(parser)
@@ -67,13 +69,14 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     splats = {".ply": flags.ply, ".spz": flags.spz, ".sog": flags.sog}
-    if not (any(splats.values()) or flags.video or flags.html or flags.cameras):
+    if not (any(splats.values()) or flags.video or flags.html or flags.mesh or flags.cameras):
         raise UserError(
-            "expected what to export: --ply DIR, --spz DIR, --sog DIR, --video FILE, --html FILE or "
-            "--cameras FILE"
+            "expected what to export: --ply DIR, --spz DIR, --sog DIR, --mesh FILE.glb|DIR, --video FILE, "
+            "--html FILE or --cameras FILE"
         )
     if flags.sh_degree is not None and not any(splats.values()):
         raise UserError("--sh-degree: expected --ply, --spz or --sog DIR, to whose files it applies")
+    mesh_export.check(flags)
     scene, wanted = view_selection.chosen(flags)
     for suffix, folder in splats.items():
         if folder:
@@ -82,6 +85,8 @@ def run(flags: argparse.Namespace) -> None:
         _write_video(flags, scene, wanted)
     if flags.html:
         _write_page(flags.html, scene, wanted, flags.frames_per_second)
+    if flags.mesh:
+        mesh_export.write(flags, scene, wanted)
     if flags.cameras:
         named = [NamedCamera(moment.name, moment.camera) for moment in wanted]
         write_bytes(flags.cameras, splatting_json(named))

@@ -10,7 +10,7 @@ from app.errors import UserError
 from app.runs.run_folder import RunFolder, input_clip, run_clip
 from app.scenes.backgrounds import BACKGROUNDS
 from app.scenes.scene import Scene
-from app.scenes.view_kinds import EXPLAINED
+from app.scenes.view_kinds import BY_PROCESSOR, EXPLAINED
 from app.scenes.view_request import FrameRequest, ViewRequest
 from app.scenes.view_selection import Moment
 from renderer.clip import Clip
@@ -37,9 +37,11 @@ def add_flag(parser: argparse.ArgumentParser) -> None:
 
 
 def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> list[ViewRequest]:
-    """One a moment. Raises UserError for a difference where there are no frames."""
-    if flags.view == "motion" and scene.is_series:
-        raise UserError("--view motion: expected one model that moves, got a splat file per moment")
+    """One a moment. Raises UserError for a difference where there are no frames, or what does not draw it."""
+    if flags.view in BY_PROCESSOR and flags.renderer != "cpu":
+        raise UserError(f"--with: expected cpu for --view {flags.view}, got {flags.renderer}")
+    if flags.view in ("motion", "surface") and scene.is_series:
+        raise UserError(f"--view {flags.view}: expected one model that moves, got a splat file per moment")
     clip = _references(flags) if flags.view == "difference" else None
     finer, views = flags.supersampling, []
     for moment in wanted:

@@ -18,6 +18,7 @@ from app.exports.records import (
     PanesVideo,
     SpanRecord,
     Splats,
+    SurfaceMesh,
     ViewVideo,
 )
 from app.exports.sources import Opened
@@ -36,6 +37,7 @@ SUFFIXES: Final = {
     "measures": ".csv",
     "splats": ".ply",
     "browser model": ".html",
+    "surface mesh": ".glb",
 }
 """Of all that is no picture."""
 
@@ -49,14 +51,22 @@ class Cameras:
 
 @dataclass(frozen=True)
 class SplatFolder:
-    """A folder with a model at several moments, a file each."""
+    """A folder with a model or its surface at several moments, a file each."""
 
-    files: tuple[tuple[str, Splats], ...]
+    files: tuple[tuple[str, Splats | SurfaceMesh], ...]
     """By name."""
 
 
 Exported = (
-    PanesPicture | PanesVideo | MeasuresTable | ViewVideo | Splats | BrowserModel | SplatFolder | Cameras
+    PanesPicture
+    | PanesVideo
+    | MeasuresTable
+    | ViewVideo
+    | Splats
+    | BrowserModel
+    | SurfaceMesh
+    | SplatFolder
+    | Cameras
 )
 
 
@@ -82,6 +92,8 @@ class ExportRequest:
             return len(self.record.moments)
         if isinstance(self.record, SplatFolder):
             return len(self.record.files)
+        if isinstance(self.record, SurfaceMesh) and self.sources.model is not None:
+            return len(self.sources.model.cameras)
         return len(self.record.frames) if isinstance(self.record, SpanRecord) else 1
 
     @property

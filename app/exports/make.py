@@ -19,6 +19,7 @@ from app.enhancement.settable import drawn
 from app.errors import UserError
 from app.exports.browser.page import browser_page
 from app.exports.browser.tracks import tracks_of
+from app.exports.meshes.writing import write_surface
 from app.exports.page import Panel, sheet
 from app.exports.panes import PaneMaker, arranged
 from app.exports.records import (
@@ -32,6 +33,7 @@ from app.exports.records import (
     RenderVideo,
     SpanRecord,
     Splats,
+    SurfaceMesh,
     ViewVideo,
 )
 from app.exports.sizing import Sizing
@@ -88,6 +90,8 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
             yield from _render_video(record, sources, target)
         case Splats():
             _splats(record, sources, target)
+        case SurfaceMesh():
+            yield from write_surface(record, sources.scene(record), target)
         case BrowserModel():
             _browser_model(record, sources, target)
         case PanesPicture(kind="panes"):

@@ -19,6 +19,11 @@ from app.files.video import Written
 from app.scenes.records import DrawnRecord, MomentRecord, RecordedCamera, SceneRecord, ViewRecord
 from enhance import Statistics
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.surface.fineness import VERTICES
+
+MOST_COARSE, MOST_FINE = 100, 2_000_000
+"""Vertices of a surface."""
+LEAST_FACES: Final = 50
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
@@ -77,6 +82,24 @@ class BrowserModel(SceneRecord):
     """Of the clip."""
     seconds: Annotated[float, Interval(gt=0)]
     """That the clip takes."""
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class SurfaceMesh(SceneRecord):
+    """The tissue surface as a mesh: at one moment, or through the clip with one topology."""
+
+    kind: Literal["surface mesh"] = "surface mesh"
+    title: str
+    """Of the clip."""
+    time: float | None = None
+    """None: through the clip."""
+    frame: int | None = None
+    seconds: Annotated[float, Interval(gt=0)]
+    """That the clip takes."""
+    vertices: Annotated[int, Interval(ge=MOST_COARSE, le=MOST_FINE)] = VERTICES
+    """About, of a picture full of tissue, before simplifying."""
+    faces: Annotated[int, Interval(ge=LEAST_FACES)] | None = None
+    """To which it is simplified."""
 
 
 @dataclass(frozen=True, config=LENIENT)
@@ -204,6 +227,7 @@ Export = (
     | RenderVideo
     | Splats
     | BrowserModel
+    | SurfaceMesh
     | PanesPicture
     | PanesVideo
     | MeasuresTable

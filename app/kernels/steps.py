@@ -29,6 +29,8 @@ from renderer.near_plane import near_plane
 from renderer.picking import surface_point
 from renderer.sources import open_clip
 from renderer.splats import RenderMode, Shape
+from renderer.surface.of_model import surface_of
+from renderer.surface.triangles import render_mesh
 from renderer.train.config import Method, Part, TrainConfig
 from renderer.train.events import Finished
 from renderer.train.trainer import train
@@ -36,6 +38,8 @@ from renderer.train.trainer import train
 STEPS: Final = 8
 GAUSSIANS: Final = 400
 """Of a training that is quick and reaches every stage."""
+SIDEWAYS: Final = np.array([[1.0, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+"""A camera that has moved by 1 mm."""
 
 
 def prepare(first: Preset = VESSEL) -> Iterator[Preparation]:
@@ -122,5 +126,7 @@ def _look() -> None:
         surface_point(splats, camera, (camera.width // 2, camera.height // 2), near, mode)
     for shape in get_args(Shape):
         draw_on_cpu(splats, camera, near, shape=shape)
+    for cameras in ((camera,), (camera, camera.moved(camera.camera_from_world @ SIDEWAYS))):
+        render_mesh(surface_of(model, cameras, near).at(0.2), camera, near)
     sight = Sight.of(Trail(model, (0.0, 0.5)), camera, 0.5, near)
     found(Lasso(((0.0, 0.0), (float(camera.width), 0.0), (0.0, float(camera.height)))), sight)

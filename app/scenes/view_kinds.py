@@ -20,11 +20,13 @@ from renderer.paint import by_motion, by_normal
 from renderer.splats import Float32Array, Shape, Splats
 from renderer.unobserved import BLACK
 
-ViewKind = Literal["color", "depth", "normals", "opacity", "ellipsoids", "points", "motion", "difference"]
+ViewKind = Literal[
+    "color", "depth", "normals", "opacity", "ellipsoids", "points", "motion", "difference", "surface"
+]
 SHAPES: Final[Mapping[ViewKind, Shape]] = MappingProxyType(
     {
         "color": "soft", "depth": "soft", "normals": "soft", "opacity": "soft", "motion": "soft",
-        "difference": "soft", "ellipsoids": "ellipsoid", "points": "point",
+        "difference": "soft", "surface": "soft", "ellipsoids": "ellipsoid", "points": "point",
     }
 )  # fmt: skip
 EXPLAINED: Final[Mapping[ViewKind, str]] = MappingProxyType(
@@ -37,8 +39,11 @@ EXPLAINED: Final[Mapping[ViewKind, str]] = MappingProxyType(
         "points": "The centre of every Gaussian.",
         "motion": "How far each point has moved since the start of the clip.",
         "difference": "Difference to the frame, averaged over the channels, in grey levels of 255.",
+        "surface": "The tissue as one mesh that moves, as it is exported; lit from the camera.",
     }
 )
+BY_PROCESSOR: Final[tuple[ViewKind, ...]] = ("surface",)
+"""Views that the numba rasteriser draws, whatever graphics card there is."""
 SCENE_UNITS = "scene units"
 ColorMap = Literal["viridis", "inferno", "grey"]
 _MAPS = MappingProxyType({"viridis": cv2.COLORMAP_VIRIDIS, "inferno": cv2.COLORMAP_INFERNO})

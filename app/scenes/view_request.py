@@ -12,6 +12,7 @@ from app.scenes.free_camera import FreeView
 from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
 from app.scenes.supersampling import supersampled
+from app.scenes.surfaces import drawing_surface
 from app.scenes.view_kinds import (
     SHAPES,
     Composed,
@@ -121,6 +122,8 @@ class ViewRequest:
 
     def drawn(self, draw: Draw) -> Drawn:
         """The splats of its kind, as the scene was trained to be drawn."""
+        if self.kind == "surface":
+            draw = drawing_surface(self.scene, self.time)
         splats = splats_for(self.kind, self.scene.model, self.time, self.camera)
         fine = supersampled(draw, self.supersampling)
         return fine(splats, self.camera, self.near, self.scene.mode, SHAPES[self.kind])

@@ -17,8 +17,9 @@ JobState = Literal["finished", "failed", "left"]
 JOBS: Final = "jobs"
 """In a sweep's folder, the folder of all jobs."""
 RESULT, FAILURE, PICTURE, RUN = "result.json", "failure.json", "picture.png", "run"
+SURFACE: Final = "surface.glb"
 RENDERS: Final = "renders"
-"""In the folder of a job: what came of it, or why nothing did; an image of it; the run of a training."""
+"""In the folder of a job: what came of it, or why nothing did; an image; the run; its surface."""
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,16 @@ from app.console.flags import AUTO, problem, shortened
 from app.enhancement.methods import METHODS, PAPER, VESSEL, EnhancementSettings, Params
 from app.enhancement.settable import PIXELS, Pixels
 from app.errors import UserError
+from app.exports.records import LEAST_FACES, MOST_COARSE, MOST_FINE
 from app.files.provenance import plain
 from app.runs.train_run import PRESETS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
+from renderer.surface.fineness import VERTICES
 from renderer.train.config import TrainConfig
 
-TaskName = Literal["enhance", "train"]
+TaskName = Literal["enhance", "train", "mesh"]
 PARAMS: Final[Mapping[str, type[EnhancementSettings]]] = {PAPER: EnhanceParams, VESSEL: VesselParams}
 
 
@@ -53,13 +55,41 @@ class Training:
         return {**plain(self.config), "input": self.input, **enhanced, **plain(self.options)}
 
 
-Settings = Enhancing | Training
+@dataclass(frozen=True)
+class Meshing:
+    """As of `vesselsplat train`, followed by `export --mesh`."""
+
+    training: Training
+    vertices: int
+    faces: int | None
+
+    def told(self) -> dict[str, Any]:
+        """Every setting by its name, as JSON has it."""
+        return self.training.told() | {"vertices": self.vertices, "faces": self.faces}
+
+
+Settings = Enhancing | Training | Meshing
 
 
 def settings_of(task: TaskName, given: Mapping[str, Any]) -> Settings:
     """Raises UserError: a name that the task does not know, or a value out of its range."""
     clean = {name.replace("-", "_"): value for name, value in given.items()}
-    return _enhancing(clean) if task == "enhance" else _training(clean)
+    if task == "enhance":
+        return _enhancing(clean)
+    return _meshing(clean) if task == "mesh" else _training(clean)
+
+
+def _meshing(given: dict[str, Any]) -> Meshing:
+    vertices = _whole("vertices", given.pop("vertices", VERTICES), MOST_COARSE, MOST_FINE)
+    wanted = given.pop("faces", AUTO)
+    faces = None if wanted == AUTO else _whole("faces", wanted, LEAST_FACES, 2 * MOST_FINE)
+    return Meshing(_training(given), vertices, faces)
+
+
+def _whole(name: str, value: object, least: int, most: int) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise UserError(f"{name}: expected a whole number from {least} to {most}, got {shortened(value)}")
+    return value
 
 
 def _enhancing(given: dict[str, Any]) -> Enhancing:
@@ -80,7 +110,7 @@ def _training(given: dict[str, Any]) -> Training:
     )
     configured = {field.name for field in fields(TrainConfig)} - {"checkpoint_every"}
     reading = {field.name for field in fields(ClipOptions)}
-    _require_known(given, {*configured, *reading, "input", "preset"}, "task train")
+    _require_known(given, {*configured, *reading, "input", "preset"}, "a training")
     return Training(
         _made(TrainConfig, {name: value for name, value in given.items() if name in configured}),
         input_kind,

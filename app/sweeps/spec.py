@@ -49,7 +49,8 @@ class Spec:
     clips: Annotated[list[str], Len(1, 10_000)]
     """Clips, images, videos and folders, or patterns such as data/*; relative to the file."""
     task: TaskName
-    """enhance: enhance images and measure them; train: reconstruct, and evaluate on held-out frames."""
+    """enhance: enhance images and measure them; train: reconstruct, and evaluate on held-out frames; mesh:
+    both, and the tissue surface as a file."""
     settings: dict[str, Value] = field(default_factory=dict)
     """Of all jobs, named as the flags of the command."""
     variants: Annotated[list[dict[str, Value]], Len(0, 1000)] = field(default_factory=list)

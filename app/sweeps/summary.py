@@ -19,6 +19,7 @@ HIGHER: Final = frozenset(
 """Measures of which more is better; of all others, less is."""
 SHOWN: Final[dict[TaskName, tuple[str, ...]]] = {
     "train": ("psnr", "psnr_seldom", "ssim", "depth_rmse_mm", "wall_seconds"),
+    "mesh": ("surface_mm", "surface_95_mm", "vertices", "bytes", "export_seconds"),
     "enhance": ("vessel_contrast", "color_difference", "noise_gain", "milliseconds"),
 }
 """By default."""

@@ -21,8 +21,9 @@ from app.files.records import Source
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, run_training
 from app.scenes.cpu_rendering import draw_on_cpu
-from app.sweeps.jobs import PICTURE, RENDERS, RUN, Job, Keeps
-from app.sweeps.settings import Enhancing, Training
+from app.sweeps.jobs import PICTURE, RENDERS, RUN, SURFACE, Job, Keeps
+from app.sweeps.settings import Enhancing, Meshing, Training
+from app.sweeps.surfaces import mesh_measures
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.near_plane import near_plane
 from renderer.train.checkpoint import checkpoint_paths
@@ -39,7 +40,11 @@ def carry_out(job: Job, clip: Path, folder: Path, keeps: Keeps) -> Numbers:
     """
     if isinstance(job.settings, Enhancing):
         return _enhance(job.settings, job.frames, clip, folder)
-    measures = _train(job.settings, clip, folder, keeps)
+    meshing = job.settings if isinstance(job.settings, Meshing) else None
+    training = job.settings.training if isinstance(job.settings, Meshing) else job.settings
+    measures = _train(training, clip, folder, keeps)
+    if meshing is not None:
+        measures |= mesh_measures(folder / RUN, folder / SURFACE, meshing)
     _clear(folder / RUN, keeps)
     return measures
 

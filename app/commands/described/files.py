@@ -225,6 +225,16 @@ def is_export(path: Path) -> bool:
     return bool(_origin(path))
 
 
+def is_surface(path: Path) -> bool:
+    """A mesh of ours."""
+    if path.suffix.lower() not in (".glb", ".usdc", ".obj", ".ply") or path.stat().st_size > READ_WHOLE:
+        return False
+    try:
+        return recorded(path).get("kind") == "surface mesh"
+    except UserError:
+        return False
+
+
 def _origin(path: Path) -> Facts:
     if path.suffix.lower() == ".ply" and path.stat().st_size > READ_WHOLE:
         return ()

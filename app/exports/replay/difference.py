@@ -15,6 +15,9 @@ from numpy.lib.recfunctions import structured_to_unstructured
 from numpy.typing import NDArray
 
 from app.exports.browser.page import read_page
+from app.exports.meshes.glb import read_glb
+from app.exports.meshes.mesh_text import obj_rows
+from app.exports.meshes.usd import read_usd
 from app.files.image_files import read_image
 from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
@@ -23,6 +26,7 @@ from renderer.regular_files import read_whole
 from renderer.splat_files import read_splats
 
 Array = NDArray[Any]
+END = b"end_header\n"
 
 
 @dataclass(frozen=True)
@@ -73,8 +77,13 @@ def arrays(path: Path) -> Iterator[Array]:
     """All that a file holds: one array of a picture, one a frame of a video, one a column of a table."""
     suffix = path.suffix.lower()
     if suffix == ".ply":
-        elements = read_ply(read_whole(path)).elements
-        return (structured_to_unstructured(element.rows) for element in elements)
+        return _elements(read_whole(path))
+    if suffix == ".glb":
+        return iter(read_glb(read_whole(path))[1])
+    if suffix == ".usdc":
+        return iter(read_usd(path)[1])
+    if suffix == ".obj":
+        return iter((obj_rows(read_whole(path)),))
     if suffix in (".spz", ".sog"):
         return iter(read_splats(path).raw.arrays().values())
     if suffix == ".html":
@@ -82,6 +91,15 @@ def arrays(path: Path) -> Iterator[Array]:
     if suffix == ".csv":
         return _columns(path)
     return _frames(path) if suffix == ".mp4" else iter((read_image(path),))
+
+
+def _elements(content: bytes) -> Iterator[Array]:
+    """Of a PLY file; what has lists, as the faces of a mesh, as bytes."""
+    ply = read_ply(content)
+    yield from (structured_to_unstructured(element.rows) for element in ply.elements)
+    rows = sum(element.rows.nbytes for element in ply.elements)
+    if lists := content[content.find(END) + len(END) + rows :]:
+        yield np.frombuffer(lists, np.uint8)
 
 
 def _tracks(path: Path) -> Iterator[Array]:

@@ -7,6 +7,9 @@ from typing import Any
 
 from app.errors import UserError
 from app.exports.browser.page import read_page
+from app.exports.meshes.glb import read_glb
+from app.exports.meshes.mesh_text import obj_comments
+from app.exports.meshes.usd import read_usd
 from app.files.embedded import CARRIERS, KEYWORD, carried
 from app.files.provenance import facts_of, read_provenance
 from renderer.ply_comments import joined
@@ -25,6 +28,15 @@ def recorded(path: Path) -> Facts:
         return read_provenance(path)
     if suffix == ".ply":
         return _in_comment(path)
+    if suffix == ".glb":
+        return read_glb(read_whole(path))[0]
+    if suffix == ".usdc":
+        return read_usd(path)[0]
+    if suffix == ".obj":
+        text = joined(KEYWORD, obj_comments(read_whole(path)))
+        if text is None:
+            raise UserError(f"expected an OBJ file written by VesselSplat, found no provenance in {path}")
+        return facts_of(text, path)
     if suffix == ".html":
         return read_page(read_whole(path).decode(errors="replace"))[0]
     # Before 0.2.0, JPEG and TIFF had it beside them.

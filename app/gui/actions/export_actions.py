@@ -101,7 +101,7 @@ def stem_of(state: AppState) -> str:
 def suffix_of(state: AppState) -> str:
     """Of what is chosen in the panel; empty for a folder."""
     form = OFFERS[state.exports.what].form
-    if form in ("splat folder", "cameras"):
+    if form in ("splat folder", "surface folder", "cameras"):
         return ".json" if form == "cameras" else ""
     return SUFFIXES.get(form, state.exports.image)
 

@@ -9,9 +9,17 @@ from app.gui.state.exports import What
 from app.gui.views.comparison import SIDES, Side
 
 Form = Literal[
-    "picture", "panes video", "view video", "measures", "splats", "splat folder", "browser model", "cameras"
+    "picture", "panes video", "view video", "measures", "splats", "splat folder", "browser model",
+    "surface mesh", "surface folder", "cameras",
 ]  # fmt: skip
-OF_MODEL: Final[tuple[Form, ...]] = ("splats", "splat folder", "browser model", "cameras")
+OF_MODEL: Final[tuple[Form, ...]] = (
+    "splats",
+    "splat folder",
+    "browser model",
+    "surface mesh",
+    "surface folder",
+    "cameras",
+)
 """Of the reconstruction alone."""
 VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video")
 
@@ -92,6 +100,15 @@ OFFERS: Final[dict[What, Offer]] = {
         "Page for browsers (HTML)", "browser model",
         "The reconstruction through time as one file that any browser plays, without a network: to send to "
         "others. It begins at the clip's camera.", "model",
+    ),
+    "surface through time": Offer(
+        "Surface that moves (GLB)", "surface mesh",
+        "The tissue surface through time as glTF, which 3D programs play: one mesh that moves, in metres.",
+        "surface",
+    ),
+    "surface of all frames": Offer(
+        "Surfaces, all frames (PLY)", "surface folder",
+        "A folder with a PLY mesh of the tissue surface per frame, in the clip's unit.", "surfaces",
     ),
     "cameras of the clip": Offer(
         "Cameras of the clip", "cameras", "The camera of each frame as cameras.json, for other programs.",

@@ -10,6 +10,7 @@ from app.enhancement.settable import ENHANCED
 from app.exports.browser.of_scene import browser_model
 from app.exports.exporting import Cameras, Exported, ExportRequest, ImageSuffix, SplatFolder
 from app.exports.make import Views
+from app.exports.meshes.of_scene import surface_mesh
 from app.exports.panes import pane_record
 from app.exports.records import (
     MEASURES,
@@ -67,10 +68,17 @@ def _of_model(state: AppState, what: What, model: Scene) -> Exported:
     if what == "splats of all frames":
         frames = range(len(model.cameras))
         return SplatFolder(tuple((f"frame-{at:06d}.ply", splats(at, model.time(at))) for at in frames))
+    clip = state.source.clip
+    speed = (clip.frames_per_second if clip is not None and state.has_frames else None) or FRAMES_PER_SECOND
     if what == "page for browsers":
-        clip = state.source.clip
-        speed = clip.frames_per_second if clip is not None and state.has_frames else None
-        return browser_model(model, model.cameras[0], speed or FRAMES_PER_SECOND)
+        return browser_model(model, model.cameras[0], speed)
+    if what == "surface through time":
+        return surface_mesh(model, speed)
+    if what == "surface of all frames":
+        times = enumerate(map(model.time, range(len(model.cameras))))
+        return SplatFolder(
+            tuple((f"frame-{at:06d}.ply", surface_mesh(model, speed, at, time)) for at, time in times)
+        )
     of_clip = what == "cameras of the clip"
     return Cameras(path_actions.clip_cameras(state) if of_clip else path_actions.path_cameras(state))
 

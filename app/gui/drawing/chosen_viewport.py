@@ -35,7 +35,7 @@ class ChosenViewport:
     def show(self, state: AppState) -> OnScreen | None:
         if self._compares:
             self._compare(state)
-        if not state.scene.processor_draws:
+        if not state.scene.is_drawn_by_processor:
             try:
                 return self._graphics.show(state)
             except FAILURES as error:
@@ -82,7 +82,7 @@ class SecondViewport:
         self._textures, self._graphics = textures, GraphicsViewport(ctx, textures, SECOND)
 
     def show(self, state: AppState) -> OnScreen | None:
-        if state.scene.processor_draws:
+        if state.scene.is_drawn_by_processor:
             return processor_picture(state, self._textures, SECOND)
         try:
             return self._graphics.show(state)

@@ -31,6 +31,8 @@ What = Literal[
     "splats of this moment",
     "splats of all frames",
     "page for browsers",
+    "surface through time",
+    "surface of all frames",
     "cameras of the clip",
     "cameras of the path",
 ]

@@ -12,7 +12,7 @@ from app.gui.work.selecting import PickRequest
 from app.scenes.drawer import View
 from app.scenes.free_camera import FreeView, Vector
 from app.scenes.scene import Scene
-from app.scenes.view_kinds import ViewKind
+from app.scenes.view_kinds import BY_PROCESSOR, ViewKind
 from app.scenes.view_request import FrameImage, ViewRequest
 from renderer.view_files import Views
 
@@ -98,6 +98,11 @@ class ShownScene:
     """The numba rasteriser draws the 3D view, since there is no graphics card, or OpenGL is slower."""
     drawn_by: str = ""
     """Why, for the tooltip."""
+
+    @property
+    def is_drawn_by_processor(self) -> bool:
+        """What is shown now."""
+        return self.processor_draws or self.kind in BY_PROCESSOR
 
     def beside(self, first: ViewRequest) -> ViewRequest | None:
         """The second reconstruction at the moment of `first` through its camera; None without one.

@@ -131,7 +131,7 @@ def cell_wish(state: AppState) -> CellRequest | None:
 def view_wish(state: AppState) -> ViewRequest | None:
     """What the processor is to draw of the 3D view, smaller while it moves when a whole one takes long; None
     where the card draws."""
-    request = state.view_request if state.scene.processor_draws and not state.lacks("3D view") else None
+    request = state.view_request if state.scene.is_drawn_by_processor and not state.lacks("3D view") else None
     moving = (
         state.scene.dragged
         or state.scene.viewer.moving

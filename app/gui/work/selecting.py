@@ -12,6 +12,7 @@ import numpy as np
 from app.gui.views.measurement import Located
 from app.runs.progress_log import told
 from app.runs.run_folder import RunFolder
+from app.scenes.cpu_rendering import draw_on_cpu
 from app.scenes.free_camera import Vector, vector
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
@@ -65,10 +66,20 @@ def _depth_error(scene: Scene) -> float:
 def surface(view: ViewRequest, pixel: tuple[int, int]) -> SurfacePoint | None:
     """Where the expected depth of the view says that the surface is; None where nothing solid is."""
     # Its kernels take seconds to import on a first start; the window must not wait for them.
-    from renderer.picking import surface_point
+    from renderer.picking import SurfacePoint, surface_point
 
     splats = view.scene.model.at(view.time)
-    return surface_point(splats, view.camera, pixel, view.near, mode=view.scene.mode)
+    found = surface_point(splats, view.camera, pixel, view.near, mode=view.scene.mode)
+    if view.kind != "surface":
+        return found
+    # What is seen there is the mesh; how well its depth is known, the Gaussians tell.
+    depth = float(view.drawn(draw_on_cpu).depth[pixel[1], pixel[0]]) if _is_inside(view, pixel) else 0.0
+    spread = found.spread if found is not None else 0.0
+    return SurfacePoint.at(view.camera, pixel, depth, spread) if depth > 0 else None
+
+
+def _is_inside(view: ViewRequest, pixel: tuple[int, int]) -> bool:
+    return 0 <= pixel[0] < view.camera.width and 0 <= pixel[1] < view.camera.height
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,11 @@ def _by_commands(folder: Path, clip: Path, run: Path, mip: Path) -> None:
     command("enhance", clip, folder / "pooled", "--statistics", "clip", "--pixels", "tissue", "--z", "0.3")
     _keep(folder / "pooled", {"frame-000002.color.png": "enhanced.png"})
     command("export", run, "--html", folder / "model.html")
+    command("export", run, "--mesh", folder / "surface.glb", "--vertices", "300")
+    for form in ("ply", "obj"):
+        flags = ("--mesh-format", form, "--vertices", "300", "--frames", "2")
+        command("export", run, "--mesh", folder / form, *flags)
+        _keep(folder / form, {f"frame-000002.{form}": f"surface.{form}"})
     image = folder / "photo.png"
     image.write_bytes(next(iter(sorted((clip / "images").iterdir()))).read_bytes())
     command("enhance", image, folder / "vessel.tiff", "--method", "vessel")

@@ -17,7 +17,7 @@ BEFORE = Path(__file__).with_name("before")
 FILES = sorted(
     path.name
     for path in BEFORE.iterdir()
-    if path.suffix in (".png", ".npy", ".tiff", ".mp4", ".ply", ".csv", ".html")
+    if path.suffix in (".png", ".npy", ".tiff", ".mp4", ".ply", ".csv", ".html", ".glb", ".obj")
     and path.name not in ("photo.png", "window.png")
 )
 SOURCES = tuple(BEFORE / name for name in ("clip", "clip/images", "run", "mip", "photo.png", "splats.ply"))

@@ -15,7 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.scenes.drawer import draw_view
-from app.scenes.view_kinds import EXPLAINED, ViewKind
+from app.scenes.view_kinds import BY_PROCESSOR, EXPLAINED, ViewKind
 from renderer.draw import splat_view
 from renderer.draw.offscreen import read_image
 from renderer.draw.storage import Storage
@@ -88,7 +88,7 @@ def test_a_model_that_cannot_be_baked_is_drawn_without(
 
 @pytest.mark.gl
 @pytest.mark.parametrize("watch", [FIRST, SECOND], ids=lambda watch: watch.slot)
-@pytest.mark.parametrize("kind", [kind for kind in EXPLAINED if kind != "difference"])
+@pytest.mark.parametrize("kind", [kind for kind in EXPLAINED if kind not in ("difference", *BY_PROCESSOR)])
 def test_scrubbing_and_turning_upload_an_order_and_no_more(
     ctx: moderngl.Context, drifting: AppState, monkeypatch: pytest.MonkeyPatch, watch: Watch, kind: ViewKind
 ) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from imgui_bundle import imgui
 
 from app.errors import UserError
@@ -240,6 +241,23 @@ def test_the_page_for_browsers_holds_the_model_and_comes_again(run: Exporter, ru
     assert content.tobytes() == tracks_of(model.model).content
     assert facts["run"]
     assert same(path, runs["original"])
+
+
+def test_the_surface_is_written_through_time_and_a_frame_a_file(run: Exporter, runs: dict[str, Path]) -> None:
+    export_actions.choose_what(run.state, "surface through time")
+    assert export_actions.suffix_of(run.state) == ".glb"
+    path = exported(run, "surface through time")
+    assert path.name == "original-surface.glb"
+    folder = exported(run, "surface of all frames")
+    assert folder.name == "original-surfaces"
+    (moving,), still = (
+        trimesh.load_scene(path).geometry.values(),
+        trimesh.load_mesh(folder / "frame-000000.ply"),
+    )
+    assert moving.faces.tolist() == still.faces.tolist()
+    assert len(list(folder.iterdir())) == 10
+    assert same(path, runs["original"])
+    assert same(folder / "frame-000007.ply", runs["original"])
 
 
 def test_cameras_are_exported_for_other_programs(run: Exporter) -> None:

@@ -13,7 +13,7 @@ from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
 from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
 from app.scenes.drawer import draw_view
-from app.scenes.view_kinds import EXPLAINED, ViewKind, has_scale
+from app.scenes.view_kinds import BY_PROCESSOR, EXPLAINED, ViewKind, has_scale
 from app.scenes.view_request import ViewRequest, read_frame
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import FakeJob
@@ -109,7 +109,7 @@ def test_the_graphics_card_draws_only_what_changed(
 
 
 @pytest.mark.gl
-@pytest.mark.parametrize("kind", EXPLAINED)
+@pytest.mark.parametrize("kind", [kind for kind in EXPLAINED if kind not in BY_PROCESSOR])
 def test_both_ways_of_drawing_show_the_same_views(
     ctx: moderngl.Context, live: AppState, kind: ViewKind
 ) -> None:

@@ -228,6 +228,7 @@ def test_the_difference_is_to_the_frame_that_the_run_was_trained_on(
         (("--view", "depth", "--transparent"), "without a scale"),
         (("--view", "points", "--depth"), "of unaltered Gaussians"),
         (("--view", "points", "--with", "reference"), "expected cpu or gl for points"),
+        (("--view", "surface", "--with", "reference"), "expected cpu for --view surface"),
     ],
 )
 def test_what_does_not_go_together_is_one_line(

@@ -42,7 +42,9 @@ def test_combinations_that_say_the_same_are_one_job() -> None:
     ("given", "told"),
     [
         ({"clips": []}, "clips"),
-        ({"task": "mesh"}, "task: expected 'enhance' or 'train'"),
+        ({"task": "mash"}, "task: expected 'enhance', 'train' or 'mesh'"),
+        ({"task": "mesh", "settings": {"vertices": 3}}, "vertices: expected a whole number from 100"),
+        ({"task": "mesh", "settings": {"faces": 2.5}}, "faces: expected a whole number from 50"),
         ({"colour": 1}, "colour"),
         ({"grid": {"z": []}}, "grid.z"),
         ({"settings": {"z": 2.0}}, "z: expected"),

@@ -1,0 +1,97 @@
+"""`vesselsplat export RUN --mesh FILE.glb|FILE.usdc|DIR`: the tissue surface as a mesh that moves."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from app.console.progress import progress
+from app.errors import UserError
+from app.exports.make import make
+from app.exports.meshes.mesh_text import MOMENTS
+from app.exports.meshes.of_scene import surface_mesh
+from app.exports.meshes.usd import require_usd
+from app.exports.meshes.writing import CLIPS
+from app.exports.records import LEAST_FACES, MOST_COARSE, MOST_FINE
+from app.exports.sources import Opened
+from app.files.atomic import filled
+from app.files.stepping import run_to_end
+from app.scenes.scene import Scene
+from app.scenes.surfaces import surface
+from app.scenes.view_selection import Moment
+from renderer.surface.fineness import VERTICES, Fineness
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--mesh",
+        type=Path,
+        metavar="FILE.glb|FILE.usdc|DIR",
+        help="the tissue surface: as glTF or USD with one topology that moves through the clip, or a folder "
+        "with a mesh per frame",
+    )
+    parser.add_argument(
+        "--mesh-format",
+        choices=[suffix[1:] for suffix in MOMENTS],
+        default="ply",
+        help="of the files in that folder (default ply)",
+    )
+    parser.add_argument(
+        "--vertices",
+        type=int,
+        default=VERTICES,
+        metavar="N",
+        help=f"about how fine the mesh is, for a frame full of tissue (default {VERTICES})",
+    )
+    parser.add_argument(
+        "--faces",
+        type=int,
+        metavar="N",
+        help="simplify it to so many triangles (needs the extra mesh)",
+    )
+
+
+def check(flags: argparse.Namespace) -> None:
+    """Raises UserError for a number, or a file, that no mesh has."""
+    if flags.mesh is None:
+        return
+    if flags.mesh.suffix and flags.mesh.suffix.lower() not in CLIPS and not flags.mesh.is_dir():
+        raise UserError(f"--mesh: expected a .glb or .usdc file, or a folder, got {flags.mesh.name}")
+    if flags.mesh.suffix.lower() == ".usdc":
+        require_usd()
+    if not MOST_COARSE <= flags.vertices <= MOST_FINE:
+        raise UserError(f"--vertices: expected {MOST_COARSE} to {MOST_FINE}, got {flags.vertices}")
+    if flags.faces is not None and flags.faces < LEAST_FACES:
+        raise UserError(f"--faces: expected at least {LEAST_FACES}, got {flags.faces}")
+
+
+def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
+    """A folder has the moments that are asked for, a file all of the clip."""
+    path: Path = flags.mesh
+    mesh = surface(scene, Fineness(flags.vertices, flags.faces)).mesh
+    said = f"{len(mesh.vertices)} vertices, {len(mesh.faces)} triangles"
+    if path.suffix.lower() in CLIPS:
+        _write_file(flags, scene)
+        sys.stdout.write(f"{path}: {said}, {path.stat().st_size / 1e6:.1f} MB\n")
+    else:
+        _write_folder(flags, scene, wanted)
+        sys.stdout.write(f"{path}: {len(wanted)} meshes of {said}\n")
+
+
+def _write_file(flags: argparse.Namespace, scene: Scene) -> None:
+    fineness = {"vertices": flags.vertices, "faces": flags.faces}
+    record = surface_mesh(scene, flags.frames_per_second, **fineness)
+    with progress("export", len(scene.cameras)) as report:
+        for done in make(record, Opened(model=scene), flags.mesh):
+            report(done, flags.mesh.name)
+
+
+def _write_folder(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
+    sources, fineness = Opened(model=scene), {"vertices": flags.vertices, "faces": flags.faces}
+    with filled(flags.mesh) as staging, progress("export", len(wanted)) as report:
+        for done, one in enumerate(wanted, start=1):
+            record = surface_mesh(scene, flags.frames_per_second, one.frame, one.time, **fineness)
+            run_to_end(make(record, sources, staging / f"{one.name}.{flags.mesh_format}"))
+            report(done, one.name)

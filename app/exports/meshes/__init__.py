@@ -1,0 +1,1 @@
+"""The tissue surface as files: `film` its way through the clip, and one format a file."""

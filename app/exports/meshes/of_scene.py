@@ -1,0 +1,31 @@
+"""What files of a scene's surface say of themselves."""
+
+from __future__ import annotations
+
+from app.exports.records import SurfaceMesh
+from app.files.records import extended
+from app.scenes.scene import Scene
+from renderer.surface.fineness import VERTICES
+
+
+def surface_mesh(
+    scene: Scene,
+    frames_per_second: float,
+    frame: int | None = None,
+    time: float | None = None,
+    *,
+    vertices: int = VERTICES,
+    faces: int | None = None,
+) -> SurfaceMesh:
+    """At `time` in [0, 1], or through the clip."""
+    clip = scene.record.clip
+    return extended(
+        SurfaceMesh,
+        scene.record,
+        title=clip.name if clip else scene.name,
+        time=time,
+        frame=frame,
+        seconds=len(scene.cameras) / frames_per_second,
+        vertices=vertices,
+        faces=faces,
+    )

@@ -1,0 +1,44 @@
+"""The file of a record, in the format of its suffix."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+from typing import Final
+
+from app.errors import UserError
+from app.exports.meshes.film import filmed
+from app.exports.meshes.glb import glb_bytes
+from app.exports.meshes.mesh_text import MOMENTS
+from app.exports.meshes.usd import require_usd, write_usd
+from app.exports.records import SurfaceMesh
+from app.files.atomic import write_bytes
+from app.scenes.scene import Scene
+from app.scenes.surfaces import surface
+from renderer.surface.fineness import Fineness
+
+CLIPS: Final = (".glb", ".usdc")
+"""Files that hold the whole clip."""
+
+
+def write_surface(record: SurfaceMesh, scene: Scene, target: Path) -> Generator[int, None, None]:
+    """One moment where the record has one, else all of the clip.
+
+    Yields how many of its frames have been looked at. Raises UserError: no surface, or no such format.
+    """
+    if target.suffix.lower() == ".usdc":
+        require_usd()
+    follower, suffix = surface(scene, Fineness(record.vertices, record.faces)), target.suffix.lower()
+    if record.time is None and suffix in CLIPS:
+        film = yield from filmed(follower, scene)
+        if suffix == ".usdc":
+            write_usd(target, film, scene.unit, len(scene.cameras), record.seconds, record.signed)
+            return
+        content = glb_bytes(film, scene.unit, record.seconds, record.title, record.signed)
+    elif record.time is not None and suffix in MOMENTS:
+        content = MOMENTS[suffix](follower.at(record.time), scene.unit, record.signed)
+    else:
+        raise UserError(
+            f"expected one moment as {', '.join(MOMENTS)}, or a clip as {', '.join(CLIPS)}, got {target.name}"
+        )
+    write_bytes(target, content)

@@ -1,0 +1,51 @@
+"""The tissue surface of a scene, worked out once and remembered while the scene is looked at."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from app.errors import UserError
+from app.scenes.cpu_rendering import Draw, Drawn
+from app.scenes.scene import Scene
+from renderer.camera import Camera
+from renderer.splats import RenderMode, Shape, Splats
+from renderer.surface.fineness import AS_IT_COMES, Fineness
+from renderer.surface.mesh import Mesh
+
+if TYPE_CHECKING:
+    from renderer.surface.following import Follower
+
+
+@lru_cache(maxsize=2)
+def surface(scene: Scene, fineness: Fineness = AS_IT_COMES) -> Follower:
+    """Takes a second or less. Raises UserError: there is none, or it cannot be simplified here."""
+    # Its kernels take seconds to import on a first start; the window must not wait for them.
+    from renderer.surface.of_model import surface_of
+
+    try:
+        follower = surface_of(scene.model, scene.cameras, scene.near, scene.mode, fineness)
+    except RuntimeError as error:
+        raise UserError(str(error)) from error
+    if not len(follower.mesh.faces):
+        raise UserError(f"expected a surface, got none: {scene.name} covers nothing of what its cameras see")
+    return follower
+
+
+@lru_cache(maxsize=256)
+def surface_at(scene: Scene, time: float) -> Mesh:
+    """At a time in [0, 1]. Raises UserError as `surface`."""
+    return surface(scene).at(time)
+
+
+def drawing_surface(scene: Scene, time: float) -> Draw:
+    """Draws it at that time, whatever splats are asked for. Raises UserError as `surface`."""
+    mesh = surface_at(scene, time)
+
+    def draw(splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft") -> Drawn:
+        from renderer.surface.triangles import render_mesh
+
+        rendered = render_mesh(mesh, camera, near)
+        return Drawn(rendered.image, rendered.depth, rendered.alpha)
+
+    return draw
