@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.errors import UserError
 from app.exports.records import SurfaceMesh
 from app.files.records import extended
 from app.scenes.scene import Scene
@@ -17,7 +18,9 @@ def surface_mesh(
     vertices: int = VERTICES,
     faces: int | None = None,
 ) -> SurfaceMesh:
-    """At `time` in [0, 1], or through the clip."""
+    """At `time` in [0, 1], or through the clip. Raises UserError: it is of a file per moment."""
+    if scene.is_series:
+        raise UserError(f"expected one model that moves, got a splat file per moment: {scene.name}")
     clip = scene.record.clip
     return extended(
         SurfaceMesh,

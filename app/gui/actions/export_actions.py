@@ -88,6 +88,8 @@ def _lacks_model(state: AppState, offer: Offer) -> str:
         return "There is no 3D model yet: reconstruct the clip or open a run."
     if offer.form != "cameras" and state.scene.model.live:
         return "The reconstruction is not finished: wait for it or continue it."
+    if state.scene.model.is_series and offer.form in ("browser model", "surface mesh", "surface folder"):
+        return "This is a splat file per moment: open the run that they come from."
     if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
         return "There is no camera path yet: create one in the Cameras panel."
     return ""

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, camera_actions
+from app.gui.actions import actions, camera_actions, export_actions
 from app.gui.panels.timeline import draw_timeline
 from app.gui.state.app_state import AppState
+from app.gui.state.exports import What
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.beside import BesideRequest, find_models
@@ -42,6 +43,12 @@ def seen(state: AppState) -> int:
     """Gaussians at the moment that is shown."""
     assert state.scene.model is not None
     return len(state.scene.model.model.at(state.time))
+
+
+@pytest.mark.parametrize("what", ["page for browsers", "surface through time", "surface of all frames"])
+def test_what_needs_one_model_says_so(shown: AppState, what: What) -> None:
+    assert "splat file per moment" in export_actions.why_not_export(shown, what)
+    assert "surface" not in camera_actions.choices(shown)
 
 
 def test_it_is_stepped_and_scrubbed(ui: Ui, shown: AppState) -> None:
