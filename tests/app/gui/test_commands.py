@@ -215,7 +215,7 @@ SOUGHT = (
     ("before after", "Wipe"),
     ("split", "Side by side"),
     ("blink", "Flip"),
-    ("record", "Export…"),
+    ("record", "Record the live source"),
 )
 """What people type, and the command that they mean."""
 

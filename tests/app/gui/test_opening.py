@@ -194,7 +194,12 @@ def test_the_flags_of_the_app_are_those_of_the_refusals(
     inverted: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     started: list[tuple[Path | None, ClipOptions]] = []
-    monkeypatch.setattr("app.gui.window.run_app", lambda path, options: started.append((path, options)))
+
+    def run_app(path: Path | None, options: ClipOptions, live: object) -> None:
+        assert live is None
+        started.append((path, options))
+
+    monkeypatch.setattr("app.gui.window.run_app", run_app)
     monkeypatch.setattr("app.commands.gui.has_display", lambda: True)
     command, parser = load("gui"), argparse.ArgumentParser()
     command.add_flags(parser)

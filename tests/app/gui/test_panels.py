@@ -45,7 +45,7 @@ def test_without_a_clip_there_is_something_to_do(
     draw: Draw = lambda: draw_welcome(state, Shown())  # noqa: E731
     ui.frame(draw)
     assert len(spots) == len(CHOICES)
-    ui.drag(draw, spots[2], spots[2])
+    ui.drag(draw, spots[-1], spots[-1])
     assert state.source.opening is not None
     assert state.source.opening.path == phantom_path()
 
