@@ -35,13 +35,13 @@ class Part:
 
 
 PARTS = {
-    "files": Part(read_damaged, 4, 250, "damaged files"),
-    "sessions": Part(attack_sessions, 6, 500, "damaged sessions in a window"),
+    "files": Part(read_damaged, 2, 250, "damaged files"),
+    "sessions": Part(attack_sessions, 3, 500, "damaged sessions in a window"),
     "kills": Part(attack_kills, 1, 100, "commands killed at random moments"),
     "signals": Part(attack_signals, 1, 99, "commands ended by SIGINT, SIGTERM and SIGHUP"),
     "disks": Part(attack_full_disks, 1, 88, "commands on disks that fill up"),
     "starts": Part(attack_starts, 1, 160, "starts with damaged settings"),
-    "window": Part(attack_window, 2, 70, "windows killed or ended at their work"),
+    "window": Part(attack_window, 1, 70, "windows killed or ended at their work"),
 }
 
 
