@@ -91,7 +91,7 @@ def run(flags: argparse.Namespace) -> None:
         recording = None if recorder is None else recorder.finish()
     last = session.status()
     if last.made == 0:
-        raise UserError(f"no picture came from {address.name}: {last.reason or 'none in that time'}")
+        raise UserError(f"no frame came from {address.name}: {last.reason or 'none in that time'}")
     facts = _facts(last, time.perf_counter() - began) | {"source": address.name, "setting": setting}
     if recording is not None:
         facts["recording"] = recording
@@ -141,7 +141,7 @@ def _follow(session: LiveSession, seconds: float | None, report: Any) -> None:
         if seconds is not None and passed >= seconds:
             return
         if now.made == 0 and passed > PATIENCE:
-            raise UserError(now.reason or f"no picture in {PATIENCE:.0f} s")
+            raise UserError(now.reason or f"no frame in {PATIENCE:.0f} s")
     now = session.status()
     if now.signal == "failed":
         raise UserError(now.reason)
@@ -173,7 +173,7 @@ def _say(facts: dict[str, Any], last: LiveStatus, as_json: bool) -> None:
     if as_json:
         sys.stdout.write(strict_json(provenance(**facts)) + "\n")
         return
-    text = f"{facts['source']} ({last.told}): {last.made} pictures in {facts['seconds']:.1f} s"
+    text = f"{facts['source']} ({last.told}): {last.made} frames in {facts['seconds']:.1f} s"
     text += f", {last.dropped} dropped; from arrival to enhanced {last.to_ready}\n"
     if (one := facts.get("recording")) is not None:
         text += f"{one.path}: {one.pictures} pictures, {one.seconds:.1f} s recorded\n"

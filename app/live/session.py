@@ -118,9 +118,9 @@ class LiveSession:
             return "connecting", self._trouble
         rate = link.frames_per_second or USUAL_RATE
         if since > max(STALE, SLOW / rate):
-            return "stale", self._trouble or f"no picture for {since:.1f} s"
+            return "stale", self._trouble or f"no frame for {since:.1f} s"
         if self._black_since is not None and now - self._black_since > BLACK_AFTER:
-            return "black", "the source gives black pictures"
+            return "black", "the source gives black frames"
         return "live", ""
 
     def _rate(self, now: float) -> float:

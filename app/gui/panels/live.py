@@ -32,7 +32,7 @@ ADDRESS_TEXT: Final = (
     "that you open here is the only thing that VesselSplat ever fetches from a network."
 )
 FILE_TEXT: Final = "Play a video or a folder of images at its own rate, in a loop, as if it were live."
-FREEZE_TEXT: Final = "F: hold this picture while the source goes on."
+FREEZE_TEXT: Final = "F: hold this frame while the source goes on."
 SAVE_TEXT: Final = "S: an image of what is shown, and beside it the frame as it came."
 RECORD_TEXT: Final = (
     "Ctrl+Shift+L: record into the folder of exports. What is recorded plays even if the computer stops: at "
@@ -174,7 +174,9 @@ def _draw_address(state: AppState) -> None:
 
 def _draw_wish(state: AppState) -> None:
     wish = state.live.choice.wish
-    size = choose_row("Size", wish.size, SIZES, "Of devices: what is given may differ, and is said.")
+    size = choose_row(
+        "Size", wish.size, SIZES, "Of devices: what they give may differ; the bar below shows it."
+    )
     rate = choose_row("Frames/s", wish.frames_per_second, RATES, "Of devices, and of files that are played.")
     if (size, rate) != (wish.size, wish.frames_per_second):
         live_actions.choose_wish(state, replace(wish, size=size, frames_per_second=rate))

@@ -12,7 +12,7 @@ from app.live.picture import LiveStatus, Signal
 HEADS: Final[dict[Signal, str]] = {
     "connecting": "CONNECTING",
     "live": "LIVE",
-    "black": "BLACK PICTURES",
+    "black": "BLACK FRAMES",
     "stale": "STALE",
     "lost": "SIGNAL LOST",
     "ended": "ENDED",
@@ -46,7 +46,7 @@ def not_live(status: LiveStatus) -> str:
     """Why, and that what is seen is the last picture."""
     parts = [HEADS[status.signal], status.reason]
     if status.signal not in ("black", "connecting"):
-        parts.append("last picture shown")
+        parts.append("last frame shown")
     return " · ".join(filter(None, parts))
 
 

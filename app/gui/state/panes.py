@@ -50,7 +50,7 @@ def shown_mode(state: AppState) -> Mode:
 def why_not(state: AppState, source: str) -> str:
     """What a source still lacks, in a sentence; empty when it can be shown."""
     if state.live.flows and source not in (ORIGINAL, ENHANCED):
-        return "Not while the source is live: freeze the picture first."
+        return "Not while the source is live: freeze the frame first."
     if source in ("A", "B") and source not in state.enhancement.stored:
         return f"No settings are stored as {source} yet: Shift+{source} stores the current ones."
     if source == RENDER and not _renders(state):

@@ -98,7 +98,7 @@ def _show(state: AppState, picture: LivePicture) -> None:
         actions.show_opened(state, Path(live.address.name), Opened(clip=clip, in_passing=True))
         live.clip, state.source.path = clip, None
     elif live.clip.size != size:
-        actions.say(state, f"the live pictures have another size now: {size[0]} × {size[1]}")
+        actions.say(state, f"the live frames have another size now: {size[0]} × {size[1]}")
         live.clip = state.source.clip = live_actions.following(live.address, live, picture.original)
     setting = picture.setting
     request = PictureRequest(live.clip, 0, setting.params, "image", setting.pixels)

@@ -57,7 +57,7 @@ def _preview(source: Source) -> ByteImage:
     try:
         taken = [source.read() for _ in range(SETTLING)][-1]
         if taken is None:
-            raise SourceLost("no picture")
+            raise SourceLost("no frame")
         image = taken.read()
     finally:
         source.close()

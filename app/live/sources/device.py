@@ -56,12 +56,12 @@ class DeviceSource:
 
     def read(self) -> Arrived | None:
         if not self._capture.grab():
-            raise SourceLost(f"{self._name} gives no more pictures")
+            raise SourceLost(f"{self._name} gives no more frames")
         at = time.perf_counter()
         # The next grab overwrites what the driver holds: it is taken out now, and only its colours later.
         done, image = self._capture.retrieve()
         if not done:
-            raise SourceLost(f"{self._name} gives pictures that cannot be read")
+            raise SourceLost(f"{self._name} gives frames that cannot be read")
         return Arrived(lambda: _rgb(np.asarray(image, np.uint8)), at, at)
 
     def close(self) -> None:

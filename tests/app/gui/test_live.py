@@ -109,7 +109,7 @@ def test_a_source_that_ends_never_looks_live(places: Places, tmp_path: Path) -> 
         wait(ctx, lambda: made(state) > 0, "live pictures")
         wait(ctx, lambda: tags(state).startswith("ENDED"), "the end")
         assert is_not_live(state.live)
-        assert "last picture shown" in tags(state)
+        assert "last frame shown" in tags(state)
         ctx.item_click("**/Close source")
         wait(ctx, lambda: state.live.session is None and is_settled(state), "the last picture as a still")
         assert state.source.clip is not None

@@ -75,7 +75,7 @@ def test_one_that_is_taken_or_unplugged_says_so() -> None:
         DeviceSource("0", "card", Wish(), lambda where: FakeCapture(where, opens=False))  # type: ignore[return-value]
     source = DeviceSource("0", "card", Wish(), lambda where: FakeCapture(where, frames=1))  # type: ignore[return-value]
     source.read()
-    with pytest.raises(SourceLost, match="no more pictures"):
+    with pytest.raises(SourceLost, match="no more frames"):
         source.read()
 
 

@@ -39,7 +39,7 @@ def test_a_clip_as_if_live_is_enhanced_recorded_and_measured(vesselsplat: Comman
         ((), "expected a SOURCE"),
         (("nosuch",), "expected a capture device"),
         (("gopher://x",), "expected a stream by"),
-        (("77", "--seconds", "0.6"), "no picture came from device 77"),
+        (("77", "--seconds", "0.6"), "no frame came from device 77"),
         ((str(phantom_path()), "--seconds", "0"), "--seconds"),
         ((str(phantom_path()), "--fps", "-1"), "--fps"),
         ((str(phantom_path()), "--record", "film.avi"), "expected a recording to end in .mp4"),

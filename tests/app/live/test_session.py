@@ -123,7 +123,7 @@ def test_a_picture_gets_stale_in_half_a_second() -> None:
         hold.set()
     assert now.since is not None
     assert 0.5 < now.since < 0.6
-    assert now.reason.startswith("no picture for 0.5")
+    assert now.reason.startswith("no frame for 0.5")
 
 
 def test_a_lost_source_comes_back_by_itself_in_another_size() -> None:
