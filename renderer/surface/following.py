@@ -65,11 +65,8 @@ class Follower:
 
 def sight(view: Maps, mesh: Mesh) -> Float32Array:
     """(V,) how squarely the camera faces each vertex, in [0, 1]; FAINT of it where something hides it."""
-    points = mesh.vertices.astype(np.float64)
-    pixels, depths = view.camera.project(points)
-    ray = points - view.camera.position
-    ray /= np.maximum(np.linalg.norm(ray, axis=1, keepdims=True), 1e-30)
-    facing = np.abs((ray * mesh.normals).sum(axis=1)) ** 2
+    pixels, depths = view.camera.project(mesh.vertices.astype(np.float64))
+    facing = mesh.facing(view.camera.position) ** 2
     inside = _inside(view, pixels, depths)
     agrees = inside & (np.abs(read(view.depth, pixels) - depths) < NEAR * depths)
     weights: NDArray[np.float64] = np.where(agrees, facing, FAINT * inside)

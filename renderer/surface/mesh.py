@@ -42,6 +42,13 @@ class Mesh:
         """(V, 3) unit, weighted by the areas of the faces around; 0 where there is none."""
         return vertex_normals(self.vertices, self.faces)
 
+    def facing(self, place: FloatArray) -> FloatArray:
+        """(V,) how squarely each vertex is seen from `place` (3,): the cosine to its normal, of either
+        side."""
+        ray = self.vertices.astype(np.float64) - place
+        ray /= np.maximum(np.linalg.norm(ray, axis=1, keepdims=True), 1e-30)
+        return np.asarray(np.abs((ray * self.normals).sum(axis=1)))
+
     def moved(self, vertices: Float32Array, colors: Float32Array) -> Self:
         """The same faces elsewhere."""
         return replace(self, vertices=vertices, colors=colors)

@@ -22,11 +22,8 @@ def render_mesh(mesh: Mesh, camera: Camera, near: float) -> Rendered:
     """Opaque, both sides alike; triangles that reach to z <= near are left out."""
     image = np.zeros((camera.height, camera.width, 3), np.float32)
     depth = np.zeros((camera.height, camera.width), np.float32)
-    points = mesh.vertices.astype(np.float64)
-    pixels, depths = camera.project(points)
-    sight = points - camera.position
-    sight /= np.maximum(np.linalg.norm(sight, axis=1, keepdims=True), 1e-30)
-    facing = np.abs((sight * mesh.normals).sum(axis=1, keepdims=True))
+    pixels, depths = camera.project(mesh.vertices.astype(np.float64))
+    facing = mesh.facing(camera.position)[:, None]
     shaded = (mesh.colors * (AMBIENT + (1 - AMBIENT) * facing)).astype(np.float32)
     kept = mesh.faces[(depths[mesh.faces] > near).all(axis=1)]
     _fill(np.ascontiguousarray(kept), pixels, depths, shaded, image, depth)

@@ -30,6 +30,7 @@ METRES: Final[Mapping[str, float]] = {"mm": 1e-3}
 TO_GLTF: Final = np.array([1, -1, -1], np.float32)
 """From x right, y down, z forward to x right, y up, z backward."""
 SHAPES: Final = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
+WIDTHS: Final = {shape: width for width, shape in SHAPES.items()}
 TYPES: Final = {FLOATS: np.float32, INDICES: np.uint32}
 
 
@@ -185,7 +186,7 @@ def read_glb(content: bytes) -> tuple[dict[str, Any], list[NDArray[Any]]]:
 
 def _read_array(document: Any, accessor: Any, content: bytes, start: int) -> NDArray[Any]:
     view = document["bufferViews"][accessor["bufferView"]]
-    width = {shape: width for width, shape in SHAPES.items()}[accessor["type"]]
+    width = WIDTHS[accessor["type"]]
     kind, count, offset = TYPES[accessor["componentType"]], accessor["count"] * width, view["byteOffset"]
     if not (isinstance(count, int) and isinstance(offset, int) and count >= 0 <= offset):
         raise ValueError("an array with a place of its own is expected")

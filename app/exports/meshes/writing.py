@@ -26,9 +26,11 @@ def write_surface(record: SurfaceMesh, scene: Scene, target: Path) -> Generator[
 
     Yields how many of its frames have been looked at. Raises UserError: no surface, or no such format.
     """
-    if target.suffix.lower() == ".usdc":
+    suffix = target.suffix.lower()
+    if suffix == ".usdc":
+        # Before minutes of work for nothing.
         require_usd()
-    follower, suffix = surface(scene, Fineness(record.vertices, record.faces)), target.suffix.lower()
+    follower = surface(scene, Fineness(record.vertices, record.faces))
     if record.time is None and suffix in CLIPS:
         film = yield from filmed(follower, scene)
         if suffix == ".usdc":
