@@ -5,29 +5,26 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any, Final, cast
 
 from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
 from app.console.flags import add_fields
-from app.console.progress import progress
-from app.enhancement.methods import PAPER, VESSEL, load_kernels
+from app.console.progress import Report, progress
+from app.enhancement.methods import PAPER, VESSEL
 from app.enhancement.settable import PIXELS
 from app.errors import UserError
 from app.files.provenance import provenance, strict_json
-from app.live.address import LiveAddress, address_of
+from app.live.address import address_of
 from app.live.picture import LiveSetting, LiveStatus
 from app.live.recorder import WHATS, Recorder, require_new
-from app.live.session import LiveSession
+from app.live.session import LiveSession, load
 from app.live.sources.device import devices
 from app.live.sources.opening import open_source
 from app.live.sources.source import Wish
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
-from renderer.clip import ByteImage
 
 LOOK: Final = 0.05
 """Seconds from one look at the session to the next."""
@@ -75,16 +72,16 @@ def run(flags: argparse.Namespace) -> None:
     if flags.source is None:
         raise UserError("expected a SOURCE: a device, the address of a stream, a file or a folder")
     address, wish, setting = address_of(flags.source, known), wish_of(flags), setting_of(flags)
-    assert setting.params is not None
     if flags.record is not None:
         require_new(flags.record)
-    load_kernels(setting.params, _black())
+    # Compiling may take a minute, in which no source is to wait.
+    load(setting)
     recorder = None if flags.record is None else Recorder(flags.record, flags.what, address.name)
     recipients = () if recorder is None else (recorder.add,)
     began = time.perf_counter()
     session = LiveSession(partial(open_source, address, wish), setting, recipients=recipients)
     try:
-        with _told(address) as report:
+        with progress(f"live from {address.name}", 0, every=2.0) as report:
             _follow(session, flags.seconds, report)
     finally:
         session.close()
@@ -118,24 +115,11 @@ def setting_of(flags: argparse.Namespace) -> LiveSetting:
     return LiveSetting(params, flags.pixels)
 
 
-def _black() -> ByteImage:
-    import numpy as np
-
-    return np.zeros((64, 64, 3), np.uint8)
-
-
-@contextmanager
-def _told(address: LiveAddress) -> Iterator[Any]:
-    with progress(f"live from {address.name}", 0, every=2.0) as report:
-        yield report
-
-
-def _follow(session: LiveSession, seconds: float | None, report: Any) -> None:
+def _follow(session: LiveSession, seconds: float | None, report: Report) -> None:
     """Until the time is over, the source has ended, or it never came. Raises UserError: it cannot come."""
     began = time.perf_counter()
     while not session.is_over:
         time.sleep(LOOK)
-        session.pictures.take()
         now, passed = session.status(), time.perf_counter() - began
         report(now.made, line_of(now))
         if seconds is not None and passed >= seconds:

@@ -25,6 +25,10 @@ class LiveAddress:
     name: str
     """As a person calls it; of a stream without what may be secret in it."""
 
+    @classmethod
+    def of_file(cls, path: Path) -> LiveAddress:
+        return cls("file", str(path.absolute()), path.resolve().name)
+
 
 @dataclass(frozen=True)
 class Device:
@@ -55,7 +59,7 @@ def address_of(said: str, devices: Sequence[Device] = ()) -> LiveAddress:
         return LiveAddress("device", said, Path(said).name)
     path = Path(said)
     if said and path.exists():
-        return LiveAddress("file", str(path.absolute()), path.resolve().name)
+        return LiveAddress.of_file(path)
     known = ", ".join(f"{one.where} ({one.name})" for one in devices) or "none"
     raise UserError(
         "expected a capture device by number or name, a stream address such as rtsp://HOST/PATH, or a file "

@@ -6,7 +6,7 @@ import logging
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from app.errors import UserError, sentence
@@ -111,4 +111,4 @@ class Capture:
     def _become(self, state: State, reason: str = "") -> None:
         now = self.connection
         lost = now.times_lost + (state == "lost" and now.state == "live")
-        self.connection = Connection(state, now.told, reason, now.frames_per_second, lost)
+        self.connection = replace(now, state=state, reason=reason, times_lost=lost)

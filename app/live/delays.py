@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 KEPT: Final = 600
-"""Frames: twenty seconds of most sources."""
+"""The last frames: twenty seconds of most sources."""
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,9 @@ class Delay:
 class Delays:
     """Written by one thread, read by others."""
 
-    def __init__(self, kept: int | None = KEPT) -> None:
-        """kept: frames that are remembered, the last ones; None: all."""
+    def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._seconds: deque[float] = deque(maxlen=kept)
+        self._seconds: deque[float] = deque(maxlen=KEPT)
 
     def add(self, seconds: float) -> None:
         with self._lock:
@@ -45,5 +44,4 @@ class Delays:
             known = np.array(self._seconds)
         if known.size == 0:
             return None
-        median, p95, worst = (1000 * float(np.percentile(known, share)) for share in (50, 95, 100))
-        return Delay(known.size, median, p95, worst)
+        return Delay(known.size, *(1000 * np.percentile(known, (50, 95, 100))).tolist())

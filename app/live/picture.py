@@ -34,8 +34,6 @@ class LivePicture:
     """Of the frames that were enhanced in this session, from 1."""
     arrived: float
     """On `time.perf_counter`."""
-    seconds: float
-    """On the source's own clock."""
     original: ByteImage
     """(H, W, 3) RGB."""
     enhanced: ByteImage | None
@@ -68,8 +66,6 @@ class LiveStatus:
     """Pictures."""
     dropped: int
     """Frames that were late for the enhancement and have been left out."""
-    unseen: int
-    """Pictures that gave way to a newer one before anybody took them."""
     times_lost: int
     since: float | None
     """Seconds since the newest picture arrived; None before the first."""

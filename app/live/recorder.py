@@ -64,7 +64,8 @@ class Recorder:
 
         source: what is recorded, as a person calls it, for its provenance.
         """
-        self.state = Recording(path, what)
+        self._written = Recording(path, what)
+        self._left_out = 0
         self._source = source
         self._first = path
         self._waiting: queue.Queue[LivePicture] = queue.Queue(WAITING)
@@ -76,14 +77,19 @@ class Recorder:
         self._thread = threading.Thread(target=self._run, name="vesselsplat-recorder", daemon=True)
         self._thread.start()
 
+    @property
+    def state(self) -> Recording:
+        """What the encoder has written and what `add` left out: each is counted by a thread of its own."""
+        return replace(self._written, left_out=self._left_out)
+
     def add(self, picture: LivePicture) -> None:
         """The next picture, in the order of arrival."""
-        if self.state.is_over or self._ending.is_set():
+        if self._written.is_over or self._ending.is_set():
             return
         try:
             self._waiting.put_nowait(picture)
         except queue.Full:
-            self.state = replace(self.state, left_out=self.state.left_out + 1)
+            self._left_out += 1
 
     def end(self) -> None:
         """Write what waits and end the file, without waiting for it: `state` tells when that is done."""
@@ -117,11 +123,11 @@ class Recorder:
                     return None
 
     def _write(self, picture: LivePicture) -> None:
-        if self.state.pictures % LOOK_EVERY == 0:
-            free = shutil.disk_usage(self.state.path.parent).free
+        if self._written.pictures % LOOK_EVERY == 0:
+            free = shutil.disk_usage(self._written.path.parent).free
             if free < LEAST_FREE:
                 raise UserError(f"the disk is nearly full: {free / 1e6:.0f} MB are free")
-        image = shown(picture, self.state.what)
+        image = shown(picture, self._written.what)
         if self._start is None:
             self._start = picture.arrived
         seconds = picture.arrived - self._start
@@ -131,16 +137,16 @@ class Recorder:
         if picture.setting != self._setting:
             self._note(picture.setting, seconds)
         self._segment.write(image, seconds)
-        self.state = replace(self.state, seconds=seconds, pictures=self.state.pictures + 1)
+        self._written = replace(self._written, seconds=seconds, pictures=self._written.pictures + 1)
 
     def _begin(self, image: ByteImage, seconds: float) -> None:
         """Another file where another size goes on."""
         if self._segment is not None:
             self._segment.finish()
-            files = self.state.files + 1
+            files = self._written.files + 1
             path = _numbered(self._first, files)
-            self.state = replace(self.state, path=path, files=files)
-        self._segment = Segment(self.state.path, (image.shape[1], image.shape[0]), seconds, self._facts())
+            self._written = replace(self._written, path=path, files=files)
+        self._segment = Segment(self._written.path, (image.shape[1], image.shape[0]), seconds, self._facts())
 
     def _note(self, setting: LiveSetting, seconds: float) -> None:
         """From now on pictures are enhanced otherwise: said beside the file, which has a beginning only."""
@@ -150,7 +156,7 @@ class Recorder:
         self._say()
 
     def _facts(self) -> dict[str, Any]:
-        return provenance(kind=RECORDING, source=self._source, what=self.state.what)
+        return provenance(kind=RECORDING, source=self._source, what=self._written.what)
 
     def _say(self, **more: object) -> None:
         write_sidecar(self._first, self._facts() | {"settings": self._settings} | plain(more))
@@ -163,10 +169,10 @@ class Recorder:
                 self._first.unlink(missing_ok=True)
         except (OSError, ValueError) as error:
             trouble = trouble or sentence(error)
-        now = self.state = replace(self.state, is_over=True, trouble=trouble)
+        self._written = replace(self._written, is_over=True, trouble=trouble)
         if self._segment is not None:
             with suppress(OSError, UserError):
-                self._say(recorded=_without_path(now))
+                self._say(recorded=_without_path(self.state))
 
 
 def require_new(path: Path) -> None:

@@ -103,7 +103,6 @@ class LiveSession:
             arrived=self._capture.count,
             made=self._made,
             dropped=self._capture.dropped,
-            unseen=self.pictures.dropped,
             times_lost=link.times_lost,
             since=since,
             to_ready=self._to_ready.now,
@@ -128,8 +127,7 @@ class LiveSession:
 
     def _run(self) -> None:
         numbers, enhancer, of_size = count(1), None, None
-        if self.setting.params is not None:
-            load_kernels(self.setting.params, np.zeros((64, 64, 3), np.uint8))
+        load(self.setting)
         while not self._closing.is_set():
             arrived = self._capture.frames.take(WAITING)
             if arrived is None:
@@ -165,6 +163,12 @@ class LiveSession:
         self._on_picture()
 
 
+def load(setting: LiveSetting) -> None:
+    """The kernels that frames are enhanced by, from disk or compiled, which is no time of a frame."""
+    if setting.params is not None:
+        load_kernels(setting.params, np.zeros((64, 64, 3), np.uint8))
+
+
 def is_black(image: ByteImage) -> bool:
     """Nothing is on it: all of it is black, or one dark grey as of grabbers without a signal."""
     sample = image[::SPARSE, ::SPARSE]
@@ -177,12 +181,10 @@ def _enhanced(
 ) -> LivePicture:
     start = time.perf_counter()
     if setting.params is None:
-        return LivePicture(number, arrived.at, arrived.seconds, original, None, setting, None, (), 0.0)
+        return LivePicture(number, arrived.at, original, None, setting, None, (), 0.0)
     enhancer.show(original, pixels=setting.pixels)
     result = enhancer.enhance(setting.params)
     spent = 1000 * (time.perf_counter() - start)
     image = np.asarray(result.image, np.uint8)
     used = result.statistics
-    return LivePicture(
-        number, arrived.at, arrived.seconds, original, image, setting, used, result.omitted, spent
-    )
+    return LivePicture(number, arrived.at, original, image, setting, used, result.omitted, spent)

@@ -45,11 +45,6 @@ def fail(state: AppState, sentence: str) -> None:
     log.info("shown: %s", legible(sentence))
 
 
-def stoppable(banner: Banner) -> Banner:
-    """The same, of what goes on and can be given up."""
-    return replace(banner, can_stop=True)
-
-
 def dismiss(state: AppState) -> None:
     """What went wrong has been read."""
     state.window.banner = None

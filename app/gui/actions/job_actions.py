@@ -14,7 +14,6 @@ from app.gui.session_file import KeptSettings
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.work.runs import ModelRequest
-from app.live.picture import LIVE
 from app.runs.run_changes import folder_name
 from app.runs.run_folder import Input
 from app.runs.train_run import TrainRequest
@@ -203,7 +202,7 @@ def why_not_reconstruct(state: AppState) -> str:
     clip = state.source.clip
     if clip is None:
         return "Open a clip first."
-    if clip.format == LIVE:
+    if state.source.is_live_frame:
         return "Record the live source, then open the recording."
     if state.source.depth_wish is not None:
         return depth_actions.READING

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from app.errors import UserError, sentence
+from app.errors import UserError
 from app.files.provenance import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
@@ -17,9 +17,7 @@ from app.live.picture import LIVE, LivePicture
 from app.live.recorder import Recorder, What
 from app.live.sources.source import Wish
 from renderer.clip import ByteImage, Clip
-from renderer.readers.frames import without_depth
-
-FIELD_OF_VIEW = 60.0
+from renderer.readers.frames import FIELD_OF_VIEW, without_depth
 
 
 def choose_source(state: AppState) -> None:
@@ -67,7 +65,7 @@ def open_device(state: AppState, device: Device) -> None:
 
 def play_file(state: AppState, path: Path) -> None:
     """As if it were live."""
-    go_live(state, LiveAddress("file", str(path.absolute()), path.resolve().name), state.live.choice.wish)
+    go_live(state, LiveAddress.of_file(path), state.live.choice.wish)
 
 
 def go_live(state: AppState, address: LiveAddress, wish: Wish) -> None:
@@ -138,11 +136,7 @@ def toggle_recording(state: AppState) -> None:
     if live.session is None or live.address is None:
         return
     path = state.export_folder / f"live-{stamp()}-{live.what.replace(' ', '-')}.mp4"
-    try:
-        live.recorder = Recorder(path, live.what, live.address.name)
-    except (UserError, OSError) as error:
-        actions.fail(state, f"the recording cannot begin: {sentence(error)}")
-        return
+    live.recorder = Recorder(path, live.what, live.address.name)
     live.session.recipients = (live.recorder.add,)
 
 

@@ -119,7 +119,7 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
                 synonyms=("batch", "convert", "many", "process")),
         Command("Record the live source", live_actions.toggle_recording, ("Ctrl+Shift+L",),
                 text="record the live source, or end the recording",
-                applies=lambda s: s.live.session is not None, ticked=lambda s: s.live.records,
+                applies=lambda s: s.live.session is not None, ticked=lambda s: s.live.recorder is not None,
                 synonyms=("video", "capture", "mp4", "store")),
         Command("Close the live source", live_actions.leave_live,
                 applies=lambda s: s.live.session is not None, synonyms=("stop", "end", "disconnect")),
@@ -149,10 +149,6 @@ def _toggle_recent(state: AppState) -> None:
     actions.remember_recent(state, not state.settings.remember_recent)
 
 
-def _is_frozen(state: AppState) -> bool:
-    return state.timeline.frozen_index is not None or state.live.still is not None
-
-
 def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
         Command("Enhancement", actions.toggle_enhancement, ("E",), text="enhancement on or off",
@@ -162,7 +158,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
                 text="white light: the frames as recorded, in all panes and the 3D view",
                 synonyms=("original", "wli", "normal", "unenhanced", "before")),
         Command("Freeze", live_actions.toggle_freeze, ("F",), text="hold this frame in both panes",
-                applies=has_clip, ticked=_is_frozen,
+                applies=has_clip, ticked=lambda s: s.is_frozen,
                 synonyms=("hold", "still")),
     )  # fmt: skip
     zooms = (

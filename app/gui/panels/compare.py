@@ -67,8 +67,8 @@ def _draw_toolbar(state: AppState) -> None:
     turn, color = partial(actions.toggle_enhancement, state), theme.switch(state.enhancement.active)
     button(f"{label}###enhancing", turn, ENHANCING_TEXT, color=color, width=8)
     beside("Frozen")
-    frozen = state.timeline.frozen_index is not None or state.live.still is not None
-    freeze, color = partial(live_actions.toggle_freeze, state), theme.switch(frozen, caution=True)
+    frozen, freeze = state.is_frozen, partial(live_actions.toggle_freeze, state)
+    color = theme.switch(frozen, caution=True)
     button("Frozen###freeze" if frozen else "Freeze###freeze", freeze, FREEZE_TEXT, color=color)
     beside_of(em(7), 1)
     mode = choose("mode", chosen.mode, MODE_LABELS, MODE_TEXT, 7)

@@ -16,7 +16,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.live import RATES, SIZES
 from app.gui.state.live_words import delay_text, not_live, pace
 from app.gui.style import theme
-from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note
+from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note, tall
 from app.gui.views.clip_time import clock
 from app.live.address import Device
 from app.live.recorder import WHATS
@@ -25,7 +25,6 @@ TITLE: Final = "Open live source"
 WIDTH: Final = 34.0
 PREVIEW: Final = ImVec2(8.0, 4.5)
 """Em of a preview."""
-TALL: Final = 2.5
 HINT: Final = "rtsp://, udp://, http:// or a number"
 ADDRESS_TEXT: Final = (
     "Number of a device, or address of a stream: rtsp://HOST/PATH, udp://@:PORT, http://HOST/PATH. A stream "
@@ -44,7 +43,7 @@ WHAT_TEXT: Final = "What is recorded. From originals, enhanced videos and recons
 def draw_live_bar(state: AppState) -> None:
     """Two rows: what can be done, and how the source stands."""
     live, status = state.live, state.live.status
-    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, _tall()):
+    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, tall()):
         frozen = live.still is not None
         freeze = partial(live_actions.toggle_freeze, state)
         color = theme.switch(frozen, caution=True)
@@ -52,15 +51,14 @@ def draw_live_bar(state: AppState) -> None:
         imgui.same_line()
         _draw_record(state)
         imgui.same_line()
-        right = imgui.get_content_region_avail().x - em(9)
         imgui.align_text_to_frame_padding()
         _draw_signal(state)
-        imgui.same_line(imgui.get_cursor_pos_x() + right if status is None else _right())
+        imgui.same_line(_right())
         save = partial(export_actions.save_picture, state)
         button(f"{icons.ICON_FA_CAMERA}  Save image", save, SAVE_TEXT, width=9.0)
     with imgui_ctx.push_id("below"):
         what = choose("what", live.what, {one: one.capitalize() for one in WHATS}, WHAT_TEXT, 15.8)
-        if what != live.what and not live.records:
+        if what != live.what and live.recorder is None:
             live_actions.choose_what(state, what)
         imgui.same_line()
         imgui.align_text_to_frame_padding()
@@ -76,18 +74,12 @@ def _right() -> float:
     return imgui.get_window_width() - em(9.0) - imgui.get_style().window_padding.x
 
 
-def _tall() -> ImVec2:
-    return ImVec2(imgui.get_style().frame_padding.x, (em(TALL) - em()) / 2)
-
-
 def _draw_record(state: AppState) -> None:
-    live = state.live
-    toggle = partial(live_actions.toggle_recording, state)
-    if not live.records:
+    recording, toggle = state.live.recording, partial(live_actions.toggle_recording, state)
+    if recording is None:
         button(f"{icons.ICON_FA_CIRCLE}  Record###record", toggle, RECORD_TEXT, width=7.5)
         return
-    said = clock(live.recording.seconds) if live.recording is not None else "0:00.0"
-    label = f"{icons.ICON_FA_STOP}  {said}###record"
+    label = f"{icons.ICON_FA_STOP}  {clock(recording.seconds)}###record"
     button(label, toggle, "Ctrl+Shift+L: end the recording.", color=theme.now().danger, width=7.5)
 
 
@@ -154,12 +146,8 @@ def _draw_device(state: AppState, one: Device, textures: ShowsPictures) -> None:
 def _draw_address(state: AppState) -> None:
     choice = state.live.choice
     imgui.set_next_item_width(-em(5))
-    entered, text = imgui.input_text_with_hint(
-        "##address",
-        "rtsp://, udp://, http:// or a number",
-        choice.text,
-        imgui.InputTextFlags_.enter_returns_true,
-    )
+    flags = imgui.InputTextFlags_.enter_returns_true
+    entered, text = imgui.input_text_with_hint("##address", HINT, choice.text, flags)
     if text != choice.text:
         live_actions.type_address(state, text)
     explain(ADDRESS_TEXT)

@@ -14,13 +14,12 @@ from app.gui.commands.commands import has_something
 from app.gui.panels.live import draw_live_bar
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import Area, button, em, explain
+from app.gui.style.widgets import TALL, Area, button, em, explain, tall
 from app.gui.views.clip_time import clock, seconds_at
 from app.gui.views.frame_scale import PADDING, FrameScale
 from app.gui.work.strip import Strip, count_for
 from renderer.clip import ByteImage
 
-STRIP_HEIGHT = 2.5
 LEFT, RIGHT = 7.8, 9.0
 """Em that the buttons beside the strip and the slider have."""
 EMPTY = "The frames of the open clip appear here."
@@ -42,13 +41,13 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
     across = round(max(room - em(LEFT + RIGHT) - 2 * gap, em(4)))
     right = left + across + round(gap)
     imgui.begin_disabled(count < 2 and state.source.place is None)
-    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, _tall()):
+    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, tall()):
         _draw_transport(state)
     imgui.end_disabled()
     imgui.same_line(left)
     _draw_strip(state, count, across, texture)
     imgui.same_line(right)
-    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, _tall()):
+    with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, tall()):
         save, enabled = partial(export_actions.save_picture, state), has_something(state)
         button(f"{icons.ICON_FA_CAMERA}  Save image", save, SAVE_TEXT, enabled=enabled, width=RIGHT)
     imgui.begin_disabled(count < 2 or state.source.clip is None)
@@ -60,11 +59,6 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
     imgui.end_disabled()
     imgui.same_line(right)
     _draw_mask(state)
-
-
-def _tall() -> ImVec2:
-    """Padding of buttons as high as the strip."""
-    return ImVec2(imgui.get_style().frame_padding.x, (em(STRIP_HEIGHT) - em()) / 2)
 
 
 def _draw_slider(state: AppState, count: int, across: int) -> None:
@@ -150,7 +144,7 @@ def _draw_strip(
 ) -> None:
     """The clip in small; a click or drag goes to that frame."""
     clip, strip = state.source.clip, state.timeline.strip
-    area = Area.here(ImVec2(across, em(STRIP_HEIGHT)))
+    area = Area.here(ImVec2(across, em(TALL)))
     scale = FrameScale(area.corner.x, across, count, imgui.get_style().grab_min_size)
     laid_out.size_strip(state, 0 if clip is None else count_for(clip, *area.inside))
     imgui.invisible_button("strip", area.size)

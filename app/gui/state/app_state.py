@@ -30,7 +30,6 @@ from app.gui.work.run_measures import RunMeasuresRequest
 from app.gui.work.runs import RunsRequest
 from app.gui.work.settings import Places, Settings
 from app.kernels.progress import Kind
-from app.live.picture import LIVE
 from app.runs.clip_selection import WHOLE
 from app.scenes.backgrounds import BACKGROUNDS, Background
 from app.scenes.scene import Scene
@@ -177,6 +176,11 @@ class AppState:
         return f"Opening {legible(request.path.name)}…"
 
     @property
+    def is_frozen(self) -> bool:
+        """The pictures hold a frame of a clip that plays, or of a live source."""
+        return self.timeline.frozen_index is not None or self.live.still is not None
+
+    @property
     def measured(self) -> Measured | None:
         """Measures of the clip that is shown, and of none that is on its way out."""
         found, shown = self.picture.measured, self.picture.pictures
@@ -235,17 +239,16 @@ class AppState:
     @property
     def omissions_request(self) -> OmissionsRequest | None:
         """What the unfolded list should be of."""
-        if not self.runs.asks_for_omissions or self.source.clip is None or self.runs.reconstruction.is_alive:
-            return None
-        if self.source.clip.format == LIVE:
+        clip, busy = self.source.clip, self.runs.reconstruction.is_alive
+        if not self.runs.asks_for_omissions or clip is None or self.source.is_live_frame or busy:
             return None
         config = replace(self.runs.reconstruction.config, iterations=TrainConfig().iterations)
-        return OmissionsRequest(self.source.clip, config, self.source.training_part)
+        return OmissionsRequest(clip, config, self.source.training_part)
 
     @property
     def runs_request(self) -> RunsRequest | None:
         """Which runs should be listed now; None while the list is not on screen."""
-        if not self.runs.is_listed or self.source.clip is None or self.source.clip.format == LIVE:
+        if not self.runs.is_listed or self.source.clip is None or self.source.is_live_frame:
             return None
         return RunsRequest(self.places.runs, self.source.clip, int(self.window.now / LOOK_AGAIN))
 

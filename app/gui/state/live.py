@@ -66,8 +66,6 @@ class Live:
     """It will be on screen with the next swap."""
     status: LiveStatus | None = None
     recorder: Recorder | None = None
-    recording: Recording | None = None
-    """How far it is, or how it ended."""
     what: What = "original"
     """Is recorded."""
     told: str = ""
@@ -84,5 +82,6 @@ class Live:
         return self.asked is not None or (self.session is not None and self.clip is None)
 
     @property
-    def records(self) -> bool:
-        return self.recorder is not None
+    def recording(self) -> Recording | None:
+        """How far it is; None where nothing is recorded."""
+        return self.recorder.state if self.recorder is not None else None

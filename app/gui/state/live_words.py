@@ -30,8 +30,8 @@ def live_tags(live: Live) -> tuple[Tag, ...]:
         tags.append(Tag(not_live(status), "caution"))
     elif live.still is None:
         tags.append(Tag(f"LIVE · {pace(status)}"))
-    if live.recording is not None and live.records:
-        tags.append(Tag(f"RECORDING · {clock(live.recording.seconds)}", "caution"))
+    if (recording := live.recording) is not None:
+        tags.append(Tag(f"RECORDING · {clock(recording.seconds)}", "caution"))
     return tuple(tags)
 
 

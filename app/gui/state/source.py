@@ -13,6 +13,7 @@ from app.gui.work.reported import Reported
 from app.gui.work.settings import KnownClip
 from app.gui.work.strip import Strip
 from app.gui.work.swept import SweptImage, SweptJob
+from app.live.picture import LIVE
 from app.runs.clip_selection import WHOLE, ClipPart
 from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWays
@@ -49,6 +50,11 @@ class Source:
     """Trim and mask of the open clip."""
     known: dict[str, KnownClip] = field(default_factory=dict)
     """Those of all clips, by path, and the depth that was chosen for them."""
+
+    @property
+    def is_live_frame(self) -> bool:
+        """What is open is a live source, or a frame of one: no file, and no clip to work on."""
+        return self.clip is not None and self.clip.format == LIVE
 
     @property
     def span(self) -> tuple[int, int]:

@@ -76,6 +76,15 @@ def em(lines: float = 1.0) -> float:
     return lines * imgui.get_font_size()
 
 
+TALL = 2.5
+"""Font heights of the buttons and the strip at the bottom of the window."""
+
+
+def tall() -> ImVec2:
+    """Padding of such buttons."""
+    return ImVec2(imgui.get_style().frame_padding.x, (em(TALL) - em()) / 2)
+
+
 def row(label: str, tooltip: str, width: float = -0.1) -> None:
     """The name of a control on a line of its own column; the control follows to its right, `width` em across,
     or up to so many before the right end."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.live import Live
 from app.gui.work.opening import Opened
 from app.live.picture import LivePicture, LiveSetting
+from app.live.recorder import Recording
 from app.live.session import LiveSession
 from app.live.sources.opening import open_source
 from app.live.sources.source import Source
@@ -58,8 +60,7 @@ def end_live(state: AppState) -> None:
     if session is not None:
         session.close()
     if recorder is not None:
-        live.recording = recorder.finish()
-        _tell_recording(state)
+        _tell_recording(state, recorder.finish())
     if live.clip is not None and live.newest is not None and state.source.clip is live.clip:
         state.source.clip = live_actions.still_of(live.newest)
     state.live = Live(choice=live.choice, what=live.what, asked=live.asked)
@@ -123,25 +124,22 @@ def _tell(state: AppState) -> None:
     if status.signal == "failed":
         live.leaving = True
     elif state.window.banner is not None:
-        state.window.banner = actions.stoppable(state.window.banner)
+        state.window.banner = replace(state.window.banner, can_stop=True)
 
 
 def _follow_recording(state: AppState) -> None:
+    """One that has ended, as it was told to or by itself."""
     live = state.live
-    if live.recorder is None:
+    done = live.recording
+    if done is None or not done.is_over:
         return
-    live.recording = live.recorder.state
-    if live.recording.is_over:
-        live.recorder = None
-        if live.session is not None:
-            live.session.recipients = ()
-        _tell_recording(state)
+    live.recorder = None
+    if live.session is not None:
+        live.session.recipients = ()
+    _tell_recording(state, done)
 
 
-def _tell_recording(state: AppState) -> None:
-    done = state.live.recording
-    if done is None:
-        return
+def _tell_recording(state: AppState, done: Recording) -> None:
     if done.trouble:
         actions.fail(state, f"the recording ended: {done.trouble}. What was recorded until then is kept.")
     elif done.pictures:

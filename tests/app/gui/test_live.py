@@ -77,7 +77,7 @@ def test_from_the_dialog_to_a_recording_that_opens(places: Places) -> None:
         wait(ctx, lambda: _recorded(state) > 5, "a recording")
         assert "RECORDING" in tags(state)
         ctx.key_press(chord("Ctrl+Shift+L"))
-        wait(ctx, lambda: not state.live.records, "its end")
+        wait(ctx, lambda: state.live.recorder is None, "its end")
         (film,) = places.pictures.glob("live-*-original.mp4")
         actions.open_path(state, film)
         wait(ctx, lambda: is_settled(state) and state.live.session is None, "the recording as a clip")

@@ -60,7 +60,7 @@ def picture(number: int, seconds: float, size: tuple[int, int] = (96, 128)) -> L
     level = 40 + 4 * (number % 40)
     original = painted(level, size)
     original[:, : size[1] // 2] = np.random.default_rng(number).integers(0, 255, (size[0], size[1] // 2, 3))
-    return LivePicture(number, seconds, seconds, original, 255 - original, SETTING, None, (), 1.0)
+    return LivePicture(number, seconds, original, 255 - original, SETTING, None, (), 1.0)
 
 
 def recorded(path: Path, pictures: list[LivePicture]) -> Recording:
