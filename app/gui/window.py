@@ -66,7 +66,7 @@ from app.gui.state.source import Source
 from app.gui.style import theme
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import MakeJob, start_due
-from app.gui.update.live import end_live, follow_live, shown
+from app.gui.update.live import close_live, follow_live, shown
 from app.gui.update.preparing import follow_preparation
 from app.gui.update.update import take_pictures, update
 from app.gui.work import kept_layout
@@ -382,7 +382,7 @@ class Window:
         if self.state.runs.reconstruction.job is not None:
             self.state.runs.reconstruction.job.close()
             self.state.runs.reconstruction.job = None
-        end_live(self.state)
+        close_live(self.state)
         if self._preparer is not None:
             self._preparer.close()
         for worker in self._workers:

@@ -62,9 +62,13 @@ class Capture:
         """No frame will come any more."""
         return self.connection.state in ("ended", "failed")
 
-    def close(self, timeout: float = 3.0) -> None:
-        """A source that hangs is not waited for longer than that: it is left to end with the process."""
+    def end(self) -> None:
+        """Let go of the source, without waiting for it."""
         self._closing.set()
+
+    def close(self, timeout: float = 3.0) -> None:
+        """The same, and wait; a source that hangs for longer is left to end with the process."""
+        self.end()
         self._thread.join(timeout)
 
     def _run(self) -> None:

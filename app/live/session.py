@@ -76,9 +76,14 @@ class LiveSession:
         self._thread = threading.Thread(target=self._run, name="vesselsplat-live", daemon=True)
         self._thread.start()
 
-    def close(self) -> None:
-        """Waits for the frame in hand, no longer than a few seconds for the source."""
+    def end(self) -> None:
+        """Let go of the source, without waiting for it."""
         self._closing.set()
+        self._capture.end()
+
+    def close(self) -> None:
+        """The same, and wait for the frame in hand, and no longer than a few seconds for the source."""
+        self.end()
         self._capture.close()
         self._thread.join(2.0)
 

@@ -30,6 +30,10 @@ RATES: Final[Mapping[float | None, str]] = {
 }
 
 
+NEWEST_SHARE: Final = 0.1
+"""Of the newest frame in how long frames take."""
+
+
 @dataclass
 class LiveChoice:
     """The dialog that asks for a source."""
@@ -44,6 +48,21 @@ class LiveChoice:
     """How often they were asked for."""
     trouble: str = ""
     """Why the typed address is none."""
+
+
+@dataclass
+class Drawing:
+    """How long frames of the window take."""
+
+    began: float | None = None
+    """When the one that is drawn now was begun, on `time.perf_counter`."""
+    seconds: float = 0.0
+    """Of the last ones, the newest counting most."""
+
+    def end(self, now: float) -> None:
+        if self.began is not None:
+            self.seconds += NEWEST_SHARE * (now - self.began - self.seconds)
+        self.began = None
 
 
 @dataclass
@@ -62,12 +81,15 @@ class Live:
     still: Clip | None = None
     """The frozen frame; None while the pictures follow the source."""
     newest: LivePicture | None = None
+    drawing: Drawing = field(default_factory=Drawing)
     unshown: LivePicture | None = None
     """It will be on screen with the next swap."""
     status: LiveStatus | None = None
     recorder: Recorder | None = None
     what: What = "original"
     """Is recorded."""
+    completing: tuple[Recorder, ...] = ()
+    """Recordings that were ended and still write."""
     told: str = ""
     """The trouble that was told last, which is told once."""
 

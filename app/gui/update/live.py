@@ -15,6 +15,7 @@ from app.files.legible import located
 from app.gui.actions import actions, live_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.live import Live
+from app.gui.update.live_pace import wait_for_picture
 from app.gui.work.opening import Opened
 from app.live.picture import LivePicture, LiveSetting
 from app.live.recorder import Recording
@@ -26,6 +27,7 @@ MakeSession = Callable[[Callable[[], Source], LiveSetting], LiveSession]
 
 
 def follow_live(state: AppState, make_session: MakeSession) -> None:
+    _follow_recordings(state)
     live = state.live
     if live.asked is not None:
         _begin(state, make_session)
@@ -36,34 +38,46 @@ def follow_live(state: AppState, make_session: MakeSession) -> None:
         return
     live.session.setting = _setting(state)
     live.status = live.session.status()
-    picture = live.session.pictures.take()
+    picture = live.session.pictures.take(wait_for_picture(live, time.perf_counter()))
+    live.drawing.began = time.perf_counter()
     if picture is not None:
         live.newest = picture
         if live.still is None:
             _show(state, picture)
     _tell(state)
-    _follow_recording(state)
 
 
 def shown(state: AppState) -> None:
     """The swap is done: what was drawn is on the screen."""
-    live = state.live
+    live, now = state.live, time.perf_counter()
     if live.session is not None and live.unshown is not None:
-        live.session.shown(live.unshown, time.perf_counter())
+        live.session.shown(live.unshown, now)
     live.unshown = None
+    live.drawing.end(now)
 
 
 def end_live(state: AppState) -> None:
-    """Let go of the source; a recording is completed. The last picture stays as what it is."""
+    """Let go of the source, and let a recording be completed, waiting for neither. The last picture stays."""
     live = state.live
-    session, recorder = live.session, live.recorder
+    session, recorder, completing = live.session, live.recorder, live.completing
     if session is not None:
-        session.close()
+        session.end()
     if recorder is not None:
-        _tell_recording(state, recorder.finish())
+        recorder.end()
+        completing += (recorder,)
     if live.clip is not None and live.newest is not None and state.source.clip is live.clip:
         state.source.clip = live_actions.still_of(live.newest)
-    state.live = Live(choice=live.choice, what=live.what, asked=live.asked)
+    state.live = Live(choice=live.choice, what=live.what, asked=live.asked, completing=completing)
+
+
+def close_live(state: AppState) -> None:
+    """The same at the end of the window, which waits: the process would take the recording with it."""
+    session = state.live.session
+    end_live(state)
+    if session is not None:
+        session.close()
+    for recorder in state.live.completing:
+        recorder.finish()
 
 
 def _begin(state: AppState, make_session: MakeSession) -> None:
@@ -127,16 +141,18 @@ def _tell(state: AppState) -> None:
         state.window.banner = replace(state.window.banner, can_stop=True)
 
 
-def _follow_recording(state: AppState) -> None:
-    """One that has ended, as it was told to or by itself."""
+def _follow_recordings(state: AppState) -> None:
+    """Those that have ended, as they were told to or by themselves."""
     live = state.live
-    done = live.recording
-    if done is None or not done.is_over:
-        return
-    live.recorder = None
-    if live.session is not None:
-        live.session.recipients = ()
-    _tell_recording(state, done)
+    if live.recording is not None and live.recording.is_over:
+        _tell_recording(state, live.recording)
+        live.recorder = None
+        if live.session is not None:
+            live.session.recipients = ()
+    over = [one for one in live.completing if one.state.is_over]
+    live.completing = tuple(one for one in live.completing if one not in over)
+    for one in over:
+        _tell_recording(state, one.state)
 
 
 def _tell_recording(state: AppState, done: Recording) -> None:

@@ -1,0 +1,1 @@
+"""How long a live picture takes from its capture to the screen."""
