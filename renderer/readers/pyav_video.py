@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import weakref
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -55,6 +56,7 @@ class PyAvVideo:
         by_field = deinterlacing == "field" and self._index.is_interlaced
         self._per_frame = 2 if by_field else 1
         self._recent: dict[int, VideoFrame] = {}
+        self._close: weakref.finalize[..., PyAvVideo] | None = None
         self._restart(0)
         first = self._frame(0)
         self.pixel_aspect = float(pixel_aspect(self._stream, first))
@@ -154,7 +156,13 @@ class PyAvVideo:
         return True
 
     def _restart(self, number: int) -> bool:
+        if self._close is not None:
+            self._close()
         self._container = open_container(self._path)
+        # Containers and their streams hold each other, and a decoder its threads and pictures: whoever drops
+        # a video gives all of it back at once, and not when garbage is next searched for, which may be never.
+        self._close = weakref.finalize(self, self._container.close)
+        self._close.atexit = False
         self._stream = video_stream(self._container, self._path)
         self._frames = decoded(self._container, self._stream)
         self._recent = {}
