@@ -17,6 +17,7 @@ from tests.benchmarks.attack.damaged_files import read_damaged
 from tests.benchmarks.attack.failure import Attack, Failure
 from tests.benchmarks.attack.full_disk import attack_full_disks
 from tests.benchmarks.attack.kills import attack_kills, attack_signals
+from tests.benchmarks.attack.recordings import attack_recordings
 from tests.benchmarks.attack.seeds import make_seeds
 from tests.benchmarks.attack.sessions import attack_sessions
 from tests.benchmarks.attack.starts import attack_starts
@@ -41,6 +42,7 @@ PARTS = {
     "signals": Part(attack_signals, 1, 99, "commands ended by SIGINT, SIGTERM and SIGHUP"),
     "disks": Part(attack_full_disks, 1, 88, "commands on disks that fill up"),
     "starts": Part(attack_starts, 1, 160, "starts with damaged settings"),
+    "recordings": Part(attack_recordings, 1, 20, "live recordings killed at random moments"),
     "window": Part(attack_window, 1, 70, "windows killed or ended at their work"),
 }
 
