@@ -32,6 +32,8 @@ def live_tags(live: Live) -> tuple[Tag, ...]:
         tags.append(Tag(f"LIVE · {pace(status)}"))
     if (recording := live.recording) is not None:
         tags.append(Tag(f"RECORDING · {clock(recording.seconds)}", "caution"))
+    if live.sender is not None:
+        tags.append(Tag(str(live.sender.state).upper(), "plain" if live.endpoint.is_local else "caution"))
     return tuple(tags)
 
 
