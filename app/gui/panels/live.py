@@ -14,7 +14,7 @@ from app.gui.actions import actions, export_actions, live_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.state.app_state import AppState
 from app.gui.state.live import RATES, SIZES
-from app.gui.state.live_words import delay_text, not_live, pace
+from app.gui.state.live_words import counts, delay_text, not_live, pace
 from app.gui.style import theme
 from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note, tall
 from app.gui.views.clip_time import clock
@@ -69,7 +69,7 @@ def draw_live_bar(state: AppState) -> None:
         imgui.same_line()
         imgui.align_text_to_frame_padding()
         if status is not None:
-            muted(f"{status.told}   ·   {status.arrived} frames, {status.dropped} dropped")
+            muted(counts(live, status))
             explain(delay_text(status))
         imgui.same_line(_right())
         button("Close source", partial(live_actions.leave_live, state), "End the live source.", width=9.0)
@@ -97,7 +97,7 @@ def _draw_send(state: AppState) -> None:
     said = f"{sending}; {sending.sent} images sent, {sending.left_out} left out. Click to end it."
     said = f"{said[0].upper()}{said[1:]}\n{state.live.endpoint.warning}".strip()
     color = theme.switch(True, caution=not state.live.endpoint.is_local)
-    button(f"Sending to {sending.clients}###send", toggle, said, color=color, width=7.5)
+    button("Sending###send", toggle, said, color=color, width=7.5)
 
 
 def _draw_signal(state: AppState) -> None:

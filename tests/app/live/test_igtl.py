@@ -98,7 +98,7 @@ def _newest(client: OpenIGTLinkClient, levels: list[int]) -> int:
     return levels[-1] if levels else 0
 
 
-def _listens(endpoint: Endpoint) -> bool:
+def listens(endpoint: Endpoint) -> bool:
     with suppress(OSError), socket.create_connection((endpoint.host, endpoint.port)):
         return True
     return False
@@ -108,7 +108,7 @@ def test_a_command_sends_and_counts(vesselsplat: Callable[..., Call]) -> None:
     endpoint, seen = free(), list[tuple[int, ...]]()
 
     def fetch() -> None:
-        wait_for(lambda: _listens(endpoint), "the command", 300)
+        wait_for(lambda: listens(endpoint), "the command", 300)
         with client_of(endpoint) as client:
             seen.append(client.wait_for_message("VesselSplat", 10).image.shape)
 
