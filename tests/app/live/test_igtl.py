@@ -154,6 +154,9 @@ def test_mistakes_are_one_line(vesselsplat: Callable[..., Call], monkeypatch: py
     foreign = vesselsplat("live", phantom_path(), "--igtl", "192.0.2.1:18944")
     assert foreign.code == 2
     assert "frames leave this computer" in foreign.error
+    monkeypatch.setitem(sys.modules, "crcmod._crcfunext", None)
+    slow = vesselsplat("live", phantom_path(), "--igtl")
+    assert (slow.code, "install a C compiler" in slow.error) == (2, True)
     monkeypatch.setitem(sys.modules, "pyigtl", None)
     missing = vesselsplat("live", phantom_path(), "--igtl")
     assert (missing.code, "pip install 'vesselsplat[igtl]'" in missing.error) == (2, True)
