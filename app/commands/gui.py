@@ -9,7 +9,10 @@ from app.console.flags import add_fields, parameters
 from app.console.startup import has_display
 from app.errors import UserError
 from app.live.address import address_of
+from app.live.igtl.endpoint import PORT, endpoint_of
+from app.live.igtl.message import require_pyigtl
 from app.live.sources.device import devices
+from app.live.start import LiveStart
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
 
 
@@ -18,6 +21,13 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "path", metavar="CLIP|IMAGE|VIDEO|RUN|SPLATFILE", nargs="?", type=Path, help="what to open"
     )
     parser.add_argument("--live", metavar="SOURCE", help="show a live source, as of `vesselsplat live`")
+    parser.add_argument(
+        "--igtl",
+        metavar="PORT|HOST:PORT",
+        nargs="?",
+        const=str(PORT),
+        help="send the live source to 3D Slicer, as of `vesselsplat live`",
+    )
     add_fields(parser, ClipOptions, EVERY_OPTION)
 
 
@@ -28,10 +38,21 @@ def run(flags: argparse.Namespace) -> None:
         )
     if flags.path is not None and flags.live is not None:
         raise UserError(f"expected a path or --live, got both: {flags.path} and {flags.live}")
-    options = parameters(ClipOptions, flags)
-    live = None if flags.live is None else address_of(flags.live, devices())
+    options, live = parameters(ClipOptions, flags), _start(flags)
     if not has_display():
         raise UserError("the app needs a display: neither DISPLAY nor WAYLAND_DISPLAY is set")
     from app.gui.window import run_app
 
     run_app(flags.path, options, live)
+
+
+def _start(flags: argparse.Namespace) -> LiveStart | None:
+    if flags.live is None and flags.igtl is not None:
+        raise UserError("--igtl sends a live source: expected --live SOURCE with it, got none")
+    if flags.live is None:
+        return None
+    address = address_of(flags.live, devices())
+    if flags.igtl is None:
+        return LiveStart(address)
+    require_pyigtl()
+    return LiveStart(address, endpoint_of(flags.igtl))

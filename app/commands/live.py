@@ -17,6 +17,9 @@ from app.enhancement.settable import PIXELS
 from app.errors import UserError
 from app.files.provenance import provenance, strict_json
 from app.live.address import address_of
+from app.live.igtl.endpoint import PORT, Endpoint, endpoint_of
+from app.live.igtl.message import require_pyigtl
+from app.live.igtl.sender import Sender
 from app.live.picture import LiveSetting, LiveStatus
 from app.live.recorder import WHATS, Recorder, require_new
 from app.live.session import LiveSession, load
@@ -46,6 +49,14 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--what", choices=WHATS, default=WHATS[0], help=f"what to record (default {WHATS[0]})"
     )
+    parser.add_argument(
+        "--igtl",
+        metavar="PORT|HOST:PORT",
+        nargs="?",
+        const=str(PORT),
+        help="send what is enhanced to 3D Slicer, as OpenIGTLink images (default port "
+        f"{PORT}); only to programs of this computer unless HOST is another address of it",
+    )
     parser.add_argument("--once", action="store_true", help="play a file to its end, not in a loop")
     parser.add_argument(
         "--size", nargs=2, type=int, metavar=("W", "H"), help="size in pixels to ask a device for"
@@ -72,29 +83,38 @@ def run(flags: argparse.Namespace) -> None:
     if flags.source is None:
         raise UserError("expected a SOURCE: a device, the address of a stream, a file or a folder")
     address, wish, setting = address_of(flags.source, known), wish_of(flags), setting_of(flags)
+    endpoint = None if flags.igtl is None else endpoint_of(flags.igtl)
+    if endpoint is not None:
+        require_pyigtl()
     if flags.record is not None:
         require_new(flags.record)
     # Compiling may take a minute, in which no source is to wait.
     load(setting)
+    sender = None if endpoint is None else _sender(endpoint)
     recorder = None if flags.record is None else Recorder(flags.record, flags.what, address.name)
-    recipients = () if recorder is None else (recorder.add,)
+    recipients = tuple(one.add for one in (recorder, sender) if one is not None)
     began = time.perf_counter()
     session = LiveSession(partial(open_source, address, wish), setting, recipients=recipients)
     try:
         with progress(f"live from {address.name}", 0, every=2.0) as report:
-            _follow(session, flags.seconds, report)
+            _follow(session, sender, flags.seconds, report)
     finally:
         session.close()
         recording = None if recorder is None else recorder.finish()
+        sending = None if sender is None else sender.finish()
     last = session.status()
     if last.made == 0:
         raise UserError(f"no frame came from {address.name}: {last.reason or 'none in that time'}")
     facts = _facts(last, time.perf_counter() - began) | {"source": address.name, "setting": setting}
     if recording is not None:
         facts["recording"] = recording
+    if sending is not None:
+        facts["sending"] = sending
     _say(facts, last, flags.json)
     if recording is not None and recording.trouble:
         raise UserError(f"the recording ended early ({recording.trouble}): {recording.path}")
+    if sending is not None and sending.trouble:
+        raise UserError(f"sending ended early ({sending.trouble}): {sending.address}")
 
 
 def wish_of(flags: argparse.Namespace) -> Wish:
@@ -115,13 +135,20 @@ def setting_of(flags: argparse.Namespace) -> LiveSetting:
     return LiveSetting(params, flags.pixels)
 
 
-def _follow(session: LiveSession, seconds: float | None, report: Report) -> None:
+def _sender(endpoint: Endpoint) -> Sender:
+    """Raises UserError: nobody can connect at that place."""
+    if endpoint.warning:
+        sys.stderr.write(f"live: {endpoint.warning}\n")
+    return Sender(endpoint)
+
+
+def _follow(session: LiveSession, sender: Sender | None, seconds: float | None, report: Report) -> None:
     """Until the time is over, the source has ended, or it never came. Raises UserError: it cannot come."""
     began = time.perf_counter()
     while not session.is_over:
         time.sleep(LOOK)
         now, passed = session.status(), time.perf_counter() - began
-        report(now.made, line_of(now))
+        report(now.made, line_of(now) if sender is None else f"{line_of(now)}, {sender.state}")
         if seconds is not None and passed >= seconds:
             return
         if now.made == 0 and passed > PATIENCE:
@@ -161,6 +188,8 @@ def _say(facts: dict[str, Any], last: LiveStatus, as_json: bool) -> None:
     text += f", {last.dropped} dropped; from arrival to enhanced {last.to_ready}\n"
     if (one := facts.get("recording")) is not None:
         text += f"{one.path}: {one.pictures} pictures, {one.seconds:.1f} s recorded\n"
+    if (one := facts.get("sending")) is not None:
+        text += f"{one.address}: {one.sent} images sent by OpenIGTLink, {one.left_out} left out\n"
     sys.stdout.write(text)
 
 

@@ -74,9 +74,8 @@ from app.gui.work.background import Apart, Worker
 from app.gui.work.settings import Places, Theme, load_clips, load_settings
 from app.kernels.preparer import Preparer
 from app.kernels.stamp import is_prepared
-from app.live.address import LiveAddress
 from app.live.session import LiveSession
-from app.live.sources.source import Wish
+from app.live.start import LiveStart
 from app.runs.job import TrainingJob
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -91,7 +90,7 @@ RUNNER = WindowServices(dockings.restore, dockings.quit_app, dockings.toggle, do
 
 
 def run_app(
-    path: Path | None = None, clip_options: ClipOptions = DEFAULTS, live: LiveAddress | None = None
+    path: Path | None = None, clip_options: ClipOptions = DEFAULTS, live: LiveStart | None = None
 ) -> None:
     """Open the window, on a clip, a run or a live source if given, and return when it is closed.
 
@@ -109,7 +108,7 @@ def run_app(
     if path is not None:
         actions.open_path(window.state, path)
     elif live is not None:
-        live_actions.go_live(window.state, live, Wish())
+        live_actions.begin(window.state, live)
     with logged(
         places.logs, f"VesselSplat {version()}, {platform.platform()}, Python {platform.python_version()}"
     ):

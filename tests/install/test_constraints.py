@@ -32,7 +32,7 @@ EXTRAS = ("--extra", "test", "--extra", "bundle")
 def resolve(
     requirements: str, cache: Path, *arguments: str, **variables: str
 ) -> subprocess.CompletedProcess[str]:
-    """What the public index gives for them, wheels alone."""
+    """What the public index gives for them, wheels alone but for one."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith(LOCAL)}
     line = [sys.executable, "-m", "uv", "pip", "compile", "--no-config", "--no-header", "--no-annotate"]
     # uv would fetch an interpreter of the version asked for; its markers and wheels are all that is needed.
@@ -41,6 +41,9 @@ def resolve(
         "--quiet",
         "--only-binary",
         ":all:",
+        # Below pyigtl; it has no wheels, and is plain Python where there is no compiler.
+        "--no-binary",
+        "crcmod",
         "--cache-dir",
         str(cache),
         requirements,

@@ -13,9 +13,11 @@ from app.gui.state.live import Live
 from app.gui.work.background import Failure
 from app.gui.work.live_devices import DevicesRequest, Found
 from app.live.address import Device, LiveAddress, address_of
+from app.live.igtl.sender import Sender
 from app.live.picture import LIVE, LivePicture
 from app.live.recorder import Recorder, What
 from app.live.sources.source import Wish
+from app.live.start import LiveStart
 from renderer.clip import ByteImage, Clip
 from renderer.readers.frames import FIELD_OF_VIEW, without_depth
 
@@ -78,6 +80,13 @@ def go_live(state: AppState, address: LiveAddress, wish: Wish) -> None:
     actions.leave_session(state, go)
 
 
+def begin(state: AppState, start: LiveStart) -> None:
+    """With what the window was opened on."""
+    go_live(state, start.address, Wish())
+    if start.endpoint is not None:
+        state.live.endpoint, state.live.send_asked = start.endpoint, True
+
+
 def leave_live(state: AppState) -> None:
     """End it; the last picture stays until something else is opened."""
     state.live.leaving = True
@@ -137,12 +146,27 @@ def toggle_recording(state: AppState) -> None:
         return
     path = state.export_folder / f"live-{stamp()}-{live.what.replace(' ', '-')}.mp4"
     live.recorder = Recorder(path, live.what, live.address.name)
-    live.session.recipients = (live.recorder.add,)
 
 
 def finish_recording(state: AppState) -> None:
     """What waits is written; its end is told by the update."""
-    if state.live.session is not None:
-        state.live.session.recipients = ()
     if state.live.recorder is not None:
         state.live.recorder.end()
+
+
+def toggle_sending(state: AppState) -> None:
+    """Let other programs fetch the pictures, or close their connections."""
+    live = state.live
+    if live.sender is not None:
+        live.sender.end()
+        live.sender = None
+        return
+    if live.session is None:
+        return
+    try:
+        live.sender = Sender(live.endpoint)
+    except UserError as error:
+        actions.fail(state, str(error))
+        return
+    if live.endpoint.warning:
+        actions.fail(state, live.endpoint.warning)

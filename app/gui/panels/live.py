@@ -14,7 +14,7 @@ from app.gui.actions import actions, export_actions, live_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.state.app_state import AppState
 from app.gui.state.live import RATES, SIZES
-from app.gui.state.live_words import delay_text, not_live, pace
+from app.gui.state.live_words import counts, delay_text, not_live, pace
 from app.gui.style import theme
 from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note, tall
 from app.gui.views.clip_time import clock
@@ -37,6 +37,10 @@ RECORD_TEXT: Final = (
     "Ctrl+Shift+L: record into the folder of exports. What is recorded plays even if the computer stops: at "
     "most the last second is lost."
 )
+SEND_TEXT: Final = (
+    "Let 3D Slicer, or another program, fetch the enhanced frames by OpenIGTLink. Only programs of this "
+    "computer can, unless VesselSplat was started with another address."
+)
 WHAT_TEXT: Final = "What is recorded. From originals, enhanced videos and reconstructions can be made later."
 
 
@@ -57,13 +61,15 @@ def draw_live_bar(state: AppState) -> None:
         save = partial(export_actions.save_picture, state)
         button(f"{icons.ICON_FA_CAMERA}  Save image", save, SAVE_TEXT, width=9.0)
     with imgui_ctx.push_id("below"):
-        what = choose("what", live.what, {one: one.capitalize() for one in WHATS}, WHAT_TEXT, 15.8)
+        what = choose("what", live.what, {one: one.capitalize() for one in WHATS}, WHAT_TEXT, 7.8)
         if what != live.what and live.recorder is None:
             live_actions.choose_what(state, what)
         imgui.same_line()
+        _draw_send(state)
+        imgui.same_line()
         imgui.align_text_to_frame_padding()
         if status is not None:
-            muted(f"{status.told}   ·   {status.arrived} frames, {status.dropped} dropped")
+            muted(counts(live, status))
             explain(delay_text(status))
         imgui.same_line(_right())
         button("Close source", partial(live_actions.leave_live, state), "End the live source.", width=9.0)
@@ -81,6 +87,17 @@ def _draw_record(state: AppState) -> None:
         return
     label = f"{icons.ICON_FA_STOP}  {clock(recording.seconds)}###record"
     button(label, toggle, "Ctrl+Shift+L: end the recording.", color=theme.now().danger, width=7.5)
+
+
+def _draw_send(state: AppState) -> None:
+    sending, toggle = state.live.sending, partial(live_actions.toggle_sending, state)
+    if sending is None:
+        button("Send###send", toggle, SEND_TEXT, width=7.5)
+        return
+    said = f"{sending}; {sending.sent} images sent, {sending.left_out} left out. Click to end it."
+    said = f"{said[0].upper()}{said[1:]}\n{state.live.endpoint.warning}".strip()
+    color = theme.switch(True, caution=not state.live.endpoint.is_local)
+    button("Sending###send", toggle, said, color=color, width=7.5)
 
 
 def _draw_signal(state: AppState) -> None:

@@ -21,7 +21,8 @@ LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
     "VesselSplat makes vessels easier to see. It does not detect, measure or assess them, and "
     "enhanced images may show structures that are not there. Screens and cameras are not "
-    "calibrated. You are responsible for how you use it. Nothing leaves this computer."
+    "calibrated. You are responsible for how you use it. Nothing leaves this computer "
+    "unless you start it with --igtl and another address."
 )
 BANNER = "##banner"
 MIDDLE = ("Images", "Splats", "Tuning", "Report")

@@ -8,9 +8,11 @@ from typing import Final
 
 from app.gui.work.live_devices import Found
 from app.live.address import LiveAddress
+from app.live.igtl.endpoint import Endpoint
+from app.live.igtl.sender import Sender, Sending
 from app.live.picture import LivePicture, LiveStatus
 from app.live.recorder import Recorder, Recording, What
-from app.live.session import LiveSession
+from app.live.session import LiveSession, Recipient
 from app.live.sources.source import Wish
 from renderer.clip import Clip
 
@@ -90,6 +92,11 @@ class Live:
     """Is recorded."""
     completing: tuple[Recorder, ...] = ()
     """Recordings that were ended and still write."""
+    endpoint: Endpoint = field(default_factory=Endpoint)
+    """Where others may fetch the pictures."""
+    send_asked: bool = False
+    """It is to be sent as soon as it is live."""
+    sender: Sender | None = None
     told: str = ""
     """The trouble that was told last, which is told once."""
 
@@ -107,3 +114,13 @@ class Live:
     def recording(self) -> Recording | None:
         """How far it is; None where nothing is recorded."""
         return self.recorder.state if self.recorder is not None else None
+
+    @property
+    def sending(self) -> Sending | None:
+        """How it stands; None where nothing is sent."""
+        return self.sender.state if self.sender is not None else None
+
+    @property
+    def recipients(self) -> tuple[Recipient, ...]:
+        """Are given every picture."""
+        return tuple(one.add for one in (self.recorder, self.sender) if one is not None)

@@ -32,6 +32,8 @@ def live_tags(live: Live) -> tuple[Tag, ...]:
         tags.append(Tag(f"LIVE · {pace(status)}"))
     if (recording := live.recording) is not None:
         tags.append(Tag(f"RECORDING · {clock(recording.seconds)}", "caution"))
+    if live.sender is not None and not live.endpoint.is_local:
+        tags.append(Tag(str(live.sender.state).upper(), "caution"))
     return tuple(tags)
 
 
@@ -55,6 +57,14 @@ def pace(status: LiveStatus) -> str:
     delay = status.to_screen or status.to_ready
     rate = f"{status.frames_per_second:.0f} frames/s"
     return rate if delay is None else f"{rate} · {delay.median:.0f} ms"
+
+
+def counts(live: Live, status: LiveStatus) -> str:
+    """What came, what was too late, and to whom it is sent."""
+    parts = [status.told, f"{status.arrived} frames, {status.dropped} dropped"]
+    if live.sender is not None:
+        parts.append(str(live.sender.state))
+    return "   ·   ".join(parts)
 
 
 def delay_text(status: LiveStatus) -> str:

@@ -36,7 +36,8 @@ def follow_live(state: AppState, make_session: MakeSession) -> None:
     if live.leaving or _gave_way(state):
         end_live(state)
         return
-    live.session.setting = _setting(state)
+    _follow_sending(state)
+    live.session.setting, live.session.recipients = _setting(state), live.recipients
     live.status = live.session.status()
     picture = live.session.pictures.take(wait_for_picture(live, time.perf_counter()))
     live.drawing.began = time.perf_counter()
@@ -65,9 +66,13 @@ def end_live(state: AppState) -> None:
     if recorder is not None:
         recorder.end()
         completing += (recorder,)
+    if live.sender is not None:
+        live.sender.end()
     if live.clip is not None and live.newest is not None and state.source.clip is live.clip:
         state.source.clip = live_actions.still_of(live.newest)
-    state.live = Live(choice=live.choice, what=live.what, asked=live.asked, completing=completing)
+    state.live = Live(
+        choice=live.choice, what=live.what, endpoint=live.endpoint, asked=live.asked, completing=completing
+    )
 
 
 def close_live(state: AppState) -> None:
@@ -82,12 +87,14 @@ def close_live(state: AppState) -> None:
 
 def _begin(state: AppState, make_session: MakeSession) -> None:
     """What is live until now gives way."""
-    asked, state.live.asked = state.live.asked, None
+    asked, send, state.live.asked = state.live.asked, state.live.send_asked, None
     end_live(state)
     assert asked is not None
     address, wish = asked
     state.live.address = address
     state.live.session = make_session(partial(open_source, address, wish), _setting(state))
+    if send:
+        live_actions.toggle_sending(state)
 
 
 def _gave_way(state: AppState) -> bool:
@@ -147,12 +154,18 @@ def _follow_recordings(state: AppState) -> None:
     if live.recording is not None and live.recording.is_over:
         _tell_recording(state, live.recording)
         live.recorder = None
-        if live.session is not None:
-            live.session.recipients = ()
     over = [one for one in live.completing if one.state.is_over]
     live.completing = tuple(one for one in live.completing if one not in over)
     for one in over:
         _tell_recording(state, one.state)
+
+
+def _follow_sending(state: AppState) -> None:
+    """Where it has ended by itself."""
+    sending = state.live.sending
+    if sending is not None and sending.is_over:
+        state.live.sender = None
+        actions.fail(state, f"sending to {sending.address} ended: {sending.trouble}")
 
 
 def _tell_recording(state: AppState, done: Recording) -> None:

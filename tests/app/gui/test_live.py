@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from pathlib import Path
 
 import numpy as np
@@ -12,15 +13,17 @@ from app.__main__ import main
 from app.gui.actions import actions, live_actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
-from app.gui.state.live_words import is_not_live, live_tags
+from app.gui.state.live_words import counts, is_not_live, live_tags
 from app.gui.state.panes import why_not
 from app.gui.work.settings import Places, Settings
 from app.live.address import address_of
 from app.live.picture import LIVE
 from app.live.sources.source import Wish
+from app.live.start import LiveStart
 from assets import phantom_path
 from renderer.sources import open_clip
 from tests.app.gui.test_window import Driver, enhanced, is_settled, wait
+from tests.app.live.test_igtl import client_of, free, listens
 
 Context = imgui.test_engine.TestContext
 PHANTOM = address_of(str(phantom_path()))
@@ -115,6 +118,34 @@ def test_a_source_that_ends_never_looks_live(places: Places, tmp_path: Path) -> 
         assert state.source.clip is not None
         assert state.source.clip.format == LIVE
         assert not live_tags(state.live)
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_others_fetch_what_is_live_while_the_switch_is_on(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state, taken = driver.state, free()
+    live_actions.begin(state, LiveStart(PHANTOM, taken))
+
+    def said() -> str:
+        return counts(state.live, state.live.status) if state.live.status is not None else ""
+
+    def drive(ctx: Context) -> None:
+        wait(ctx, lambda: state.live.flows and state.live.sender is not None, "live pictures")
+        with client_of(taken) as client:
+            wait(ctx, lambda: said().endswith(f"sending to {taken}, 1 client"), "the client")
+            wait(ctx, lambda: state.live.sending is not None and state.live.sending.sent > 3, "images")
+            assert client.get_latest_messages()[0].image.shape[3] == 3
+            ctx.item_click("**/###send")
+            wait(ctx, lambda: "sending" not in said(), "the end of it")
+            wait(ctx, lambda: not listens(taken), "the end of the connection")
+        with socket.create_server((taken.host, taken.port)):
+            ctx.item_click("**/###send")
+            wait(ctx, lambda: state.window.banner is not None, "why it cannot")
+        assert state.window.banner is not None
+        assert f"cannot send at {taken}" in state.window.banner.message
+        assert state.live.sender is None
 
     driver.run(drive)
 

@@ -1,0 +1,1 @@
+"""Live pictures for others: OpenIGTLink IMAGE messages, as 3D Slicer reads them."""

@@ -1,0 +1,162 @@
+"""Live pictures by OpenIGTLink: bit for bit to a real client; one that never reads holds up nobody."""
+
+from __future__ import annotations
+
+import json
+import socket
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+
+import numpy as np
+import psutil
+import pytest
+from pyigtl import OpenIGTLinkClient
+
+from app.errors import UserError
+from app.live.igtl.endpoint import Endpoint, endpoint_of
+from app.live.igtl.sender import Sender
+from app.live.picture import LivePicture, LiveSetting
+from app.live.session import LiveSession
+from assets import phantom_path
+from tests.app.conftest import Call
+from tests.app.live.painted import PaintedSource, painted, wait_for
+
+PLAIN = LiveSetting(None)
+
+
+def free() -> Endpoint:
+    with socket.create_server(("127.0.0.1", 0)) as one:
+        return Endpoint(port=one.getsockname()[1])
+
+
+@contextmanager
+def sending() -> Iterator[Sender]:
+    sender = Sender(free())
+    try:
+        yield sender
+    finally:
+        assert not sender.finish().trouble
+        assert sender.state.is_over
+
+
+@contextmanager
+def client_of(endpoint: Endpoint) -> Iterator[OpenIGTLinkClient]:
+    client = OpenIGTLinkClient(endpoint.host, endpoint.port)
+    try:
+        yield client
+    finally:
+        client.stop()
+
+
+def test_a_client_gets_the_enhanced_picture_bit_for_bit_with_its_time_and_axes() -> None:
+    enhanced = np.random.default_rng(0).integers(0, 256, (48, 64, 3), np.uint8)
+    now, arrived = time.time(), time.perf_counter()
+    picture = LivePicture(1, arrived, painted(9), enhanced, PLAIN, None, (), 0.0)
+    with sending() as sender:
+        with client_of(sender.endpoint) as client:
+            wait_for(lambda: sender.state.clients == 1, "the client")
+            sender.add(picture)
+            got = client.wait_for_message("VesselSplat", 10)
+            wait_for(lambda: sender.state.sent == 1, "the count")
+        wait_for(lambda: sender.state.clients == 0, "the end of the client")
+        assert str(sender.state) == f"sending to 127.0.0.1:{sender.endpoint.port}, 0 clients"
+    assert got.message_type == "IMAGE"
+    assert np.array_equal(got.image, enhanced[np.newaxis])
+    assert abs(got.timestamp - now) < 0.02
+    # Columns go to the left of the patient, rows to the back, from the first pixel at the origin.
+    assert got.world_coordinate_system == "ras"
+    assert np.allclose(got.ijk_to_world_matrix, np.diag((-1, -1, 1, 1)), atol=1e-4)
+
+
+def test_a_client_that_never_reads_holds_up_neither_the_picture_nor_another_client() -> None:
+    frames, memory = 120, psutil.Process().memory_info
+    with sending() as sender, socket.create_connection(("127.0.0.1", sender.endpoint.port)) as stuck:
+        wait_for(lambda: sender.state.clients == 1, "the client that never reads")
+        with client_of(sender.endpoint) as client:
+            wait_for(lambda: sender.state.clients == 2, "the client that reads")
+            source = PaintedSource(range(1, 1 + frames), pause=0.02, size=(720, 1280))
+            session = LiveSession(lambda: source, PLAIN, recipients=(sender.add,))
+            wait_for(lambda: session.status().made >= 40, "the first pictures")
+            before = memory().rss
+            wait_for(lambda: session.is_over, "the end")
+            assert memory().rss - before < 40e6  # A picture is 2.8 MB; 80 of them came.
+            status = session.status()
+            session.close()
+            assert status.made >= 0.9 * frames
+            levels = list[int]()
+            wait_for(lambda: _newest(client, levels) == frames, "the newest picture")
+        stuck.close()
+        wait_for(lambda: sender.state.clients == 0, "the ends of both")
+        assert sender.state.left_out > 0.8 * frames
+
+
+def _newest(client: OpenIGTLinkClient, levels: list[int]) -> int:
+    levels += [int(one.image[0, 0, 0, 0]) for one in client.get_latest_messages()]
+    return levels[-1] if levels else 0
+
+
+def listens(endpoint: Endpoint) -> bool:
+    with suppress(OSError), socket.create_connection((endpoint.host, endpoint.port)):
+        return True
+    return False
+
+
+def test_a_command_sends_and_counts(vesselsplat: Callable[..., Call]) -> None:
+    endpoint, seen = free(), list[tuple[int, ...]]()
+
+    def fetch() -> None:
+        wait_for(lambda: listens(endpoint), "the command", 300)
+        with client_of(endpoint) as client:
+            seen.append(client.wait_for_message("VesselSplat", 10).image.shape)
+
+    fetching = threading.Thread(target=fetch)
+    fetching.start()
+    done = vesselsplat("live", phantom_path(), "--seconds", "2", "--igtl", str(endpoint.port), "--json")
+    fetching.join()
+    assert done.code == 0
+    assert "frames leave" not in done.error
+    told = json.loads(done.out)["sending"]
+    assert told["address"] == str(endpoint)
+    assert told["sent"] > 0
+    assert seen[0][0] == 1
+    assert seen[0][3] == 3
+
+
+@pytest.mark.parametrize(
+    ("said", "meant", "is_local"),
+    [
+        ("18944", "127.0.0.1:18944", True),
+        ("localhost:1", "127.0.0.1:1", True),
+        ("0.0.0.0:7", "0.0.0.0:7", False),
+        ("[::1]:7", "[::1]:7", True),
+    ],
+)
+def test_only_a_named_address_is_reached_from_outside(said: str, meant: str, is_local: bool) -> None:
+    endpoint = endpoint_of(said)
+    assert (str(endpoint), endpoint.is_local) == (meant, is_local)
+    assert ("may show a patient" in endpoint.warning) is not is_local
+
+
+@pytest.mark.parametrize("said", ["", ":18944", "clip.mp4", "0", "65536", "127.0.0.1:", "example.org:7"])
+def test_what_is_no_address_is_said_and_nothing_is_looked_up(said: str) -> None:
+    with pytest.raises(UserError, match="expected PORT or HOST:PORT"):
+        endpoint_of(said)
+
+
+def test_mistakes_are_one_line(vesselsplat: Callable[..., Call], monkeypatch: pytest.MonkeyPatch) -> None:
+    with sending() as taken:
+        done = vesselsplat("live", phantom_path(), "--igtl", str(taken.endpoint))
+    assert (done.code, done.error.count("\n")) == (2, 1)
+    assert f"cannot send at {taken.endpoint}: " in done.error
+    foreign = vesselsplat("live", phantom_path(), "--igtl", "192.0.2.1:18944")
+    assert foreign.code == 2
+    assert "frames leave this computer" in foreign.error
+    monkeypatch.setitem(sys.modules, "crcmod._crcfunext", None)
+    slow = vesselsplat("live", phantom_path(), "--igtl")
+    assert (slow.code, "install a C compiler" in slow.error) == (2, True)
+    monkeypatch.setitem(sys.modules, "pyigtl", None)
+    missing = vesselsplat("live", phantom_path(), "--igtl")
+    assert (missing.code, "pip install 'vesselsplat[igtl]'" in missing.error) == (2, True)
