@@ -21,6 +21,7 @@ from app.gui.frame.second_content import SecondContent
 from app.gui.state.app_state import AppState
 
 SIZE: Final = (640, 480)
+LOST: Final = "the monitor of the second window has gone: Shift+F5 opens it again"
 GAP: Final = 48
 """Pixels from the corner of the first window, on the same screen."""
 HINTS: Final = {
@@ -59,6 +60,7 @@ class SecondWindow:
         """After a frame of the first window, whose context is current before and after."""
         if self._window is not None:
             self._listen(state)
+            self._end_without_monitor(state)
         if not state.second_window.shown:
             self.close()
             return
@@ -85,8 +87,14 @@ class SecondWindow:
             presenting.place_second(state, place)
         self._place = place
 
+    def _end_without_monitor(self, state: AppState) -> None:
+        """As large as a screen, it would lie over the controls on the one that is left."""
+        if self._full_screen.is_lost(self._window):
+            presenting.close_second(state)
+            actions.announce(state, LOST)
+
     def _open(self, state: AppState) -> bool:
-        place, elsewhere = self._first_place(state)
+        place, fills = self._first_place(state)
         glfw.default_window_hints()  # The runner has left its own.
         for hint, value in HINTS.items():
             glfw.window_hint(hint, value)
@@ -99,8 +107,7 @@ class SecondWindow:
         glfw.set_window_pos(window, *place[:2])
         glfw.set_key_callback(window, self._press)
         glfw.set_window_refresh_callback(window, self._forget)
-        if elsewhere:
-            presenting.fill_second(state, True)
+        presenting.fill_second(state, fills)
         glfw.make_context_current(window)
         glfw.swap_interval(0)  # The first window waits for its screen; both would wait in turn.
         self._view = QuadView(starting.attach())
@@ -109,11 +116,11 @@ class SecondWindow:
 
     def _first_place(self, state: AppState) -> tuple[Place, bool]:
         """Where it was, as long as that can be seen; else on another screen, all of it; else beside the first
-        window's corner. Whether it is the second of these."""
+        window's corner. Whether it fills the screen."""
         kept, first = state.second_window.place, place_of(self._first)
         monitors = glfw.get_monitors()
         if kept is not None and any(shared(kept, monitor) for monitor in monitors):
-            return kept, False
+            return kept, state.second_window.full_screen
         here = nearest(first)
         for monitor in monitors:
             if glfw.get_monitor_pos(monitor) != glfw.get_monitor_pos(here):
