@@ -18,7 +18,7 @@ class FullScreen:
 
     def is_lost(self, window: Any) -> bool:
         """Whether the screen that it filled has gone: the system then makes it a window on another one."""
-        return self._before is not None and not glfw.get_window_monitor(window)
+        return self._before is not None and not bool(glfw.get_window_monitor(window))
 
     def follow(self, window: Any, wanted: bool) -> None:
         """Go there or back, once; to another screen where that one has gone."""

@@ -42,6 +42,8 @@ KEYS: Final[dict[int, Act]] = {
     glfw.KEY_SPACE: actions.toggle_play,
 }
 """Escape ends full screen, then the window."""
+CLOSES: Final = (glfw.KEY_F5, glfw.MOD_SHIFT)
+"""As it opens: the key and what is held with it."""
 
 
 class SecondWindow:
@@ -77,6 +79,8 @@ class SecondWindow:
         for key in pressed:
             if key == glfw.KEY_ESCAPE:
                 presenting.leave_second(state)
+            elif key == CLOSES[0]:
+                presenting.close_second(state)
             else:
                 KEYS[key](state)
         if glfw.window_should_close(self._window):
@@ -129,7 +133,8 @@ class SecondWindow:
         return (first[0] + GAP, first[1] + GAP, *SIZE), False
 
     def _press(self, window: object, key: int, scancode: int, action: int, mods: int) -> None:
-        if action != glfw.RELEASE and mods == 0 and (key in KEYS or key == glfw.KEY_ESCAPE):
+        plain = mods == 0 and (key in KEYS or key == glfw.KEY_ESCAPE)
+        if action != glfw.RELEASE and (plain or (key, mods) == CLOSES):
             self._pressed.append(key)
 
     def _forget(self, window: object) -> None:

@@ -124,11 +124,11 @@ def test_nothing_is_drawn_while_nothing_changes(driver: Driver, seen: Seen) -> N
 def test_its_own_keys_choose_the_pane_and_leave_it(driver: Driver, seen: Seen) -> None:
     state = driver.state
 
-    def press(key: int) -> None:
+    def press(key: int, mods: int = 0) -> None:
         """As the system does."""
         held = driver.window._second_window
         assert held is not None
-        held._press(None, key, 0, glfw.PRESS, 0)
+        held._press(None, key, 0, glfw.PRESS, mods)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -146,6 +146,11 @@ def test_its_own_keys_choose_the_pane_and_leave_it(driver: Driver, seen: Seen) -
         assert state.second_window.shown
         press(glfw.KEY_ESCAPE)
         wait(ctx, lambda: not state.second_window.shown, "its end")
+        ctx.yield_(2)
+        presenting.toggle_second(state)
+        wait(ctx, lambda: len(seen.windows) == 2, "the window again")
+        press(glfw.KEY_F5, glfw.MOD_SHIFT)
+        wait(ctx, lambda: not state.second_window.shown, "its end by the keys that open it")
         ctx.yield_(2)
         assert driver.window._second_window is not None
         assert driver.window._second_window._window is None
