@@ -21,6 +21,7 @@ from imgui_bundle.immapp import testing
 from app.enhancement.frame_enhancer import Pictures
 from app.gui.actions import export_actions, remembered
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
 from app.gui.work.settings import Settings
 from app.runs.run_folder import RunFolder
 from app.scenes.drawer import draw_view
@@ -40,6 +41,10 @@ BETWEEN = (0, 22, 1280, 602)
 QUALITY = (cv2.IMWRITE_JPEG_QUALITY, 88)
 SAMPLE = (480, 300)
 """Pixels of an image of the first page."""
+MEASURED = (0.45, 0.55)
+"""Ends of the measured distance, as shares of the 3D view's width."""
+NEAR = 24
+"""Grey levels between a label and its colour, as there is tissue behind it."""
 SETTLED = 30
 """Frames after which tooltips and animations have gone."""
 
@@ -91,14 +96,30 @@ class Shots:
         cv2.imwrite(str(guide_path() / name), self.shot()[top:bottom, left:right], QUALITY)
 
     def measured(self, name: str) -> None:
-        """The middle of the 3D view, with the distance in it."""
+        """Of the 3D view, the distance in the middle, with its label."""
         box = self.person.ctx.item_info("//3D view/view").rect_full
-        image = self.shot()
-        middle = round((box.min.x + box.max.x) / 2), round((box.min.y + box.max.y) / 2)
-        height = round(0.72 * (box.max.y - box.min.y))
+        across, down, image = box.max.x - box.min.x, box.max.y - box.min.y, self.shot()
+        height = round(0.72 * down)
         width = height * SAMPLE[0] // SAMPLE[1]
-        left, top = middle[0] - width // 2, middle[1] - height // 2
-        _write(name, image[top : top + height, left : left + width])
+        left, top = round(box.min.x), round(box.min.y + (down - height) / 2)
+        seen = image[top : top + height, left : left + round(across)]
+        start = cut_around(MEASURED[0] * across, end_of_label(seen), width)
+        _write(name, seen[:, start : start + width])
+
+
+def end_of_label(view: ByteImage) -> int:
+    """First column right of the label of a distance, which is right of the middle; of BGR."""
+    colour = theme.TAG_CAUTION
+    bgr = 255 * np.array([colour.z, colour.y, colour.x])
+    near = (np.abs(view.astype(np.float64) - bgr).max(axis=2) < NEAR).sum(axis=0) > view.shape[0] // 20
+    middle = view.shape[1] // 2
+    return int(np.flatnonzero(near[middle:])[-1]) + middle + 1
+
+
+def cut_around(first: float, end: float, width: int) -> int:
+    """Where so many columns begin that have these in their middle."""
+    assert end - first < width, f"expected at most {width} columns, got {end - first:.0f}"
+    return max(round((first + end - width) / 2), 0)
 
 
 def _write(name: str, bgr: ByteImage) -> None:
@@ -169,7 +190,7 @@ def _take(shots: Shots) -> None:
     shots.guide("5-view.jpg")
     _reconstructed("reconstruct.jpg", state)
     person.press(K.m)
-    for x in (0.45, 0.55):
+    for x in MEASURED:
         person.drag("//3D view/view", (x, 0.5), (x, 0.5))
         person.ctx.yield_(SETTLED)
     shots.measured("measure.jpg")

@@ -16,8 +16,14 @@ class FullScreen:
     def __init__(self) -> None:
         self._before: Place | None = None
 
+    def is_lost(self, window: Any) -> bool:
+        """Whether the screen that it filled has gone: the system then makes it a window on another one."""
+        return self._before is not None and not bool(glfw.get_window_monitor(window))
+
     def follow(self, window: Any, wanted: bool) -> None:
-        """Go there or back, once."""
+        """Go there or back, once; to another screen where that one has gone."""
+        if self.is_lost(window):
+            self._before = None
         if wanted == (self._before is not None):
             return
         if self._before is not None:

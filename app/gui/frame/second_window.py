@@ -21,6 +21,7 @@ from app.gui.frame.second_content import SecondContent
 from app.gui.state.app_state import AppState
 
 SIZE: Final = (640, 480)
+LOST: Final = "the monitor of the second window has gone: Shift+F5 opens it again"
 GAP: Final = 48
 """Pixels from the corner of the first window, on the same screen."""
 HINTS: Final = {
@@ -41,6 +42,8 @@ KEYS: Final[dict[int, Act]] = {
     glfw.KEY_SPACE: actions.toggle_play,
 }
 """Escape ends full screen, then the window."""
+CLOSES: Final = (glfw.KEY_F5, glfw.MOD_SHIFT)
+"""As it opens: the key and what is held with it."""
 
 
 class SecondWindow:
@@ -59,6 +62,7 @@ class SecondWindow:
         """After a frame of the first window, whose context is current before and after."""
         if self._window is not None:
             self._listen(state)
+            self._end_without_monitor(state)
         if not state.second_window.shown:
             self.close()
             return
@@ -75,6 +79,8 @@ class SecondWindow:
         for key in pressed:
             if key == glfw.KEY_ESCAPE:
                 presenting.leave_second(state)
+            elif key == CLOSES[0]:
+                presenting.close_second(state)
             else:
                 KEYS[key](state)
         if glfw.window_should_close(self._window):
@@ -85,8 +91,14 @@ class SecondWindow:
             presenting.place_second(state, place)
         self._place = place
 
+    def _end_without_monitor(self, state: AppState) -> None:
+        """As large as a screen, it would lie over the controls on the one that is left."""
+        if self._full_screen.is_lost(self._window):
+            presenting.close_second(state)
+            actions.announce(state, LOST)
+
     def _open(self, state: AppState) -> bool:
-        place, elsewhere = self._first_place(state)
+        place, fills = self._first_place(state)
         glfw.default_window_hints()  # The runner has left its own.
         for hint, value in HINTS.items():
             glfw.window_hint(hint, value)
@@ -99,8 +111,7 @@ class SecondWindow:
         glfw.set_window_pos(window, *place[:2])
         glfw.set_key_callback(window, self._press)
         glfw.set_window_refresh_callback(window, self._forget)
-        if elsewhere:
-            presenting.fill_second(state, True)
+        presenting.fill_second(state, fills)
         glfw.make_context_current(window)
         glfw.swap_interval(0)  # The first window waits for its screen; both would wait in turn.
         self._view = QuadView(starting.attach())
@@ -109,11 +120,11 @@ class SecondWindow:
 
     def _first_place(self, state: AppState) -> tuple[Place, bool]:
         """Where it was, as long as that can be seen; else on another screen, all of it; else beside the first
-        window's corner. Whether it is the second of these."""
+        window's corner. Whether it fills the screen."""
         kept, first = state.second_window.place, place_of(self._first)
         monitors = glfw.get_monitors()
         if kept is not None and any(shared(kept, monitor) for monitor in monitors):
-            return kept, False
+            return kept, state.second_window.full_screen
         here = nearest(first)
         for monitor in monitors:
             if glfw.get_monitor_pos(monitor) != glfw.get_monitor_pos(here):
@@ -122,7 +133,8 @@ class SecondWindow:
         return (first[0] + GAP, first[1] + GAP, *SIZE), False
 
     def _press(self, window: object, key: int, scancode: int, action: int, mods: int) -> None:
-        if action != glfw.RELEASE and mods == 0 and (key in KEYS or key == glfw.KEY_ESCAPE):
+        plain = mods == 0 and (key in KEYS or key == glfw.KEY_ESCAPE)
+        if action != glfw.RELEASE and (plain or (key, mods) == CLOSES):
             self._pressed.append(key)
 
     def _forget(self, window: object) -> None:

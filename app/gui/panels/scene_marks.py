@@ -75,17 +75,23 @@ def draw_marks(state: AppState, request: ViewRequest, area: Area) -> None:
     measured = viewer.measurement
     points = measured.points if measured.of == request.scene.name else ()
     shown = [end for point in points if (end := sight.point(point)) is not None]
-    draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(theme.MARK)
-    if len(shown) == 2:
-        draw.add_line(shown[0], shown[1], imgui.get_color_u32(theme.grey(0.0, 0.7)), em(0.22))
-        draw.add_line(shown[0], shown[1], ink, em(0.1))
-    for end in shown:
-        draw.add_circle_filled(end, em(0.22), ink)
+    _draw_distance(shown)
     if len(shown) == 2:
         text = NO_DISTANCE if request.scene.is_guessed else measured.text(request.scene.unit)
         if not request.scene.is_guessed and request.time != measured.time:
             text += f" at {request.scene.moment(measured.time)}"
         tag(text, _beside_line(shown, text, area), theme.TAG_CAUTION)
+
+
+def _draw_distance(ends: list[ImVec2]) -> None:
+    """Its line and ends, with a dark rim: tissue can be of their colour."""
+    draw = imgui.get_window_draw_list()
+    for color, rim in ((theme.grey(0.0, 0.7), 0.06), (theme.MARK, 0.0)):
+        ink = imgui.get_color_u32(color)
+        if len(ends) == 2:
+            draw.add_line(ends[0], ends[1], ink, em(0.1 + 2 * rim))
+        for end in ends:
+            draw.add_circle_filled(end, em(0.22 + rim), ink)
 
 
 def _beside_line(ends: list[ImVec2], text: str, area: Area) -> ImVec2:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import glfw
 import numpy as np
 import pytest
@@ -122,11 +124,11 @@ def test_nothing_is_drawn_while_nothing_changes(driver: Driver, seen: Seen) -> N
 def test_its_own_keys_choose_the_pane_and_leave_it(driver: Driver, seen: Seen) -> None:
     state = driver.state
 
-    def press(key: int) -> None:
+    def press(key: int, mods: int = 0) -> None:
         """As the system does."""
         held = driver.window._second_window
         assert held is not None
-        held._press(None, key, 0, glfw.PRESS, 0)
+        held._press(None, key, 0, glfw.PRESS, mods)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
@@ -145,8 +147,39 @@ def test_its_own_keys_choose_the_pane_and_leave_it(driver: Driver, seen: Seen) -
         press(glfw.KEY_ESCAPE)
         wait(ctx, lambda: not state.second_window.shown, "its end")
         ctx.yield_(2)
+        presenting.toggle_second(state)
+        wait(ctx, lambda: len(seen.windows) == 2, "the window again")
+        press(glfw.KEY_F5, glfw.MOD_SHIFT)
+        wait(ctx, lambda: not state.second_window.shown, "its end by the keys that open it")
+        ctx.yield_(2)
         assert driver.window._second_window is not None
         assert driver.window._second_window._window is None
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_it_ends_with_its_monitor_and_does_not_fill_the_one_that_is_left(driver: Driver, seen: Seen) -> None:
+    """What GLFW does where a monitor is unplugged: the window leaves its full screen."""
+    state = driver.state
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        presenting.toggle_second(state)
+        wait(ctx, lambda: bool(seen.windows), "the window")
+        presenting.fill_second(state, True)
+        first = seen.windows[-1]
+        wait(ctx, lambda: bool(glfw.get_window_monitor(first)), "its full screen")  # type: ignore[arg-type]
+        glfw.set_window_monitor(first, None, 0, 0, 900, 700, glfw.DONT_CARE)  # type: ignore[arg-type]
+        wait(ctx, lambda: not state.second_window.shown, "its end")
+        assert state.window.toast is not None
+        assert state.window.toast.message == second_window.LOST
+        state.settings = replace(state.settings, second_place=(9000, 0, *SIZE), second_full_screen=True)
+        ctx.key_press(chord("Shift+F5"))
+        wait(ctx, lambda: len(seen.windows) == 2, "the window again")
+        ctx.yield_(3)
+        assert glfw.get_window_size(seen.windows[-1]) == SIZE  # type: ignore[arg-type]
+        assert not state.second_window.full_screen
 
     driver.run(drive)
 

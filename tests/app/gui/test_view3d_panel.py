@@ -18,6 +18,7 @@ from app.gui.panels.scene_marks import Sight
 from app.gui.panels.view3d import draw_view3d, frame_over, view_tags
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
+from app.gui.style import theme
 from app.gui.style.widgets import Area
 from app.gui.work.selecting import pick
 from app.gui.work.settings import Places
@@ -187,6 +188,25 @@ def test_clicks_measure_and_drags_still_turn(
     assert shown == ["No distance: depth is guessed, without a scale"]
     camera_actions.toggle_measuring(opened)
     assert opened.scene.viewer.measurement.points == ()
+
+
+def test_ends_of_a_distance_have_a_dark_rim(ui: Ui, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On yellow fat they would not be seen without."""
+    circles: list[tuple[float, int]] = []
+
+    class Noted:
+        def add_line(self, first: ImVec2, last: ImVec2, ink: int, width: float) -> None:
+            pass
+
+        def add_circle_filled(self, at: ImVec2, radius: float, ink: int) -> None:
+            circles.append((radius, ink))
+
+    monkeypatch.setattr(imgui, "get_window_draw_list", Noted)
+    ui.frame(lambda: scene_marks._draw_distance([ImVec2(420, 330)]))
+    (rim, dark), (end, mark) = circles
+    assert rim > end
+    assert dark == imgui.get_color_u32(theme.grey(0.0, 0.7))
+    assert mark == imgui.get_color_u32(theme.MARK)
 
 
 def test_the_camera_path_is_drawn_over_the_view(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
