@@ -10,7 +10,6 @@ from app.console.startup import has_display
 from app.errors import UserError
 from app.live.address import address_of
 from app.live.igtl.endpoint import PORT, endpoint_of
-from app.live.igtl.message import require_pyigtl
 from app.live.sources.device import devices
 from app.live.start import LiveStart
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
@@ -54,5 +53,4 @@ def _start(flags: argparse.Namespace) -> LiveStart | None:
     address = address_of(flags.live, devices())
     if flags.igtl is None:
         return LiveStart(address)
-    require_pyigtl()
     return LiveStart(address, endpoint_of(flags.igtl))

@@ -18,7 +18,6 @@ from app.errors import UserError
 from app.files.provenance import provenance, strict_json
 from app.live.address import address_of
 from app.live.igtl.endpoint import PORT, Endpoint, endpoint_of
-from app.live.igtl.message import require_pyigtl
 from app.live.igtl.sender import Sender
 from app.live.picture import LiveSetting, LiveStatus
 from app.live.recorder import WHATS, Recorder, require_new
@@ -84,8 +83,6 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError("expected a SOURCE: a device, the address of a stream, a file or a folder")
     address, wish, setting = address_of(flags.source, known), wish_of(flags), setting_of(flags)
     endpoint = None if flags.igtl is None else endpoint_of(flags.igtl)
-    if endpoint is not None:
-        require_pyigtl()
     if flags.record is not None:
         require_new(flags.record)
     # Compiling may take a minute, in which no source is to wait.

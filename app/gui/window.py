@@ -77,6 +77,7 @@ from app.kernels.stamp import is_prepared
 from app.live.session import LiveSession
 from app.live.start import LiveStart
 from app.runs.job import TrainingJob
+from app.runs.memory import share_memory
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
@@ -122,6 +123,7 @@ class Window:
     """
 
     def __init__(self, state: AppState, make_job: MakeJob = TrainingJob) -> None:
+        share_memory()
         self.state = state
         preset_actions.load(state)
         queue_actions.take_up(state)

@@ -28,9 +28,9 @@ class Client:
         """The message before is sent."""
         return not self._rest
 
-    def begin(self, number: int, message: bytes) -> None:
+    def begin(self, number: int, message: memoryview) -> None:
         """The message of that picture, after the one before."""
-        self.has, self._rest = number, memoryview(message)
+        self.has, self._rest = number, message
 
     def write(self) -> bool:
         """As much as it takes now; True when that ends a message. Raises OSError: it is gone."""

@@ -1,7 +1,7 @@
 """Serves live pictures to programs that connect, in a thread of its own: each gets what it has time for.
 
-The messages are pyigtl's; its server serves one client, keeps a hundred pictures for it, drops it when a
-message takes longer than 10 ms and takes over Ctrl+C, so the connections are kept here.
+pyigtl, which reads the messages in the tests, could send them as well, but its server has one client, keeps a
+hundred pictures for it, drops it when a message takes longer than 10 ms and takes over Ctrl+C.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Final
 from app.errors import UserError, sentence
 from app.live.igtl.client import Client
 from app.live.igtl.endpoint import Endpoint
-from app.live.igtl.message import message_of, require_pyigtl
+from app.live.igtl.message import message_of
 from app.live.newest import Newest
 from app.live.picture import LivePicture
 
@@ -51,8 +51,7 @@ class Sender:
     """Give it pictures by `add`, which never waits; end it by `finish`."""
 
     def __init__(self, endpoint: Endpoint) -> None:
-        """Listen at once. Raises UserError: pyigtl is not there, or the port or address is not to be had."""
-        require_pyigtl()
+        """Listen at once. Raises UserError: the port or address is not to be had."""
         self.endpoint = endpoint
         self._door = _listening(endpoint)
         self._bell, self._rung = socket.socketpair()
@@ -67,7 +66,7 @@ class Sender:
         self._number = 0
         """Of the newest picture, which `_picture` and, once a client has had time for it, `_message` are."""
         self._picture: LivePicture | None = None
-        self._message: bytes | None = None
+        self._message: memoryview | None = None
         self._sent = self._left_out = 0
         self._ending, self._trouble = threading.Event(), ""
         self._thread = threading.Thread(target=self._run, name="vesselsplat-igtl", daemon=True)
