@@ -8,9 +8,9 @@ from pathlib import Path
 from app.console.flags import add_fields, parameters
 from app.console.startup import has_display
 from app.errors import UserError
-from app.live.address import address_of
+from app.live.address import LiveInput, address_of, input_of
 from app.live.sources.device import devices
-from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
+from renderer.readers.clip_options import EVERY_OPTION, ClipOptions, Stereo
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -18,6 +18,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "path", metavar="CLIP|IMAGE|VIDEO|RUN|SPLATFILE", nargs="?", type=Path, help="what to open"
     )
     parser.add_argument("--live", metavar="SOURCE", help="show a live source, as of `vesselsplat live`")
+    parser.add_argument(
+        "--right", metavar="SOURCE", help="with --live: source of the right eye, as of `vesselsplat live`"
+    )
     add_fields(parser, ClipOptions, EVERY_OPTION)
 
 
@@ -28,10 +31,17 @@ def run(flags: argparse.Namespace) -> None:
         )
     if flags.path is not None and flags.live is not None:
         raise UserError(f"expected a path or --live, got both: {flags.path} and {flags.live}")
+    if flags.right is not None and flags.live is None:
+        raise UserError(f"expected --live with --right, got no source of the left eye beside {flags.right}")
     options = parameters(ClipOptions, flags)
-    live = None if flags.live is None else address_of(flags.live, devices())
+    live = None if flags.live is None else _live(flags.live, flags.right, options.stereo)
     if not has_display():
         raise UserError("the app needs a display: neither DISPLAY nor WAYLAND_DISPLAY is set")
     from app.gui.window import run_app
 
     run_app(flags.path, options, live)
+
+
+def _live(said: str, right: str | None, stereo: Stereo) -> LiveInput:
+    known = devices()
+    return input_of(address_of(said, known), right, stereo, known)

@@ -74,7 +74,7 @@ from app.gui.work.background import Apart, Worker
 from app.gui.work.settings import Places, Theme, load_clips, load_settings
 from app.kernels.preparer import Preparer
 from app.kernels.stamp import is_prepared
-from app.live.address import LiveAddress
+from app.live.address import LiveInput
 from app.live.session import LiveSession
 from app.live.sources.source import Wish
 from app.runs.job import TrainingJob
@@ -91,7 +91,7 @@ RUNNER = WindowServices(dockings.restore, dockings.quit_app, dockings.toggle, do
 
 
 def run_app(
-    path: Path | None = None, clip_options: ClipOptions = DEFAULTS, live: LiveAddress | None = None
+    path: Path | None = None, clip_options: ClipOptions = DEFAULTS, live: LiveInput | None = None
 ) -> None:
     """Open the window, on a clip, a run or a live source if given, and return when it is closed.
 

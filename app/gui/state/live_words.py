@@ -57,12 +57,24 @@ def pace(status: LiveStatus) -> str:
     return rate if delay is None else f"{rate} · {delay.median:.0f} ms"
 
 
+def counts(status: LiveStatus) -> str:
+    """What came, and what was left out."""
+    text = f"{status.arrived} frames, {status.dropped} dropped"
+    if status.apart is not None:
+        text += f"   ·   eyes {status.apart.median:.0f} ms apart, {status.unpaired} unpaired"
+    return text
+
+
 def delay_text(status: LiveStatus) -> str:
     """All that is measured, for a tooltip."""
     lines = [f"The source gives {status.told}."]
     for name, delay in (("enhanced", status.to_ready), ("on screen", status.to_screen)):
         if delay is not None:
             lines.append(f"From arrival to {name}: {delay} (last {delay.frames} frames).")
+    if status.apart is not None:
+        lines.append(
+            f"From eye to eye: {status.apart}; {status.unpaired} pairs more than half a frame apart left out."
+        )
     lines.append(f"{status.arrived} frames came, {status.dropped} were late and left out.")
     lines.append("What the camera, the capture card and the screen add is not in it.")
     return "\n".join(lines)

@@ -15,7 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.live_words import is_not_live, live_tags
 from app.gui.state.panes import why_not
 from app.gui.work.settings import Places, Settings
-from app.live.address import address_of
+from app.live.address import LiveInput, address_of
 from app.live.picture import LIVE
 from app.live.sources.source import Wish
 from assets import phantom_path
@@ -23,7 +23,7 @@ from renderer.sources import open_clip
 from tests.app.gui.test_window import Driver, enhanced, is_settled, wait
 
 Context = imgui.test_engine.TestContext
-PHANTOM = address_of(str(phantom_path()))
+PHANTOM = LiveInput(address_of(str(phantom_path())))
 
 
 def tags(state: AppState) -> str:
@@ -123,7 +123,7 @@ def test_a_source_that_ends_never_looks_live(places: Places, tmp_path: Path) -> 
 def test_what_cannot_be_reached_says_so_and_can_be_given_up(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
     state = driver.state
-    live_actions.go_live(state, address_of("77"), Wish())
+    live_actions.go_live(state, LiveInput(address_of("77")), Wish())
 
     def drive(ctx: Context) -> None:
         wait(ctx, lambda: state.window.banner is not None, "the reason")
