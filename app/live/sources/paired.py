@@ -40,6 +40,7 @@ class PairedSource:
         self._pairing = Pairing()
         self._came: SimpleQueue[tuple[int, Came]] = SimpleQueue()
         self._closing = threading.Event()
+        self._opened = threading.Barrier(len(EYES))
         self._sources: dict[int, Source] = {}
         self._seen: dict[str, float] = {}
         self._is_checked = False
@@ -89,6 +90,7 @@ class PairedSource:
 
     def close(self) -> None:
         self._closing.set()
+        self._opened.abort()
         for thread in self._threads:
             thread.join(CLOSING)
 
@@ -96,6 +98,8 @@ class PairedSource:
         source: Source | None = None
         try:
             source = self._sources[eye] = opens()
+            # Two files start together, as their clocks begin with the first frame that is read.
+            self._opened.wait()
             while not self._closing.is_set():
                 arrived = source.read()
                 self._came.put((eye, arrived))
@@ -104,6 +108,7 @@ class PairedSource:
         except Exception as error:
             # Drivers raise anything; whoever reads says so.
             self._came.put((eye, error))
+            self._opened.abort()
         finally:
             if source is not None:
                 with suppress(Exception):

@@ -18,7 +18,7 @@ from app.live.picture import LivePicture, LiveSetting
 from app.live.recorder import Recorder
 from app.live.session import LiveSession
 from app.live.sources.both_eyes import BothEyesSource
-from app.live.sources.opening import open_input
+from app.live.sources.opening import open_input, open_source
 from app.live.sources.paired import PairedSource
 from app.live.sources.pairing import Pair, Pairing
 from app.live.sources.source import Arrived, Source, Wish
@@ -192,6 +192,21 @@ def test_enhanced_recordings_hold_the_left_eye(film: Path, tmp_path: Path) -> No
 def test_two_sources_are_two_and_of_one_eye_each(right: str, stereo: Stereo, said: str) -> None:
     with pytest.raises(UserError, match=said):
         input_of(address_of("5"), right, stereo)
+
+
+def test_two_files_start_together(film: Path) -> None:
+    """However long opening takes: else pairs would be of two moments."""
+
+    def slowly() -> Source:
+        time.sleep(0.03)
+        return open_source(address_of(str(film)), Wish())
+
+    opens = partial(open_source, address_of(str(film)), Wish()), slowly
+    source = PairedSource(opens, ("left", "right"))
+    came = [source.read() for _ in range(5)]
+    source.close()
+    assert all(one is not None and one.apart is not None and one.apart < 0.01 for one in came)
+    assert sum(one.unpaired for one in came if one is not None) == 0
 
 
 def test_two_clips_of_two_sizes_are_refused(vesselsplat: Callable[..., Call], film: Path) -> None:
