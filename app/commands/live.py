@@ -172,7 +172,9 @@ def _say(facts: dict[str, Any], last: LiveStatus, as_json: bool) -> None:
     text = f"{facts['source']} ({last.told}): {last.made} frames in {facts['seconds']:.1f} s"
     text += f", {last.dropped} dropped; from arrival to enhanced {last.to_ready}\n"
     if last.apart is not None:
-        text += f"from eye to eye {last.apart}; pairs left out, more than half a frame apart: {last.unpaired}\n"
+        text += (
+            f"from eye to eye {last.apart}; pairs left out, more than half a frame apart: {last.unpaired}\n"
+        )
     if (one := facts.get("recording")) is not None:
         text += f"{one.path}: {one.pictures} pictures, {one.seconds:.1f} s recorded\n"
     sys.stdout.write(text)

@@ -28,9 +28,9 @@ MakeSession = Callable[[Callable[[], Source], LiveSetting], LiveSession]
 
 def follow_live(state: AppState, make_session: MakeSession) -> None:
     _follow_recordings(state)
-    live = state.live
-    if live.asked is not None:
+    if state.live.asked is not None:
         _begin(state, make_session)
+    live = state.live
     if live.session is None:
         return
     if live.leaving or _gave_way(state):
@@ -115,6 +115,7 @@ def _show(state: AppState, picture: LivePicture) -> None:
     elif live.clip.size != size:
         actions.say(state, f"the live frames have another size now: {size[0]} × {size[1]}")
         live.clip = state.source.clip = live_actions.following(live.source, live, picture)
+        state.picture.view = replace(state.picture.view, pixel_aspect=live.clip.pixel_aspect)
     setting = picture.setting
     request = PictureRequest(live.clip, 0, setting.params, "image", setting.pixels)
     state.picture.pictures = Pictures(
