@@ -54,7 +54,7 @@ def open_video(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         raise ClipError(f"{error}: {path}") from error
     aspect = eye_aspect(size, layout, video.pixel_aspect)
     left = _clip(path, options, video, lambda index: _eye(video.read(index), layout, 0), aspect)
-    said = f"{layout} stereo: the frames are those of the left eye"
+    said = f"stereo, {layout}: the frames are those of the left eye"
     if aspect != video.pixel_aspect:
         said += f", squeezed to half its {'width' if layout == 'side-by-side' else 'height'}"
     return replace(

@@ -56,7 +56,7 @@ class PairedSource:
     @property
     def told(self) -> str:
         left, right = (self._sources[eye].told for eye in range(2))
-        return f"two sources, {left} each" if left == right else f"left {left}; right {right}"
+        return f"two sources, each {left}" if left == right else f"left {left}; right {right}"
 
     @property
     def frames_per_second(self) -> float | None:
