@@ -163,6 +163,8 @@ class Clip:
     """Where structure from motion found the tissue, for clips that come with it."""
     baseline: float | None = None
     """Between the eyes in the clip's unit, where the images are the left ones of calibrated pairs."""
+    read_right: Callable[[int], ByteImage] | None = None
+    """The right eye's picture of a frame, where the clip's own file holds it beside the left one."""
 
     def __len__(self) -> int:
         return len(self.cameras)
@@ -207,7 +209,7 @@ class Clip:
             index = range(len(kept))[index]
             return replace(self.read_frame(kept[index]), index=index, time=index / len(kept))
 
-        speed, times = self.frames_per_second, self.frame_times
+        speed, times, read_right = self.frames_per_second, self.frame_times, self.read_right
         taken = slice(kept.start, kept.stop, kept.step)
         return replace(
             self,
@@ -217,6 +219,7 @@ class Clip:
             labels=self.labels[taken],
             frames_per_second=speed and speed / kept.step,
             frame_times=times and tuple(time - times[kept.start] for time in times[taken]),
+            read_right=read_right and (lambda index: read_right(kept[index])),
         )
 
     def within(self, kept: BoolImage) -> Clip:

@@ -14,6 +14,7 @@ from renderer.depth.clip_depth import with_depth
 from renderer.layouts import layout_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.picture_kinds import frame_folder
+from renderer.readers.stereo_layout import chosen_layout
 from renderer.readers.stills import images_in, open_stills
 from renderer.readers.video_header import read_video_header
 
@@ -96,8 +97,12 @@ def require_depth_source(path: Path, options: ClipOptions = DEFAULTS) -> None:
         ClipError: a file of that kind, or one that is no video.
     """
     if path.is_file() and layout_of(path).name == "video" and options.depth in ("auto", "measured", "stereo"):
-        read_video_header(path)
-        way = "--depth brightness estimates it, without a scale"
+        told = read_video_header(path).stereo
+        if options.depth != "measured" and chosen_layout(options.stereo, told) is not None:
+            return
+        way = (
+            "--depth brightness estimates it, without a scale; --stereo LAYOUT tells that it shows both eyes"
+        )
         raise ClipError(f"reconstruction expects depth, and a video has none ({way}): {path}")
 
 

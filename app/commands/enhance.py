@@ -72,7 +72,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="enhance the field of view alone, found inside a dark surround; or every pixel as the paper "
         "does; or every pixel, by statistics without what is black at the border (default automatic)",
     )
-    add_fields(parser, ClipOptions, ("deinterlacing",))
+    add_fields(parser, ClipOptions, ("deinterlacing", "stereo"))
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from app.console.flags import add_fields, parameters
 from app.console.startup import has_display
 from app.errors import UserError
-from app.live.address import address_of
+from app.live.address import address_of, input_of
 from app.live.igtl.endpoint import PORT, endpoint_of
 from app.live.sources.device import devices
 from app.live.start import LiveStart
-from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
+from renderer.readers.clip_options import EVERY_OPTION, ClipOptions, Stereo
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -20,6 +20,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "path", metavar="CLIP|IMAGE|VIDEO|RUN|SPLATFILE", nargs="?", type=Path, help="what to open"
     )
     parser.add_argument("--live", metavar="SOURCE", help="show a live source, as of `vesselsplat live`")
+    parser.add_argument(
+        "--right", metavar="SOURCE", help="with --live: source of the right eye, as of `vesselsplat live`"
+    )
     parser.add_argument(
         "--igtl",
         metavar="PORT|HOST:PORT",
@@ -37,7 +40,8 @@ def run(flags: argparse.Namespace) -> None:
         )
     if flags.path is not None and flags.live is not None:
         raise UserError(f"expected a path or --live, got both: {flags.path} and {flags.live}")
-    options, live = parameters(ClipOptions, flags), _start(flags)
+    options = parameters(ClipOptions, flags)
+    live = _start(flags, options.stereo)
     if not has_display():
         raise UserError("the app needs a display: neither DISPLAY nor WAYLAND_DISPLAY is set")
     from app.gui.window import run_app
@@ -45,12 +49,15 @@ def run(flags: argparse.Namespace) -> None:
     run_app(flags.path, options, live)
 
 
-def _start(flags: argparse.Namespace) -> LiveStart | None:
-    if flags.live is None and flags.igtl is not None:
-        raise UserError("--igtl sends a live source: expected --live SOURCE with it, got none")
+def _start(flags: argparse.Namespace, stereo: Stereo) -> LiveStart | None:
     if flags.live is None:
+        if flags.igtl is not None:
+            raise UserError("--igtl sends a live source: expected --live SOURCE with it, got none")
+        if flags.right is not None:
+            raise UserError(
+                f"expected --live with --right, got no source of the left eye beside {flags.right}"
+            )
         return None
-    address = address_of(flags.live, devices())
-    if flags.igtl is None:
-        return LiveStart(address)
-    return LiveStart(address, endpoint_of(flags.igtl))
+    known = devices()
+    source = input_of(address_of(flags.live, known), flags.right, stereo, known)
+    return LiveStart(source, None if flags.igtl is None else endpoint_of(flags.igtl))

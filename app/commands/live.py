@@ -10,23 +10,24 @@ from pathlib import Path
 from typing import Any, Final, cast
 
 from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
-from app.console.flags import add_fields
+from app.console.flags import add_fields, parameters
 from app.console.progress import Report, progress
 from app.enhancement.methods import PAPER, VESSEL
 from app.enhancement.settable import PIXELS
 from app.errors import UserError
 from app.files.provenance import provenance, strict_json
-from app.live.address import address_of
+from app.live.address import address_of, input_of
 from app.live.igtl.endpoint import PORT, Endpoint, endpoint_of
 from app.live.igtl.sender import Sender
 from app.live.picture import LiveSetting, LiveStatus
 from app.live.recorder import WHATS, Recorder, require_new
 from app.live.session import LiveSession, load
 from app.live.sources.device import devices
-from app.live.sources.opening import open_source
+from app.live.sources.opening import open_input
 from app.live.sources.source import Wish
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from renderer.readers.clip_options import ClipOptions
 
 LOOK: Final = 0.05
 """Seconds from one look at the session to the next."""
@@ -41,6 +42,13 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         help="number or name of a capture device, address of a stream (rtsp://HOST/PATH, udp://@:PORT, "
         "http://...), or a file or folder that is played as if live",
+    )
+    add_fields(parser, ClipOptions, ("stereo",))
+    parser.add_argument(
+        "--right",
+        metavar="SOURCE",
+        help="source of the right eye, where SOURCE is the left one alone: frames that arrive within half a "
+        "frame of each other are a pair",
     )
     parser.add_argument("--list", action="store_true", help="list the capture devices of this machine")
     parser.add_argument("--seconds", type=float, metavar="N", help="stop after N seconds (default: Ctrl+C)")
@@ -81,19 +89,21 @@ def run(flags: argparse.Namespace) -> None:
         return
     if flags.source is None:
         raise UserError("expected a SOURCE: a device, the address of a stream, a file or a folder")
-    address, wish, setting = address_of(flags.source, known), wish_of(flags), setting_of(flags)
+    reading = parameters(ClipOptions, flags)
+    asked = input_of(address_of(flags.source, known), flags.right, reading.stereo, known)
+    wish, setting = wish_of(flags), setting_of(flags)
     endpoint = None if flags.igtl is None else endpoint_of(flags.igtl)
     if flags.record is not None:
         require_new(flags.record)
     # Compiling may take a minute, in which no source is to wait.
     load(setting)
     sender = None if endpoint is None else _sender(endpoint)
-    recorder = None if flags.record is None else Recorder(flags.record, flags.what, address.name)
+    recorder = None if flags.record is None else Recorder(flags.record, flags.what, asked.name)
     recipients = tuple(one.add for one in (recorder, sender) if one is not None)
     began = time.perf_counter()
-    session = LiveSession(partial(open_source, address, wish), setting, recipients=recipients)
+    session = LiveSession(partial(open_input, asked, wish), setting, recipients=recipients)
     try:
-        with progress(f"live from {address.name}", 0, every=2.0) as report:
+        with progress(f"live from {asked.name}", 0, every=2.0) as report:
             _follow(session, sender, flags.seconds, report)
     finally:
         session.close()
@@ -101,8 +111,8 @@ def run(flags: argparse.Namespace) -> None:
         sending = None if sender is None else sender.finish()
     last = session.status()
     if last.made == 0:
-        raise UserError(f"no frame came from {address.name}: {last.reason or 'none in that time'}")
-    facts = _facts(last, time.perf_counter() - began) | {"source": address.name, "setting": setting}
+        raise UserError(f"no frame came from {asked.name}: {last.reason or 'none in that time'}")
+    facts = _facts(last, time.perf_counter() - began) | {"source": asked.name, "setting": setting}
     if recording is not None:
         facts["recording"] = recording
     if sending is not None:
@@ -174,6 +184,8 @@ def _facts(now: LiveStatus, seconds: float) -> dict[str, Any]:
         "ends": now.signal,
         "reason": now.reason,
         "milliseconds_from_arrival_to_enhanced": now.to_ready,
+        "milliseconds_from_eye_to_eye": now.apart,
+        "unpaired": now.unpaired,
     }
 
 
@@ -183,6 +195,10 @@ def _say(facts: dict[str, Any], last: LiveStatus, as_json: bool) -> None:
         return
     text = f"{facts['source']} ({last.told}): {last.made} frames in {facts['seconds']:.1f} s"
     text += f", {last.dropped} dropped; from arrival to enhanced {last.to_ready}\n"
+    if last.apart is not None:
+        text += (
+            f"from eye to eye {last.apart}; pairs left out, more than half a frame apart: {last.unpaired}\n"
+        )
     if (one := facts.get("recording")) is not None:
         text += f"{one.path}: {one.pictures} pictures, {one.seconds:.1f} s recorded\n"
     if (one := facts.get("sending")) is not None:

@@ -193,6 +193,7 @@ def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statisti
                 picture=series.names[index],
                 frame=series.frame(index),
                 deinterlacing=setting.clip_options.deinterlacing,
+                stereo=setting.clip_options.stereo,
                 method=setting.method,
                 params=setting.params,
                 pixels="all" if setting.params is None else setting.pixels,

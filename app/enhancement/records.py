@@ -14,7 +14,7 @@ from app.enhancement.settable import Pixels
 from app.files.records import LENIENT, Record, Source, Told
 from enhance import Statistics
 from enhance.result import Omission
-from renderer.readers.clip_options import Deinterlacing
+from renderer.readers.clip_options import Deinterlacing, Stereo
 
 
 def _numbers(given: Any) -> Any:
@@ -40,6 +40,7 @@ class EnhancedPicture(Record):
     frame: int | None
     """Of a video."""
     deinterlacing: Deinterlacing = "frame"
+    stereo: Stereo = "auto"
     method: str
     params: RecordedSettings | None
     pixels: Pixels

@@ -110,7 +110,8 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
 
 
 def _series(record: EnhancedPicture, sources: Sources) -> Series:
-    return sources.series(record.source, ClipOptions(deinterlacing=record.deinterlacing))
+    options = ClipOptions(deinterlacing=record.deinterlacing, stereo=record.stereo)
+    return sources.series(record.source, options)
 
 
 def _enhanced(record: EnhancedPicture, series: Series, enhancer: MethodEnhancer) -> Made:

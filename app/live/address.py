@@ -10,6 +10,7 @@ from urllib.parse import urlsplit
 
 from app.errors import UserError
 from app.files.legible import legible
+from renderer.readers.clip_options import Stereo
 
 STREAMS: Final = ("http", "https", "rtmp", "rtp", "rtsp", "rtsps", "srt", "tcp", "udp")
 Kind = Literal["device", "stream", "file"]
@@ -17,7 +18,7 @@ Kind = Literal["device", "stream", "file"]
 
 @dataclass(frozen=True)
 class LiveAddress:
-    """One source, or, of a stereo pair that comes by two devices, that of one eye."""
+    """One source, of one eye or of both."""
 
     kind: Kind
     where: str
@@ -28,6 +29,22 @@ class LiveAddress:
     @classmethod
     def of_file(cls, path: Path) -> LiveAddress:
         return cls("file", str(path.absolute()), path.resolve().name)
+
+
+@dataclass(frozen=True)
+class LiveInput:
+    """What is to be live."""
+
+    address: LiveAddress
+    """Of a stereo pair that comes from two sources, that of the left eye."""
+    right: LiveAddress | None = None
+    """The right eye's own source."""
+    stereo: Stereo = "auto"
+    """How both eyes lie in the frames of `address`. Auto: as a file says; other sources are of one eye."""
+
+    @property
+    def name(self) -> str:
+        return self.address.name if self.right is None else f"{self.address.name} and {self.right.name}"
 
 
 @dataclass(frozen=True)
@@ -65,6 +82,27 @@ def address_of(said: str, devices: Sequence[Device] = ()) -> LiveAddress:
         "expected a capture device by number or name, a stream address such as rtsp://HOST/PATH, or a file "
         f"or folder, got {legible(said)!r}; devices here: {known}"
     )
+
+
+def input_of(
+    address: LiveAddress, right: str | None, stereo: Stereo, devices: Sequence[Device] = ()
+) -> LiveInput:
+    """What is meant by a source, and by `right`, that of the right eye, where there is one.
+
+    Raises:
+        UserError: as `address_of`; one source for both eyes, or two whose frames are said to hold both.
+    """
+    if right is None:
+        return LiveInput(address, stereo=stereo)
+    if stereo not in ("auto", "off"):
+        raise UserError(f"expected a source of the right eye or both eyes in one, got both: {stereo}")
+    try:
+        other = address_of(right, devices)
+    except UserError as error:
+        raise UserError(f"right eye: {error}") from error
+    if other == address:
+        raise UserError(f"expected another source for the right eye, got the same for both: {address.name}")
+    return LiveInput(address, other)
 
 
 def _without_secrets(address: str) -> str:

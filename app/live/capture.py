@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from app.errors import UserError, sentence
+from app.live.delays import Delays
 from app.live.newest import Newest
 from app.live.sources.source import Arrived, Source, SourceLost
 from renderer.clip import ClipError
@@ -47,6 +48,10 @@ class Capture:
         """Frames that have arrived."""
         self.missed = 0
         """Frames that the source itself left out."""
+        self.unpaired = 0
+        """Pairs of eyes that it left out as too far apart."""
+        self.apart = Delays()
+        """From one eye to the other, of two sources."""
         self._open = open_source
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="vesselsplat-capture", daemon=True)
@@ -106,6 +111,9 @@ class Capture:
                     self.connection = Connection("live", told, "", rate, lost)
                 self.count += 1
                 self.missed += arrived.missed
+                self.unpaired += arrived.unpaired
+                if arrived.apart is not None:
+                    self.apart.add(arrived.apart)
                 self.frames.put(arrived)
             return False
         finally:

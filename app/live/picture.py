@@ -10,6 +10,8 @@ from app.live.delays import Delay
 from enhance import Statistics
 from enhance.result import Omission
 from renderer.clip import ByteImage
+from renderer.readers.clip_options import StereoLayout
+from renderer.readers.stereo_layout import eye_aspect, eye_size
 
 LIVE: Final = "live"
 """Format of a clip that stands for a live source, or for a frame of it."""
@@ -27,6 +29,21 @@ class LiveSetting:
 
 
 @dataclass(frozen=True, eq=False)
+class EyePair:
+    """A frame with both eyes, as it came."""
+
+    image: ByteImage
+    """(H, W, 3) RGB."""
+    layout: StereoLayout
+
+    @property
+    def pixel_aspect(self) -> float:
+        """Width of a pixel by its height."""
+        height, width = self.image.shape[:2]
+        return eye_aspect(eye_size((width, height), self.layout), self.layout)
+
+
+@dataclass(frozen=True, eq=False)
 class LivePicture:
     """One frame, original and enhanced."""
 
@@ -35,7 +52,7 @@ class LivePicture:
     arrived: float
     """On `time.perf_counter`."""
     original: ByteImage
-    """(H, W, 3) RGB."""
+    """(H, W, 3) RGB; of both eyes, the left one's."""
     enhanced: ByteImage | None
     """None: white light was asked for."""
     setting: LiveSetting
@@ -43,6 +60,8 @@ class LivePicture:
     omitted: tuple[Omission, ...]
     milliseconds: float
     """Of the enhancement alone."""
+    pair: EyePair | None = None
+    """Where the frame held both eyes."""
 
 
 Signal = Literal["connecting", "live", "black", "stale", "lost", "ended", "failed"]
@@ -73,6 +92,10 @@ class LiveStatus:
     """From arrival to enhanced."""
     to_screen: Delay | None
     """From arrival to the swap that showed it; None without a screen."""
+    apart: Delay | None = None
+    """From the arrival of one eye to that of the other; None but for two sources."""
+    unpaired: int = 0
+    """Pairs of eyes that have been left out, more than half a frame apart."""
 
     @property
     def is_live(self) -> bool:

@@ -21,6 +21,7 @@ from app.files.provenance import plain, provenance, write_sidecar
 from app.live.picture import RECORDING, LivePicture, LiveSetting
 from app.live.segment import Segment
 from renderer.clip import ByteImage
+from renderer.readers.clip_options import StereoLayout
 
 What = Literal["original", "enhanced", "side by side"]
 WHATS: Final[tuple[What, ...]] = get_args(What)
@@ -71,6 +72,7 @@ class Recorder:
         self._waiting: queue.Queue[LivePicture] = queue.Queue(WAITING)
         self._ending = threading.Event()
         self._segment: Segment | None = None
+        self._stereo: StereoLayout | None = None
         self._start: float | None = None
         self._settings: list[dict[str, Any]] = []
         self._setting: LiveSetting | None = None
@@ -131,22 +133,25 @@ class Recorder:
         if self._start is None:
             self._start = picture.arrived
         seconds = picture.arrived - self._start
-        if self._segment is None or self._segment.size != image.shape[1::-1]:
-            self._begin(image, seconds)
+        stereo = layout_shown(picture, self._written.what)
+        if self._segment is None or self._segment.shape != (image.shape[1], image.shape[0], stereo):
+            self._begin(image, seconds, stereo)
         assert self._segment is not None
         if picture.setting != self._setting:
             self._note(picture.setting, seconds)
         self._segment.write(image, seconds)
         self._written = replace(self._written, seconds=seconds, pictures=self._written.pictures + 1)
 
-    def _begin(self, image: ByteImage, seconds: float) -> None:
+    def _begin(self, image: ByteImage, seconds: float, stereo: StereoLayout | None) -> None:
         """Another file where another size goes on."""
+        self._stereo = stereo
         if self._segment is not None:
             self._segment.finish()
             files = self._written.files + 1
             path = _numbered(self._first, files)
             self._written = replace(self._written, path=path, files=files)
-        self._segment = Segment(self._written.path, (image.shape[1], image.shape[0]), seconds, self._facts())
+        size = image.shape[1], image.shape[0]
+        self._segment = Segment(self._written.path, size, seconds, self._facts(), stereo)
 
     def _note(self, setting: LiveSetting, seconds: float) -> None:
         """From now on pictures are enhanced otherwise: said beside the file, which has a beginning only."""
@@ -156,7 +161,8 @@ class Recorder:
         self._say()
 
     def _facts(self) -> dict[str, Any]:
-        return provenance(kind=RECORDING, source=self._source, what=self._written.what)
+        facts = {"source": self._source, "what": self._written.what, "stereo": self._stereo}
+        return provenance(kind=RECORDING, **facts)
 
     def _say(self, **more: object) -> None:
         write_sidecar(self._first, self._facts() | {"settings": self._settings} | plain(more))
@@ -185,16 +191,22 @@ def require_new(path: Path) -> None:
 
 
 def shown(picture: LivePicture, what: What) -> ByteImage:
-    """(H, W, 3), of an even size, as encoders need it."""
+    """(H, W, 3), of an even size, as encoders need it: originals with both eyes as they came, others of the
+    left one."""
     enhanced = picture.original if picture.enhanced is None else picture.enhanced
     if what == "original":
-        image = picture.original
+        image = picture.original if picture.pair is None else picture.pair.image
     elif what == "enhanced":
         image = enhanced
     else:
         image = np.concatenate((picture.original, enhanced), axis=1)
     height, width = image.shape[0] // 2 * 2, image.shape[1] // 2 * 2
     return np.ascontiguousarray(image[:height, :width])
+
+
+def layout_shown(picture: LivePicture, what: What) -> StereoLayout | None:
+    """How both eyes lie in what is recorded; None: it is of one."""
+    return picture.pair.layout if what == "original" and picture.pair is not None else None
 
 
 def _without_path(done: Recording) -> dict[str, Any]:

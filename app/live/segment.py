@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, Final
@@ -11,11 +12,18 @@ import av
 from app.files.h264_video import BT709, MATRICES, TICKS, encodable
 from app.files.provenance import strict_json
 from renderer.clip import ByteImage
+from renderer.readers.clip_options import StereoLayout
 
 FRAGMENT: Final = 0.5
 """Seconds that a fragment lasts at most, and so what a kill may cost beside the picture in hand."""
 # Without a look ahead: a picture that went in has come out.
-QUICK: Final = {"preset": "ultrafast", "tune": "zerolatency", "crf": "17", "x264-params": "mbtree=0"}
+X264: Final = "mbtree=0"
+QUICK: Final = {"preset": "ultrafast", "tune": "zerolatency", "crf": "17", "x264-params": X264}
+PACKING: Final[Mapping[StereoLayout, str]] = {
+    "side-by-side": "frame-packing=3",
+    "top-bottom": "frame-packing=4",
+}
+"""As H.264 numbers how both eyes lie in a frame."""
 FRAGMENTED: Final = {
     "movflags": "frag_keyframe+empty_moov+default_base_moof",
     "flush_packets": "1",
@@ -27,13 +35,22 @@ RATE: Final = Fraction(30)
 class Segment:
     """Pictures of one size, each at its own time."""
 
-    def __init__(self, path: Path, size: tuple[int, int], seconds: float, facts: dict[str, Any]) -> None:
-        """seconds: at which the first picture is taken. Raises OSError: it cannot be written."""
-        self.size = size
+    def __init__(
+        self,
+        path: Path,
+        size: tuple[int, int],
+        seconds: float,
+        facts: dict[str, Any],
+        stereo: StereoLayout | None = None,
+    ) -> None:
+        """seconds: at which the first picture is taken; stereo: how both eyes lie in them, which the stream
+        says itself. Raises OSError: it cannot be written."""
+        self.shape = (*size, stereo)
         self._start = seconds
         self._container = av.open(f"file:{path.absolute()}", "w", container_options=FRAGMENTED)
         self._container.metadata["comment"] = strict_json(facts)
-        self._stream = self._container.add_stream("libx264", rate=RATE, options=QUICK)
+        options = QUICK if stereo is None else QUICK | {"x264-params": f"{X264}:{PACKING[stereo]}"}
+        self._stream = self._container.add_stream("libx264", rate=RATE, options=options)
         self._stream.width, self._stream.height, self._stream.pix_fmt = *size, "yuv420p"
         codec = self._stream.codec_context
         codec.time_base = Fraction(1, TICKS)

@@ -7,6 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import count
 from typing import Final
 
@@ -17,10 +18,11 @@ from app.errors import UserError, sentence
 from app.live.capture import Capture
 from app.live.delays import Delays
 from app.live.newest import Newest
-from app.live.picture import LivePicture, LiveSetting, LiveStatus, Signal
+from app.live.picture import EyePair, LivePicture, LiveSetting, LiveStatus, Signal
 from app.live.sources.source import Arrived, Source, SourceLost
 from enhance import ImageError, LiveStatistics
 from renderer.clip import ByteImage, ClipError
+from renderer.readers.stereo_layout import eyes
 
 STALE: Final = 0.5
 """Seconds without a picture after which the last one is not live any more."""
@@ -112,6 +114,8 @@ class LiveSession:
             since=since,
             to_ready=self._to_ready.now,
             to_screen=self._to_screen.now,
+            apart=self._capture.apart.now,
+            unpaired=self._capture.unpaired,
         )
 
     def _signal(self, now: float, since: float | None) -> tuple[Signal, str]:
@@ -140,10 +144,11 @@ class LiveSession:
                     return
                 continue
             try:
-                original = arrived.read()
+                original, pair = _split(arrived)
                 if enhancer is None or original.shape != of_size:
                     enhancer, of_size = MethodEnhancer(self._statistics()), original.shape
-                self._deliver(_enhanced(enhancer, next(numbers), arrived, original, self.setting))
+                picture = _enhanced(enhancer, next(numbers), arrived, original, self.setting)
+                self._deliver(picture if pair is None else replace(picture, pair=pair))
             except (SourceLost, ClipError, ImageError, UserError) as error:
                 # One damaged frame is passed over; where all are, the picture goes stale with this reason.
                 self._trouble = sentence(error)
@@ -179,6 +184,15 @@ def is_black(image: ByteImage) -> bool:
     sample = image[::SPARSE, ::SPARSE]
     top = int(sample.max(initial=0))
     return top <= BLACK or (top <= PEDESTAL and top - int(sample.min(initial=255)) <= BLACK // 2)
+
+
+def _split(arrived: Arrived) -> tuple[ByteImage, EyePair | None]:
+    """What is shown and enhanced of a frame. Raises ClipError: its eyes are not of one size."""
+    image = arrived.read()
+    if arrived.stereo is None:
+        return image, None
+    left, _ = eyes(image, arrived.stereo)
+    return np.ascontiguousarray(left), EyePair(image, arrived.stereo)
 
 
 def _enhanced(

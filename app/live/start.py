@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.live.address import LiveAddress
+from app.live.address import LiveInput
 from app.live.igtl.endpoint import Endpoint
 
 
@@ -12,5 +12,5 @@ from app.live.igtl.endpoint import Endpoint
 class LiveStart:
     """The source, and where other programs get its pictures; None: nowhere until a person asks for it."""
 
-    address: LiveAddress
+    source: LiveInput
     endpoint: Endpoint | None = None

@@ -10,7 +10,7 @@ from typing import Final
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.depth_prior import depth_from_brightness, with_guessed_depth
 from renderer.depth.monocular import FOLDERS, map_files, monocular_guess, monocular_maps
-from renderer.depth.stereo_pairs import right_files, right_pictures, with_stereo_depth
+from renderer.depth.stereo_pairs import right_eye, right_files, with_stereo_depth
 from renderer.readers.clip_options import ClipOptions, DepthSource
 
 BY_BRIGHTNESS: Final = (
@@ -41,8 +41,8 @@ def _auto(clip: Clip, options: ClipOptions) -> Clip:
     if clip.has_depth:
         return clip
     try:
-        rights = right_pictures(clip)
-        return with_stereo_depth(clip, rights, options.baseline) if rights else clip
+        right = right_eye(clip)
+        return with_stereo_depth(clip, right, options.baseline) if right is not None else clip
     except ClipError as error:
         why = f"no stereo depth: {error}"
         return replace(clip, notices=(*clip.notices, why), why_no_depth=why)
@@ -56,10 +56,10 @@ def _measured(clip: Clip, options: ClipOptions) -> Clip:
 
 
 def _stereo(clip: Clip, options: ClipOptions) -> Clip:
-    rights = right_pictures(clip)
-    if not rights:
+    right = right_eye(clip)
+    if right is None:
         raise ClipError(f"expected right images beside the left ones, got none: {clip.path}")
-    return with_stereo_depth(clip, rights, options.baseline)
+    return with_stereo_depth(clip, right, options.baseline)
 
 
 def _monocular(clip: Clip, options: ClipOptions) -> Clip:

@@ -8,7 +8,7 @@ from typing import Final, Literal, get_args
 from renderer.clip import Clip, ClipError
 from renderer.depth.clip_depth import with_depth
 from renderer.depth.monocular import monocular_maps
-from renderer.depth.stereo_pairs import right_pictures
+from renderer.depth.stereo_pairs import right_eye
 from renderer.readers.clip_options import ClipOptions, DepthSource
 
 DepthWay = Literal["measured", "stereo", "guessed"]
@@ -66,7 +66,7 @@ def depth_ways(bare: Clip, options: ClipOptions) -> DepthWays:
 
 def _why_not_stereo(bare: Clip, options: ClipOptions) -> str:
     try:
-        if not right_pictures(bare):
+        if right_eye(bare) is None:
             return "This clip has no right images to match with the left ones."
         with_depth(bare, replace(options, depth="stereo"))
     except (ClipError, OSError) as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.budget import OverBudget
-from renderer.clip import Clip, ClipError, Frame
+from renderer.clip import ByteImage, Clip, ClipError, Frame
 from renderer.depth.stereo import disparity, feature_shifts
 from renderer.readers.frames import open_images
 from renderer.readers.listing import listed
@@ -39,6 +39,19 @@ class _Rig:
 
     baseline: float
     unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class RightEye:
+    """The pictures of the right eye, one a frame."""
+
+    read: Callable[[int], ByteImage]
+    size: tuple[int, int]
+    """Width and height in pixels."""
+    names: str
+    """What a person calls the first pair."""
+    path: Path
+    """Of the first picture, or of the file with both eyes."""
 
 
 def right_name(name: str) -> str | None:
@@ -109,8 +122,23 @@ def right_files(path: Path, names: Sequence[str]) -> tuple[Path, ...]:
     return tuple(found for found in _first_partners(path, names)[1] if found is not None)
 
 
-def with_stereo_depth(clip: Clip, rights: tuple[Path, ...], baseline: float | None) -> Clip:
-    """The clip with depth matched between its pictures and `rights`, one a frame, when a frame is read.
+def right_eye(clip: Clip) -> RightEye | None:
+    """What the right eye saw, in the clip's own file or in the pictures beside it; None: there is nothing.
+
+    Raises:
+        ClipError: as `right_pictures`, or pictures of several sizes.
+    """
+    if clip.read_right is not None:
+        return RightEye(clip.read_right, clip.size, f"the eyes of frame {clip.labels[0]}", clip.path)
+    rights = right_pictures(clip)
+    if not rights:
+        return None
+    names = f"{clip.labels[0]} and {rights[0].name}"
+    return RightEye(lambda index: read_rgb(rights[index]), common_size(rights), names, rights[0])
+
+
+def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Clip:
+    """The clip with depth matched between its pictures and the right ones when a frame is read.
 
     Depth is focal length * baseline / disparity. The baseline is `baseline` in mm, else that of the
     clip, else 1: then lengths are in units of it. The first pair is looked at to see that its pictures
@@ -121,17 +149,17 @@ def with_stereo_depth(clip: Clip, rights: tuple[Path, ...], baseline: float | No
             apart by more than LARGEST_VERTICAL_OFFSET; or a camera that moves by known lengths with a
             baseline that is not known.
     """
-    size = common_size(rights)
-    if size != clip.size:
+    if right.size != clip.size:
         wanted = f"{clip.size[0]}x{clip.size[1]} as the left one"
-        raise ClipError(f"expected a right image of {wanted}, got {size[0]}x{size[1]}: {rights[0]}")
-    _judge(clip, rights[0])
+        came = f"{right.size[0]}x{right.size[1]}"
+        raise ClipError(f"expected a right image of {wanted}, got {came}: {right.path}")
+    _judge(clip, right)
     rig = _rig(clip, baseline)
 
     @lru_cache(_REMEMBERED)
     def read_frame(index: int) -> Frame:
         frame = clip.read_frame(index)
-        found = disparity(frame.image, read_rgb(rights[index]))
+        found = disparity(frame.image, right.read(index))
         return replace(frame, depth=_depth(found, frame.camera.fx * rig.baseline))
 
     said = (*clip.notices, _said(rig))
@@ -177,17 +205,17 @@ def _show_one_scene(left: Path, right: Path, changed: tuple[int, int]) -> bool:
     return len(feature_shifts(read_rgb(left), read_rgb(right))) >= _FEWEST_FEATURES
 
 
-def _judge(clip: Clip, right: Path) -> None:
+def _judge(clip: Clip, right: RightEye) -> None:
     """Raises ClipError unless the first two pictures look like a rectified pair."""
-    shifts = feature_shifts(clip.read_image(0), read_rgb(right))
-    where = f"{clip.labels[0]} and {right.name}: {clip.path}"
+    shifts = feature_shifts(clip.read_image(0), right.read(0))
+    where = f"{right.names}: {clip.path}"
     if len(shifts) < _FEWEST_FEATURES:
         raise ClipError(f"expected a stereo pair, got images with {len(shifts)} features in common, {where}")
     across, down = np.median(shifts[:, 0]), np.median(np.abs(shifts[:, 1]))
     if down > LARGEST_VERTICAL_OFFSET:
         limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
         way = "rectify them with their calibration"
-        where = f"{clip.labels[0]} and {right.name}; {way}: {clip.path}"
+        where = f"{right.names}; {way}: {clip.path}"
         raise ClipError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
     if across <= 0:
         shift = f"the right one shows objects {-across:.0f} px farther right"

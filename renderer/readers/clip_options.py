@@ -14,6 +14,10 @@ DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "
 
 Deinterlacing = Literal["frame", "field", "off"]
 
+StereoLayout = Literal["side-by-side", "top-bottom"]
+"""How both eyes lie in one frame, the left one at the left or at the top."""
+Stereo = Literal["auto", "off", StereoLayout]
+
 
 @dataclass(
     frozen=True,
@@ -56,6 +60,9 @@ class ClipOptions:
     """Keep every n-th frame. Auto: all, and for SCARED the step usual for the dataset."""
     deinterlacing: Deinterlacing = "frame"
     """For interlaced video: one image per frame, one per field (twice as many), or off, as stored."""
+    stereo: Stereo = "auto"
+    """How both eyes lie in the frames of a video, the left one first: side-by-side or top-bottom; off: they
+    are of one eye. Auto: as the video says."""
     split: Split = "field"
     """Frames held out of training: every eighth from the second on, as is usual, or the odd ones, as is usual
     for Hamlyn."""

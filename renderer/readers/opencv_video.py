@@ -33,7 +33,8 @@ class OpenCvVideo:
     """
 
     pixel_aspect = 1.0
-    """OpenCV does not tell."""
+    stereo = None
+    """OpenCV tells neither."""
 
     def __init__(self, path: Path) -> None:
         self._path = path

@@ -17,6 +17,7 @@ from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import Deinterlacing
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.deinterlacing import deinterlaced
+from renderer.readers.stereo_layout import told_layout
 from renderer.readers.video_index import decoded, index_of, nominal_rate, open_container, video_stream
 from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, quarter_turns, usual_matrix
 
@@ -60,6 +61,7 @@ class PyAvVideo:
         self._restart(0)
         first = self._frame(0)
         self.pixel_aspect = float(pixel_aspect(self._stream, first))
+        self.stereo = told_layout(first)
         self.notices = tuple(self._oddities(first))
 
     def __len__(self) -> int:

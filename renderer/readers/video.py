@@ -1,14 +1,19 @@
-"""A video file as a clip without depth."""
+"""A video file as a clip without depth: its frames, or the left eye's pictures in them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from renderer.clip import ByteImage, Clip
+import numpy as np
+
+from renderer.clip import ByteImage, Clip, ClipError
 from renderer.pyav_presence import has_pyav, why_not_pyav
-from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.clip_options import DEFAULTS, ClipOptions, StereoLayout
 from renderer.readers.frames import without_depth
+from renderer.readers.stereo_layout import chosen_layout, eye_aspect, eye_size, eyes
 
 
 class Video(Protocol):
@@ -22,6 +27,8 @@ class Video(Protocol):
     def pixel_aspect(self) -> float: ...
     @property
     def notices(self) -> tuple[str, ...]: ...
+    @property
+    def stereo(self) -> StereoLayout | None: ...
 
     def __len__(self) -> int: ...
     def read(self, index: int) -> ByteImage: ...
@@ -30,21 +37,51 @@ class Video(Protocol):
 def open_video(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     """A video file; its frames are those that decode, not those that the header announces.
 
+    Of frames that hold both eyes, the left ones are the clip's, and `Clip.read_right` gives the others.
+
     Raises:
-        ClipError: the file is no video, or OpenCV alone is at hand and cannot read this one.
+        ClipError: the file is no video, or OpenCV alone is at hand and cannot read this one; or its frames
+            cannot be split into eyes as `options.stereo` asks.
     """
     video = _opened(path, options)
-    image = video.read(0)
+    layout = chosen_layout(options.stereo, video.stereo)
+    if layout is None:
+        return _clip(path, options, video, video.read, video.pixel_aspect)
+    first = video.read(0)
+    try:
+        size = eye_size((first.shape[1], first.shape[0]), layout)
+    except ClipError as error:
+        raise ClipError(f"{error}: {path}") from error
+    aspect = eye_aspect(size, layout, video.pixel_aspect)
+    left = _clip(path, options, video, lambda index: _eye(video.read(index), layout, 0), aspect)
+    said = f"stereo, {layout}: the frames are those of the left eye"
+    if aspect != video.pixel_aspect:
+        said += f", squeezed to half its {'width' if layout == 'side-by-side' else 'height'}"
+    return replace(
+        left,
+        read_right=lambda index: _eye(video.read(index), layout, 1),
+        notices=(*left.notices, said),
+    )
+
+
+def _eye(image: ByteImage, layout: StereoLayout, number: int) -> ByteImage:
+    return np.ascontiguousarray(eyes(image, layout)[number])
+
+
+def _clip(
+    path: Path, options: ClipOptions, video: Video, read: Callable[[int], ByteImage], aspect: float
+) -> Clip:
+    image = read(0)
     return without_depth(
         path,
         "video",
         labels=tuple(str(index) for index in range(len(video))),
         size=(image.shape[1], image.shape[0]),
-        read=video.read,
+        read=read,
         field_of_view=options.field_of_view,
         frames_per_second=video.frames_per_second,
         frame_times=video.frame_times,
-        pixel_aspect=video.pixel_aspect,
+        pixel_aspect=aspect,
         notices=(*video.notices, *filter(None, (why_not_pyav(),))),
     )
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from renderer.clip import ClipError
 from renderer.pyav_presence import has_pyav
+from renderer.readers.clip_options import StereoLayout
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,8 @@ class VideoHeader:
     is_interlaced: bool = False
     pixel_aspect: float = 1.0
     """Width of a pixel by its height."""
+    stereo: StereoLayout | None = None
+    """How both eyes lie in its frames, where it says so."""
 
 
 def read_video_header(path: Path) -> VideoHeader:
@@ -33,6 +36,7 @@ def read_video_header(path: Path) -> VideoHeader:
 
 
 def _by_pyav(path: Path) -> VideoHeader:
+    from renderer.readers.stereo_layout import told_layout
     from renderer.readers.video_index import decoded, open_container, rate_of, video_stream
     from renderer.readers.video_shape import pixel_aspect, quarter_turns
 
@@ -52,6 +56,7 @@ def _by_pyav(path: Path) -> VideoHeader:
             sound=sounds[0].codec_context.codec.canonical_name if sounds else None,
             is_interlaced=first.interlaced_frame,
             pixel_aspect=float(pixel_aspect(stream, first)),
+            stereo=told_layout(first),
         )
 
 

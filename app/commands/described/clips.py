@@ -18,9 +18,9 @@ from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.clip_depth import BY_BRIGHTNESS, BY_MAPS
 from renderer.depth.monocular import monocular_maps
-from renderer.depth.stereo_pairs import eye_folders, right_pictures
+from renderer.depth.stereo_pairs import eye_folders, right_eye
 from renderer.layouts import LAYOUTS, layout_of
-from renderer.readers.clip_options import DEFAULTS
+from renderer.readers.clip_options import DEFAULTS, StereoLayout
 from renderer.readers.listing import listed
 from renderer.readers.pictures import SeveralSizes
 from renderer.readers.video_header import read_video_header
@@ -68,13 +68,27 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         Fact("codec", header.codec or "unknown", header.codec),
         Fact("fields", INTERLACED if header.is_interlaced else "none", header.is_interlaced),
         Fact("sound", header.sound or "none", header.sound),
-        Fact("depth", "none", {"origin": None}),
+        *_eyes(header.stereo),
         Fact("camera", _assumed(), {"field_of_view": DEFAULTS.field_of_view, "assumed": True}),
         Fact("unit", "scene units"),
-        Fact("missing", ("depth, and poses of a camera that moves",), ["depth", "poses"]),
         next_steps(
-            path, ("enhance", "PATH", "OUT.mp4"), ("train", "PATH", "--run", "RUN", "--depth", "brightness")
+            path,
+            ("enhance", "PATH", "OUT.mp4"),
+            ("train", "PATH", "--run", "RUN", *(() if header.stereo else ("--depth", "brightness"))),
         ),
+    )
+
+
+def _eyes(stereo: StereoLayout | None) -> tuple[Fact, ...]:
+    """What depth a video comes with."""
+    if stereo is None:
+        lacking = "depth, and poses of a camera that moves"
+        return Fact("depth", "none", {"origin": None}), Fact("missing", (lacking,), ["depth", "poses"])
+    depth = f"matched between both eyes, which lie {stereo} in each frame"
+    lacking = "poses of a camera that moves, and the distance between the eyes (--baseline)"
+    return (
+        Fact("depth", depth, {"origin": "stereo", "stereo": stereo}),
+        Fact("missing", (lacking,), ["poses", "baseline"]),
     )
 
 
@@ -105,7 +119,7 @@ def _facts(path: Path, clip: Clip) -> Iterator[Fact]:
 
 def _has_right(clip: Clip) -> bool:
     try:
-        return bool(right_pictures(clip))
+        return right_eye(clip) is not None
     except ClipError:
         return True
 

@@ -67,8 +67,10 @@ def _file(path: Path) -> tuple[Fact, ...]:
     # An export is told as such first, then what it is like any picture or video.
     kept = [fact for fact in own if fact.name in ("frames", "frame rate", "size")]
     output = "OUT.mp4" if any(fact.name == "frame rate" for fact in own) else "OUT.png"
-    again = (("replay", "PATH"),) if can_replay(recorded(path)) else ()
-    return *of_export(path), *kept, next_steps(path, *again, ("enhance", "PATH", output))
+    if not can_replay(recorded(path)):
+        # What was recorded live is a clip like any other.
+        return *of_export(path), *(fact for fact in own if fact.name != "what")
+    return *of_export(path), *kept, next_steps(path, ("replay", "PATH"), ("enhance", "PATH", output))
 
 
 def _folder(path: Path) -> tuple[Fact, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,10 +10,10 @@ from app.errors import UserError
 from app.files.provenance import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.live import Live
+from app.gui.state.live import Eyes, Live
 from app.gui.work.background import Failure
 from app.gui.work.live_devices import DevicesRequest, Found
-from app.live.address import Device, LiveAddress, address_of
+from app.live.address import Device, LiveAddress, LiveInput, address_of, input_of
 from app.live.igtl.sender import Sender
 from app.live.picture import LIVE, LivePicture
 from app.live.recorder import Recorder, What
@@ -41,6 +42,16 @@ def choose_wish(state: AppState, wish: Wish) -> None:
     state.live.choice.wish = wish
 
 
+def choose_eyes(state: AppState, eyes: Eyes) -> None:
+    """Where the eyes of the next source are."""
+    state.live.choice.eyes, state.live.choice.trouble = eyes, ""
+
+
+def type_right(state: AppState, text: str) -> None:
+    """Address of the right eye's source."""
+    state.live.choice.right, state.live.choice.trouble = text, ""
+
+
 def devices_wish(state: AppState) -> DevicesRequest | None:
     return DevicesRequest(state.live.choice.looks) if state.live.choice.shown else None
 
@@ -52,29 +63,42 @@ def take_devices(state: AppState, request: DevicesRequest, answer: Found | Failu
 
 def open_typed(state: AppState) -> None:
     """The address in the dialog."""
-    choice = state.live.choice
-    try:
-        address = address_of(choice.text, choice.found.devices if choice.found is not None else ())
-    except UserError as error:
-        choice.trouble = str(error)
-        return
-    go_live(state, address, choice.wish)
+    _open(state, lambda: address_of(state.live.choice.text, _known(state)))
 
 
 def open_device(state: AppState, device: Device) -> None:
-    go_live(state, LiveAddress("device", device.where, device.name), state.live.choice.wish)
+    _open(state, lambda: LiveAddress("device", device.where, device.name))
 
 
 def play_file(state: AppState, path: Path) -> None:
     """As if it were live."""
-    go_live(state, LiveAddress.of_file(path), state.live.choice.wish)
+    _open(state, lambda: LiveAddress.of_file(path))
 
 
-def go_live(state: AppState, address: LiveAddress, wish: Wish) -> None:
+def _open(state: AppState, address: Callable[[], LiveAddress]) -> None:
+    """With the eyes that are chosen; an address that is none is said in the dialog."""
+    choice = state.live.choice
+    try:
+        if choice.eyes == "two":
+            source = input_of(address(), choice.right, "auto", _known(state))
+        else:
+            source = input_of(address(), None, choice.eyes)
+    except UserError as error:
+        choice.trouble = str(error)
+        return
+    go_live(state, source, choice.wish)
+
+
+def _known(state: AppState) -> tuple[Device, ...]:
+    found = state.live.choice.found
+    return () if found is None else found.devices
+
+
+def go_live(state: AppState, source: LiveInput, wish: Wish) -> None:
     """Show it from the next frame on, after a question where something is not saved."""
 
     def go() -> None:
-        state.live.choice.shown, state.live.asked = False, (address, wish)
+        state.live.choice.shown, state.live.asked = False, (source, wish)
         state.source.opening = state.window.banner = None
 
     actions.leave_session(state, go)
@@ -82,7 +106,7 @@ def go_live(state: AppState, address: LiveAddress, wish: Wish) -> None:
 
 def begin(state: AppState, start: LiveStart) -> None:
     """With what the window was opened on."""
-    go_live(state, start.address, Wish())
+    go_live(state, start.source, Wish())
     if start.endpoint is not None:
         state.live.endpoint, state.live.send_asked = start.endpoint, True
 
@@ -105,10 +129,10 @@ def toggle_freeze(state: AppState) -> None:
 
 def still_of(picture: LivePicture) -> Clip:
     """The frame as a clip of its own, by the name under which it is kept when something is made of it."""
-    return clip_of(Path(f"live-{stamp()}.png"), picture.original)
+    return clip_of(Path(f"live-{stamp()}.png"), picture.original, _pixel_aspect(picture))
 
 
-def clip_of(path: Path, image: ByteImage) -> Clip:
+def clip_of(path: Path, image: ByteImage, pixel_aspect: float = 1.0) -> Clip:
     """A clip of one frame of which no file is there."""
     return without_depth(
         path,
@@ -117,18 +141,24 @@ def clip_of(path: Path, image: ByteImage) -> Clip:
         size=(image.shape[1], image.shape[0]),
         read=lambda index: (image,)[index],
         field_of_view=FIELD_OF_VIEW,
+        pixel_aspect=pixel_aspect,
     )
 
 
-def following(address: LiveAddress, live: Live, image: ByteImage) -> Clip:
+def _pixel_aspect(picture: LivePicture) -> float:
+    """Of an eye that comes squeezed another than 1."""
+    return 1.0 if picture.pair is None else picture.pair.pixel_aspect
+
+
+def following(source: LiveInput, live: Live, first: LivePicture) -> Clip:
     """The clip that stands for what is live: its frame is the newest."""
 
     def newest(index: int) -> ByteImage:
-        picture = live.newest
-        return (image if picture is None else picture.original,)[index]
+        picture = first if live.newest is None else live.newest
+        return (picture.original,)[index]
 
-    clip = clip_of(Path("live.png"), image)
-    return replace(clip, name=address.name, labels=(address.name,), read_image=newest)
+    clip = clip_of(Path("live.png"), first.original, _pixel_aspect(first))
+    return replace(clip, name=source.name, labels=(source.name,), read_image=newest)
 
 
 def choose_what(state: AppState, what: What) -> None:
@@ -142,10 +172,10 @@ def toggle_recording(state: AppState) -> None:
     if live.recorder is not None:
         finish_recording(state)
         return
-    if live.session is None or live.address is None:
+    if live.session is None or live.source is None:
         return
     path = state.export_folder / f"live-{stamp()}-{live.what.replace(' ', '-')}.mp4"
-    live.recorder = Recorder(path, live.what, live.address.name)
+    live.recorder = Recorder(path, live.what, live.source.name)
 
 
 def finish_recording(state: AppState) -> None:

@@ -13,10 +13,10 @@ from app.files.legible import legible
 from app.gui.actions import actions, export_actions, live_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.state.app_state import AppState
-from app.gui.state.live import RATES, SIZES
+from app.gui.state.live import EYES, RATES, SIZES
 from app.gui.state.live_words import counts, delay_text, not_live, pace
 from app.gui.style import theme
-from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note, tall
+from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note, row, tall
 from app.gui.views.clip_time import clock
 from app.live.address import Device
 from app.live.recorder import WHATS
@@ -41,7 +41,19 @@ SEND_TEXT: Final = (
     "Let 3D Slicer, or another program, fetch the enhanced frames by OpenIGTLink. Only programs of this "
     "computer can, unless VesselSplat was started with another address."
 )
-WHAT_TEXT: Final = "What is recorded. From originals, enhanced videos and reconstructions can be made later."
+WHAT_TEXT: Final = (
+    "What is recorded. From originals, enhanced videos and reconstructions can be made later: of a stereo "
+    "source they hold both eyes, the others the left one."
+)
+EYES_TEXT: Final = (
+    "Of a stereo source: both eyes in each frame, the left one at the left or at the top, or a source for "
+    "each. The left one is shown. Recordings of originals hold both and open with depth. As it comes: one "
+    "eye, unless a file states otherwise."
+)
+RIGHT_TEXT: Final = (
+    "Number or name of a device, address of a stream, or path of a file. What you open is the left eye. "
+    "Frames that arrive within half a frame of each other are a pair."
+)
 
 
 def draw_live_bar(state: AppState) -> None:
@@ -123,6 +135,8 @@ def draw_live_choice(state: AppState, textures: ShowsPictures) -> None:
         _draw_devices(state, textures)
         imgui.separator_text("Stream or device by address")
         _draw_address(state)
+        imgui.separator_text("Stereo")
+        _draw_eyes(state)
         imgui.separator_text("Without a camera")
         take = partial(actions.choose_path, state, take=live_actions.play_file, purpose="file")
         button(f"{icons.ICON_FA_FILM}  Play a video as if live…", partial(take, "file"), FILE_TEXT)
@@ -156,6 +170,10 @@ def _draw_device(state: AppState, one: Device, textures: ShowsPictures) -> None:
             width = em(PREVIEW.y) * preview.shape[1] / preview.shape[0]
             imgui.image(textures.whole(f"device {one.where}", preview), ImVec2(width, em(PREVIEW.y)))
             imgui.same_line()
+        if state.live.choice.eyes == "two":
+            take = partial(live_actions.type_right, state, one.where)
+            button("Right eye###right", take, "Take this one for the right eye.", width=6)
+            imgui.same_line()
         label = f"{legible(one.name)}###open"
         button(label, partial(live_actions.open_device, state, one), "Show what it sees.", width=-1)
 
@@ -175,6 +193,20 @@ def _draw_address(state: AppState) -> None:
         opened()
     if choice.trouble:
         note(choice.trouble, theme.now().warning)
+
+
+def _draw_eyes(state: AppState) -> None:
+    choice = state.live.choice
+    eyes = choose_row("Eyes", choice.eyes, EYES, EYES_TEXT)
+    if eyes != choice.eyes:
+        live_actions.choose_eyes(state, eyes)
+    if eyes != "two":
+        return
+    row("Right eye", RIGHT_TEXT)
+    changed, text = imgui.input_text_with_hint("##right", HINT, choice.right)
+    explain(RIGHT_TEXT)
+    if changed:
+        live_actions.type_right(state, text)
 
 
 def _draw_wish(state: AppState) -> None:

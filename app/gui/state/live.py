@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, Literal
 
 from app.gui.work.live_devices import Found
-from app.live.address import LiveAddress
+from app.live.address import LiveInput
 from app.live.igtl.endpoint import Endpoint
 from app.live.igtl.sender import Sender, Sending
 from app.live.picture import LivePicture, LiveStatus
@@ -32,6 +32,15 @@ RATES: Final[Mapping[float | None, str]] = {
 }
 
 
+Eyes = Literal["auto", "side-by-side", "top-bottom", "two"]
+EYES: Final[Mapping[Eyes, str]] = {
+    "auto": "as it comes",
+    "side-by-side": "side by side",
+    "top-bottom": "one above the other",
+    "two": "from two sources",
+}
+"""Where the eyes of a stereo source are."""
+
 NEWEST_SHARE: Final = 0.1
 """Of the newest frame in how long frames take."""
 
@@ -44,6 +53,9 @@ class LiveChoice:
     text: str = ""
     """Address that is typed."""
     wish: Wish = field(default_factory=Wish)
+    eyes: Eyes = "auto"
+    right: str = ""
+    """Address of the right eye's source, as typed."""
     found: Found | None = None
     """The devices, once they are listed."""
     looks: int = 0
@@ -72,11 +84,11 @@ class Live:
     """Live actions change it, and the update, which follows the session; drawing reads it."""
 
     choice: LiveChoice = field(default_factory=LiveChoice)
-    asked: tuple[LiveAddress, Wish] | None = None
+    asked: tuple[LiveInput, Wish] | None = None
     """What is to be live from the next frame on."""
     leaving: bool = False
     """It is to end with the next frame."""
-    address: LiveAddress | None = None
+    source: LiveInput | None = None
     session: LiveSession | None = None
     clip: Clip | None = None
     """Stands for the newest picture among what is open; None until there is one."""

@@ -60,8 +60,10 @@ def pace(status: LiveStatus) -> str:
 
 
 def counts(live: Live, status: LiveStatus) -> str:
-    """What came, what was too late, and to whom it is sent."""
+    """What came, what was left out, and to whom it is sent."""
     parts = [status.told, f"{status.arrived} frames, {status.dropped} dropped"]
+    if status.apart is not None:
+        parts.append(f"eyes {status.apart.median:.0f} ms apart, {status.unpaired} unpaired")
     if live.sender is not None:
         parts.append(str(live.sender.state))
     return "   ·   ".join(parts)
@@ -73,6 +75,10 @@ def delay_text(status: LiveStatus) -> str:
     for name, delay in (("enhanced", status.to_ready), ("on screen", status.to_screen)):
         if delay is not None:
             lines.append(f"From arrival to {name}: {delay} (last {delay.frames} frames).")
+    if status.apart is not None:
+        lines.append(
+            f"From eye to eye: {status.apart}; {status.unpaired} pairs more than half a frame apart left out."
+        )
     lines.append(f"{status.arrived} frames came, {status.dropped} were late and left out.")
     lines.append("What the camera, the capture card and the screen add is not in it.")
     return "\n".join(lines)

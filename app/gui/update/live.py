@@ -20,7 +20,7 @@ from app.gui.work.opening import Opened
 from app.live.picture import LivePicture, LiveSetting
 from app.live.recorder import Recording
 from app.live.session import LiveSession
-from app.live.sources.opening import open_source
+from app.live.sources.opening import open_input
 from app.live.sources.source import Source
 
 MakeSession = Callable[[Callable[[], Source], LiveSetting], LiveSession]
@@ -28,9 +28,9 @@ MakeSession = Callable[[Callable[[], Source], LiveSetting], LiveSession]
 
 def follow_live(state: AppState, make_session: MakeSession) -> None:
     _follow_recordings(state)
-    live = state.live
-    if live.asked is not None:
+    if state.live.asked is not None:
         _begin(state, make_session)
+    live = state.live
     if live.session is None:
         return
     if live.leaving or _gave_way(state):
@@ -90,9 +90,9 @@ def _begin(state: AppState, make_session: MakeSession) -> None:
     asked, send, state.live.asked = state.live.asked, state.live.send_asked, None
     end_live(state)
     assert asked is not None
-    address, wish = asked
-    state.live.address = address
-    state.live.session = make_session(partial(open_source, address, wish), _setting(state))
+    source, wish = asked
+    state.live.source = source
+    state.live.session = make_session(partial(open_input, source, wish), _setting(state))
     if send:
         live_actions.toggle_sending(state)
 
@@ -114,14 +114,15 @@ def _setting(state: AppState) -> LiveSetting:
 
 def _show(state: AppState, picture: LivePicture) -> None:
     live, size = state.live, (picture.original.shape[1], picture.original.shape[0])
-    assert live.address is not None
+    assert live.source is not None
     if live.clip is None:
-        clip = live_actions.following(live.address, live, picture.original)
-        actions.show_opened(state, Path(live.address.name), Opened(clip=clip, in_passing=True))
+        clip = live_actions.following(live.source, live, picture)
+        actions.show_opened(state, Path(live.source.name), Opened(clip=clip, in_passing=True))
         live.clip, state.source.path = clip, None
     elif live.clip.size != size:
         actions.say(state, f"the live frames have another size now: {size[0]} × {size[1]}")
-        live.clip = state.source.clip = live_actions.following(live.address, live, picture.original)
+        live.clip = state.source.clip = live_actions.following(live.source, live, picture)
+        state.picture.view = replace(state.picture.view, pixel_aspect=live.clip.pixel_aspect)
     setting = picture.setting
     request = PictureRequest(live.clip, 0, setting.params, "image", setting.pixels)
     state.picture.pictures = Pictures(

@@ -1,20 +1,38 @@
-"""The source that an address names."""
+"""The source that an address names, or the two of a stereo pair."""
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
-from app.live.address import LiveAddress
+from app.live.address import LiveAddress, LiveInput
+from app.live.sources.both_eyes import BothEyesSource
+from app.live.sources.paired import PairedSource
 from app.live.sources.source import Source, Wish
+from renderer.readers.clip_options import StereoLayout
+from renderer.readers.pictures import is_picture
+from renderer.readers.stereo_layout import chosen_layout
+from renderer.readers.video_header import read_video_header
 
 
-def open_source(address: LiveAddress, wish: Wish) -> Source:
+def open_input(asked: LiveInput, wish: Wish) -> Source:
     """Opened, which may take seconds; called by the thread that will read it.
 
     Raises:
         SourceLost: nothing comes from there now.
         UserError, ClipError: nothing ever will.
     """
+    if asked.right is not None:
+        both = asked.address, asked.right
+        left, right = (partial(open_source, one, wish) for one in both)
+        return PairedSource((left, right), (both[0].name, both[1].name))
+    source = open_source(asked.address, wish)
+    layout = chosen_layout(asked.stereo, _told(asked))
+    return source if layout is None else BothEyesSource(source, layout)
+
+
+def open_source(address: LiveAddress, wish: Wish) -> Source:
+    """One source; raises as `open_input`."""
     if address.kind == "file":
         from app.live.sources.played import PlayedSource
 
@@ -26,3 +44,11 @@ def open_source(address: LiveAddress, wish: Wish) -> Source:
     from app.live.sources.device import DeviceSource
 
     return DeviceSource(address.where, address.name, wish)
+
+
+def _told(asked: LiveInput) -> StereoLayout | None:
+    """What a file says of itself. Raises ClipError: it is no video."""
+    path = Path(asked.address.where)
+    if asked.stereo != "auto" or asked.address.kind != "file" or not path.is_file() or is_picture(path):
+        return None
+    return read_video_header(path).stereo

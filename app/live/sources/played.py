@@ -21,7 +21,7 @@ class PlayedSource:
 
     def __init__(self, path: Path, wish: Wish) -> None:
         """Raises ClipError: nothing that can be read, or frames of several sizes."""
-        clip = open_clip(path, ClipOptions(depth="off"))
+        clip = open_clip(path, ClipOptions(depth="off", stereo="off"))
         self._clip, self._loop = clip, wish.loop
         self.frames_per_second = wish.frames_per_second or clip.frames_per_second or RATE
         self._times = _times(clip, self.frames_per_second, own=wish.frames_per_second is None)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from renderer.clip import ByteImage
+from renderer.readers.clip_options import StereoLayout
 
 
 class SourceLost(Exception):
@@ -38,6 +39,12 @@ class Arrived:
     """When it was taken, on the source's own clock; from any start."""
     missed: int = 0
     """Frames that came between the one before and this one, and were left out as late."""
+    stereo: StereoLayout | None = None
+    """How both eyes lie in it; None: it is of one."""
+    apart: float | None = None
+    """Seconds from the arrival of one eye to that of the other, where they come from two sources."""
+    unpaired: int = 0
+    """Pairs that were too far apart since the one before, and were left out."""
 
 
 class Source(Protocol):

@@ -16,7 +16,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.live_words import counts, is_not_live, live_tags
 from app.gui.state.panes import why_not
 from app.gui.work.settings import Places, Settings
-from app.live.address import address_of
+from app.live.address import LiveInput, address_of
 from app.live.picture import LIVE
 from app.live.sources.source import Wish
 from app.live.start import LiveStart
@@ -26,7 +26,7 @@ from tests.app.gui.test_window import Driver, enhanced, is_settled, wait
 from tests.app.live.test_igtl import client_of, free, listens
 
 Context = imgui.test_engine.TestContext
-PHANTOM = address_of(str(phantom_path()))
+PHANTOM = LiveInput(address_of(str(phantom_path())))
 
 
 def tags(state: AppState) -> str:
@@ -154,7 +154,7 @@ def test_others_fetch_what_is_live_while_the_switch_is_on(places: Places) -> Non
 def test_what_cannot_be_reached_says_so_and_can_be_given_up(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
     state = driver.state
-    live_actions.go_live(state, address_of("77"), Wish())
+    live_actions.go_live(state, LiveInput(address_of("77")), Wish())
 
     def drive(ctx: Context) -> None:
         wait(ctx, lambda: state.window.banner is not None, "the reason")

@@ -12,7 +12,7 @@ from app.gui.state.live import Drawing, Live
 from app.gui.update.live import follow_live
 from app.gui.update.live_pace import LONGEST, wait_for_picture
 from app.gui.work.settings import Places, Settings
-from app.live.address import LiveAddress
+from app.live.address import LiveAddress, LiveInput
 from app.live.picture import LivePicture, LiveSetting, LiveStatus
 from app.live.recorder import Recorder
 from app.live.session import LiveSession
@@ -66,7 +66,7 @@ class SlowToClose(PaintedSource):
 def test_leaving_waits_neither_for_the_source_nor_for_the_recording(places: Places) -> None:
     state, source = AppState(places, Settings(acknowledged=True)), SlowToClose(range(20, 200), then="wait")
     state.live.session = LiveSession(lambda: source, LiveSetting(None))
-    state.live.address = LiveAddress("file", "", PHANTOM.name)
+    state.live.source = LiveInput(LiveAddress("file", "", PHANTOM.name))
     recorder = Recorder(places.pictures / "a.mp4", "original", "a source")
     state.live.recorder, state.live.session.recipients = recorder, (recorder.add,)
     wait_for(lambda: recorder.state.pictures > 3, "a recording")

@@ -22,7 +22,7 @@ from app.gui.style.widgets import Area
 from app.gui.views.picture_view import PictureView
 from app.gui.window import Window
 from app.gui.work.settings import Places, Settings
-from app.live.address import LiveAddress, address_of
+from app.live.address import LiveAddress, LiveInput, address_of
 from app.live.picture import LiveSetting
 from app.live.session import LiveSession
 from app.live.sources.source import Wish
@@ -161,11 +161,11 @@ def run(trial: Trial, folder: Path) -> None:
 
 def begin(state: AppState, trial: Trial) -> None:
     if trial.kind != PAINTED:
-        live_actions.go_live(state, address_of(trial.kind), Wish())
+        live_actions.go_live(state, LiveInput(address_of(trial.kind)), Wish())
         return
     size = trial.width, trial.height
     source = partial(PaintedSource, Path(trial.clip), size, trial.frames_per_second)
-    state.live.address = LiveAddress("file", "", PAINTED)
+    state.live.source = LiveInput(LiveAddress("file", "", PAINTED))
     setting = LiveSetting(state.enhancement.params)
     state.live.session = LiveSession(source, setting, on_picture=hello_imgui.request_refresh)
 

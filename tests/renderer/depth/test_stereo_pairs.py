@@ -16,6 +16,7 @@ from renderer.depth.stereo_pairs import (
     eye_folders,
     is_stereo_folder,
     open_stereo_folder,
+    right_eye,
     right_name,
     right_pictures,
     with_stereo_depth,
@@ -51,7 +52,7 @@ def written(tmp_path_factory) -> tuple[Path, Eyes]:
 
 def opened(folder: Path, baseline: float | None = None) -> Clip:
     clip = open_stereo_folder(folder, FIELD_OF_VIEW)
-    return with_stereo_depth(clip, right_pictures(clip), baseline)
+    return with_stereo_depth(clip, right_eye(clip), baseline)
 
 
 def copied(written: tuple[Path, Eyes], to: Path) -> Path:
@@ -189,7 +190,7 @@ def test_depth_in_millimetres(written):
     # 0.1 px of a disparity of about 11.
     assert np.median(np.abs(frame.depth[known] / eyes.left.depth[known] - 1)) < 0.01
     calibrated = replace(open_stereo_folder(folder, FIELD_OF_VIEW), unit="mm", baseline=BASELINE)
-    same = with_stereo_depth(calibrated, right_pictures(calibrated), None)
+    same = with_stereo_depth(calibrated, right_eye(calibrated), None)
     np.testing.assert_array_equal(same.read_frame(0).depth, frame.depth)
     assert same.unit == "mm"
 
@@ -270,8 +271,8 @@ def test_a_moving_camera_needs_the_baseline(written):
     moved[0, 3] = 1
     moving = replace(clip, cameras=(clip.cameras[0], clip.cameras[0].moved(moved)))
     with pytest.raises(ClipError, match="--baseline"):
-        with_stereo_depth(moving, right_pictures(moving), None)
-    assert with_stereo_depth(moving, right_pictures(moving), BASELINE).unit == "mm"
+        with_stereo_depth(moving, right_eye(moving), None)
+    assert with_stereo_depth(moving, right_eye(moving), BASELINE).unit == "mm"
 
 
 @pytest.mark.data
