@@ -141,7 +141,8 @@ def fed(trial: Trial) -> Iterator[str]:
     if trial.kind not in STREAMS:
         yield trial.kind
         return
-    address, options = (text.format(port=free_port()) for text in STREAMS[trial.kind])
+    port = free_port()
+    address, options = (text.format(port=port) for text in STREAMS[trial.kind])
     size, rate = (trial.width, trial.height), trial.frames_per_second
     painter = [
         sys.executable,
@@ -151,7 +152,7 @@ def fed(trial: Trial) -> Iterator[str]:
         *map(str, (*size, rate)),
     ]
     encoder = (
-        f"ffmpeg -loglevel error -f rawvideo -pix_fmt rgb24 -s {size[0]}x{size[1]} -r {rate:g} -i - {options}"
+        f"ffmpeg -loglevel error -f rawvideo -pix_fmt rgb24 -s {size[0]}x{size[1]} -r {rate:g} -i - -threads 1 {options}"
     )
     with subprocess.Popen(painter, stdout=subprocess.PIPE) as frames:
         stream = subprocess.Popen(encoder.split(), stdin=frames.stdout)
