@@ -152,8 +152,10 @@ def toggle_pause(state: AppState) -> None:
 
 
 def cancel(state: AppState) -> None:
-    if state.runs.reconstruction.is_alive and state.runs.reconstruction.job:
-        state.runs.reconstruction.job.cancel()
+    run = state.runs.reconstruction
+    if run.is_alive and run.job:
+        run.cancelling = True
+        run.job.cancel()
 
 
 def show_live_model(state: AppState, model: DynamicGaussians) -> None:

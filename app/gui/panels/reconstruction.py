@@ -31,6 +31,7 @@ from app.runs.wall_clock import in_all
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.train.events import Evaluated, Omission, Progress
 
+KEEPS = "The last checkpoint is kept: Continue resumes from it."
 CONTINUES = "From the last checkpoint."
 STARTS_OVER = "No checkpoint: starts over."
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
@@ -126,7 +127,7 @@ def _draw_hold(state: AppState) -> None:
     pause = ("Pause###pause", job_actions.pause, text, run.can_pause)
     if run.status == "paused":
         pause = ("Resume###pause", job_actions.resume, text, run.can_resume)
-    cancel = ("Cancel", job_actions.cancel, "The last checkpoint is kept: Continue resumes from it.", True)
+    cancel = ("Cancel", job_actions.cancel, KEEPS, not run.cancelling)
     for (label, act, text, enabled), width in in_line((pause, cancel)):
         button(label, partial(act, state), text, enabled=enabled, width=width)
 

@@ -56,6 +56,8 @@ class Reconstruction:
     """Folder name of the next run; empty: made from the clip's name and the time."""
 
     status: JobStatus = "none"
+    cancelling: bool = False
+    """It was asked to end, and does so after the step in hand."""
     job: TrainingJob | None = None
     clip: Clip | None = None
     """The part that it is trained on."""
@@ -107,11 +109,11 @@ class Reconstruction:
 
     @property
     def can_pause(self) -> bool:
-        return self.status == "running"
+        return self.status == "running" and not self.cancelling
 
     @property
     def can_resume(self) -> bool:
-        return self.status == "paused"
+        return self.status == "paused" and not self.cancelling
 
 
 @dataclass

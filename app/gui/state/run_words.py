@@ -14,6 +14,7 @@ STATUS: Final = {
     "none": "", "starting": "Starting…", "running": "Reconstructing", "paused": "Paused",
     "finished": "Finished", "failed": "Stopped", "cancelled": "Interrupted",
 }  # fmt: skip
+CANCELLING: Final = "Cancelling…"
 FIRST_STEP: Final = "Preparing the first step…"
 COMPILING: Final = "Compiling once…"
 LONG_STEP: Final = 5.0
@@ -23,6 +24,8 @@ LONG_STEP: Final = 5.0
 def doing(state: AppState) -> str:
     """Of the run that is shown."""
     run = state.runs.reconstruction
+    if run.cancelling and run.is_alive:
+        return CANCELLING
     match run.status:
         case "starting" if run.preparing is not None:
             return _preparing(run.preparing)

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from app.gui.actions import actions, history_actions, job_actions
+from app.gui.state import run_words
 from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
 from app.gui.work.opening import Opened
@@ -199,8 +200,12 @@ def test_words_go_to_the_job_only_when_they_mean_something(state: AppState, make
     state.runs.reconstruction.status = "paused"
     job_actions.pause(state)
     job_actions.resume(state)
+    assert run_words.doing(state) != "Cancelling…"
     job_actions.cancel(state)
+    assert run_words.doing(state) == "Cancelling…"  # At once, while the step in hand is done.
+    job_actions.resume(state)
     state.runs.reconstruction.status = "cancelled"
+    assert run_words.doing(state) == "Interrupted"
     job_actions.cancel(state)
     assert job.told == ["start", "pause", "resume", "cancel"]
 

@@ -151,9 +151,7 @@ def fed(trial: Trial) -> Iterator[str]:
         trial.clip,
         *map(str, (*size, rate)),
     ]
-    encoder = (
-        f"ffmpeg -loglevel error -f rawvideo -pix_fmt rgb24 -s {size[0]}x{size[1]} -r {rate:g} -i - -threads 1 {options}"
-    )
+    encoder = f"ffmpeg -loglevel error -f rawvideo -pix_fmt rgb24 -s {size[0]}x{size[1]} -r {rate:g} -i - -threads 1 {options}"
     with subprocess.Popen(painter, stdout=subprocess.PIPE) as frames:
         stream = subprocess.Popen(encoder.split(), stdin=frames.stdout)
         try:
