@@ -151,7 +151,9 @@ def fed(trial: Trial) -> Iterator[str]:
         trial.clip,
         *map(str, (*size, rate)),
     ]
-    encoder = f"ffmpeg -loglevel error -f rawvideo -pix_fmt rgb24 -s {size[0]}x{size[1]} -r {rate:g} -i - -threads 1 {options}"
+    given = f"-f rawvideo -pix_fmt rgb24 -s {size[0]}x{size[1]} -r {rate:g} -i -"
+    # Encoders with threads hold back a frame for each.
+    encoder = f"ffmpeg -loglevel error {given} -threads 1 {options}"
     with subprocess.Popen(painter, stdout=subprocess.PIPE) as frames:
         stream = subprocess.Popen(encoder.split(), stdin=frames.stdout)
         try:
