@@ -74,7 +74,7 @@ def test_every_key_that_a_page_names_does_something(state: AppState, pages: Guid
     """Chords with a modifier, which can be nothing else."""
     known = {key for section in sections(state, outside()) for one in section.commands for key in one.keys}
     text = " ".join(block.text for page in pages.pages for block in page.blocks)
-    named = set(re.findall(r"(?:Ctrl|Shift)\+(?!click)\w+", text))
+    named = set(re.findall(r"(?:(?:Ctrl|Shift)\+)+(?!click)\w+", text))
     assert named
     assert named <= known
 
