@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, Clip, ClipError, Frame
+from renderer.depth.row_offset import moved_down, places, row_offset, unseen
 from renderer.depth.stereo import disparity, feature_shifts
 from renderer.readers.frames import open_images
 from renderer.readers.listing import listed
@@ -21,7 +22,8 @@ from renderer.readers.picture_kinds import kind_by_name
 from renderer.readers.pictures import common_size, is_picture, read_rgb
 
 LARGEST_VERTICAL_OFFSET = 1.5
-"""Median distance in px between the rows of what both eyes see, beyond which a pair is not rectified."""
+"""Median distance in px between the rows of what both eyes see, beyond which a pair is not rectified; what is
+the same in all rows of a clip counts for nothing, as the right images can be moved by it."""
 
 _FEWEST_FEATURES = 20
 _REMEMBERED = 4  # Frames whose depth is kept, for sliders that ask for the same one again.
@@ -153,16 +155,19 @@ def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Cl
         wanted = f"{clip.size[0]}x{clip.size[1]} as the left one"
         came = f"{right.size[0]}x{right.size[1]}"
         raise ClipError(f"expected a right image of {wanted}, got {came}: {right.path}")
-    _judge(clip, right)
+    rows = _judged(clip, right)
     rig = _rig(clip, baseline)
 
     @lru_cache(_REMEMBERED)
     def read_frame(index: int) -> Frame:
         frame = clip.read_frame(index)
-        found = disparity(frame.image, right.read(index))
+        other = right.read(index)
+        found = disparity(frame.image, moved_down(other, rows) if rows else other)
+        found[unseen(rows)] = 0
         return replace(frame, depth=_depth(found, frame.camera.fx * rig.baseline))
 
-    said = (*clip.notices, _said(rig))
+    apart = (f"the eyes' rows are {abs(rows):.1f} px apart: right images are moved by that",) if rows else ()
+    said = (*clip.notices, *apart, _said(rig))
     return replace(
         clip, read_frame=read_frame, has_depth=True, unit=rig.unit, depth_origin="stereo", notices=said
     )
@@ -205,21 +210,28 @@ def _show_one_scene(left: Path, right: Path, changed: tuple[int, int]) -> bool:
     return len(feature_shifts(read_rgb(left), read_rgb(right))) >= _FEWEST_FEATURES
 
 
-def _judge(clip: Clip, right: RightEye) -> None:
-    """Raises ClipError unless the first two pictures look like a rectified pair."""
+def _judged(clip: Clip, right: RightEye) -> float:
+    """By how many rows right pictures are to be moved down; 0 where the first two look rectified.
+
+    Raises ClipError: they look like no rectified pair, or like one that is swapped.
+    """
     shifts = feature_shifts(clip.read_image(0), right.read(0))
     where = f"{right.names}: {clip.path}"
     if len(shifts) < _FEWEST_FEATURES:
         raise ClipError(f"expected a stereo pair, got images with {len(shifts)} features in common, {where}")
-    across, down = np.median(shifts[:, 0]), np.median(np.abs(shifts[:, 1]))
-    if down > LARGEST_VERTICAL_OFFSET:
-        limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
-        way = "rectify them with their calibration"
-        where = f"{right.names}; {way}: {clip.path}"
-        raise ClipError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
+    across, rows = np.median(shifts[:, 0]), 0.0
+    if np.median(np.abs(shifts[:, 1])) > LARGEST_VERTICAL_OFFSET:
+        others = [feature_shifts(clip.read_image(at), right.read(at)) for at in places(len(clip))[1:]]
+        rows, down = row_offset([shifts, *others])
+        if down > LARGEST_VERTICAL_OFFSET:
+            limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
+            way = "rectify them with their calibration"
+            where = f"{right.names}; {way}: {clip.path}"
+            raise ClipError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
     if across <= 0:
         shift = f"the right one shows objects {-across:.0f} px farther right"
         raise ClipError(f"expected a left and a right image, got them swapped, {shift}, {where}")
+    return rows
 
 
 def _left_folder(path: Path) -> Path | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -61,19 +63,38 @@ def test_auto_matches_pairs(pairs):
 
 
 def test_auto_says_why_pairs_are_not_matched(pairs, tmp_path):
-    for eye, shift in (("left", 0), ("right", 5)):
+    for eye, degrees in (("left", 0), ("right", 4)):
         (tmp_path / eye).mkdir()
         with Image.open(pairs.path / eye / "000000.png") as picture:
-            moved = np.roll(np.asarray(picture), shift, axis=0)
-        Image.fromarray(moved).save(tmp_path / eye / "0.png")
+            picture.rotate(degrees).save(tmp_path / eye / "0.png")
     opened = open_stereo_folder(tmp_path, 60)
     clip = with_depth(opened, ClipOptions())
     assert not clip.has_depth
     assert clip.notices[-1].startswith("no stereo depth: expected a rectified pair")
-    with pytest.raises(ClipError, match=r"expects depth; no stereo depth: .* rows .* got 5\.\d px .*rectify"):
+    with pytest.raises(ClipError, match=r"expects depth; no stereo depth: .* rows .* got \d.* px .*rectify"):
         require_depth(clip)
     with pytest.raises(ClipError, match="rectified"):
         with_depth(opened, ClipOptions(depth="stereo"))
+
+
+@pytest.mark.parametrize("rows", [5, -3])
+def test_rows_that_all_lie_as_far_apart_are_brought_together(pairs, tmp_path, rows):
+    """The depth is that of the pair as it was, but for the rows that the right eye did not see."""
+    shutil.copytree(pairs.path, tmp_path / "moved")
+    for path in (tmp_path / "moved/right").iterdir():
+        with Image.open(path) as picture:
+            Image.fromarray(np.roll(np.asarray(picture), -rows, axis=0)).save(path)
+    clip = with_depth(open_stereo_folder(tmp_path / "moved", 60), ClipOptions(baseline=BASELINE))
+    assert f"rows are {abs(rows):.1f} px apart" in clip.notices[-2]
+    wanted = with_depth(pairs, ClipOptions(baseline=BASELINE)).read_frame(0).depth
+    depth = clip.read_frame(0).depth
+    assert wanted is not None
+    assert depth is not None
+    unseen = slice(None, rows) if rows > 0 else slice(rows, None)
+    assert not depth[unseen].any()
+    both = (depth > 0) & (wanted > 0)
+    assert both.mean() > 0.6
+    assert np.median(np.abs(depth[both] / wanted[both] - 1)) < 0.01
 
 
 def test_brightness_replaces_what_is_there(measured, pictures):
