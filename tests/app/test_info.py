@@ -109,7 +109,9 @@ def test_pairs_that_match_and_pairs_that_do_not(
     assert any("--baseline" in each for each in facts["missing"])
     assert facts["next"][0] == f"vesselsplat enhance {path / 'left'} OUT"
     for eye in (path / "right").iterdir():
-        cv2.imwrite(str(eye), np.roll(cv2.imread(str(eye)), 4, axis=0))
+        seen = cv2.imread(str(eye))
+        turn = cv2.getRotationMatrix2D((96, 72), 4, 1)
+        cv2.imwrite(str(eye), cv2.warpAffine(seen, turn, (192, 144)))
     facts = told(path)
     assert facts["what"]["stereo"]
     assert "rows at most 1.5 px apart" in facts["depth"]["why"]

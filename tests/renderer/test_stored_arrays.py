@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -117,9 +118,11 @@ def test_every_array_of_a_checkpoint_is_checked_before_training_goes_on(
         with pytest.raises(TrainingError, match="expected"):
             next(iter(train(clip, config, folder=tmp_path, resume=True)))
 
+    # Each array by two of the damages in turn: every try prepares a training, and all ask one check.
+    damages = itertools.cycle(DAMAGES.values())
     for name, array in checkpoint.arrays.items():
         if array.size:
-            for damage in DAMAGES.values():
+            for damage in itertools.islice(damages, 2):
                 not_resumed(checkpoint.arrays | {name: damage(array)})
         if array.size and array.dtype.kind == "f" and name != "loss_watch":
             not_resumed(checkpoint.arrays | {name: np.full_like(array, np.nan)})

@@ -80,7 +80,7 @@ def test_two_sources_are_chosen_in_the_dialog_and_recorded_with_both_eyes(
         ctx.key_chars_replace(str(right))
         ctx.item_click("//Open live source/###typed")
         wait(ctx, lambda: state.live.flows, "pairs")
-        wait(ctx, lambda: "eyes" in counts(_status(state)), "the time between them")
+        wait(ctx, lambda: "eyes" in counts(state.live, _status(state)), "the time between them")
         assert "From eye to eye" in delay_text(_status(state))
         ctx.key_press(chord("Ctrl+Shift+L"))
         wait(
