@@ -8,10 +8,9 @@ from pathlib import Path
 from app.console.flags import add_fields, parameters
 from app.console.startup import has_display
 from app.errors import UserError
-from app.live.address import address_of, input_of
-from app.live.igtl.endpoint import PORT, endpoint_of
+from app.live.igtl.endpoint import PORT
 from app.live.sources.device import devices
-from app.live.start import LiveStart
+from app.live.start import LiveStart, start_of
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions, Stereo
 
 
@@ -58,6 +57,4 @@ def _start(flags: argparse.Namespace, stereo: Stereo) -> LiveStart | None:
                 f"expected --live with --right, got no source of the left eye beside {flags.right}"
             )
         return None
-    known = devices()
-    source = input_of(address_of(flags.live, known), flags.right, stereo, known)
-    return LiveStart(source, None if flags.igtl is None else endpoint_of(flags.igtl))
+    return start_of(flags.live, flags.right, stereo, flags.igtl, devices())

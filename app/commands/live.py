@@ -16,8 +16,7 @@ from app.enhancement.methods import PAPER, VESSEL
 from app.enhancement.settable import PIXELS
 from app.errors import UserError
 from app.files.provenance import provenance, strict_json
-from app.live.address import address_of, input_of
-from app.live.igtl.endpoint import PORT, Endpoint, endpoint_of
+from app.live.igtl.endpoint import PORT, Endpoint
 from app.live.igtl.sender import Sender
 from app.live.picture import LiveSetting, LiveStatus
 from app.live.recorder import WHATS, Recorder, require_new
@@ -25,6 +24,7 @@ from app.live.session import LiveSession, load
 from app.live.sources.device import devices
 from app.live.sources.opening import open_input
 from app.live.sources.source import Wish
+from app.live.start import start_of
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
@@ -90,14 +90,13 @@ def run(flags: argparse.Namespace) -> None:
     if flags.source is None:
         raise UserError("expected a SOURCE: a device, the address of a stream, a file or a folder")
     reading = parameters(ClipOptions, flags)
-    asked = input_of(address_of(flags.source, known), flags.right, reading.stereo, known)
-    wish, setting = wish_of(flags), setting_of(flags)
-    endpoint = None if flags.igtl is None else endpoint_of(flags.igtl)
+    start = start_of(flags.source, flags.right, reading.stereo, flags.igtl, known)
+    asked, wish, setting = start.source, wish_of(flags), setting_of(flags)
     if flags.record is not None:
         require_new(flags.record)
     # Compiling may take a minute, in which no source is to wait.
     load(setting)
-    sender = None if endpoint is None else _sender(endpoint)
+    sender = None if start.endpoint is None else _sender(start.endpoint)
     recorder = None if flags.record is None else Recorder(flags.record, flags.what, asked.name)
     recipients = tuple(one.add for one in (recorder, sender) if one is not None)
     began = time.perf_counter()

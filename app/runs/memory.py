@@ -6,6 +6,7 @@ import ctypes
 import re
 import shutil
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
@@ -53,8 +54,7 @@ def free_memory() -> int:
 
 def give_back() -> None:
     """To the system: what was freed and is kept for later, on Linux by the C library's own rules for ever."""
-    trim = getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
-    if trim is not None:
+    if (trim := _of_linux("malloc_trim")) is not None:
         trim(ctypes.c_size_t(0))
 
 
@@ -64,9 +64,13 @@ def share_memory() -> None:
     On Linux each thread has a place of its own to take from, in which frames of all sizes leave gaps that no
     other thread fills: a window with some twenty of them grows by the hour. Elsewhere it does nothing.
     """
-    option = getattr(ctypes.CDLL(None), "mallopt", None) if sys.platform == "linux" else None
-    if option is not None:
+    if (option := _of_linux("mallopt")) is not None:
         option(M_ARENA_MAX, ARENAS)
+
+
+def _of_linux(name: str) -> Callable[..., int] | None:
+    """A function of the GNU C library; None elsewhere."""
+    return getattr(ctypes.CDLL(None), name, None) if sys.platform == "linux" else None
 
 
 def planned_in(folder: Path, clip: Clip, config: TrainConfig) -> Planned:

@@ -65,3 +65,10 @@ def eye_aspect(size: tuple[int, int], layout: StereoLayout, pixel_aspect: float 
     if layout == "side-by-side" and shape < NARROWEST:
         return 2 * pixel_aspect
     return pixel_aspect / 2 if layout == "top-bottom" and shape > WIDEST else pixel_aspect
+
+
+def squeezed(size: tuple[int, int], layout: StereoLayout, pixel_aspect: float = 1.0) -> str:
+    """What is said of an eye's picture that is, behind other words; nothing of one that is not."""
+    if eye_aspect(size, layout, pixel_aspect) == pixel_aspect:
+        return ""
+    return f", squeezed to half its {'width' if layout == 'side-by-side' else 'height'}"

@@ -13,7 +13,7 @@ from renderer.clip import ByteImage, Clip, ClipError
 from renderer.pyav_presence import has_pyav, why_not_pyav
 from renderer.readers.clip_options import DEFAULTS, ClipOptions, StereoLayout
 from renderer.readers.frames import without_depth
-from renderer.readers.stereo_layout import chosen_layout, eye_aspect, eye_size, eyes
+from renderer.readers.stereo_layout import chosen_layout, eye_aspect, eye_size, eyes, squeezed
 
 
 class Video(Protocol):
@@ -44,19 +44,18 @@ def open_video(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
             cannot be split into eyes as `options.stereo` asks.
     """
     video = _opened(path, options)
-    layout = chosen_layout(options.stereo, video.stereo)
+    layout, first = chosen_layout(options.stereo, video.stereo), video.read(0)
+    size = first.shape[1], first.shape[0]
     if layout is None:
-        return _clip(path, options, video, video.read, video.pixel_aspect)
-    first = video.read(0)
+        return _clip(path, options, video, video.read, size, video.pixel_aspect)
     try:
-        size = eye_size((first.shape[1], first.shape[0]), layout)
+        size = eye_size(size, layout)
     except ClipError as error:
         raise ClipError(f"{error}: {path}") from error
     aspect = eye_aspect(size, layout, video.pixel_aspect)
-    left = _clip(path, options, video, lambda index: _eye(video.read(index), layout, 0), aspect)
+    left = _clip(path, options, video, lambda index: _eye(video.read(index), layout, 0), size, aspect)
     said = f"stereo, {layout}: the frames are those of the left eye"
-    if aspect != video.pixel_aspect:
-        said += f", squeezed to half its {'width' if layout == 'side-by-side' else 'height'}"
+    said += squeezed(size, layout, video.pixel_aspect)
     return replace(
         left,
         read_right=lambda index: _eye(video.read(index), layout, 1),
@@ -69,14 +68,18 @@ def _eye(image: ByteImage, layout: StereoLayout, number: int) -> ByteImage:
 
 
 def _clip(
-    path: Path, options: ClipOptions, video: Video, read: Callable[[int], ByteImage], aspect: float
+    path: Path,
+    options: ClipOptions,
+    video: Video,
+    read: Callable[[int], ByteImage],
+    size: tuple[int, int],
+    aspect: float,
 ) -> Clip:
-    image = read(0)
     return without_depth(
         path,
         "video",
         labels=tuple(str(index) for index in range(len(video))),
-        size=(image.shape[1], image.shape[0]),
+        size=size,
         read=read,
         field_of_view=options.field_of_view,
         frames_per_second=video.frames_per_second,

@@ -32,8 +32,8 @@ def live_tags(live: Live) -> tuple[Tag, ...]:
         tags.append(Tag(f"LIVE · {pace(status)}"))
     if (recording := live.recording) is not None:
         tags.append(Tag(f"RECORDING · {clock(recording.seconds)}", "caution"))
-    if live.sender is not None and not live.endpoint.is_local:
-        tags.append(Tag(str(live.sender.state).upper(), "caution"))
+    if (sending := live.sending) is not None and not live.endpoint.is_local:
+        tags.append(Tag(str(sending).upper(), "caution"))
     return tuple(tags)
 
 
@@ -64,8 +64,8 @@ def counts(live: Live, status: LiveStatus) -> str:
     parts = [status.told, f"{status.arrived} frames, {status.dropped} dropped"]
     if status.apart is not None:
         parts.append(f"eyes {status.apart.median:.0f} ms apart, {status.unpaired} unpaired")
-    if live.sender is not None:
-        parts.append(str(live.sender.state))
+    if (sending := live.sending) is not None:
+        parts.append(str(sending))
     return "   ·   ".join(parts)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from app.live.sources.source import Arrived, Source
 from renderer.readers.clip_options import StereoLayout
-from renderer.readers.stereo_layout import eye_aspect, eye_size
+from renderer.readers.stereo_layout import eye_size, squeezed
 
 
 class BothEyesSource:
@@ -19,7 +19,8 @@ class BothEyesSource:
 
     @property
     def told(self) -> str:
-        return f"{self._source.told}, {self._layout} stereo{self._squeezed}"
+        shape = "" if self._eye is None else squeezed(self._eye, self._layout)
+        return f"{self._source.told}, {self._layout} stereo{shape}"
 
     @property
     def frames_per_second(self) -> float | None:
@@ -38,9 +39,3 @@ class BothEyesSource:
 
     def close(self) -> None:
         self._source.close()
-
-    @property
-    def _squeezed(self) -> str:
-        if self._eye is None or eye_aspect(self._eye, self._layout) == 1:
-            return ""
-        return f", squeezed to half {'width' if self._layout == 'side-by-side' else 'height'}"

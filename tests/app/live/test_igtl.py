@@ -23,13 +23,13 @@ from app.live.session import LiveSession
 from assets import phantom_path
 from tests.app.conftest import Call
 from tests.app.live.painted import PaintedSource, painted, wait_for
+from tests.ports import free_port
 
 PLAIN = LiveSetting(None)
 
 
 def free() -> Endpoint:
-    with socket.create_server(("127.0.0.1", 0)) as one:
-        return Endpoint(port=one.getsockname()[1])
+    return Endpoint(port=free_port())
 
 
 @contextmanager

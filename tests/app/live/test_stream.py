@@ -15,14 +15,9 @@ from app.errors import UserError
 from app.live.sources.source import SourceLost, Wish
 from app.live.sources.stream import StreamSource
 from tests.app.live.painted import painted
+from tests.ports import free_port
 
 LEVELS = (60, 120, 180)
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
 
 
 class Camera:
@@ -53,7 +48,7 @@ class Camera:
 
 
 def test_frames_come_as_they_are_sent_and_silence_is_a_loss() -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_DGRAM)
     camera = Camera(port)
     source = StreamSource(f"udp://127.0.0.1:{port}", "camera", Wish())
     start, levels = time.perf_counter(), set[int]()
@@ -75,7 +70,7 @@ def test_frames_come_as_they_are_sent_and_silence_is_a_loss() -> None:
 
 
 def test_what_does_not_answer_says_so_without_its_address() -> None:
-    port = free_port()
+    port = free_port(socket.SOCK_DGRAM)
     with pytest.raises(SourceLost, match=r"nothing can be received from a camera \(connection refused\)"):
         StreamSource(f"rtsp://user:word@127.0.0.1:{port}/x", "a camera", Wish())
 

@@ -15,7 +15,6 @@ import argparse
 import itertools
 import json
 import os
-import socket
 import subprocess
 import sys
 import tempfile
@@ -32,6 +31,7 @@ import numpy as np
 from tests.benchmarks.live_delay.screen import Screen, display
 from tests.benchmarks.live_delay.time_code import age, read
 from tests.benchmarks.live_delay.window import METHODS, PAINTED, Trial
+from tests.ports import free_port
 
 LOOK: Final = 5e-4
 """Seconds from one look at the screen to the next."""
@@ -161,12 +161,6 @@ def fed(trial: Trial) -> Iterator[str]:
         finally:
             stream.kill()
             frames.kill()
-
-
-def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
 
 
 def row(trial: Trial, said: dict[str, Any], delays: list[float]) -> str:

@@ -13,7 +13,6 @@ from pathlib import Path
 import av
 import cv2
 import numpy as np
-import psutil
 import pytest
 
 from renderer.clip import Clip, ClipError
@@ -384,21 +383,3 @@ def test_a_video_that_is_open_when_the_program_ends_says_nothing(video, monkeypa
             del frames
             gc.collect()
     assert troubles == []
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="counts what the process holds open by name")
-def test_a_dropped_video_lets_its_decoder_go_without_a_search_for_garbage(video: Path) -> None:
-    """Its container and streams hold each other, and such a search may never come: see `gc.freeze`."""
-
-    def held() -> int:
-        return sum(one.path == str(video) for one in psutil.Process().open_files())
-
-    gc.disable()
-    try:
-        clip = open_video(video)
-        clip.read_image(90), clip.read_image(5)
-        assert held() == 1
-        del clip
-        assert held() == 0
-    finally:
-        gc.enable()
