@@ -63,6 +63,13 @@ def splatting_json(cameras: Sequence[NamedCamera]) -> bytes:
     return json.dumps([_splatting(place, one) for place, one in enumerate(cameras)], indent=1).encode()
 
 
+def transforms_json(cameras: Sequence[NamedCamera], times: Sequence[float]) -> bytes:
+    """transforms.json as NeRF programs read it: poses of cameras that look along -z with y up, the lens of
+    each frame in pixels, and its time in [0, 1], which those for moving scenes read."""
+    told = [_transforms(one, time) for one, time in zip(cameras, times, strict=True)]
+    return json.dumps({"camera_model": "PINHOLE", "frames": told}, indent=1).encode()
+
+
 def off_center(cameras: Sequence[NamedCamera]) -> str | None:
     """What is to be said where a program that has no principal point shifts the picture."""
     away = max((_shift(one.camera) for one in cameras), default=0.0)
@@ -91,6 +98,21 @@ def _splatting(place: int, one: NamedCamera) -> dict[str, Any]:
         "fx": camera.fx,
         "cx": camera.cx,
         "cy": camera.cy,
+    }
+
+
+def _transforms(one: NamedCamera, time: float) -> dict[str, Any]:
+    camera = one.camera
+    return {
+        "file_path": one.name,
+        "time": time,
+        "w": camera.width,
+        "h": camera.height,
+        "fl_x": camera.fx,
+        "fl_y": camera.fy,
+        "cx": camera.cx,
+        "cy": camera.cy,
+        "transform_matrix": (camera.world_from_camera @ FROM_OPENGL).tolist(),
     }
 
 

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from renderer.camera import FloatArray
+from renderer.splats import Float32Array
 
 
 def turned_hermite(
@@ -74,3 +75,11 @@ def logarithm(turn: FloatArray) -> FloatArray:
     w, sine = abs(float(turn[0])), float(np.linalg.norm(turn[1:]))
     toward = turn[1:] if turn[0] >= 0 else -turn[1:]
     return np.asarray(2 * toward * (math.atan2(sine, w) / sine if sine > 1e-12 else 1.0))
+
+
+def unit_quats(quats: Float32Array) -> Float32Array:
+    """(N, 4) wxyz of length 1 with w >= 0; the identity in place of no rotation."""
+    length = np.linalg.norm(quats, axis=1, keepdims=True)
+    unit = np.divide(quats, length, out=np.zeros_like(quats), where=length > 0)
+    unit[length[:, 0] == 0, 0] = 1
+    return np.asarray(unit * np.where(unit[:, :1] < 0, -1, 1), np.float32)

@@ -1,5 +1,5 @@
-"""`vesselsplat export RUN --ply|--spz|--sog DIR | --mesh FILE|DIR |
---video|--html|--cameras FILE`: a model for others."""
+"""`vesselsplat export RUN --ply|--spz|--sog DIR | --mesh FILE|DIR | --npz|--tracks FILE |
+--video|--html FILE | --cameras FILE|DIR`: a model for others."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import argparse
 import sys
 from pathlib import Path
 
-from app.commands import mesh_export, view_flags
+from app.commands import camera_export, mesh_export, research_export, view_flags
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.browser.of_scene import browser_model
 from app.exports.make import make
 from app.exports.records import RenderVideo, Splats
 from app.exports.sources import Opened
-from app.files.atomic import filled, write_bytes
+from app.files.atomic import filled
 from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes import view_selection
@@ -24,7 +24,6 @@ from app.scenes.renderers import drawer
 from app.scenes.scene import Scene
 from app.scenes.view_request import drawn_record
 from app.scenes.view_selection import Moment
-from renderer.camera_files import NamedCamera, off_center, splatting_json
 from renderer.harmonics import BANDS
 
 
@@ -62,21 +61,24 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="the model over time as one page that any browser plays, without a network",
     )
     mesh_export.add_flags(parser)
-    parser.add_argument("--cameras", type=Path, metavar="FILE", help="the poses as cameras.json")
+    camera_export.add_flags(parser)
+    research_export.add_flags(parser)
     view_selection.add_flags(parser)
     view_flags.add_flag(parser)
 
 
 def run(flags: argparse.Namespace) -> None:
     splats = {".ply": flags.ply, ".spz": flags.spz, ".sog": flags.sog}
-    if not (any(splats.values()) or flags.video or flags.html or flags.mesh or flags.cameras):
+    others = (flags.video, flags.html, flags.mesh, flags.npz, flags.tracks, flags.cameras)
+    if not any((*splats.values(), *others)):
         raise UserError(
             "expected what to export: --ply DIR, --spz DIR, --sog DIR, --mesh FILE.glb|DIR, --video FILE, "
-            "--html FILE or --cameras FILE"
+            "--html FILE, --npz FILE, --tracks FILE or --cameras FILE"
         )
     if flags.sh_degree is not None and not any(splats.values()):
         raise UserError("--sh-degree: expected --ply, --spz or --sog DIR, to whose files it applies")
     mesh_export.check(flags)
+    research_export.check(flags)
     scene, wanted = view_selection.chosen(flags)
     for suffix, folder in splats.items():
         if folder:
@@ -87,12 +89,9 @@ def run(flags: argparse.Namespace) -> None:
         _write_page(flags.html, scene, wanted, flags.frames_per_second)
     if flags.mesh:
         mesh_export.write(flags, scene, wanted)
+    research_export.write(flags, scene, wanted)
     if flags.cameras:
-        named = [NamedCamera(moment.name, moment.camera) for moment in wanted]
-        write_bytes(flags.cameras, splatting_json(named))
-        if notice := off_center(named):
-            sys.stderr.write(f"{notice}: {flags.cameras}\n")
-        sys.stdout.write(f"{flags.cameras}: {len(wanted)} cameras\n")
+        camera_export.write(flags, scene, wanted)
 
 
 def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment], degree: int | None) -> None:

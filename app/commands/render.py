@@ -6,6 +6,7 @@ import argparse
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 from app.commands import view_flags
 from app.console.progress import progress
@@ -17,10 +18,14 @@ from app.files.atomic import filled
 from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes import view_selection
+from app.scenes.depth_steps import step_of
 from app.scenes.drawer import Drawer
 from app.scenes.renderers import drawer
 from app.scenes.view_kinds import SHAPES, has_scale
 from app.scenes.view_request import view_record
+
+DEPTHS: Final = {"npy": "-depth.npy", "tiff": "-depth.tiff", "png16": "-depth16.png"}
+"""How the files of depth end, by format."""
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +38,14 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
     view_flags.add_flag(parser)
     parser.add_argument(
-        "--depth", action="store_true", help="also write expected depth, as float32 and in colours"
+        "--depth", action="store_true", help="also write expected depth, as numbers and in colours"
+    )
+    parser.add_argument(
+        "--depth-format",
+        choices=DEPTHS,
+        default="npy",
+        help="of these numbers: float32, or png16: whole steps, the same for all frames and stated in each "
+        "file (default npy)",
     )
 
 
@@ -52,7 +64,9 @@ def run(flags: argparse.Namespace) -> None:
             said = replace(said, background=None) if flags.transparent else said
             records: dict[str, Export] = {".png": extended(Render, said)}
             if flags.depth:
-                records |= {"-depth.npy": extended(Depth, said), "-depth.png": extended(Depth, said)}
+                step = step_of(scene.distance) if flags.depth_format == "png16" else None
+                numbers = extended(Depth, said, step=step)
+                records |= {DEPTHS[flags.depth_format]: numbers, "-depth.png": extended(Depth, said)}
             for ending, record in records.items():
                 run_to_end(make(record, sources, staging / f"{moment.name}{ending}"))
             report(done, moment.name)

@@ -27,6 +27,7 @@ from app.exports.records import (
     Depth,
     Export,
     MeasuresTable,
+    ModelArrays,
     PanesPicture,
     PanesVideo,
     Render,
@@ -34,14 +35,18 @@ from app.exports.records import (
     SpanRecord,
     Splats,
     SurfaceMesh,
+    Tracks,
     ViewVideo,
 )
+from app.exports.research.model_arrays import write_model_arrays
+from app.exports.research.tracks import write_tracks
 from app.exports.sizing import Sizing
 from app.exports.sources import Sources
+from app.exports.splats.writing import write_moment
 from app.files.atomic import together, write_bytes
 from app.files.image_files import write_image
 from app.files.image_series import Series, timing_of
-from app.files.provenance import comments, write_png, write_sidecar
+from app.files.provenance import write_png, write_sidecar
 from app.files.records import Source
 from app.files.stepping import map_steps
 from app.files.timing import Timing
@@ -49,6 +54,7 @@ from app.files.video import write_frames
 from app.scenes import view_request
 from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import colored_depth
+from app.scenes.depth_steps import in_steps
 from app.scenes.drawer import Drawer
 from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
@@ -57,8 +63,6 @@ from enhance.ridges import field_of_view, vessel_mask
 from enhance.surround import inside
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-from renderer.splat_files import write_splats
-from renderer.splat_files.inria_ply import ply_bytes
 from renderer.unobserved import BLACK
 
 Steps = Generator[int, None, None]
@@ -89,7 +93,13 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
         case RenderVideo():
             yield from _render_video(record, sources, target)
         case Splats():
-            _splats(record, sources, target)
+            write_moment(record, sources.scene(record), target)
+        case ModelArrays():
+            yield from write_model_arrays(
+                record, sources.scene(record), sources.drawer(record.renderer), target
+            )
+        case Tracks():
+            yield from write_tracks(record, sources.scene(record), target)
         case SurfaceMesh():
             yield from write_surface(record, sources.scene(record), target)
         case BrowserModel():
@@ -164,11 +174,17 @@ def _render(record: Render, sources: Sources, target: Path) -> None:
 
 
 def _depth(record: Depth, sources: Sources, target: Path) -> None:
-    """As numbers or in colours, as the suffix says."""
+    """As numbers, whole ones where the record has a step, or in colours."""
     drawer = sources.drawer(record.renderer)
     depth = drawer.drawn(_seen(record, record, sources.scene(record))).depth
     said = replace(record, renderer=drawer.name)
-    if target.suffix == ".npy":
+    if record.step is not None:
+        said = replace(
+            said, holds=f"expected depth in steps of {record.step:g} scene units, 0 where nothing is"
+        )
+        write_image(target, in_steps(depth, record.step), said.signed)
+        return
+    if target.suffix in (".npy", ".tiff"):
         said = replace(said, holds="expected depth in scene units, 0 where nothing is")
         write_image(target, depth, said.signed)
         return
@@ -188,31 +204,6 @@ def _render_video(record: RenderVideo, sources: Sources, target: Path) -> Steps:
         written = yield from write_frames(place, frames, Timing(record.frames_per_second))
         said = replace(record, renderer=drawer.name, scale=views[0].scale, video=written)
         write_sidecar(place, said.signed)
-
-
-def _splats(record: Splats, sources: Sources, target: Path) -> None:
-    """A file of the Gaussians where they are at the time of the record, which is in a PLY file and beside any
-    other; their spherical harmonics are filled up with zeros to its degree.
-
-    Raises:
-        UserError: one that would lose colours, or more than the format holds.
-    """
-    scene, degree = sources.scene(record), record.sh_degree
-    moved = scene.model.motion.moved(scene.model.raw, record.time)
-    try:
-        moved = moved if degree is None else moved.of_degree(degree)
-    except ValueError as error:
-        got = f"{degree} for {error}"
-        raise UserError(f"--sh-degree: expected one that holds the whole model, got {got}") from error
-    if target.suffix.lower() == ".ply":
-        write_bytes(target, ply_bytes(moved, scene.mode, comments(record.signed)))
-        return
-    with together(target) as place:
-        try:
-            write_splats(place, moved, scene.mode)
-        except ValueError as error:
-            raise UserError(f"{error}: {target}") from error
-        write_sidecar(place, record.signed)
 
 
 def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None:

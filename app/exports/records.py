@@ -44,6 +44,8 @@ class Depth(ViewRecord):
     """What the colours are of, from `nearest` to `farthest`."""
     nearest: Annotated[float | None, Told] = None
     farthest: Annotated[float | None, Told] = None
+    step: Annotated[float, Interval(gt=0)] | None = None
+    """In scene units, that each whole number of a 16-bit image stands for."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
@@ -100,6 +102,27 @@ class SurfaceMesh(SceneRecord):
     """About, of a picture full of tissue, before simplifying."""
     faces: Annotated[int, Interval(ge=LEAST_FACES)] | None = None
     """To which it is simplified."""
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class ModelArrays(SceneRecord):
+    """A model at several moments as named arrays, with the depth that cameras see."""
+
+    kind: Literal["model arrays"] = "model arrays"
+    renderer: str
+    """That draws the depth."""
+    moments: tuple[MomentRecord, ...]
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class Tracks(SceneRecord):
+    """Where points of the surface are at several moments, as a table."""
+
+    kind: Literal["tracks"] = "tracks"
+    points: tuple[tuple[int, int], ...]
+    """Columns and rows of pixels, from 0, in which they are seen at the start."""
+    start: MomentRecord
+    moments: tuple[MomentRecord, ...]
 
 
 @dataclass(frozen=True, config=LENIENT)
@@ -228,6 +251,8 @@ Export = (
     | Splats
     | BrowserModel
     | SurfaceMesh
+    | ModelArrays
+    | Tracks
     | PanesPicture
     | PanesVideo
     | MeasuresTable

@@ -29,6 +29,7 @@ from renderer.splat_files.splat_records import RECORD
 
 READ_WHOLE = 64 << 20
 """Bytes: a larger file of splats is told by its header."""
+FOR_OTHERS = (".glb", ".usdc", ".obj", ".npz", ".csv", ".html")
 Facts = tuple[Fact, ...]
 
 
@@ -225,14 +226,16 @@ def is_export(path: Path) -> bool:
     return bool(_origin(path))
 
 
-def is_surface(path: Path) -> bool:
-    """A mesh of ours."""
-    if path.suffix.lower() not in (".glb", ".usdc", ".obj", ".ply") or path.stat().st_size > READ_WHOLE:
+def is_for_others(path: Path) -> bool:
+    """An export that other programs open, and this one does not."""
+    suffix = path.suffix.lower()
+    if suffix not in (*FOR_OTHERS, ".ply") or (suffix != ".npz" and path.stat().st_size > READ_WHOLE):
         return False
     try:
-        return recorded(path).get("kind") == "surface mesh"
+        kind = recorded(path).get("kind")
     except UserError:
         return False
+    return suffix in FOR_OTHERS or kind == "surface mesh"
 
 
 def _origin(path: Path) -> Facts:

@@ -9,7 +9,7 @@ from app.commands.described.fact import Fact, count, next_steps
 from app.commands.described.files import (
     can_replay,
     is_export,
-    is_surface,
+    is_for_others,
     of_export,
     of_json,
     of_run,
@@ -55,7 +55,7 @@ def _file(path: Path) -> tuple[Fact, ...]:
         return of_session(path)
     if path.suffix == ".safetensors":
         return of_run(path.parent)
-    if is_surface(path):
+    if is_for_others(path):
         return *of_export(path), next_steps(path, ("replay", "PATH"))
     if is_named_as_splats(path):
         return of_splats(path)

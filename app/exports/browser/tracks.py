@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
+from renderer.rotations import unit_quats
 from renderer.splats import Float32Array
 
 MOST_SAMPLES: Final = 48
@@ -100,7 +101,7 @@ def _of_spline(raw: RawGaussians, motion: SplineMotion) -> Tracks:
         means = means + np.einsum("nj,njkc->nkc", motion.node_weights, shared, dtype=np.float64)
     colors = _lifted(raw.colors, motion.color_controls, motion.n_controls)
     logits = _lifted(raw.opacity_logits[:, None], motion.opacity_controls, motion.n_controls)
-    values = (means, colors, _unit(raw.quats)[:, None], raw.log_scales[:, None], logits)
+    values = (means, colors, unit_quats(raw.quats)[:, None], raw.log_scales[:, None], logits)
     return Tracks(_tracks(values), CUBIC)
 
 
@@ -117,7 +118,7 @@ def _quantised(samples: list[RawGaussians]) -> tuple[Track, ...]:
     return _tracks((
         over_time(one.means for one in samples),
         over_time(one.colors for one in samples),
-        over_time(_unit(one.quats) for one in samples),
+        over_time(unit_quats(one.quats) for one in samples),
         over_time(one.log_scales for one in samples),
         over_time(one.opacity_logits[:, None] for one in samples),
     ))  # fmt: skip
@@ -131,11 +132,3 @@ def _tracks(values: Iterable[Float32Array]) -> tuple[Track, ...]:
         Track.of(name, np.asarray(each, np.float32), bits)
         for (name, bits), each in zip(names, values, strict=True)
     )
-
-
-def _unit(quats: Float32Array) -> Float32Array:
-    """The identity in place of no rotation."""
-    length = np.linalg.norm(quats, axis=1, keepdims=True)
-    unit = np.divide(quats, length, out=np.zeros_like(quats), where=length > 0)
-    unit[length[:, 0] == 0, 0] = 1
-    return np.asarray(unit * np.where(unit[:, :1] < 0, -1, 1), np.float32)

@@ -18,6 +18,7 @@ from app.exports.browser.page import read_page
 from app.exports.meshes.glb import read_glb
 from app.exports.meshes.mesh_text import obj_rows
 from app.exports.meshes.usd import read_usd
+from app.exports.research.npz import read_members
 from app.files.image_files import read_image
 from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
@@ -86,6 +87,8 @@ def arrays(path: Path) -> Iterator[Array]:
         return iter((obj_rows(read_whole(path)),))
     if suffix in (".spz", ".sog"):
         return iter(read_splats(path).raw.arrays().values())
+    if suffix == ".npz":
+        return read_members(path)
     if suffix == ".html":
         return _tracks(path)
     if suffix == ".csv":
@@ -114,10 +117,12 @@ def _tracks(path: Path) -> Iterator[Array]:
 
 
 def _columns(path: Path) -> Iterator[Array]:
-    """Of a table, then of the same in the JSON beside it: names, then each column as numbers or as text."""
+    """Of a table, then of the same in the JSON beside it where that has it: names, then each column as
+    numbers or as text."""
     sidecar = path.with_name(f"{path.name}.json")
     rows: list[dict[str, Any]] = list(csv.DictReader(read_whole(path).decode().splitlines()))
-    for table in (rows, read_json(sidecar)["frames"]):
+    told = read_json(sidecar)
+    for table in (rows, told["frames"]) if "frames" in told else (rows,):
         names = list(table[0]) if table else []
         yield _text(names)
         for name in names:

@@ -10,6 +10,7 @@ from app.exports.browser.page import read_page
 from app.exports.meshes.glb import read_glb
 from app.exports.meshes.mesh_text import obj_comments
 from app.exports.meshes.usd import read_usd
+from app.exports.research.npz import PROVENANCE, read_text
 from app.files.embedded import CARRIERS, KEYWORD, carried
 from app.files.provenance import facts_of, read_provenance
 from renderer.ply_comments import joined
@@ -37,6 +38,8 @@ def recorded(path: Path) -> Facts:
         if text is None:
             raise UserError(f"expected an OBJ file written by VesselSplat, found no provenance in {path}")
         return facts_of(text, path)
+    if suffix == ".npz":
+        return facts_of(read_text(path, PROVENANCE), path)
     if suffix == ".html":
         return read_page(read_whole(path).decode(errors="replace"))[0]
     # Before 0.2.0, JPEG and TIFF had it beside them.

@@ -62,6 +62,10 @@ def _by_commands(folder: Path, clip: Path, run: Path, mip: Path) -> None:
         flags = ("--mesh-format", form, "--vertices", "300", "--frames", "2")
         command("export", run, "--mesh", folder / form, *flags)
         _keep(folder / form, {f"frame-000002.{form}": f"surface.{form}"})
+    command("export", run, "--npz", folder / "arrays.npz", "--frames", "1", "4")
+    command("export", run, "--tracks", folder / "tracks.csv", "--points", "30,20", "12,40")
+    command("render", run, "--out", folder / "depth16", "--frames", "3", "--depth", "--depth-format", "png16")
+    _keep(folder / "depth16", {"frame-000003-depth16.png": "depth16.png"})
     image = folder / "photo.png"
     image.write_bytes(next(iter(sorted((clip / "images").iterdir()))).read_bytes())
     command("enhance", image, folder / "vessel.tiff", "--method", "vessel")

@@ -1,0 +1,94 @@
+"""`vesselsplat export RUN --npz FILE.npz | --tracks FILE.csv --points X,Y ...`: arrays and tables."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from app.console.progress import progress
+from app.errors import UserError
+from app.exports.make import make
+from app.exports.records import ModelArrays, Tracks
+from app.exports.sources import Opened
+from app.files.records import extended
+from app.scenes.drawer import Drawer
+from app.scenes.records import MomentRecord
+from app.scenes.renderers import drawer
+from app.scenes.scene import Scene
+from app.scenes.view_selection import Moment
+from renderer.near_plane import near_plane
+
+MOST_POINTS = 10_000
+POINT = re.compile(r"(\d{1,9}),(\d{1,9})")
+
+
+def add_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--npz",
+        type=Path,
+        metavar="FILE",
+        help="Gaussians at each moment, depth and cameras as numpy arrays, with a README inside",
+    )
+    parser.add_argument(
+        "--tracks",
+        type=Path,
+        metavar="FILE",
+        help="where the surface behind --points goes, as .csv; a JSON file beside it",
+    )
+    parser.add_argument(
+        "--points",
+        nargs="+",
+        metavar="X,Y",
+        help="pixels of the first moment, column and row from 0, whose surface --tracks follows",
+    )
+
+
+def check(flags: argparse.Namespace) -> None:
+    """Raises UserError for names and pixels that are none."""
+    for name, suffix in (("npz", ".npz"), ("tracks", ".csv")):
+        path: Path | None = getattr(flags, name)
+        if path is not None and path.suffix.lower() != suffix:
+            raise UserError(f"--{name}: expected the name of a {suffix} file, got {path.name}")
+    if bool(flags.tracks) != bool(flags.points):
+        raise UserError("expected --tracks FILE.csv with --points X,Y ..., got one of the two")
+    _points(flags)
+
+
+def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
+    """What of the two is asked for."""
+    moments = tuple(_moment(one, scene) for one in wanted)
+    if flags.npz:
+        pen = Drawer(*drawer(flags.renderer))
+        arrays = extended(ModelArrays, scene.record, renderer=pen.name, moments=moments)
+        _write(arrays, Opened(model=scene, pen=pen), flags.npz, wanted)
+        said = f"{len(scene.model)} Gaussians at {len(wanted)} moments"
+        sys.stdout.write(f"{flags.npz}: {said}, {flags.npz.stat().st_size / 1e6:.1f} MB\n")
+    if flags.tracks:
+        points = _points(flags)
+        tracks = extended(Tracks, scene.record, points=points, start=moments[0], moments=moments)
+        _write(tracks, Opened(model=scene), flags.tracks, wanted)
+        sys.stdout.write(f"{flags.tracks}: {len(points)} points at {len(wanted)} moments\n")
+
+
+def _moment(one: Moment, scene: Scene) -> MomentRecord:
+    near = near_plane(scene.model, one.camera)
+    return MomentRecord(time=one.time, camera=one.camera, frame=one.frame, near=near)
+
+
+def _write(record: ModelArrays | Tracks, sources: Opened, path: Path, wanted: Sequence[Moment]) -> None:
+    with progress("export", len(wanted)) as report:
+        for done in make(record, sources, path):
+            report(done, wanted[done - 1].name)
+
+
+def _points(flags: argparse.Namespace) -> tuple[tuple[int, int], ...]:
+    given = flags.points or []
+    if len(given) > MOST_POINTS:
+        raise UserError(f"--points: expected up to {MOST_POINTS}, got {len(given)}")
+    found = [POINT.fullmatch(text) for text in given]
+    if None in found:
+        raise UserError(f"--points: expected column,row as whole numbers, got {given[found.index(None)]}")
+    return tuple((int(one[1]), int(one[2])) for one in found if one)

@@ -1,0 +1,1 @@
+"""A model at one moment as a file of splats, and through time as USD: one format a file."""

@@ -1,0 +1,38 @@
+"""The file of a record, in the format of its suffix."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from app.errors import UserError
+from app.exports.records import Splats
+from app.files.atomic import together, write_bytes
+from app.files.provenance import comments, write_sidecar
+from app.scenes.scene import Scene
+from renderer.splat_files import write_splats
+from renderer.splat_files.inria_ply import ply_bytes
+
+
+def write_moment(record: Splats, scene: Scene, target: Path) -> None:
+    """The Gaussians where they are at the time of the record, which is in a PLY file and beside any other;
+    their spherical harmonics are filled up with zeros to its degree.
+
+    Raises:
+        UserError: one that would lose colours, or more than the format holds.
+    """
+    degree = record.sh_degree
+    moved = scene.model.motion.moved(scene.model.raw, record.time)
+    try:
+        moved = moved if degree is None else moved.of_degree(degree)
+    except ValueError as error:
+        got = f"{degree} for {error}"
+        raise UserError(f"--sh-degree: expected one that holds the whole model, got {got}") from error
+    if target.suffix.lower() == ".ply":
+        write_bytes(target, ply_bytes(moved, scene.mode, comments(record.signed)))
+        return
+    with together(target) as place:
+        try:
+            write_splats(place, moved, scene.mode)
+        except ValueError as error:
+            raise UserError(f"{error}: {target}") from error
+        write_sidecar(place, record.signed)
