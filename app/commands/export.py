@@ -1,4 +1,4 @@
-"""`vesselsplat export RUN --ply|--spz|--sog DIR | --mesh FILE|DIR | --npz|--tracks FILE |
+"""`vesselsplat export RUN --ply|--spz|--sog|--glb DIR | --mesh FILE|DIR | --npz|--tracks FILE |
 --video|--html FILE | --cameras FILE|DIR`: a model for others."""
 
 from __future__ import annotations
@@ -44,6 +44,12 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="the same as SOG, for PlayCanvas and SuperSplat: 8 bits a value; a JSON file beside each",
     )
     parser.add_argument(
+        "--glb",
+        type=Path,
+        metavar="DIR",
+        help="the same as glTF, in metres, by its extension KHR_gaussian_splatting",
+    )
+    parser.add_argument(
         "--sh-degree",
         type=int,
         choices=range(len(BANDS)),
@@ -68,15 +74,15 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def run(flags: argparse.Namespace) -> None:
-    splats = {".ply": flags.ply, ".spz": flags.spz, ".sog": flags.sog}
+    splats = {".ply": flags.ply, ".spz": flags.spz, ".sog": flags.sog, ".glb": flags.glb}
     others = (flags.video, flags.html, flags.mesh, flags.npz, flags.tracks, flags.cameras)
     if not any((*splats.values(), *others)):
         raise UserError(
-            "expected what to export: --ply DIR, --spz DIR, --sog DIR, --mesh FILE.glb|DIR, --video FILE, "
-            "--html FILE, --npz FILE, --tracks FILE or --cameras FILE"
+            "expected what to export: --ply DIR, --spz DIR, --sog DIR, --glb DIR, --mesh FILE.glb|DIR, "
+            "--video FILE, --html FILE, --npz FILE, --tracks FILE or --cameras FILE"
         )
     if flags.sh_degree is not None and not any(splats.values()):
-        raise UserError("--sh-degree: expected --ply, --spz or --sog DIR, to whose files it applies")
+        raise UserError("--sh-degree: expected --ply, --spz, --sog or --glb DIR, to whose files it applies")
     mesh_export.check(flags)
     research_export.check(flags)
     scene, wanted = view_selection.chosen(flags)

@@ -19,6 +19,7 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.splat_files.other_kinds import CONVERT
 from renderer.splat_files.packed_ply import smallest_three
 from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, logits, repaired
+from renderer.splat_files.y_up import FLIPS
 
 GZIP: Final = b"\x1f\x8b"
 MAGIC: Final = 0x5053474E
@@ -32,8 +33,6 @@ MOST_BITS: Final = 24
 """After the point of a position."""
 ANTIALIASED: Final = 1
 COLOR_SCALE: Final = 0.15
-FLIPS: Final = np.array([-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1], np.float32)
-"""Sign of each function of harmonics.py when y and z change sign."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from renderer.harmonics import BANDS
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splat_files.packed_ply import without_largest
 from renderer.splat_files.splat_file import PER_COLOR
-from renderer.splat_files.spz import ANTIALIASED, COLOR_SCALE, FLIPS, HEAD, MAGIC, MOST
+from renderer.splat_files.spz import ANTIALIASED, COLOR_SCALE, HEAD, MAGIC, MOST
+from renderer.splat_files.y_up import y_up
 from renderer.splats import RenderMode
 
 VERSION: Final = 3
@@ -38,15 +39,15 @@ def spz_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
     bands = raw.harmonics.shape[1]
     flags = ANTIALIASED if mode == "mip" else 0
     head = HEAD.pack(MAGIC, VERSION, len(raw), BANDS.index(bands), bits, flags, 0)
-    flip = np.array([1, -1, -1], np.float32)
+    raw = y_up(raw)
     coefficients = (raw.colors.astype(np.float64) - 0.5) / PER_COLOR
     planes = (
-        _positions(raw.means * flip, bits),
+        _positions(raw.means, bits),
         _bytes(255.0 * sigmoid(raw.opacity_logits)),
         _bytes(255 * (coefficients * COLOR_SCALE + 0.5)),
         _bytes(16 * (raw.log_scales + 10.0)),
-        _rotations(raw.quats[:, [1, 2, 3, 0]] * np.array([1, -1, -1, 1], np.float32)),
-        _bytes(128 * (FLIPS[:bands, None] * raw.harmonics.astype(np.float64) + 1)),
+        _rotations(raw.quats[:, [1, 2, 3, 0]]),
+        _bytes(128 * (raw.harmonics.astype(np.float64) + 1)),
     )
     # Without a time, so that one model gives one file.
     return gzip.compress(head + b"".join(plane.tobytes() for plane in planes), mtime=0)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import UserError
+from app.exports.gltf import METRES, TO_GLTF, linear
 from app.exports.meshes.film import Film
-from app.exports.meshes.glb import METRES, TO_GLTF, linear
 from app.files.atomic import replaced
 from app.files.embedded import KEYWORD
 from app.files.provenance import NOTICE, ascii_json, facts_of

@@ -15,7 +15,7 @@ from numpy.lib.recfunctions import structured_to_unstructured
 from numpy.typing import NDArray
 
 from app.exports.browser.page import read_page
-from app.exports.meshes.glb import read_glb
+from app.exports.gltf import read_glb
 from app.exports.meshes.mesh_text import obj_rows
 from app.exports.meshes.usd import read_usd
 from app.exports.research.npz import read_members

@@ -7,7 +7,7 @@ from typing import Any
 
 from app.errors import UserError
 from app.exports.browser.page import read_page
-from app.exports.meshes.glb import read_glb
+from app.exports.gltf import read_glb
 from app.exports.meshes.mesh_text import obj_comments
 from app.exports.meshes.usd import read_usd
 from app.exports.research.npz import PROVENANCE, read_text

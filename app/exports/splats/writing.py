@@ -6,6 +6,7 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.exports.records import Splats
+from app.exports.splats.glb import splats_glb
 from app.files.atomic import together, write_bytes
 from app.files.provenance import comments, write_sidecar
 from app.scenes.scene import Scene
@@ -29,6 +30,10 @@ def write_moment(record: Splats, scene: Scene, target: Path) -> None:
         raise UserError(f"--sh-degree: expected one that holds the whole model, got {got}") from error
     if target.suffix.lower() == ".ply":
         write_bytes(target, ply_bytes(moved, scene.mode, comments(record.signed)))
+        return
+    if target.suffix.lower() == ".glb":
+        name = record.clip.name if record.clip else scene.name
+        write_bytes(target, splats_glb(moved, scene.mode, scene.unit, name, record.signed))
         return
     with together(target) as place:
         try:
