@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import Final
 
 from app.commands import camera_export, mesh_export, research_export, view_flags
 from app.console.progress import progress
@@ -26,6 +27,8 @@ from app.scenes.view_request import drawn_record
 from app.scenes.view_selection import Moment
 from renderer.harmonics import BANDS
 
+COMPRESSED: Final = ".compressed.ply"
+
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
@@ -42,6 +45,12 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="DIR",
         help="the same as SOG, for PlayCanvas and SuperSplat: 8 bits a value; a JSON file beside each",
+    )
+    parser.add_argument(
+        "--compressed-ply",
+        type=Path,
+        metavar="DIR",
+        help="the same as PLY of 16 bytes per Gaussian, for PlayCanvas and SuperSplat",
     )
     parser.add_argument(
         "--glb",
@@ -75,14 +84,15 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     splats = {".ply": flags.ply, ".spz": flags.spz, ".sog": flags.sog, ".glb": flags.glb}
+    splats[COMPRESSED] = flags.compressed_ply
     others = (flags.video, flags.html, flags.mesh, flags.npz, flags.tracks, flags.cameras)
     if not any((*splats.values(), *others)):
         raise UserError(
-            "expected what to export: --ply DIR, --spz DIR, --sog DIR, --glb DIR, --mesh FILE.glb|DIR, "
-            "--video FILE, --html FILE, --npz FILE, --tracks FILE or --cameras FILE"
+            "expected what to export: --ply DIR, --compressed-ply DIR, --spz DIR, --sog DIR, --glb DIR, "
+            "--mesh FILE.glb|DIR, --video FILE, --html FILE, --npz FILE, --tracks FILE or --cameras FILE"
         )
     if flags.sh_degree is not None and not any(splats.values()):
-        raise UserError("--sh-degree: expected --ply, --spz, --sog or --glb DIR, to whose files it applies")
+        raise UserError("--sh-degree: expected --ply or another kind of splat files, to which it applies")
     mesh_export.check(flags)
     research_export.check(flags)
     scene, wanted = view_selection.chosen(flags)
@@ -102,10 +112,11 @@ def run(flags: argparse.Namespace) -> None:
 
 def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
     """The Gaussians where they are at each moment; every file says what it is of."""
-    sources = Opened(model=scene)
+    sources, layout = Opened(model=scene), "compressed" if suffix == COMPRESSED else None
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
-            record = extended(Splats, scene.record, frame=moment.frame, time=moment.time, sh_degree=degree)
+            when = {"frame": moment.frame, "time": moment.time}
+            record = extended(Splats, scene.record, **when, sh_degree=degree, layout=layout)
             run_to_end(make(record, sources, staging / f"{moment.name}{suffix}"))
             report(done, moment.name)
     sys.stdout.write(f"{folder}: {len(wanted)} splat files of {len(scene.model)} Gaussians\n")

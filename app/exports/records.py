@@ -67,6 +67,8 @@ class Splats(SceneRecord):
     time: float
     sh_degree: Annotated[int, Interval(ge=0, le=3)] | None = None
     """To which its colours by direction are filled up; None: as the model has them."""
+    layout: Literal["compressed"] | None = None
+    """Of a PLY file: None: that of 3D Gaussian Splatting."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

@@ -16,6 +16,7 @@ from renderer.regular_files import read_whole
 from renderer.sog_list import LIST, is_list, is_sog_list, is_unpacked_sog
 from renderer.splat_files import inria_ply, other_kinds, packed_ply, sog_members
 from renderer.splat_files.ksplat import read_ksplat
+from renderer.splat_files.packed_writing import packed_ply_bytes
 from renderer.splat_files.sog import read_sog
 from renderer.splat_files.sog_writing import sog_bytes
 from renderer.splat_files.splat_file import SplatFile, SplatFileError
@@ -27,9 +28,14 @@ from renderer.splats import RenderMode
 
 SUFFIXES = (".ply", ".splat", ".spz", ".sog", ".ksplat")
 WRITERS: Final[Mapping[str, Callable[[RawGaussians, RenderMode], bytes]]] = MappingProxyType(
-    {".ply": inria_ply.ply_bytes, ".spz": spz_bytes, ".sog": sog_bytes}
+    {
+        ".compressed.ply": packed_ply_bytes,
+        ".ply": inria_ply.ply_bytes,
+        ".spz": spz_bytes,
+        ".sog": sog_bytes,
+    }
 )
-"""By suffix."""
+"""By how names end, of several that fit the first."""
 KINDS = "a PLY, SPZ, SOG, .splat or .ksplat file"
 __all__ = [
     "SUFFIXES",
@@ -87,11 +93,12 @@ def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") ->
 
     A binary PLY file in the layout of 3D Gaussian Splatting (Kerbl et al., 2023), of which `read_splats`
     gives all values back bit for bit, colours to 1e-7; or, of a third of its size or less, an SPZ file of
-    version 3, or a SOG of version 2, which orders the splats anew (`spz_writing.py` and `sog_writing.py` say
-    what is rounded). Of a model at a moment: `write_splats(path, model.motion.moved(model.raw, time))`.
+    version 3, or, with the splats in another order, PlayCanvas' compressed PLY or SOG of version 2
+    (`spz_writing.py`, `packed_writing.py` and `sog_writing.py` say what is rounded). Of a model at a moment:
+    `write_splats(path, model.motion.moved(model.raw, time))`.
 
     Args:
-        path: ends in .ply, .spz or .sog; replaced where it exists.
+        path: ends in .compressed.ply, .ply, .spz or .sog; replaced where it exists.
         mode: how the Gaussians are meant to be drawn, see RenderMode.
 
     Raises:
@@ -117,7 +124,8 @@ def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") ->
         >>> bool((file.raw.means == raw.means).all())
         True
     """
-    written = WRITERS.get(path.suffix.lower())
+    name = path.name.lower()
+    written = next((write for end, write in WRITERS.items() if name.endswith(end)), None)
     if written is None:
         raise ValueError(f"expected the name of a {', '.join(WRITERS)} file, got {path}")
     content = written(raw, mode)

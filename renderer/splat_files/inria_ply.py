@@ -48,7 +48,7 @@ def splats_of(ply: Ply) -> SplatFile:
         colors=colors_of(columns(vertices, DC)),
         harmonics=harmonics_of(vertices),
     )
-    return repaired(raw, _mode(ply.comments))
+    return repaired(raw, mode_of(ply.comments))
 
 
 def columns(element: Element, names: Sequence[str]) -> NDArray[np.float32]:
@@ -76,7 +76,15 @@ def harmonics_of(element: Element) -> NDArray[np.float32]:
     )
 
 
-def _mode(comments: Sequence[str]) -> RenderMode:
+def comment_lines(mode: RenderMode, comments: Sequence[str]) -> tuple[str, ...]:
+    """Of a header, that for viewers first. Raises ValueError: one that other programs cannot read."""
+    lines = [f"{START}{' '.join(comment.split())}" for comment in comments]
+    if any(len(line) > LONGEST for line in lines):
+        raise ValueError(f"expected comments of up to {LONGEST} bytes, got {max(map(len, lines))}")
+    return f"{START}{MODE} {mode}", *lines
+
+
+def mode_of(comments: Sequence[str]) -> RenderMode:
     said = [comment.removeprefix(MODE).strip() for comment in comments if comment.startswith(MODE)]
     return "mip" if "mip" in said or "antialiased 1" in comments else "default"
 
@@ -87,15 +95,12 @@ def ply_bytes(raw: RawGaussians, mode: RenderMode = "default", comments: Sequenc
     Raises:
         ValueError: a comment that other programs cannot read, see ply_comments.py.
     """
-    lines = [f"{START}{' '.join(comment.split())}" for comment in comments]
-    if any(len(line) > LONGEST for line in lines):
-        raise ValueError(f"expected comments of up to {LONGEST} bytes, got {max(map(len, lines))}")
     count = raw.harmonics.shape[1]
     rest = tuple(f"f_rest_{place}" for place in range(3 * count))
     names = (*MEANS, "nx", "ny", "nz", *DC, *rest, "opacity", *SCALES, *QUATS)
     head = [
-        "ply", "format binary_little_endian 1.0", f"{START}{MODE} {mode}",
-        *lines, f"element vertex {len(raw)}",
+        "ply", "format binary_little_endian 1.0", *comment_lines(mode, comments),
+        f"element vertex {len(raw)}",
         *(f"property float {name}" for name in names), "end_header", "",
     ]  # fmt: skip
     coefficients = (raw.colors.astype(np.float64) - 0.5) / PER_COLOR

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from renderer.ply_elements import Element, Ply
 from renderer.raw_gaussians import RawGaussians
-from renderer.splat_files.inria_ply import columns, harmonics_of
+from renderer.splat_files.inria_ply import columns, harmonics_of, mode_of
 from renderer.splat_files.splat_file import SplatFile, SplatFileError, logits, repaired
 
 CHUNK = 256
@@ -54,7 +54,7 @@ def splats_of(ply: Ply) -> SplatFile:
         else color[:, :3].astype(np.float32),
         harmonics=_harmonics(elements.get("sh"), count),
     )
-    return repaired(raw)
+    return repaired(raw, mode_of(ply.comments))
 
 
 def _words(vertices: Element) -> dict[str, NDArray[np.uint32]]:

@@ -18,13 +18,13 @@ from PIL import Image
 from renderer.harmonics import BANDS
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.sog_list import LIST
+from renderer.splat_files.morton import WHOLE, morton_order
 from renderer.splat_files.packed_ply import without_largest
 from renderer.splat_files.sog import LARGEST, LEVELS, VERSION
 from renderer.splat_files.sog_pictures import MOST_ROWS, SIDE_BY_SIDE
 from renderer.splat_files.splat_file import PER_COLOR
 from renderer.splats import RenderMode
 
-WHOLE: Final = 65535
 REFINED: Final = 20
 """Steps after which a code book no longer changes much."""
 Values = NDArray[np.float64]
@@ -38,7 +38,7 @@ def sog_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
     Raises:
         ValueError: more kinds of colour by direction than the format takes.
     """
-    raw = raw.rows(_order(raw.means))
+    raw = raw.rows(morton_order(raw.means))
     files: Files = {}
     said: dict[str, Any] = {
         "version": VERSION,
@@ -59,17 +59,6 @@ def sog_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
         said["shN"] = _palette(raw.harmonics, files)
     files[LIST] = json.dumps(said).encode()
     return _archive(files)
-
-
-def _order(means: NDArray[np.float32]) -> NDArray[np.int64]:
-    """Along the curve, by 16 bits of each coordinate."""
-    low, size = means.min(axis=0, initial=np.inf), np.ptp(means, axis=0) if len(means) else np.ones(3)
-    whole = ((means - low) / np.maximum(size, np.finfo(np.float32).tiny) * WHOLE).astype(np.int64)
-    codes = np.zeros(len(means), np.int64)
-    for bit in range(16):
-        for axis in range(3):
-            codes |= (whole[:, axis] >> bit & 1) << (3 * bit + axis)
-    return np.argsort(codes, kind="stable")
 
 
 def _means(raw: RawGaussians, files: Files) -> dict[str, Any]:

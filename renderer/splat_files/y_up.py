@@ -1,4 +1,4 @@
-"""Gaussians turned from x right, y down, z forward to x right, y up, z backward, or back: the same half turn."""
+"""Gaussians turned from x right, y down, z forward to x right, y up, z backward, or back, by a half turn."""
 
 from __future__ import annotations
 

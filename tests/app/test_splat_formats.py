@@ -64,6 +64,24 @@ def test_other_formats_are_drawn_and_described(tmp_path: Path, vesselsplat: Cli,
     assert cv2.PSNR(image, plain) > 25
 
 
+def test_a_run_as_compressed_ply_comes_again_by_any_name(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    flags = ("--compressed-ply", tmp_path / "small", "--ply", tmp_path / "plain", "--frames", 4)
+    call = vesselsplat("export", runs["original"], *flags)
+    assert (call.code, call.error) == (0, "")
+    (path,) = (tmp_path / "small").iterdir()
+    assert path.name == "frame-000004.compressed.ply"
+    plain = tmp_path / "plain" / "frame-000004.ply"
+    assert path.stat().st_size < plain.stat().st_size / 3
+    renamed = path.with_name("renamed.ply")
+    path.rename(renamed)
+    call = vesselsplat("replay", renamed, "--source", runs["original"].parent)
+    assert (call.code, call.error) == (0, "")
+    first, second = (rendered(vesselsplat, one, tmp_path / one.stem) for one in (renamed, plain))
+    assert cv2.PSNR(cv2.imread(str(first)), cv2.imread(str(second))) > 45
+
+
 @pytest.mark.parametrize("suffix", [".spz", ".sog"])
 def test_a_run_is_exported_small_and_comes_again(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, suffix: str
@@ -104,4 +122,4 @@ def test_a_changed_splat_file_is_found_out(runs: dict[str, Path], tmp_path: Path
 def test_what_to_export_is_asked_for(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
     call = vesselsplat("export", runs["original"])
     assert call.code == 2
-    assert "--spz DIR, --sog DIR" in call.error
+    assert "--spz DIR, --sog DIR, --glb DIR" in call.error

@@ -12,6 +12,7 @@ from app.files.provenance import comments, write_sidecar
 from app.scenes.scene import Scene
 from renderer.splat_files import write_splats
 from renderer.splat_files.inria_ply import ply_bytes
+from renderer.splat_files.packed_writing import packed_ply_bytes
 
 
 def write_moment(record: Splats, scene: Scene, target: Path) -> None:
@@ -29,7 +30,8 @@ def write_moment(record: Splats, scene: Scene, target: Path) -> None:
         got = f"{degree} for {error}"
         raise UserError(f"--sh-degree: expected one that holds the whole model, got {got}") from error
     if target.suffix.lower() == ".ply":
-        write_bytes(target, ply_bytes(moved, scene.mode, comments(record.signed)))
+        written = packed_ply_bytes if record.layout == "compressed" else ply_bytes
+        write_bytes(target, written(moved, scene.mode, comments(record.signed)))
         return
     if target.suffix.lower() == ".glb":
         name = record.clip.name if record.clip else scene.name

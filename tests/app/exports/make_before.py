@@ -93,6 +93,8 @@ def _by_commands(folder: Path, clip: Path, run: Path, mip: Path) -> None:
     command("export", run, "--video", folder / "render.mp4", "--view", "difference")
     command("export", mip, "--ply", folder / "ply", "--frames", "2", "--sh-degree", "1")
     _keep(folder / "ply", {"frame-000002.ply": "splats.ply"})
+    command("export", mip, "--compressed-ply", folder / "packed", "--frames", "2")
+    _keep(folder / "packed", {"frame-000002.compressed.ply": "splats.compressed.ply"})
     command("export", mip, "--glb", folder / "glb", "--frames", "2")
     _keep(folder / "glb", {"frame-000002.glb": "splats.glb"})
     command("render", folder / "splats.ply", "--out", folder / "of-splats", "--size", *SIZE)

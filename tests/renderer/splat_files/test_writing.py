@@ -101,6 +101,44 @@ def test_sog_comes_back_in_an_order_of_its_own(
     turned_alike(got, raw, 8e-3)
 
 
+@settings(max_examples=30, deadline=None)
+@given(
+    count=st.integers(0, 600),
+    bands=st.sampled_from([0, 3, 8, 15]),
+    mode=st.sampled_from(["default", "mip"]),
+    seed=st.integers(0, 99),
+)
+def test_packed_ply_comes_back_to_half_a_step_of_its_chunks(
+    tmp_path_factory: pytest.TempPathFactory, count: int, bands: int, mode: RenderMode, seed: int
+) -> None:
+    raw = gaussians(count, bands, seed)
+    got = back(tmp_path_factory.mktemp("packed"), raw, ".compressed.ply", mode)
+    assert len(got) == count
+    assert got.harmonics.shape == raw.harmonics.shape
+    if not count:
+        return
+    got = ordered(got, raw)
+    for one, other, most in (
+        (got.means, raw.means, (2047, 1023, 2047)),
+        (got.log_scales, raw.log_scales, (2047, 1023, 2047)),
+        (got.colors, raw.colors, (255, 255, 255)),
+    ):
+        half = 0.51 * np.ptp(other, axis=0) / most
+        assert (np.abs(one - other) <= half + 2e-5).all()
+    assert np.allclose(sigmoid(got.opacity_logits), sigmoid(raw.opacity_logits), atol=0.51 / 255)
+    assert np.allclose(got.harmonics, raw.harmonics, atol=0.51 / 32 + 1e-6)
+    turned_alike(got, raw, 2e-3)
+
+
+def test_packed_splats_that_are_near_share_narrow_chunks(tmp_path: Path) -> None:
+    """Two clouds, in turn in the file, would else share every chunk: 20 apart, 11 bits tell 0.01."""
+    raw = gaussians(1024)
+    means = raw.means / 500 + np.where(np.arange(1024)[:, None] % 2, np.float32(20), np.float32(0))
+    raw = replace(raw, means=means)
+    got = ordered(back(tmp_path, raw, ".compressed.ply"), raw)
+    assert np.abs(got.means - raw.means).max() < 1e-3
+
+
 @pytest.mark.parametrize("suffix", [".spz", ".sog"])
 def test_what_was_read_is_written_the_same_again(tmp_path: Path, suffix: str) -> None:
     """Nothing drifts, and a file holds no time."""
