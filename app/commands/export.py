@@ -13,8 +13,9 @@ from app.console.progress import progress
 from app.errors import UserError
 from app.exports.browser.of_scene import browser_model
 from app.exports.make import make
-from app.exports.records import RenderVideo, Splats
+from app.exports.records import MovingSplats, RenderVideo, Splats
 from app.exports.sources import Opened
+from app.exports.usd_file import require_usd
 from app.files.atomic import filled
 from app.files.records import extended
 from app.files.stepping import run_to_end
@@ -59,6 +60,12 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="the same as glTF, in metres, by its extension KHR_gaussian_splatting",
     )
     parser.add_argument(
+        "--usd",
+        type=Path,
+        metavar="FILE",
+        help="the Gaussians through the clip as one .usdc file: USD's 3D Gaussian splats, time-sampled",
+    )
+    parser.add_argument(
         "--sh-degree",
         type=int,
         choices=range(len(BANDS)),
@@ -85,15 +92,17 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 def run(flags: argparse.Namespace) -> None:
     splats = {".ply": flags.ply, ".spz": flags.spz, ".sog": flags.sog, ".glb": flags.glb}
     splats[COMPRESSED] = flags.compressed_ply
-    others = (flags.video, flags.html, flags.mesh, flags.npz, flags.tracks, flags.cameras)
+    others = (flags.video, flags.html, flags.mesh, flags.usd, flags.npz, flags.tracks, flags.cameras)
     if not any((*splats.values(), *others)):
         raise UserError(
             "expected what to export: --ply DIR, --compressed-ply DIR, --spz DIR, --sog DIR, --glb DIR, "
-            "--mesh FILE.glb|DIR, --video FILE, --html FILE, --npz FILE, --tracks FILE or --cameras FILE"
+            "--usd FILE, --mesh FILE.glb|DIR, --video FILE, --html FILE, --npz FILE, --tracks FILE "
+            "or --cameras FILE"
         )
     if flags.sh_degree is not None and not any(splats.values()):
         raise UserError("--sh-degree: expected --ply or another kind of splat files, to which it applies")
     mesh_export.check(flags)
+    _check_usd(flags.usd)
     research_export.check(flags)
     scene, wanted = view_selection.chosen(flags)
     for suffix, folder in splats.items():
@@ -103,6 +112,8 @@ def run(flags: argparse.Namespace) -> None:
         _write_video(flags, scene, wanted)
     if flags.html:
         _write_page(flags.html, scene, wanted, flags.frames_per_second)
+    if flags.usd:
+        _write_usd(flags.usd, scene, flags.frames_per_second)
     if flags.mesh:
         mesh_export.write(flags, scene, wanted)
     research_export.write(flags, scene, wanted)
@@ -120,6 +131,25 @@ def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment],
             run_to_end(make(record, sources, staging / f"{moment.name}{suffix}"))
             report(done, moment.name)
     sys.stdout.write(f"{folder}: {len(wanted)} splat files of {len(scene.model)} Gaussians\n")
+
+
+def _check_usd(path: Path | None) -> None:
+    """Raises UserError: another suffix, or no usd-core."""
+    if path is None:
+        return
+    if path.suffix.lower() != ".usdc":
+        raise UserError(f"--usd: expected the name of a .usdc file, got {path.name}")
+    require_usd()
+
+
+def _write_usd(path: Path, scene: Scene, speed: float) -> None:
+    """All of the clip."""
+    record = extended(MovingSplats, scene.record, seconds=len(scene.cameras) / speed)
+    with progress("export", len(scene.cameras)) as report:
+        for done in make(record, Opened(model=scene), path):
+            report(done, path.name)
+    said = f"{len(scene.model)} Gaussians at {len(scene.cameras)} moments"
+    sys.stdout.write(f"{path}: {said}, {path.stat().st_size / 1e6:.1f} MB\n")
 
 
 def _write_page(path: Path, scene: Scene, wanted: list[Moment], speed: float) -> None:

@@ -12,10 +12,10 @@ from app.errors import UserError
 from app.exports.make import make
 from app.exports.meshes.mesh_text import MOMENTS
 from app.exports.meshes.of_scene import surface_mesh
-from app.exports.meshes.usd import require_usd
 from app.exports.meshes.writing import CLIPS
 from app.exports.records import LEAST_FACES, MOST_COARSE, MOST_FINE
 from app.exports.sources import Opened
+from app.exports.usd_file import require_usd
 from app.files.atomic import filled
 from app.files.stepping import run_to_end
 from app.scenes.scene import Scene

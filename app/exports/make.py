@@ -28,6 +28,7 @@ from app.exports.records import (
     Export,
     MeasuresTable,
     ModelArrays,
+    MovingSplats,
     PanesPicture,
     PanesVideo,
     Render,
@@ -42,6 +43,7 @@ from app.exports.research.model_arrays import write_model_arrays
 from app.exports.research.tracks import write_tracks
 from app.exports.sizing import Sizing
 from app.exports.sources import Sources
+from app.exports.splats.usd import write_moving
 from app.exports.splats.writing import write_moment
 from app.files.atomic import together, write_bytes
 from app.files.image_files import write_image
@@ -94,6 +96,8 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
             yield from _render_video(record, sources, target)
         case Splats():
             write_moment(record, sources.scene(record), target)
+        case MovingSplats():
+            yield from write_moving(record, sources.scene(record), target)
         case ModelArrays():
             yield from write_model_arrays(
                 record, sources.scene(record), sources.drawer(record.renderer), target

@@ -107,6 +107,15 @@ class SurfaceMesh(SceneRecord):
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
+class MovingSplats(SceneRecord):
+    """A model through the clip as one file of splats."""
+
+    kind: Literal["moving splats"] = "moving splats"
+    seconds: Annotated[float, Interval(gt=0)]
+    """That the clip takes."""
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
 class ModelArrays(SceneRecord):
     """A model at several moments as named arrays, with the depth that cameras see."""
 
@@ -253,6 +262,7 @@ Export = (
     | Splats
     | BrowserModel
     | SurfaceMesh
+    | MovingSplats
     | ModelArrays
     | Tracks
     | PanesPicture

@@ -10,8 +10,9 @@ from app.errors import UserError
 from app.exports.meshes.film import filmed
 from app.exports.meshes.glb import glb_bytes
 from app.exports.meshes.mesh_text import MOMENTS
-from app.exports.meshes.usd import require_usd, write_usd
+from app.exports.meshes.usd import write_usd
 from app.exports.records import SurfaceMesh
+from app.exports.usd_file import require_usd
 from app.files.atomic import write_bytes
 from app.scenes.scene import Scene
 from app.scenes.surfaces import surface

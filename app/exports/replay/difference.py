@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from app.exports.browser.page import read_page
 from app.exports.gltf import read_glb
 from app.exports.meshes.mesh_text import obj_rows
-from app.exports.meshes.usd import read_usd
 from app.exports.research.npz import read_members
+from app.exports.usd_file import read_usd
 from app.files.image_files import read_image
 from renderer.json_files import read_json
 from renderer.ply_elements import read_ply

@@ -9,8 +9,8 @@ from app.errors import UserError
 from app.exports.browser.page import read_page
 from app.exports.gltf import read_glb
 from app.exports.meshes.mesh_text import obj_comments
-from app.exports.meshes.usd import read_usd
 from app.exports.research.npz import PROVENANCE, read_text
+from app.exports.usd_file import read_usd
 from app.files.embedded import CARRIERS, KEYWORD, carried
 from app.files.provenance import facts_of, read_provenance
 from renderer.ply_comments import joined

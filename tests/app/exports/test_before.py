@@ -17,7 +17,8 @@ BEFORE = Path(__file__).with_name("before")
 FILES = sorted(
     path.name
     for path in BEFORE.iterdir()
-    if path.suffix in (".png", ".npy", ".tiff", ".mp4", ".ply", ".csv", ".html", ".glb", ".obj", ".npz")
+    if path.suffix
+    in (".png", ".npy", ".tiff", ".mp4", ".ply", ".csv", ".html", ".glb", ".obj", ".npz", ".usdc")
     and path.name not in ("photo.png", "window.png")
 )
 SOURCES = tuple(BEFORE / name for name in ("clip", "clip/images", "run", "mip", "photo.png", "splats.ply"))
@@ -69,7 +70,7 @@ def test_the_window_is_told_from_what_can_be_made_again(tmp_path: Path) -> None:
 
 
 def test_every_kind_is_there() -> None:
-    """Sixteen kinds of file, several of them of more than one view or arrangement."""
+    """Seventeen kinds of file, several of them of more than one view or arrangement."""
     assert len(FILES) >= 20
 
 

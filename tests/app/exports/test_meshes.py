@@ -16,7 +16,7 @@ from pxr import Usd, UsdGeom
 from app.errors import UserError
 from app.exports.gltf import read_glb
 from app.exports.meshes.film import straight_parts
-from app.exports.meshes.usd import read_usd
+from app.exports.usd_file import read_usd
 from app.scenes.scene import open_scene
 from app.scenes.surfaces import surface
 from renderer.surface.fineness import Fineness

@@ -1,0 +1,95 @@
+"""A model through the clip as USD: one ParticleField3DGaussianSplat, its values sampled at every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from app.errors import UserError
+from app.exports.records import MovingSplats
+from app.exports.usd_file import new_stage, require_usd
+from app.scenes.scene import Scene
+from renderer.harmonics import BANDS
+from renderer.raw_gaussians import RawGaussians
+from renderer.rotations import unit_quats
+from renderer.splat_files.splat_file import PER_COLOR
+from renderer.splat_files.y_up import y_up
+from renderer.splats import Float32Array
+
+SPLATS: Final = "/splats"
+REACH: Final = 3.0
+"""Standard deviations that the bounds hold."""
+VALUES: Final[Mapping[str, tuple[tuple[str, ...], Callable[[RawGaussians], Float32Array]]]] = {
+    "positions": (("means",), lambda raw: raw.means),
+    # In memory, the real part of a quaternion of USD comes last.
+    "orientations": (("quats",), lambda raw: unit_quats(raw.quats)[:, [1, 2, 3, 0]]),
+    "scales": (("log_scales",), lambda raw: raw.splats().scales),
+    "opacities": (("opacity_logits",), lambda raw: raw.splats().opacities),
+    "radiance:sphericalHarmonicsCoefficients": (("colors", "harmonics"), lambda raw: _radiance(raw)),
+    "extent": (("means", "log_scales"), lambda raw: _bounds(raw)),
+}
+"""By attribute: the raw values that it follows from, and how."""
+
+
+def write_moving(record: MovingSplats, scene: Scene, target: Path) -> Generator[int, None, None]:
+    """What does not move has one value, all else one a frame; yields frames done.
+
+    Raises:
+        UserError: no usd-core or one of before 26.3, or Gaussians that are others at every moment.
+    """
+    _require_schema()
+    from pxr import Usd, UsdVol
+
+    if scene.is_series:
+        raise UserError(f"expected one model that moves, got a splat file per moment: {scene.name}")
+    frames, raw = len(scene.cameras), scene.model.raw
+    with new_stage(target, scene.unit, frames, record.seconds, record.signed) as stage:
+        field = UsdVol.ParticleField3DGaussianSplat.Define(stage, SPLATS)
+        stage.SetDefaultPrim(field.GetPrim())
+        field.CreateRadianceSphericalHarmonicsDegreeAttr(BANDS.index(raw.harmonics.shape[1]))
+        field.CreateSortingModeHintAttr("zDepth")
+        field.CreateProjectionModeHintAttr("perspective")
+        for frame in range(frames):
+            moved = scene.model.motion.moved(raw, scene.time(frame))
+            for name, (of, values) in VALUES.items():
+                if any(getattr(moved, one) is not getattr(raw, one) for one in of):
+                    _set(field, name, values(y_up(moved)), Usd.TimeCode(frame))
+                elif frame == 0:
+                    _set(field, name, values(y_up(moved)), Usd.TimeCode.Default())
+            yield frame + 1
+        del stage, field
+
+
+def _require_schema() -> None:
+    require_usd()
+    from pxr import UsdVol
+
+    if not hasattr(UsdVol, "ParticleField3DGaussianSplat"):
+        raise UserError("splats as USD need usd-core 26.3 or newer: pip install -U usd-core")
+
+
+def _set(field: Any, name: str, values: Float32Array, code: Any) -> None:
+    from pxr import Vt
+
+    kinds = {"orientations": Vt.QuatfArray, "opacities": Vt.FloatArray}
+    kind = kinds.get(name, Vt.Vec3fArray)
+    if name == "extent":
+        field.CreateExtentAttr()
+    field.GetPrim().GetAttribute(name).Set(kind.FromNumpy(np.ascontiguousarray(values)), code)
+
+
+def _radiance(raw: RawGaussians) -> Float32Array:
+    """(N * (degree + 1)^2, 3) coefficients, those of a Gaussian one after the other."""
+    constant = ((raw.colors.astype(np.float64) - 0.5) / PER_COLOR).astype(np.float32)
+    return np.concatenate([constant[:, None], raw.harmonics], axis=1).reshape(-1, 3)
+
+
+def _bounds(raw: RawGaussians) -> Float32Array:
+    """(2, 3) the least and the largest that is seen."""
+    if not len(raw):
+        return np.zeros((2, 3), np.float32)
+    reach = REACH * np.exp(raw.log_scales.max(axis=1, keepdims=True))
+    return np.stack([(raw.means - reach).min(axis=0), (raw.means + reach).max(axis=0)])

@@ -1,0 +1,88 @@
+"""USD in one binary file, by usd-core: what files of surfaces and of splats have in common.
+
+In the clip's unit, which the file tells, y up and z towards the viewer; a frame of the clip is a time code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.errors import UserError
+from app.exports.gltf import METRES
+from app.files.atomic import replaced
+from app.files.embedded import KEYWORD
+from app.files.provenance import NOTICE, ascii_json, facts_of
+
+NO_USD: Final = "a .usdc file needs usd-core: pip install 'vesselsplat[usd]'"
+
+
+def require_usd() -> None:
+    """Raises UserError: the package is not there."""
+    try:
+        import pxr  # noqa: F401
+    except ImportError as error:
+        raise UserError(NO_USD) from error
+
+
+@contextmanager
+def new_stage(
+    target: Path, unit: str, frames: int, seconds: float, facts: Mapping[str, Any]
+) -> Iterator[Any]:
+    """An empty Usd.Stage, which is the file at `target` when the block ends well; `facts`: provenance.
+
+    Whoever fills it keeps no prim or attribute of it, since Windows renames no file that is open.
+
+    Raises:
+        UserError: the package is not there.
+    """
+    require_usd()
+    from pxr import Usd, UsdGeom
+
+    with replaced(target) as temporary:
+        temporary.unlink(missing_ok=True)
+        stage = Usd.Stage.CreateNew(str(temporary))
+        UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+        UsdGeom.SetStageMetersPerUnit(stage, METRES.get(unit, 1.0))
+        stage.SetTimeCodesPerSecond(frames / seconds)
+        stage.SetStartTimeCode(0)
+        stage.SetEndTimeCode(frames - 1)
+        layer = stage.GetRootLayer()
+        layer.comment = NOTICE
+        layer.customLayerData = {KEYWORD: ascii_json(facts), "unit": unit}
+        yield stage
+        layer.Save()
+        del stage, layer
+
+
+def read_usd(path: Path) -> tuple[dict[str, Any], list[NDArray[Any]]]:
+    """Provenance and arrays of a file of ours. Raises UserError: it is none, or cannot be read here."""
+    require_usd()
+    from pxr import Tf
+
+    try:
+        return _read(path)
+    except Tf.ErrorException as error:
+        raise UserError(f"expected a USD file written by VesselSplat, got a damaged one: {path}") from error
+
+
+def _read(path: Path) -> tuple[dict[str, Any], list[NDArray[Any]]]:
+    from pxr import Usd
+
+    stage = Usd.Stage.Open(str(path))
+    text = stage.GetRootLayer().customLayerData.get(KEYWORD)
+    prim = stage.GetDefaultPrim()
+    if not isinstance(text, str) or not prim:
+        raise UserError(f"expected a USD file written by VesselSplat, found no provenance in {path}")
+    arrays = []
+    for attribute in prim.GetAuthoredAttributes():
+        codes = attribute.GetTimeSamples()
+        values = [attribute.Get(code) for code in codes] if codes else [attribute.Get()]
+        found = [np.array(one) for one in (codes, *values) if one is not None]
+        arrays += [one for one in found if one.dtype.kind in "biuf"]
+    return facts_of(text, path), arrays
