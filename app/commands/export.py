@@ -6,7 +6,6 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Final
 
 from app.commands import camera_export, mesh_export, research_export, view_flags
 from app.console.progress import progress
@@ -15,6 +14,7 @@ from app.exports.browser.of_scene import browser_model
 from app.exports.make import make
 from app.exports.records import MovingSplats, RenderVideo, Splats
 from app.exports.sources import Opened
+from app.exports.splats.writing import COMPRESSED, layout_of
 from app.exports.usd_file import require_usd
 from app.files.atomic import filled
 from app.files.records import extended
@@ -27,8 +27,6 @@ from app.scenes.scene import Scene
 from app.scenes.view_request import drawn_record
 from app.scenes.view_selection import Moment
 from renderer.harmonics import BANDS
-
-COMPRESSED: Final = ".compressed.ply"
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -123,7 +121,7 @@ def run(flags: argparse.Namespace) -> None:
 
 def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
     """The Gaussians where they are at each moment; every file says what it is of."""
-    sources, layout = Opened(model=scene), "compressed" if suffix == COMPRESSED else None
+    sources, layout = Opened(model=scene), layout_of(suffix)
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
             when = {"frame": moment.frame, "time": moment.time}

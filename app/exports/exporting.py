@@ -13,6 +13,8 @@ from app.exports.make import make
 from app.exports.records import (
     BrowserModel,
     MeasuresTable,
+    ModelArrays,
+    MovingSplats,
     PanesPicture,
     PanesRecord,
     PanesVideo,
@@ -31,15 +33,17 @@ from app.live.picture import FRAME, LIVE
 from renderer.clip import ByteImage, Clip
 
 ImageSuffix = Literal[".png", ".jpg", ".tiff"]
+SplatSuffix = Literal[".ply", ".compressed.ply", ".spz", ".sog", ".glb"]
 SUFFIXES: Final = {
     "panes video": ".mp4",
     "view video": ".mp4",
     "measures": ".csv",
-    "splats": ".ply",
+    "moving splats": ".usdc",
+    "model arrays": ".npz",
     "browser model": ".html",
     "surface mesh": ".glb",
 }
-"""Of all that is no picture."""
+"""Of all that is neither a picture nor splats of a moment."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,8 @@ Exported = (
     | Splats
     | BrowserModel
     | SurfaceMesh
+    | MovingSplats
+    | ModelArrays
     | SplatFolder
     | Cameras
 )
@@ -84,15 +90,17 @@ class ExportRequest:
     """(H, W, 3): the whole window as it was read, which nothing else makes; `record` says what was in it."""
     image: ImageSuffix = ".png"
     """The format of a picture."""
+    splats: SplatSuffix = ".ply"
+    """The format of splats of a moment."""
 
     @property
     def steps(self) -> int:
         """How often it comes up for air."""
-        if isinstance(self.record, ViewVideo):
+        if isinstance(self.record, ViewVideo | ModelArrays):
             return len(self.record.moments)
         if isinstance(self.record, SplatFolder):
             return len(self.record.files)
-        if isinstance(self.record, SurfaceMesh) and self.sources.model is not None:
+        if isinstance(self.record, SurfaceMesh | MovingSplats) and self.sources.model is not None:
             return len(self.sources.model.cameras)
         return len(self.record.frames) if isinstance(self.record, SpanRecord) else 1
 
@@ -104,6 +112,8 @@ class ExportRequest:
                 return ""
             case Cameras():
                 return ".json"
+            case Splats():
+                return self.splats
             case record:
                 return SUFFIXES.get(record.kind, self.image)
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
@@ -28,6 +30,12 @@ def require_usd() -> None:
         import pxr  # noqa: F401
     except ImportError as error:
         raise UserError(NO_USD) from error
+
+
+@cache
+def has_usd() -> bool:
+    """Looked for once, and not loaded."""
+    return find_spec("pxr") is not None
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Final, Literal
 
 from app.errors import UserError
 from app.exports.records import Splats
@@ -13,6 +14,13 @@ from app.scenes.scene import Scene
 from renderer.splat_files import write_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.splat_files.packed_writing import packed_ply_bytes
+
+COMPRESSED: Final = ".compressed.ply"
+
+
+def layout_of(ending: str) -> Literal["compressed"] | None:
+    """What the record of a file whose name ends so says."""
+    return "compressed" if ending == COMPRESSED else None
 
 
 def write_moment(record: Splats, scene: Scene, target: Path) -> None:

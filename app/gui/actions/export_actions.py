@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.exports.exporting import SUFFIXES, ExportRequest, ImageSuffix, Step
+from app.exports.exporting import SUFFIXES, ExportRequest, ImageSuffix, SplatSuffix, Step
 from app.exports.sizing import Sizing
+from app.exports.usd_file import NO_USD, has_usd
 from app.files.legible import located
 from app.files.video_encoder import VideoEncoder
 from app.gui.actions import actions
 from app.gui.actions.export_names import default_name, why_not_name
-from app.gui.actions.export_offers import OF_MODEL, OFFERS, Offer
+from app.gui.actions.export_offers import OF_MODEL, OF_MOVING, OFFERS, Offer
 from app.gui.actions.export_records import request_of, sized
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
@@ -88,7 +89,9 @@ def _lacks_model(state: AppState, offer: Offer) -> str:
         return "There is no 3D model yet: reconstruct the clip or open a run."
     if offer.form != "cameras" and state.scene.model.live:
         return "The reconstruction is not finished: wait for it or continue it."
-    if state.scene.model.is_series and offer.form in ("browser model", "surface mesh", "surface folder"):
+    if offer.form == "moving splats" and not has_usd():
+        return f"{NO_USD[0].upper()}{NO_USD[1:]}."
+    if state.scene.model.is_series and offer.form in OF_MOVING:
         return "This is a splat file per moment: open the run that they come from."
     if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
         return "There is no camera path yet: create one in the Cameras panel."
@@ -103,6 +106,8 @@ def stem_of(state: AppState) -> str:
 def suffix_of(state: AppState) -> str:
     """Of what is chosen in the panel; empty for a folder."""
     form = OFFERS[state.exports.what].form
+    if form == "splats":
+        return state.exports.splats
     if form in ("splat folder", "surface folder", "cameras"):
         return ".json" if form == "cameras" else ""
     return SUFFIXES.get(form, state.exports.image)
@@ -258,6 +263,11 @@ def type_name(state: AppState, name: str) -> None:
 def choose_image(state: AppState, image: ImageSuffix) -> None:
     """The format of images."""
     state.exports.image = image
+
+
+def choose_splats(state: AppState, splats: SplatSuffix) -> None:
+    """The format of splat files."""
+    state.exports.splats = splats
 
 
 def choose_quality(state: AppState, quality: int) -> None:

@@ -9,18 +9,28 @@ from app.gui.state.exports import What
 from app.gui.views.comparison import SIDES, Side
 
 Form = Literal[
-    "picture", "panes video", "view video", "measures", "splats", "splat folder", "browser model",
-    "surface mesh", "surface folder", "cameras",
+    "picture", "panes video", "view video", "measures", "splats", "splat folder", "moving splats",
+    "browser model", "surface mesh", "surface folder", "model arrays", "cameras",
 ]  # fmt: skip
 OF_MODEL: Final[tuple[Form, ...]] = (
     "splats",
     "splat folder",
+    "moving splats",
     "browser model",
     "surface mesh",
     "surface folder",
+    "model arrays",
     "cameras",
 )
 """Of the reconstruction alone."""
+OF_MOVING: Final[tuple[Form, ...]] = (
+    "moving splats",
+    "browser model",
+    "surface mesh",
+    "surface folder",
+    "model arrays",
+)
+"""Of one whose Gaussians are the same at every moment."""
 VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video")
 
 
@@ -88,13 +98,19 @@ OFFERS: Final[dict[What, Offer]] = {
         SIDES,
     ),
     "splats of this moment": Offer(
-        "PLY splats, this moment", "splats",
-        "The reconstruction as it is now: a PLY file of Gaussian splats, for viewers and other programs.",
+        "Splats, this moment", "splats",
+        "The reconstruction as it is now: Gaussian splats as PLY, SPZ, SOG or glTF, for viewers and other "
+        "programs.",
         "splats",
     ),
     "splats of all frames": Offer(
-        "PLY splats, all frames", "splat folder", "A folder with a PLY file of Gaussian splats per frame.",
-        "splats",
+        "Splats, all frames", "splat folder",
+        "A folder with a file of Gaussian splats per frame, as PLY, SPZ, SOG or glTF.", "splats",
+    ),
+    "splats through time": Offer(
+        "Splats that move (USD)", "moving splats",
+        "The reconstruction through the clip as one USD file of Gaussian splats, exact at every frame.",
+        "moving-splats",
     ),
     "page for browsers": Offer(
         "Page for browsers (HTML)", "browser model",
@@ -109,6 +125,10 @@ OFFERS: Final[dict[What, Offer]] = {
     "surface of all frames": Offer(
         "Surfaces, all frames (PLY)", "surface folder",
         "A folder with a PLY mesh of the tissue surface per frame, in the clip's unit.", "surfaces",
+    ),
+    "arrays of all frames": Offer(
+        "Arrays for research (NPZ)", "model arrays",
+        "Gaussians, depth and cameras of every frame as numpy arrays, with a README inside.", "arrays",
     ),
     "cameras of the clip": Offer(
         "Cameras of the clip", "cameras", "The camera of each frame as cameras.json, for other programs.",

@@ -17,6 +17,8 @@ from app.exports.records import (
     Arrangement,
     FrameRecord,
     MeasuresTable,
+    ModelArrays,
+    MovingSplats,
     PaneRecord,
     PanesPicture,
     PanesRecord,
@@ -25,6 +27,7 @@ from app.exports.records import (
     ViewVideo,
 )
 from app.exports.sources import Opened
+from app.exports.splats.writing import layout_of
 from app.files.records import extended
 from app.gui.actions import path_actions
 from app.gui.actions.export_offers import OF_MODEL, OFFERS, Offer
@@ -43,7 +46,8 @@ def request_of(state: AppState, what: What, stem: str, image: ImageSuffix | None
     folder, offer, model = state.export_folder, OFFERS[what], state.scene.model
     if offer.form in OF_MODEL:
         assert model is not None
-        return ExportRequest(folder, stem, _of_model(state, what, model), Opened(model=model))
+        record = _of_model(state, what, model)
+        return ExportRequest(folder, stem, record, Opened(model=model), splats=state.exports.splats)
     clip, moments = state.source.clip, _moments(state, offer)
     views = tuple(view for views in moments for view in views)
     panes = _panes(state, offer)
@@ -60,18 +64,22 @@ def _of_model(state: AppState, what: What, model: Scene) -> Exported:
     """What other programs are to read."""
 
     def splats(frame: int, time: float) -> Splats:
-        degree = state.exports.sh_degree
-        return extended(Splats, model.record, frame=frame, time=time, sh_degree=degree)
+        degree, layout = state.exports.sh_degree, layout_of(state.exports.splats)
+        return extended(Splats, model.record, frame=frame, time=time, sh_degree=degree, layout=layout)
 
     if what == "splats of this moment":
         return splats(model.frame_at(state.time), state.time)
     if what == "splats of all frames":
-        frames = range(len(model.cameras))
-        return SplatFolder(tuple((f"frame-{at:06d}.ply", splats(at, model.time(at))) for at in frames))
+        frames, end = range(len(model.cameras)), state.exports.splats
+        return SplatFolder(tuple((f"frame-{at:06d}{end}", splats(at, model.time(at))) for at in frames))
+    if what == "arrays of all frames":
+        return _arrays(model)
     clip = state.source.clip
     speed = (clip.frames_per_second if clip is not None and state.has_frames else None) or FRAMES_PER_SECOND
     if what == "page for browsers":
         return browser_model(model, model.cameras[0], speed)
+    if what == "splats through time":
+        return extended(MovingSplats, model.record, seconds=len(model.cameras) / speed)
     if what == "surface through time":
         return surface_mesh(model, speed)
     if what == "surface of all frames":
@@ -81,6 +89,15 @@ def _of_model(state: AppState, what: What, model: Scene) -> Exported:
         )
     of_clip = what == "cameras of the clip"
     return Cameras(path_actions.clip_cameras(state) if of_clip else path_actions.path_cameras(state))
+
+
+def _arrays(model: Scene) -> ModelArrays:
+    """Of every frame, as the clip's camera sees it."""
+    views = (ViewRequest.of_frame(model, frame) for frame in range(len(model.cameras)))
+    moments = tuple(
+        replace(moment_record(view), frame=frame, near=model.near) for frame, view in enumerate(views)
+    )
+    return extended(ModelArrays, model.record, renderer=ON_CPU, moments=moments)
 
 
 def _record(

@@ -7,7 +7,7 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.exports.exporting import ImageSuffix
+from app.exports.exporting import ImageSuffix, SplatSuffix
 from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.files.legible import legible, located
 from app.gui.actions import actions, export_actions
@@ -36,6 +36,14 @@ FACTOR_TEXT = (
 FORMATS: dict[ImageSuffix, str] = {".png": "PNG, lossless", ".tiff": "TIFF, lossless", ".jpg": "JPEG"}
 FORMAT_TEXT = "Each format holds how the image was made. JPEG files are smaller, and lose detail."
 QUALITY_TEXT = "Of 100: higher keeps more detail, in larger files."
+SPLATS: dict[SplatSuffix, str] = {
+    ".ply": "PLY, exact",
+    ".compressed.ply": "Compressed PLY (PlayCanvas)",
+    ".spz": "SPZ (Niantic)",
+    ".sog": "SOG (PlayCanvas)",
+    ".glb": "glTF (Khronos), in metres",
+}
+SPLATS_TEXT = "What the viewer reads. All but PLY and glTF are a third as large or less, and rounded."
 DEGREES = {None: "As the model has", 3: "3, for the original viewer"}
 DEGREE_TEXT = (
     "Degree of the spherical harmonics, filled up with zeros: the original viewer of 3D Gaussian Splatting "
@@ -115,6 +123,8 @@ def _draw_chosen(state: AppState) -> None:
     if offer.sees != "no" and offer.form != "cameras" and state.scene.model is not None:
         _draw_view_size(state)
     if offer.form in ("splats", "splat folder"):
+        splats = choose_row("Format", state.exports.splats, SPLATS, SPLATS_TEXT, 14)
+        export_actions.choose_splats(state, splats)
         degree = choose_row("Harmonics", state.exports.sh_degree, DEGREES, DEGREE_TEXT, 14)
         export_actions.choose_degree(state, degree)
     if offer.form in VIDEOS:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from app.exports.exporting import ExportRequest, ImageSuffix
+from app.exports.exporting import ExportRequest, ImageSuffix, SplatSuffix
 from app.exports.sizing import Sizing
 from app.files.video_encoder import VideoEncoder
 from app.gui.state.pace import Pace
@@ -30,9 +30,11 @@ What = Literal[
     "measures of both panes",
     "splats of this moment",
     "splats of all frames",
+    "splats through time",
     "page for browsers",
     "surface through time",
     "surface of all frames",
+    "arrays of all frames",
     "cameras of the clip",
     "cameras of the path",
 ]
@@ -50,6 +52,8 @@ class Exports:
     image: ImageSuffix = ".png"
     quality: int = 95
     """Of JPEG images, 1 to 100."""
+    splats: SplatSuffix = ".ply"
+    """The format of splat files."""
     sh_degree: int | None = None
     """To which colours by direction are filled up in splat files; None: as the model has them."""
     sizing: Sizing = field(default_factory=Sizing)

@@ -16,7 +16,7 @@ from imgui_bundle import imgui
 from app.errors import UserError
 from app.exports.browser.page import read_page
 from app.exports.browser.tracks import tracks_of
-from app.exports.exporting import ExportRequest, ImageSuffix, free_name
+from app.exports.exporting import ExportRequest, ImageSuffix, SplatSuffix, free_name
 from app.exports.replay import replay
 from app.files.image_files import read_image, write_image
 from app.files.provenance import read_provenance
@@ -226,6 +226,36 @@ def test_splats_of_a_moment_and_of_all_frames_come_again(run: Exporter, runs: di
     assert same(files[7], runs["original"])
     export_actions.choose_degree(state, 3)
     assert read_splats(exported(run, "splats of this moment")).raw.harmonics.shape[1] == 15
+
+
+@pytest.mark.parametrize("suffix", [".compressed.ply", ".spz", ".sog", ".glb"])
+def test_splats_in_the_format_that_is_chosen_come_again(
+    run: Exporter, runs: dict[str, Path], suffix: SplatSuffix
+) -> None:
+    export_actions.choose_splats(run.state, suffix)
+    paths = [exported(run, "splats of this moment") for _ in range(2)]
+    names = [f"original-frame-1-splats{end}{suffix}" for end in ("", "-2")]
+    assert [path.name for path in paths] == names
+    assert replay(paths[1], (runs["original"],), paths[1].with_name(f"again{suffix}")).difference.is_none
+    files = {path.name for path in exported(run, "splats of all frames").iterdir()}
+    assert f"frame-000009{suffix}" in files
+
+
+@pytest.mark.parametrize(
+    ("what", "name"),
+    [
+        ("splats through time", "original-moving-splats.usdc"),
+        ("arrays of all frames", "original-arrays.npz"),
+    ],
+)
+def test_the_model_through_time_comes_again(
+    run: Exporter, runs: dict[str, Path], what: What, name: str
+) -> None:
+    export_actions.choose_what(run.state, what)
+    assert export_actions.suffix_of(run.state) == Path(name).suffix
+    path = exported(run, what)
+    assert path.name == name
+    assert same(path, runs["original"])
 
 
 def test_the_page_for_browsers_holds_the_model_and_comes_again(run: Exporter, runs: dict[str, Path]) -> None:
