@@ -18,6 +18,7 @@ from PIL import Image
 from renderer.harmonics import BANDS
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.sog_list import LIST
+from renderer.splat_files.grouping import grouped
 from renderer.splat_files.morton import WHOLE, morton_order
 from renderer.splat_files.packed_ply import without_largest
 from renderer.splat_files.sog import LARGEST, LEVELS, VERSION
@@ -35,8 +36,7 @@ Files = dict[str, bytes]
 def sog_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
     """What `read_sog` gives back, in another order: 16 bits of each position's logarithm, 8 of all else.
 
-    Raises:
-        ValueError: more kinds of colour by direction than the format takes.
+    Of more kinds of colour by direction than the format takes, 65,536, those that are most alike become one.
     """
     raw = raw.rows(morton_order(raw.means))
     files: Files = {}
@@ -86,13 +86,14 @@ def _coded(name: str, values: Values, more: tuple[Bytes, ...], files: Files) -> 
 
 
 def _palette(harmonics: NDArray[np.float32], files: Files) -> dict[str, Any]:
-    """A row for each of those that differ after they are coded."""
+    """A row for each of those that differ after they are coded, or a group of them."""
     codes = _code_book(harmonics.astype(np.float64))
     bands = harmonics.shape[1]
     coded = _places(codes, harmonics.astype(np.float64)).reshape(len(harmonics), 3 * bands)
     rows, labels = np.unique(coded, axis=0, return_inverse=True)
     if len(rows) > MOST_ROWS:
-        raise ValueError(f"expected at most {MOST_ROWS} different colours by direction, got {len(rows)}")
+        means, groups = grouped(codes.astype(np.float32)[rows], MOST_ROWS)
+        rows, labels = _places(codes, means), groups[labels.reshape(-1)]
     lines = max(-(-len(rows) // SIDE_BY_SIDE), 1)
     pixels = np.zeros((lines * SIDE_BY_SIDE, bands, 3), np.uint8)
     pixels[: len(rows)] = rows.reshape(-1, bands, 3)
