@@ -8,6 +8,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -17,6 +18,7 @@ from app.errors import UserError
 from app.files.embedded import KEYWORD
 from app.files.provenance import NOTICE, ascii_json
 from renderer.json_files import parsed
+from renderer.regular_files import read_whole
 from renderer.splats import Float32Array
 
 MAGIC, VERSION = b"glTF", 2
@@ -95,8 +97,9 @@ def linear(colors: Float32Array) -> Float32Array:
     return np.where(colors <= 0.04045, low, ((colors + 0.055) / 1.055) ** 2.4).astype(np.float32)
 
 
-def read_glb(content: bytes) -> tuple[dict[str, Any], list[NDArray[Any]]]:
+def read_glb(path: Path) -> tuple[dict[str, Any], list[NDArray[Any]]]:
     """Provenance and arrays of a file of ours. Raises UserError: it is none, or damaged."""
+    content = read_whole(path)
     try:
         magic, version, length = struct.unpack_from("<4sII", content)
         size, kind = struct.unpack_from("<II", content, 12)
@@ -109,7 +112,7 @@ def read_glb(content: bytes) -> tuple[dict[str, Any], list[NDArray[Any]]]:
         start = 20 + size + 8
         return facts, [_read_array(document, one, content, start) for one in document["accessors"]]
     except (ValueError, TypeError, KeyError, IndexError, AttributeError, struct.error) as error:
-        raise UserError(f"expected a GLB file written by VesselSplat ({error})") from error
+        raise UserError(f"expected a GLB file written by VesselSplat ({error}): {path}") from error
 
 
 def _read_array(document: Any, accessor: Any, content: bytes, start: int) -> NDArray[Any]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.lib.recfunctions import structured_to_unstructured
 from numpy.typing import NDArray
 
+from app.errors import UserError
 from app.exports.browser.page import read_page
 from app.exports.gltf import read_glb
 from app.exports.meshes.mesh_text import obj_rows
@@ -80,7 +81,7 @@ def arrays(path: Path) -> Iterator[Array]:
     if suffix == ".ply":
         return _elements(read_whole(path))
     if suffix == ".glb":
-        return iter(read_glb(read_whole(path))[1])
+        return iter(read_glb(path)[1])
     if suffix == ".usdc":
         return iter(read_usd(path)[1])
     if suffix == ".obj":
@@ -120,7 +121,7 @@ def _columns(path: Path) -> Iterator[Array]:
     """Of a table, then of the same in the JSON beside it where that has it: names, then each column as
     numbers or as text."""
     sidecar = path.with_name(f"{path.name}.json")
-    rows: list[dict[str, Any]] = list(csv.DictReader(read_whole(path).decode().splitlines()))
+    rows = _rows(path)
     told = read_json(sidecar)
     for table in (rows, told["frames"]) if "frames" in told else (rows,):
         names = list(table[0]) if table else []
@@ -131,6 +132,15 @@ def _columns(path: Path) -> Iterator[Array]:
                 yield np.array([float(value or "nan") for value in values])
             except ValueError:
                 yield _text(values)
+
+
+def _rows(path: Path) -> list[dict[str, Any]]:
+    """Raises UserError: it is no table whose rows are all as long as the first."""
+    try:
+        head, *lines = csv.reader(read_whole(path).decode().splitlines(), strict=True)
+        return [dict(zip(head, line, strict=True)) for line in lines]
+    except (ValueError, csv.Error) as error:
+        raise UserError(f"expected a table written by VesselSplat ({error}): {path}") from error
 
 
 def _text(words: list[str]) -> Array:

@@ -30,7 +30,7 @@ def recorded(path: Path) -> Facts:
     if suffix == ".ply":
         return _in_comment(path)
     if suffix == ".glb":
-        return read_glb(read_whole(path))[0]
+        return read_glb(path)[0]
     if suffix == ".usdc":
         return read_usd(path)[0]
     if suffix == ".obj":

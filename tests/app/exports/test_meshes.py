@@ -83,7 +83,7 @@ def parts(path: Path) -> tuple[Any, list[np.ndarray]]:
 
     content = path.read_bytes()
     size = int.from_bytes(content[12:16], "little")
-    return parsed(content[20 : 20 + size].decode()), read_glb(content)[1]
+    return parsed(content[20 : 20 + size].decode()), read_glb(path)[1]
 
 
 @pytest.mark.parametrize("form", ["ply", "obj"])
@@ -109,7 +109,7 @@ def test_a_mesh_per_frame_is_read_by_trimesh_and_reproduced(
 def test_the_file_says_what_it_is_of_and_comes_again(
     written: Path, runs: dict[str, Path], vesselsplat: Callable[..., Call]
 ) -> None:
-    facts, _ = read_glb(written.read_bytes())
+    facts, _ = read_glb(written)
     assert (facts["kind"], facts["run"]["name"], facts["vertices"]) == ("surface mesh", "original", 500)
     assert str(written.parent).encode() not in written.read_bytes()
     again = vesselsplat("replay", written, "--source", runs["original"])
@@ -171,15 +171,19 @@ def test_bad_wishes_are_one_line(
     assert "pip install 'vesselsplat[usd]'" in done.error
 
 
-def test_a_damaged_file_is_refused_in_one_line(written: Path) -> None:
+def test_a_damaged_file_is_refused_in_one_line(written: Path, tmp_path: Path) -> None:
     content, drawn = written.read_bytes(), random.Random(0)
-    size = int.from_bytes(content[12:16], "little")
+    size, path = int.from_bytes(content[12:16], "little"), tmp_path / "a.glb"
     for _ in range(1000):
         damaged = bytearray(content[: 20 + size + 4000] if drawn.random() < 0.5 else content)
         for _ in range(drawn.randrange(1, 6)):
             damaged[drawn.randrange(20 + size)] = drawn.randrange(256)
+        path.write_bytes(damaged)
         with suppress(UserError):
-            read_glb(bytes(damaged))
+            read_glb(path)
+    path.write_bytes(content[:-1])
+    with pytest.raises(UserError, match=r"expected a GLB file written by VesselSplat \(.*\): .*a\.glb$"):
+        read_glb(path)
 
 
 def test_moments_between_which_all_goes_straight_are_few() -> None:

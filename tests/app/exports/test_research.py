@@ -190,6 +190,11 @@ def test_tracks_of_a_run_come_again_with_their_definitions(
     again = vesselsplat("replay", path, "--source", runs["original"])
     assert again.out.rstrip().endswith("identical"), again.error + again.out
     assert "tracks" in vesselsplat("info", path).out
+    content = path.read_bytes()
+    for damaged in (b"", content[:-9], content + b"1,2\n", content[:60] + b"\xff" + content[60:]):
+        path.write_bytes(damaged)
+        with pytest.raises(UserError, match=r"expected a table written by VesselSplat \(.*\): .*a\.csv$"):
+            list(arrays(path))
 
 
 @pytest.mark.parametrize("form", ["transforms", "colmap"])
