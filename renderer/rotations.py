@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from renderer.camera import FloatArray
-from renderer.splats import Float32Array
 
 
 def turned_hermite(
@@ -77,7 +77,7 @@ def logarithm(turn: FloatArray) -> FloatArray:
     return np.asarray(2 * toward * (math.atan2(sine, w) / sine if sine > 1e-12 else 1.0))
 
 
-def unit_quats(quats: Float32Array) -> Float32Array:
+def unit_quats(quats: NDArray[np.float32]) -> NDArray[np.float32]:
     """(N, 4) wxyz of length 1 with w >= 0; the identity in place of no rotation."""
     length = np.linalg.norm(quats, axis=1, keepdims=True)
     unit = np.divide(quats, length, out=np.zeros_like(quats), where=length > 0)
