@@ -428,3 +428,30 @@ def test_by_hand_from_the_palette_to_the_file(places: Places) -> None:
     assert state.exports.last == places.pictures / "liver before.jpg"
     assert state.exports.last is not None
     assert read_provenance(state.exports.last)["panes"][0]["shows"] == "setting"
+
+
+@pytest.mark.display
+def test_by_hand_splats_in_another_format(places: Places, runs: dict[str, Path]) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, runs["original"])
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state) and state.scene.model is not None, "the run")
+        ctx.key_press(chord("Ctrl+Shift+P"))
+        ctx.yield_(2)
+        ctx.key_chars("splats this moment")
+        ctx.yield_(2)
+        ctx.key_press(imgui.Key.enter)
+        wait(ctx, lambda: state.exports.what == "splats of this moment", "the panel")
+        ctx.yield_(2)
+        ctx.set_ref(ctx.window_info("//Export/how").id_)
+        ctx.combo_click("##Format/SPZ (Niantic)")
+        ctx.yield_(2)
+        ctx.item_click("###start")
+        wait(ctx, lambda: state.exports.last is not None, "the file")
+
+    driver.run(drive)
+    assert state.exports.last is not None
+    assert state.exports.last.name == "original-frame-1-splats.spz"
+    assert same(state.exports.last, runs["original"])
