@@ -26,7 +26,7 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.rotations import unit_quats
 from renderer.splats import Float32Array
 
-README: Final = "README.txt"
+README: Final = "README"
 FLOAT: Final = np.dtype(np.float32)
 
 

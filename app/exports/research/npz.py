@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from app.errors import UserError
 
 SUFFIX: Final = ".npy"
-PROVENANCE: Final = "provenance.json"
+PROVENANCE: Final = "provenance"
 BROKEN: Final = (OSError, ValueError, TypeError, KeyError, EOFError, zipfile.BadZipFile, NotImplementedError)
 """By which damaged files show."""
 
@@ -27,7 +27,8 @@ class Archive:
     file: zipfile.ZipFile
 
     def text(self, name: str, content: str) -> None:
-        self.file.writestr(zipfile.ZipInfo(name), content.encode())
+        """As an array of bytes: some versions of numpy fail at members that are none."""
+        self.array(name, np.array(content.encode()))
 
     def array(self, name: str, values: NDArray[Any]) -> None:
         """One that is there already."""
@@ -47,21 +48,20 @@ class Archive:
 
 
 def read_text(path: Path, name: str) -> str:
-    """A member that is no array. Raises UserError: it is not there, or the file is damaged."""
+    """Raises UserError: it is not there, or the file is damaged."""
     try:
         with zipfile.ZipFile(path) as file:
-            return _stored(file, name).decode()
+            return bytes(_read_array(_stored(file, name + SUFFIX)).item()).decode()
     except BROKEN as error:
         raise UserError(f"expected an .npz file written by VesselSplat ({error}): {path}") from error
 
 
 def read_members(path: Path) -> Iterator[NDArray[Any]]:
-    """All arrays, in the order of the file. Raises UserError: it is damaged."""
+    """All arrays of numbers, in the order of the file. Raises UserError: it is damaged."""
     try:
         with zipfile.ZipFile(path) as file:
-            for name in file.namelist():
-                if name.endswith(SUFFIX):
-                    yield _read_array(_stored(file, name))
+            arrays = (_read_array(_stored(file, name)) for name in file.namelist())
+            yield from (one for one in arrays if one.dtype.kind in "iuf")
     except BROKEN as error:
         raise UserError(f"expected an .npz file written by VesselSplat ({error}): {path}") from error
 

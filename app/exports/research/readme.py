@@ -48,7 +48,7 @@ def readme(scene: Scene, arrays: Sequence[Described]) -> str:
         )
         for one in arrays
     ]
-    own = "provenance.json: what the file was made from, by what version; `vesselsplat replay` reproduces it."
+    own = "provenance: what the file was made from, by what version; `vesselsplat replay` reproduces it."
     return "\n\n".join([*paragraphs, "\n".join(rows), own]) + "\n"
 
 

@@ -44,9 +44,10 @@ def test_arrays_are_those_of_the_model_at_each_moment(
     run, path = runs["original"], tmp_path / "a.npz"
     done = vesselsplat("export", run, "--npz", path, "--frames", 0, 4, 9)
     assert (done.code, done.error) == (0, "")
-    file = np.load(path, allow_pickle=False)
-    names = [name for name in file.files if isinstance(file[name], np.ndarray)]
-    page = file["README.txt"].decode()
+    file = dict(np.load(path, allow_pickle=False))
+    names = [name for name in file if name not in ("README", "provenance")]
+    page = file["README"].item().decode()
+    assert len(names) == 10
     for name in names:
         shape = ", ".join(map(str, file[name].shape)) + ("," if file[name].ndim == 1 else "")
         assert f"\n{name} ({shape}) {file[name].dtype}: " in page
