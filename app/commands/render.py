@@ -43,7 +43,6 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--depth-format",
         choices=DEPTHS,
-        default="npy",
         help="of these numbers: float32, or png16: whole steps, the same for all frames and stated in each "
         "file (default npy)",
     )
@@ -54,7 +53,10 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError(f"--transparent: expected a --view without a scale, got {flags.view}")
     if flags.depth and SHAPES[flags.view] != "soft":
         raise UserError(f"--depth: expected a --view of unaltered Gaussians, got {flags.view}")
+    if flags.depth_format and not flags.depth:
+        raise UserError(f"--depth-format {flags.depth_format}: expected --depth with it")
     scene, wanted = view_selection.chosen(flags)
+    form = flags.depth_format or "npy"
     pen = Drawer(*drawer(flags.renderer))
     views = view_flags.asked_for(flags, scene, wanted)
     sources = Opened(tuple(views), pen=pen)
@@ -64,9 +66,9 @@ def run(flags: argparse.Namespace) -> None:
             said = replace(said, background=None) if flags.transparent else said
             records: dict[str, Export] = {".png": extended(Render, said)}
             if flags.depth:
-                step = step_of(scene.distance) if flags.depth_format == "png16" else None
+                step = step_of(scene.distance) if form == "png16" else None
                 numbers = extended(Depth, said, step=step)
-                records |= {DEPTHS[flags.depth_format]: numbers, "-depth.png": extended(Depth, said)}
+                records |= {DEPTHS[form]: numbers, "-depth.png": extended(Depth, said)}
             for ending, record in records.items():
                 run_to_end(make(record, sources, staging / f"{moment.name}{ending}"))
             report(done, moment.name)

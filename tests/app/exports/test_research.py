@@ -98,6 +98,8 @@ def test_depth_comes_in_whole_steps_and_as_floats_that_opencv_reads(
     for form in ("npy", "tiff", "png16"):
         flags = ("--frames", 3, "--depth", "--depth-format", form)
         assert vesselsplat("render", run, "--out", tmp_path, *flags).code == 0
+    alone = vesselsplat("render", run, "--out", tmp_path / "none", "--depth-format", "tiff")
+    assert (alone.code, "--depth-format tiff: expected --depth with it" in alone.error) == (2, True)
     exact = np.load(tmp_path / "frame-000003-depth.npy")
     floats = cv2.imread(str(tmp_path / "frame-000003-depth.tiff"), cv2.IMREAD_UNCHANGED)
     assert floats.dtype == np.float32
