@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from typing import Any
 
 import moderngl
 import pytest
@@ -17,24 +18,22 @@ settings.register_profile("compiling", deadline=None)
 settings.load_profile("compiling")
 
 
-@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Windows first: X ends a process that has had a context without a window, and then opens one.
-
-    Of several processes one takes all windows; the others take whole files, which share what they prepare.
-    """
-    items.sort(key=lambda item: not needs_display(item))
-    for item in items:
-        item.add_marker(pytest.mark.xdist_group("display" if needs_display(item) else item.path.stem))
+    """Windows first: X ends a process that has had a context without a window, and then opens one."""
+    items.sort(key=lambda item: item.get_closest_marker("display") is None)
 
 
-def needs_display(item: pytest.Item) -> bool:
-    return item.get_closest_marker("display") is not None
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> object:
+    """Asked where several processes share the suite, as `make test` has it."""
+    from tests.shared_suite import WindowsInOne
+
+    return WindowsInOne(config, log)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """A window without a screen ends the process by an assertion: skipped before, but a failure in CI."""
-    if needs_display(item) and not has_display():
+    if item.get_closest_marker("display") is not None and not has_display():
         lacks = "no display, and no Xvfb to make one: apt-get install xvfb"
         pytest.fail(lacks) if os.environ.get("CI") else pytest.skip(lacks)
 
