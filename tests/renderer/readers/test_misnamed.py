@@ -30,7 +30,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {
         **{VIDEO + name: (folder / name).read_bytes() for name in VIDEOS},
         "a zip archive": (folder / "a.zip").read_bytes(),
-        "a gzip file": gzip.compress(b"picture"),
+        "a gzip file": gzip.compress(b"picture", mtime=0),
         "a DICOM file": bytes(128) + b"DICM" + bytes(100),
         "a HEIC image": b"\0\0\0\x18ftypheic" + bytes(100),
         "a PDF document": b"%PDF-1.7" + bytes(100),
