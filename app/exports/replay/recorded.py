@@ -22,7 +22,8 @@ Facts = dict[str, Any]
 def recorded(path: Path) -> Facts:
     """Raises UserError: no such file, or nothing that VesselSplat wrote about it."""
     if not path.is_file():
-        raise UserError(f"expected a file that VesselSplat wrote, got no such file: {path}")
+        what = "a folder; name one of its files" if path.is_dir() else "no such file"
+        raise UserError(f"expected a file that VesselSplat wrote, got {what}: {path}")
     suffix = path.suffix.lower()
     if suffix == ".png":
         return read_provenance(path)
