@@ -15,7 +15,7 @@ from renderer.readers.clip_files import files_in
 from renderer.readers.listing import listed
 from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of
-from renderer.readers.pictures import VIDEOS, common_size, is_picture, is_visible, natural_key, read_rgb
+from renderer.readers.pictures import common_size, is_picture, is_visible, moves, natural_key, read_rgb
 
 FEW = 3
 """So many times more numbered images make of the others a cover, a sketch, a logo."""
@@ -65,7 +65,7 @@ def _instead(visible: Sequence[Path], files: Sequence[Path]) -> str:
         own = "open one of these, or the run that they were exported from"
         return f"; it holds the splat files {listed(splats)}: {own}"
     folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))
-    videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
+    videos = [entry.name for entry in files if moves(entry)]
     inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
     return f"; it holds the {inside}: open one of these" if inside else ""
 

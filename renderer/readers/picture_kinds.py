@@ -17,7 +17,7 @@ import numpy as np
 
 from renderer.readers.listing import listed
 from renderer.readers.picture_files import opened
-from renderer.readers.pictures import BROKEN, is_picture, is_visible, read_stored
+from renderer.readers.pictures import BROKEN, is_picture, is_visible, moves, read_stored
 
 Kind = Literal["depth", "disparity", "mask", "map"]
 """A "map" is a picture of numbers that nothing tells more about."""
@@ -84,8 +84,9 @@ def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
     frames in colour: 16 bits or floats in one channel are a map of numbers, two values a mask; and so
     are a few grey levels where the name goes on from that of a frame. Files whose names differ in
     numbers alone are of one kind: the header of the first tells. Where no frame would be left, all are.
+    What `moves` is no picture.
     """
-    pictures = tuple(pictures)
+    pictures = tuple(path for path in pictures if not moves(path))
     groups: dict[str, list[Path]] = defaultdict(list)
     for path in pictures:
         groups[re.sub(r"\d+", "#", path.stem) + path.suffix.lower()].append(path)

@@ -15,6 +15,8 @@ from PIL import ExifTags, Image, ImageFile, ImageOps, UnidentifiedImageError
 
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
+from renderer.readers.dicom.header import is_named_dicom_clip
+from renderer.readers.dicom.opening import SUFFIXES as DICOM
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 from renderer.readers.picture_files import opened, read_npy
@@ -25,7 +27,8 @@ class SeveralSizes(ClipError):
     """Pictures that are fine one by one, and no clip together."""
 
 
-SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm"})
+SUFFIXES = DICOM | {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm"}
+"""Of DICOM, some are videos, too: see `moves`."""
 
 VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
 
@@ -43,6 +46,11 @@ def is_visible(path: Path) -> bool:
 def is_picture(path: Path) -> bool:
     """Whether the name is one of a visible picture file."""
     return path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
+
+
+def moves(path: Path) -> bool:
+    """Whether the name is one of a video, or of a DICOM object that holds one."""
+    return path.suffix.lower() in VIDEOS or is_named_dicom_clip(path)
 
 
 def natural_key(path: Path) -> tuple[tuple[int, str], ...]:
@@ -184,6 +192,8 @@ def _tells_more_after_pixels(path: Path) -> bool:
 def _unreadable(path: Path, error: Exception) -> ClipError:
     if not path.exists():
         return ClipError(f"expected an image, got no such file: {path}")
+    if isinstance(error, ClipError):
+        return error
     if isinstance(error, OverBudget):
         return ClipError(f"{error}: {path}")
     if not path.is_file():

@@ -19,9 +19,10 @@ from app.files.legible import legible
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
 from renderer.pyav_presence import has_pyav
+from renderer.readers.dicom.header import holds_stream
 from renderer.readers.picture_files import opened
 from renderer.readers.picture_kinds import kind_by_name
-from renderer.readers.pictures import BROKEN, VIDEOS, is_picture, is_visible, natural_key, read_rgb
+from renderer.readers.pictures import BROKEN, VIDEOS, is_picture, is_visible, moves, natural_key, read_rgb
 from renderer.utf8_paths import not_utf8
 
 SIDE: Final = 160
@@ -118,7 +119,7 @@ def _small(path: Path) -> ByteImage | None:
     if path.is_dir():
         first = _first_image(path)
         return None if first is None else _small(first)
-    if path.suffix.lower() in VIDEOS:
+    if moves(path):
         frame = _video_frame(path)
         return None if frame is None else _shrunk(Image.fromarray(frame))
     with opened(path) as picture:
@@ -157,6 +158,8 @@ def _video_frame(path: Path) -> ByteImage | None:
     """One at a tenth of the whole, as the first ones are often black."""
     if not_utf8(path):
         return None
+    if not holds_stream(path):
+        return read_rgb(path)
     if has_pyav():
         return _frame_by_pyav(path)
     capture = cv2.VideoCapture(str(path))
