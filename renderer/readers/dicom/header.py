@@ -39,6 +39,8 @@ class DicomHeader:
 
     transfer_syntax: str
     """Its UID."""
+    is_encapsulated: bool
+    """Whether frames are compressed, each in fragments of its own."""
     size: tuple[int, int]
     """Width and height in pixels."""
     frames: int
@@ -119,9 +121,10 @@ def _header(file: io.BufferedReader, path: Path) -> DicomHeader:
         what = told.get("SOPClassUID")
         kind = f" of {what.name}" if what is not None and what.name else ""
         raise ClipError(f"expected a DICOM file with an image, got one{kind} without: {path}")
-    bits = _whole(told, "BitsAllocated", 8)
+    bits, syntax = _whole(told, "BitsAllocated", 8), told.file_meta.TransferSyntaxUID
     return DicomHeader(
-        transfer_syntax=str(told.file_meta.get("TransferSyntaxUID", "")),
+        transfer_syntax=str(syntax),
+        is_encapsulated=syntax.is_encapsulated,
         size=(columns, rows),
         frames=max(_whole(told, "NumberOfFrames", 1), 1),
         samples=_whole(told, "SamplesPerPixel", 1),

@@ -54,9 +54,7 @@ def read_still(path: Path) -> NDArray[Any]:
 
 def whole_frames(path: Path, header: DicomHeader) -> int:
     """How many of the frames announced lie in the file as a whole. Raises OSError."""
-    from pydicom.uid import UID
-
-    if UID(header.transfer_syntax).is_encapsulated:
+    if header.is_encapsulated:
         parts = list(fragments(path, header))
         end = require_regular(path)
         cut = sum(start + size >= end for start, size in parts)
@@ -98,15 +96,13 @@ def _require_decoder(path: Path, header: DicomHeader) -> None:
 def _require_fit(file: io.BufferedReader, path: Path, header: DicomHeader, index: int) -> None:
     """Refuses a frame that unpacks to more than the header announces. Raises ClipError, or as pydicom."""
     from pydicom.encaps import get_frame
-    from pydicom.uid import UID
 
-    syntax = UID(header.transfer_syntax)
-    if not syntax.is_encapsulated:
+    if not header.is_encapsulated:
         return
     file.seek(header.pixels_at + EXPLICIT)
     frame = get_frame(file, index, number_of_frames=header.frames)
     width, height = header.size
-    if syntax == RLE:
+    if header.transfer_syntax == RLE:
         most = ROOM * width * height * header.samples * header.bits_allocated / 8 + 1024
         if len(frame) > most:
             raise ClipError(f"expected at most {most:.0f} bytes a frame, got {len(frame)}: {path}")
