@@ -18,6 +18,7 @@ from app.__main__ import main
 from app.errors import UserError
 from app.files.dicom.writing import require_level
 from app.files.image_files import read_image
+from app.gui.work.listing import thumbnail_of
 from renderer.readers.dicom import opening
 from renderer.sources import open_clip
 from tests.app.conftest import Call
@@ -46,6 +47,17 @@ def test_a_folder_of_stills_and_videos_is_enhanced(vesselsplat: Callable[..., Ca
     assert vesselsplat("enhance", given, made, "--recursive").code == 0
     assert sorted(path.name for path in made.iterdir()) == ["1.png", "2.png", "film.mp4", "film.mp4.json"]
     assert np.array_equal(read_image(made / "1.png"), read_image(made / "2.png"))
+
+
+def test_thumbnails_are_those_of_stills_frames_and_streams(tmp_path: Path) -> None:
+    content = video_file(tmp_path / "a.ts", FRAMES, "mpegts")
+    (tmp_path / "a.ts").rename(tmp_path / "a.mts")
+    saved(video(content, (64, 48), len(FRAMES), "40"), tmp_path / "a.dcm")
+    saved(with_pixels(labelled(VIDEO), np.stack(FRAMES)), tmp_path / "b.dcm")
+    for path in (saved(stills(IMAGE)["grey 12"][0], tmp_path / "c.dcm"), *tmp_path.iterdir()):
+        (image,) = thumbnail_of(path)
+        assert image is not None
+        assert image.shape == (48, 64, 3)
 
 
 def test_more_than_8_bits_are_kept(vesselsplat: Callable[..., Call], tmp_path: Path) -> None:
@@ -185,6 +197,9 @@ def test_another_reader_sees_the_same(made: Path, tmp_path: Path) -> None:
     for name in ("still.dcm", "mueller.dcm"):
         subprocess.run(["dcm2pnm", "+op", str(made / name), str(tmp_path / "a.ppm")], check=True)
         assert np.array_equal(read_image(tmp_path / "a.ppm"), read_image(made / name))
+    # As archives like it; the encoder's usual compression is lossless.
+    subprocess.run(["dcmcjpeg", str(made / "mueller.dcm"), str(tmp_path / "kept.dcm")], check=True)
+    assert np.array_equal(read_image(tmp_path / "kept.dcm"), IMAGE)
     subprocess.run(["dcmdump", "+W", str(tmp_path), str(made / "video.dcm")], check=True, capture_output=True)
     told = dcmread(made / "video.dcm")
     assert (tmp_path / "video.dcm.1.raw").read_bytes() == get_frame(told.PixelData, 0, number_of_frames=1)

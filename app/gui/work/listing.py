@@ -174,14 +174,17 @@ def _video_frame(path: Path) -> ByteImage | None:
 def _frame_by_pyav(path: Path) -> ByteImage | None:
     import av
 
-    from renderer.readers.video_index import open_container, video_stream
+    from renderer.readers.video_index import decoded, open_container, video_stream
 
     try:
         with open_container(path) as container:
             stream = video_stream(container, path)
             if container.duration:
-                container.seek(container.duration // 10)
-            frame = next(container.decode(stream), None)
-            return None if frame is None else np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
+                container.seek((container.start_time or 0) + container.duration // 10)
+            frame = next(decoded(container, stream), None)
+        if frame is None:  # A transport stream has no list of places to go to.
+            with open_container(path) as container:
+                frame = next(decoded(container, video_stream(container, path)), None)
+        return None if frame is None else np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
     except av.error.FFmpegError:
         return None

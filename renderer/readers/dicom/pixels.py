@@ -12,6 +12,7 @@ from PIL import Image
 
 from renderer.clip import ClipError
 from renderer.readers.dicom.header import DicomHeader, read_header
+from renderer.readers.dicom.lossless import decoded_frame, is_lossless
 from renderer.readers.dicom.opening import opened_dicom
 from renderer.readers.dicom.stream import EXPLICIT, fragments
 from renderer.regular_files import require_regular
@@ -30,18 +31,31 @@ def read_pixels(path: Path, header: DicomHeader, index: int) -> NDArray[Any]:
     """
     _require_kind(path, header)
     with opened_dicom(path) as file:
-        from pydicom.pixels.utils import pixel_array
-
-        _require_decoder(path, header)
-        _require_fit(file, path, header, index)
-        file.seek(0)
-        stored = pixel_array(file, index=index)
+        stored = _stored(file, path, header, index)
         if header.photometric == "PALETTE COLOR":
             stored = _looked_up(path, stored)
         if stored.shape[:2] != header.size[::-1] or stored.shape[2:] not in ((), (3,)):
             got = f"one of the shape {stored.shape}"
             raise ClipError(f"expected a frame of {header.size[0]}x{header.size[1]}, got {got}: {path}")
         return _whole_range(stored, header)
+
+
+def _stored(file: io.BufferedReader, path: Path, header: DicomHeader, index: int) -> NDArray[Any]:
+    """RGB of YBR; else as stored. Raises ClipError, or what pydicom and FFmpeg raise."""
+    from pydicom.encaps import get_frame
+    from pydicom.pixels.utils import pixel_array
+
+    frame = b""
+    if header.is_encapsulated:
+        file.seek(header.pixels_at + EXPLICIT)
+        frame = get_frame(file, index, number_of_frames=header.frames)
+    if is_lossless(header):
+        return decoded_frame(frame, header)
+    _require_decoder(path, header)
+    if header.is_encapsulated:
+        _require_fit(frame, path, header, index)
+    file.seek(0)
+    return np.asarray(pixel_array(file, index=index))
 
 
 def read_still(path: Path) -> NDArray[Any]:
@@ -93,14 +107,8 @@ def _require_decoder(path: Path, header: DicomHeader) -> None:
         raise ClipError(f"a DICOM image of {syntax.name} needs a decoder ({lacking}): {path}")
 
 
-def _require_fit(file: io.BufferedReader, path: Path, header: DicomHeader, index: int) -> None:
-    """Refuses a frame that unpacks to more than the header announces. Raises ClipError, or as pydicom."""
-    from pydicom.encaps import get_frame
-
-    if not header.is_encapsulated:
-        return
-    file.seek(header.pixels_at + EXPLICIT)
-    frame = get_frame(file, index, number_of_frames=header.frames)
+def _require_fit(frame: bytes, path: Path, header: DicomHeader, index: int) -> None:
+    """Raises ClipError: the compressed frame is damaged, or unpacks to more than the header announces."""
     width, height = header.size
     if header.transfer_syntax == RLE:
         most = ROOM * width * height * header.samples * header.bits_allocated / 8 + 1024

@@ -119,7 +119,7 @@ _FILES: dict[str, Read] = {
     "colmap/images.txt": lambda folder: import_views(folder / "colmap" / "images.txt"),
     "colmap/cameras.txt": lambda folder: import_views(folder / "colmap" / "cameras.txt"),
     **{f"{name}.dcm": lambda folder, name=name: _clip_of_picture(folder / f"{name}.dcm")
-       for name in ("still", "runs", "jpeg", "jpeg2000")},
+       for name in ("still", "runs", "jpeg", "jpeg2000", "lossless", "jpegls")},
     **{f"{name}.dcm": lambda folder, name=name: _clip(folder / f"{name}.dcm") for name in ("frames", "film")},
     "enhanced.dcm": lambda folder: _written_dicom(folder / "enhanced.dcm"),
     "enhanced.png": lambda folder: recorded(folder / "enhanced.png"),

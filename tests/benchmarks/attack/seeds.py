@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from PIL import Image
+from pydicom.uid import JPEGLosslessSV1, JPEGLSLossless
 
 from app.__main__ import main
 from app.enhancement.image_mask import PictureMask
@@ -33,7 +34,9 @@ from renderer.train.config import TrainConfig
 from renderer.view_files import Views, views_json
 from tests.renderer.readers.dicom_files import (
     VIDEO,
+    compressed,
     labelled,
+    lossless,
     picture,
     saved,
     stills,
@@ -145,6 +148,12 @@ def _dicom(folder: Path) -> None:
     kinds, frames = stills(picture(*size)), [picture(*size, seed) for seed in range(3)]
     for name, kind in (("still", "rgb"), ("runs", "rle"), ("jpeg", "jpeg"), ("jpeg2000", "jpeg 2000")):
         saved(kinds[kind][0], folder / f"{name}.dcm")
+    for name, syntax, codec in (("lossless", JPEGLosslessSV1, "ljpeg"), ("jpegls", JPEGLSLossless, "jpegls")):
+        form = "bgr24" if codec == "ljpeg" else "rgb24"
+        packed = compressed(
+            with_pixels(labelled(syntax=syntax), frames[0]), [lossless(frames[0], codec, form)]
+        )
+        saved(packed, folder / f"{name}.dcm")
     saved(with_pixels(labelled(VIDEO), np.stack(frames)), folder / "frames.dcm")
     content = video_file(folder / "film.mp4", frames)
     saved(video(content, size, len(frames), "40", fragments=2), folder / "film.dcm")

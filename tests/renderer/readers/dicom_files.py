@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +85,15 @@ def encoded(image: np.ndarray, kind: str, **settings: Any) -> bytes:
     buffer = io.BytesIO()
     Image.fromarray(image).save(buffer, kind, **settings)
     return buffer.getvalue()
+
+
+def lossless(image: np.ndarray, codec: str, form: str) -> bytes:
+    """One frame as FFmpeg's encoder of that name makes it of pixels of that form."""
+    encoder = av.CodecContext.create(codec, "w")
+    encoder.height, encoder.width, encoder.pix_fmt = *image.shape[:2], form
+    encoder.time_base = Fraction(1, 25)
+    frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(image), form)
+    return b"".join(bytes(packet) for packet in (*encoder.encode(frame), *encoder.encode(None)))
 
 
 def stills(image: np.ndarray) -> dict[str, tuple[Dataset, int]]:

@@ -7,7 +7,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from pydicom.uid import DeflatedExplicitVRLittleEndian, JPEGBaseline8Bit, JPEGLosslessSV1
+from pydicom.uid import (
+    UID,
+    DeflatedExplicitVRLittleEndian,
+    JPEGBaseline8Bit,
+    JPEGLosslessSV1,
+    JPEGLSLossless,
+)
 
 from renderer.clip import ClipError
 from renderer.readers.video_header import read_video_header
@@ -17,6 +23,7 @@ from tests.renderer.readers.dicom_files import (
     compressed,
     encoded,
     labelled,
+    lossless,
     picture,
     saved,
     stills,
@@ -95,15 +102,38 @@ def test_a_video_inside_is_read_where_it_lies(tmp_path: Path) -> None:
     assert timed.frame_times[1] == pytest.approx(0.02)
 
 
+@pytest.mark.parametrize(
+    ("syntax", "codec", "form"),
+    [
+        (JPEGLosslessSV1, "ljpeg", "bgr24"),
+        (JPEGLSLossless, "jpegls", "rgb24"),
+        (JPEGLSLossless, "jpegls", "gray16le"),
+    ],
+)
+def test_lossless_compressions_are_exact(syntax: UID, codec: str, form: str, tmp_path: Path) -> None:
+    deep = (GREY.astype(np.uint32) * 65535 // 255).astype(np.uint16)
+    stored = deep if form == "gray16le" else IMAGE
+    kind = "MONOCHROME2" if form == "gray16le" else "RGB"
+    made = with_pixels(labelled(syntax=syntax), stored, kind, 8 * stored.dtype.itemsize)
+    frame = lossless(stored[..., ::-1] if form == "bgr24" else stored, codec, form)
+    path = saved(compressed(made, [frame]), tmp_path / "a.dcm")
+    expected = np.repeat(GREY[:, :, None], 3, axis=2) if form == "gray16le" else IMAGE
+    assert np.array_equal(open_clip(path).read_image(0), expected)
+    wide = compressed(with_pixels(labelled(syntax=syntax), stored[:, :32], kind, made.BitsStored), [frame])
+    with pytest.raises(ClipError, match="expected an intact DICOM file, got a damaged one"):
+        open_clip(saved(wide, tmp_path / "b.dcm"))
+
+
 def test_what_cannot_be_read_is_one_line(tmp_path: Path) -> None:
     signed = with_pixels(labelled(), GREY, "MONOCHROME2")
     signed.PixelRepresentation = 1
-    lossless = compressed(with_pixels(labelled(syntax=JPEGLosslessSV1), IMAGE), [encoded(IMAGE, "JPEG")])
+    undecoded = with_pixels(labelled(syntax=JPEGLosslessSV1), IMAGE, "YBR_FULL")
+    undecoded = compressed(undecoded, [encoded(IMAGE, "JPEG")])
     other = compressed(with_pixels(labelled(syntax=JPEGBaseline8Bit), IMAGE), [encoded(picture(640), "JPEG")])
     packed = with_pixels(labelled(syntax=DeflatedExplicitVRLittleEndian), IMAGE)
     for made, line in (
         (signed, "expected a DICOM image of 1 or 3 values of 8 or 16 bits a pixel, got 1 of signed 8 bits"),
-        (lossless, r"a DICOM image of JPEG Lossless.* needs a decoder \(.*pylibjpeg"),
+        (undecoded, r"a DICOM image of JPEG Lossless.* needs a decoder \(.*pylibjpeg"),
         (other, "expected a frame of 64x48, got 640x48"),
         (packed, r"expected a DICOM file that is not deflated \(dcmconv"),
         (
