@@ -92,7 +92,7 @@ def write_dicom_film(
             frames_per_second=timing.frames_per_second,
             pictures=tuple(_unnamed(replace(each, output=path.name, dicom=choices)) for each in records),
             encoding=written.encoding,
-            notices=tuple(notices),
+            notices=tuple(notices) if choices.keep_identity else None,  # They may name files.
             dicom=choices,
         )
         derived = Derived(sources_of(sources), choices, _described(made.pictures[0]))

@@ -16,6 +16,7 @@ from pydicom.encaps import get_frame
 
 from app.__main__ import main
 from app.errors import UserError
+from app.exports.replay.recorded import recorded
 from app.files.dicom.writing import require_level
 from app.files.image_files import read_image
 from app.gui.work.listing import thumbnail_of
@@ -126,6 +127,7 @@ def test_an_object_says_that_it_is_derived_and_of_nobody(made: Path) -> None:
     assert still.SourceImageSequence[0].ReferencedSOPInstanceUID not in ("", "2.25.11")
     assert (still.LossyImageCompression, video.LossyImageCompression) == ("00", "01")
     assert dcmread(made / "bare.dcm").LossyImageCompression == "01"
+    assert "notices" not in recorded(made / "video.dcm")
     assert "SourceImageSequence" not in dcmread(made / "bare.dcm")
 
 

@@ -93,7 +93,7 @@ def _origin(made: Dataset, sources: Sources, choices: DicomChoices, description:
     made.DerivationCodeSequence = [_code("113086", "Edge enhancement")]
     made.ImageComments = NOTICE
     made.BurnedInAnnotation = "YES" if may_tell(sources, choices) else "NO"
-    made.LossyImageCompression = "01" if sources.was_lossy else "00"
+    made.LossyImageCompression = {True: "01", False: "00", None: None}[sources.was_lossy]
     if references := [_reference(one, keep) for one in sources.told]:
         made.SourceImageSequence = references
 

@@ -48,11 +48,13 @@ class Sources:
         return self.told[0] if self.told else None
 
     @property
-    def was_lossy(self) -> bool:
-        """Whether pixels of one of them are known to have been compressed with loss."""
+    def was_lossy(self) -> bool | None:
+        """Whether pixels have been compressed with loss before; None: of some nothing tells."""
         by_name = any(path.suffix.lower() in LOSSY_FILES for path in self.paths)
         syntaxes = {str(one.file_meta.get("TransferSyntaxUID", "")) for one in self.told}
-        return by_name or bool(syntaxes & LOSSY_SYNTAXES) or "01" in self._all("LossyImageCompression")
+        if by_name or syntaxes & LOSSY_SYNTAXES or "01" in self._all("LossyImageCompression"):
+            return True
+        return False if len(self.told) == len(self.paths) else None
 
     @property
     def burned_in(self) -> bool | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,7 +15,13 @@ from renderer.clip import ClipError
 from renderer.regular_files import require_regular
 
 SUFFIXES: Final = frozenset({".dcm", ".dicom"})
-NO_PYDICOM: Final = "a DICOM file needs pydicom: pip install 'vesselsplat[dicom]'"
+NO_PYDICOM: Final = (
+    "a DICOM file needs pydicom, which is not part of this bundle (see Start in the README)"
+    if getattr(sys, "frozen", False)
+    else "a DICOM file needs pydicom: pip install 'vesselsplat[dicom]'"
+)
+LONGEST: Final = 200
+"""Characters of what pydicom says."""
 PREAMBLE, MARK = 128, b"DICM"
 
 
@@ -63,5 +70,5 @@ def opened_dicom(path: Path) -> Iterator[io.BufferedReader]:
         raise
     # Headers that make no sense raise whatever their values run into.
     except Exception as error:
-        lines = str(error).splitlines() or [type(error).__name__]
-        raise ClipError(f"expected an intact DICOM file, got a damaged one ({lines[0]}): {path}") from error
+        said = " ".join(str(error).split())[:LONGEST] or type(error).__name__
+        raise ClipError(f"expected an intact DICOM file, got a damaged one ({said}): {path}") from error
