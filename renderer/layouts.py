@@ -18,8 +18,7 @@ from renderer.readers import hamlyn, stereomis
 from renderer.readers.clip_files import ClipFiles, numbered_pictures
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
-from renderer.readers.dicom.header import is_dicom_clip
-from renderer.readers.dicom.opening import is_dicom
+from renderer.readers.dicom.header import dicom_kind
 from renderer.readers.endonerf import endonerf_files, is_endonerf, open_endonerf
 from renderer.readers.frames import frames_of, open_image, open_images
 from renderer.readers.picture_kinds import frame_folder
@@ -109,7 +108,8 @@ def _is_still(path: Path) -> bool:
     """By its name; of DICOM, whose names tell nothing, by its header."""
     if path.is_dir():
         return False
-    return not is_dicom_clip(path) if is_dicom(path) else is_picture(path)
+    kind = dicom_kind(path)
+    return is_picture(path) if kind is None else kind != "clip"
 
 
 def _open_picture(path: Path, options: ClipOptions) -> Clip:

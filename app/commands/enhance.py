@@ -76,7 +76,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "does; or every pixel, by statistics without what is black at the border (default automatic)",
     )
     add_fields(parser, ClipOptions, ("deinterlacing", "stereo"))
-    group = parser.add_argument_group("of a .dcm file that is written", "by default it tells no patient")
+    group = parser.add_argument_group(
+        "of a .dcm file that is written", "by default nothing in it tells who the patient is"
+    )
     group.add_argument(
         "--keep-identity", action="store_true", help="keep patient, study and sound of the DICOM file INPUT"
     )

@@ -10,14 +10,14 @@ from pathlib import Path
 
 from app.enhancement.enhance_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
 from app.errors import UserError, sentence
-from app.files.image_files import is_image, is_still
+from app.files.image_files import is_still
 from app.files.image_series import open_series
 from app.files.stepping import map_steps
 from enhance import ImageError
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
 from renderer.readers.picture_kinds import left_out, map_folders
-from renderer.readers.pictures import moves, natural_key
+from renderer.readers.pictures import is_frame, moves, natural_key
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def _inside(folder: Path, output: Path, name: str) -> Iterator[Item]:
     inside = sorted((path for path in folder.iterdir() if not path.name.startswith(".")), key=natural_key)
     files = [path for path in inside if path.is_file()]
     videos = [path for path in files if moves(path)]
-    if any(is_image(path) and path not in videos for path in files):
+    if any(is_frame(path) or path.suffix.lower() == ".npy" for path in files):
         yield Item(folder, output, name)
     stems = Counter(path.stem for path in videos)
     for path in videos:

@@ -25,7 +25,7 @@ from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 from renderer.readers.picture_files import opened, read_npy, require_size
 from renderer.readers.picture_kinds import PictureKinds, frame_folder, is_named_array, kinds_of
-from renderer.readers.pictures import SUFFIXES, is_picture, is_visible, moves, natural_key
+from renderer.readers.pictures import SUFFIXES, is_frame, is_picture, is_visible, moves, natural_key
 
 ArrayImage = NDArray[Any]
 
@@ -68,10 +68,10 @@ def frames_in(folder: Path) -> PictureKinds:
     """
     inside = frame_folder(folder)
     files = sorted((path for path in inside.iterdir() if path.is_file()), key=natural_key)
-    pictures = [path for path in files if is_picture(path) and not moves(path)]
-    kinds = kinds_of([path for path in files if is_picture(path) or is_named_array(path)])
+    pictures = [path for path in files if is_frame(path)]
+    kinds = kinds_of([path for path in files if is_frame(path) or is_named_array(path)])
     if not pictures:
-        kinds = PictureKinds(tuple(path for path in files if is_image(path) and not moves(path)))
+        kinds = PictureKinds(tuple(path for path in files if path.suffix.lower() == ".npy"))
     if not kinds.frames:
         folders = ", ".join(
             sorted(path.name for path in folder.iterdir() if path.is_dir() and is_visible(path))

@@ -17,7 +17,7 @@ import numpy as np
 
 from renderer.readers.listing import listed
 from renderer.readers.picture_files import opened
-from renderer.readers.pictures import BROKEN, is_picture, is_visible, moves, read_stored
+from renderer.readers.pictures import BROKEN, is_frame, is_visible, read_stored
 
 Kind = Literal["depth", "disparity", "mask", "map"]
 """A "map" is a picture of numbers that nothing tells more about."""
@@ -84,9 +84,8 @@ def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
     frames in colour: 16 bits or floats in one channel are a map of numbers, two values a mask; and so
     are a few grey levels where the name goes on from that of a frame. Files whose names differ in
     numbers alone are of one kind: the header of the first tells. Where no frame would be left, all are.
-    What `moves` is no picture.
     """
-    pictures = tuple(path for path in pictures if not moves(path))
+    pictures = tuple(pictures)
     groups: dict[str, list[Path]] = defaultdict(list)
     for path in pictures:
         groups[re.sub(r"\d+", "#", path.stem) + path.suffix.lower()].append(path)
@@ -105,7 +104,7 @@ def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
             others |= dict.fromkeys(groups[name], kind) if kind else {}
     frames = tuple(path for path in pictures if path not in others)
     if not frames:
-        return PictureKinds(tuple(path for path in pictures if is_picture(path)))
+        return PictureKinds(tuple(path for path in pictures if is_frame(path)))
     return PictureKinds(frames, {path: others[path] for path in pictures if path in others})
 
 
@@ -132,7 +131,7 @@ def _words(stem: str) -> list[str]:
 
 
 def _holds_pictures(folder: Path) -> bool:
-    return any(is_picture(entry) and entry.is_file() for entry in folder.iterdir())
+    return any(is_frame(entry) and entry.is_file() for entry in folder.iterdir())
 
 
 def _mode(path: Path) -> str:

@@ -70,6 +70,16 @@ def test_more_than_8_bits_are_kept(vesselsplat: Callable[..., Call], tmp_path: P
         assert read_image(tmp_path / "a.png").dtype == np.uint16
 
 
+def test_an_object_without_its_mark_is_told_how_to_get_one(
+    vesselsplat: Callable[..., Call], tmp_path: Path
+) -> None:
+    path = saved(stills(IMAGE)["rgb"][0], tmp_path / "a.dcm")
+    path.write_bytes(path.read_bytes()[132:])
+    for command in (("enhance", path, tmp_path / "a.png"), ("info", path)):
+        done = vesselsplat(*command)
+        assert (done.code, "got a file without the mark of DICOM: dcmconv" in done.error) == (2, True)
+
+
 def test_without_pydicom_a_line_says_what_to_install(
     vesselsplat: Callable[..., Call], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -119,7 +129,7 @@ def test_an_object_says_that_it_is_derived_and_of_nobody(made: Path) -> None:
         assert told.DeidentificationMethod.startswith("DICOM PS3.15 Basic")
         assert told.DeidentificationMethodCodeSequence[0].CodeValue == "113100"
         content = (made / name).read_bytes()
-        for secret in ("Müller", "4711", "19500102", "20240501", "A77", "Clinic", "2.25.11\0", "mueller"):
+        for secret in ("Müller", "PID-4711", "19500102", "20240501", "ACC-A77", "Clinic", "2.25.11\0", "mueller"):
             assert secret.encode() not in content
     still, video = dcmread(made / "still.dcm"), dcmread(made / "video.dcm")
     # Of one study and of one object: the same in place of the same.
@@ -136,7 +146,7 @@ def test_identity_is_kept_where_it_is_asked_for(
 ) -> None:
     for name in ("still-kept.dcm", "video-kept.dcm"):
         told = dcmread(made / name)
-        assert (str(told.PatientName), told.PatientID, told.StudyDate) == ("Müller^Hanna", "4711", "20240501")
+        assert (str(told.PatientName), told.PatientID, told.StudyDate) == ("Müller^Hanna", "PID-4711", "20240501")
         assert (told.StudyInstanceUID, told.SOPInstanceUID != "2.25.11") == ("2.25.22", True)
         assert told.SourceImageSequence[0].ReferencedSOPInstanceUID == "2.25.11"
         assert "PatientIdentityRemoved" not in told

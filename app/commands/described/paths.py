@@ -26,7 +26,7 @@ from app.sweeps.plan import is_sweep
 from renderer.layouts import layout_of
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import frame_folder
-from renderer.readers.pictures import is_picture, is_visible, moves, natural_key
+from renderer.readers.pictures import is_frame, is_visible, moves, natural_key
 from renderer.regular_files import require_regular
 from renderer.splat_files import is_named_as_splats
 from renderer.splat_series import series_files
@@ -83,7 +83,7 @@ def _folder(path: Path) -> tuple[Fact, ...]:
     if files := series_files(path):
         return of_series(path, files)
     known = layout_of(path).name != "images"
-    pictures = any(is_picture(entry) and not moves(entry) for entry in frame_folder(path).iterdir())
+    pictures = any(is_frame(entry) for entry in frame_folder(path).iterdir())
     return of_clip(path) if known or pictures else _other(path)
 
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from itertools import accumulate
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from renderer.budget import OverBudget, budget
 from renderer.clip import ClipError
-from renderer.readers.dicom.opening import SUFFIXES, is_dicom, opened_dicom
+from renderer.readers.dicom.opening import is_dicom, opened_dicom
 
 if TYPE_CHECKING:
     from pydicom import Dataset
@@ -31,6 +31,14 @@ Tags = Sequence[str] | Sequence[tuple[int, int]]
 """By name, or by number."""
 FASTEST: Final = 1000.0
 """Frames a second."""
+
+
+Kind = Literal["image", "clip", "none"]
+"""One frame; several, or a video; a report, a directory and the like. What is damaged counts as an image."""
+
+
+class NoImage(ClipError):
+    """An object is intact, and of a kind that has no image."""
 
 
 @dataclass(frozen=True)
@@ -79,24 +87,21 @@ def read_header(path: Path) -> DicomHeader:
         return found
 
 
-def is_dicom_clip(path: Path) -> bool:
-    """Whether it is a DICOM object with several frames, or with a video; of any name."""
+def dicom_kind(path: Path) -> Kind | None:
+    """What a file of any name holds; None: it is not DICOM."""
     if not is_dicom(path):
-        return False
+        return None
     try:
-        return read_header(path).moves
+        return "clip" if read_header(path).moves else "image"
+    except NoImage:
+        return "none"
     except ClipError:
-        return False  # Whoever opens it says why.
+        return "image"  # Whoever opens it says what is wrong.
 
 
 def holds_stream(path: Path) -> bool:
     """Whether a video file is one as such: frames of a DICOM object have neither sound nor colour tags."""
     return not is_dicom(path) or read_header(path).is_stream
-
-
-def is_named_dicom_clip(path: Path) -> bool:
-    """The same of files that are named as DICOM: others are not looked at."""
-    return path.suffix.lower() in SUFFIXES and is_dicom_clip(path)
 
 
 def read_dataset(file: io.BufferedReader, path: Path, tags: Tags | None = None) -> Dataset:
@@ -120,7 +125,7 @@ def _header(file: io.BufferedReader, path: Path) -> DicomHeader:
     if rows < 1 or columns < 1 or length - at < 8:
         what = told.get("SOPClassUID")
         kind = f" of {what.name}" if what is not None and what.name else ""
-        raise ClipError(f"expected a DICOM file with an image, got one{kind} without: {path}")
+        raise NoImage(f"expected a DICOM file with an image, got one{kind} without: {path}")
     bits, syntax = _whole(told, "BitsAllocated", 8), told.file_meta.TransferSyntaxUID
     return DicomHeader(
         transfer_syntax=str(syntax),

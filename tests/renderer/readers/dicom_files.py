@@ -46,8 +46,8 @@ def labelled(kind: str = STILL, syntax: UID = ExplicitVRLittleEndian) -> Dataset
     made.SOPInstanceUID = made.file_meta.MediaStorageSOPInstanceUID = UID("2.25.11")
     made.StudyInstanceUID, made.SeriesInstanceUID = UID("2.25.22"), UID("2.25.33")
     made.SpecificCharacterSet = "ISO_IR 100"
-    made.PatientName, made.PatientID, made.PatientBirthDate = "Müller^Hanna", "4711", "19500102"
-    made.StudyDate, made.StudyTime, made.AccessionNumber = "20240501", "101500", "A77"
+    made.PatientName, made.PatientID, made.PatientBirthDate = "Müller^Hanna", "PID-4711", "19500102"
+    made.StudyDate, made.StudyTime, made.AccessionNumber = "20240501", "101500", "ACC-A77"
     made.InstitutionName, made.Modality, made.InstanceNumber = "Clinic", "ES", 3
     return made
 

@@ -59,6 +59,17 @@ def test_a_still_opens_under_any_name_and_in_a_folder_beside_a_video(tmp_path: P
     assert open_clip(tmp_path).labels == ("1.dcm", "2.dcm")
 
 
+def test_a_folder_from_an_archive_has_names_of_its_own(tmp_path: Path) -> None:
+    for name in ("1.2.840.9", "1.2.840.10", "IM000002"):
+        saved(STILLS["rgb"][0], tmp_path / name)
+    for name, kind in (("DICOMDIR", "1.2.840.10008.1.3.10"), ("report.dcm", "1.2.840.10008.5.1.4.1.1.88.11")):
+        saved(labelled(kind), tmp_path / name)
+    (tmp_path / "README").write_text("of the archive")
+    clip = open_clip(tmp_path)
+    assert clip.labels == ("IM000002", "1.2.840.9", "1.2.840.10")
+    assert clip.notices == ("left out, not numbered images: DICOMDIR, README, report.dcm",)
+
+
 def test_frames_one_by_one_are_a_clip_with_the_times_of_its_header(tmp_path: Path) -> None:
     made = with_pixels(labelled(VIDEO), np.stack(FRAMES))
     clip = open_clip(saved(made, tmp_path / "a.dcm"))
