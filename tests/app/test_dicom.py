@@ -21,6 +21,7 @@ from app.files.dicom.writing import require_level
 from app.files.image_files import read_image
 from app.gui.work.listing import thumbnail_of
 from renderer.readers.dicom import opening
+from renderer.readers.video_header import read_video_header
 from renderer.sources import open_clip
 from tests.app.conftest import Call
 from tests.renderer.readers.dicom_files import (
@@ -98,7 +99,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Objects that commands write: a still and a video, of nobody and with their identity. Read only."""
     folder = tmp_path_factory.mktemp("dicom")
     saved(stills(IMAGE)["rgb"][0], folder / "mueller.dcm")
-    content = video_file(folder / "plain.mp4", FRAMES)
+    content = video_file(folder / "plain.mp4", FRAMES, sound=True)
     saved(video(content, (64, 48), len(FRAMES), "40"), folder / "film.dcm")
     uneven = with_pixels(labelled(VIDEO), np.stack(FRAMES))
     uneven.FrameTimeVector = [0, 20, 60, 20, 60, 40]
@@ -110,6 +111,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("mueller.dcm", "still.png"),
         ("bare.jpg", "bare.dcm"),
         ("film.dcm", "video.dcm"),
+        ("film.dcm", "sound-kept.dcm", "--keep-identity"),
         ("film.dcm", "video.mp4"),
         ("uneven.dcm", "video-kept.dcm", "--keep-identity"),
     ):
@@ -117,7 +119,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-WRITTEN = ("still.dcm", "still-kept.dcm", "bare.dcm", "video.dcm", "video-kept.dcm")
+WRITTEN = ("still.dcm", "still-kept.dcm", "bare.dcm", "video.dcm", "video-kept.dcm", "sound-kept.dcm")
 
 
 def test_an_object_says_that_it_is_derived_and_of_nobody(made: Path) -> None:
@@ -139,6 +141,7 @@ def test_an_object_says_that_it_is_derived_and_of_nobody(made: Path) -> None:
     assert (still.LossyImageCompression, video.LossyImageCompression) == ("00", "01")
     assert dcmread(made / "bare.dcm").LossyImageCompression == "01"
     assert "notices" not in recorded(made / "video.dcm")
+    assert read_video_header(made / "video.dcm").sound is None
     assert "SourceImageSequence" not in dcmread(made / "bare.dcm")
 
 
@@ -153,6 +156,7 @@ def test_identity_is_kept_where_it_is_asked_for(
         assert told.SourceImageSequence[0].ReferencedSOPInstanceUID == "2.25.11"
         assert "PatientIdentityRemoved" not in told
     assert dcmread(made / "still-kept.dcm").BurnedInAnnotation == "NO"
+    assert read_video_header(made / "sound-kept.dcm").sound == "aac"
     anonymous = labelled()
     del anonymous.PatientName, anonymous.PatientID
     nobody = saved(with_pixels(anonymous, IMAGE), tmp_path / "nobody.dcm")

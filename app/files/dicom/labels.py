@@ -63,7 +63,7 @@ def _person(made: Dataset, sources: Sources, choices: DicomChoices) -> None:
     made.PatientName, made.PatientID = NAME, NUMBER
     made.PatientIdentityRemoved = "YES"
     made.DeidentificationMethod = PROFILE
-    made.DeidentificationMethodCodeSequence = [_code("113100", "Basic Application Confidentiality Profile")]
+    made.DeidentificationMethodCodeSequence = [code("113100", "Basic Application Confidentiality Profile")]
     made.LongitudinalTemporalInformationModified = "REMOVED"
 
 
@@ -90,7 +90,7 @@ def _origin(made: Dataset, sources: Sources, choices: DicomChoices, description:
     made.PatientOrientation = None
     made.AcquisitionContextSequence = []
     made.DerivationDescription = description[:LONGEST]
-    made.DerivationCodeSequence = [_code("113086", "Edge enhancement")]
+    made.DerivationCodeSequence = [code("113086", "Edge enhancement")]
     made.ImageComments = NOTICE
     made.BurnedInAnnotation = "YES" if may_tell(sources, choices) else "NO"
     made.LossyImageCompression = {True: "01", False: "00", None: None}[sources.was_lossy]
@@ -101,7 +101,7 @@ def _origin(made: Dataset, sources: Sources, choices: DicomChoices, description:
 def _region(made: Dataset, sources: Sources) -> None:
     """What the source says; where nothing is known, the body: without it a side has to be told."""
     told = sources.first
-    made.AnatomicRegionSequence = [_code("38266002", "Entire body", "SCT")]
+    made.AnatomicRegionSequence = [code("38266002", "Entire body", "SCT")]
     for name in ("AnatomicRegionSequence", "Laterality"):
         if told is not None and told.get(name):
             setattr(made, name, told[name].value)
@@ -120,11 +120,11 @@ def _reference(told: Dataset, keep: bool) -> Dataset:
     own = str(told.get("SOPInstanceUID", ""))
     one.ReferencedSOPClassUID = told.get("SOPClassUID")
     one.ReferencedSOPInstanceUID = own if keep else _other_uid(own)
-    one.PurposeOfReferenceCodeSequence = [_code("121322", "Source image for image processing operation")]
+    one.PurposeOfReferenceCodeSequence = [code("121322", "Source image for image processing operation")]
     return one
 
 
-def _code(value: str, meaning: str, scheme: str = "DCM") -> Dataset:
+def code(value: str, meaning: str, scheme: str = "DCM") -> Dataset:
     """One of DICOM's own, or of another scheme."""
     from pydicom import Dataset
 

@@ -16,7 +16,7 @@ import numpy as np
 from app.errors import UserError
 from app.files.atomic import replaced
 from app.files.dicom.choices import DicomChoices
-from app.files.dicom.labels import CREATOR, GROUP, Kind, labelled
+from app.files.dicom.labels import CREATOR, GROUP, Kind, code, labelled
 from app.files.dicom.sources import Sources
 from app.files.image_files import ArrayImage
 from app.files.provenance import ascii_json
@@ -117,11 +117,25 @@ def write_dicom_video(
         made.LossyImageCompression, made.LossyImageCompressionMethod = "01", METHOD
         made.LossyImageCompressionRatio = f"{frames * told.size[0] * told.size[1] * 3 / length:.2f}"
         if told.sound is not None:
-            made.MultiplexedAudioChannelsDescriptionCodeSequence = []
+            made.MultiplexedAudioChannelsDescriptionCodeSequence = [_sound(video)]
         made.PixelData = encapsulate_buffer([content], has_bot=False)
         made["PixelData"].VR = "OB"
         made["PixelData"].is_undefined_length = True
         made.save_as(place, enforce_file_format=True)
+
+
+def _sound(video: Path) -> Dataset:
+    """Of the one track."""
+    from pydicom import Dataset
+
+    from renderer.readers.video_index import open_container
+
+    with open_container(video) as container:
+        channels = container.streams.audio[0].codec_context.channels
+    track = Dataset()
+    track.ChannelIdentificationCode, track.ChannelMode = 1, "MONO" if channels == 1 else "STEREO"
+    track.ChannelSourceSequence = [code("109112", "Ambient room environment")]
+    return track
 
 
 def _of_bytes(made: Dataset, samples: int, photometric: str) -> None:

@@ -127,14 +127,22 @@ def stills(image: np.ndarray) -> dict[str, tuple[Dataset, int]]:
     }  # fmt: skip
 
 
-def video_file(path: Path, frames: Sequence[np.ndarray], kind: str | None = None) -> bytes:
+def video_file(
+    path: Path, frames: Sequence[np.ndarray], kind: str | None = None, *, sound: bool = False
+) -> bytes:
     """H.264, 25 frames a second, in the container of the suffix or of this kind."""
     with av.open(str(path), "w", format=kind) as container:
         stream = container.add_stream("libx264", rate=25, options={"crf": "10"})
         stream.width, stream.height, stream.pix_fmt = frames[0].shape[1], frames[0].shape[0], "yuv420p"
+        track = container.add_stream("aac", rate=44100) if sound else None
         for frame in frames:
             container.mux(stream.encode(av.VideoFrame.from_ndarray(frame, "rgb24")))
         container.mux(stream.encode())
+        if track is not None:
+            tone = np.sin(np.arange(8192) / 20).astype(np.float32)[None]
+            heard = av.AudioFrame.from_ndarray(tone, "fltp", "mono")
+            heard.rate, heard.pts = 44100, 0
+            container.mux((*track.encode(heard), *track.encode(None)))
     return path.read_bytes()
 
 
