@@ -160,11 +160,11 @@ def _check_output(given: Path, output: Path, series: Series, choices: DicomChoic
     if is_dicom_name(output):
         require_dicom(series.sources, choices)
     elif is_image(output) and len(series) > 1:
-        raise UserError(f"expected a folder or {VIDEO} for {len(series)} images, got {output}")
+        raise UserError(f"expected a folder, {VIDEO} or .dcm for {len(series)} images, got {output}")
     if (output.suffix.lower() == VIDEO or is_dicom_name(output)) and given.is_dir():
         common_size(path for path in files if is_picture(path))
     if output.suffix.lower() in NOT_WRITTEN and not output.is_dir():
-        raise UserError(f"expected an image, a folder or {VIDEO} to write, got {output}")
+        raise UserError(f"expected an image, a folder, {VIDEO} or .dcm to write, got {output}")
 
 
 def _watched(stage: str, series: Series, items: Stream) -> Stream:
