@@ -10,10 +10,12 @@ from app.exports.browser.page import read_page
 from app.exports.meshes.glb import read_glb
 from app.exports.meshes.mesh_text import obj_comments
 from app.exports.meshes.usd import read_usd
+from app.files.dicom.writing import facts_in_dicom
 from app.files.embedded import CARRIERS, KEYWORD, carried
 from app.files.provenance import facts_of, read_provenance
 from renderer.ply_comments import joined
 from renderer.ply_elements import PlyError, read_ply
+from renderer.readers.dicom.opening import is_dicom
 from renderer.regular_files import read_whole
 
 Facts = dict[str, Any]
@@ -38,11 +40,20 @@ def recorded(path: Path) -> Facts:
         if text is None:
             raise UserError(f"expected an OBJ file written by VesselSplat, found no provenance in {path}")
         return facts_of(text, path)
+    if is_dicom(path):
+        return _in_dicom(path)
     if suffix == ".html":
         return read_page(read_whole(path).decode(errors="replace"))[0]
     # Before 0.2.0, JPEG and TIFF had it beside them.
     inside = carried(read_whole(path)) if suffix in CARRIERS else None
     return _beside(path) if inside is None else facts_of(inside, path)
+
+
+def _in_dicom(path: Path) -> Facts:
+    text = facts_in_dicom(path)
+    if text is None:
+        raise UserError(f"expected a DICOM file written by VesselSplat, found no provenance in {path}")
+    return facts_of(text, path)
 
 
 def _in_comment(path: Path) -> Facts:
