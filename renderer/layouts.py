@@ -18,6 +18,7 @@ from renderer.readers import hamlyn, stereomis
 from renderer.readers.clip_files import ClipFiles, numbered_pictures
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
+from renderer.readers.dicom.header import dicom_kind
 from renderer.readers.endonerf import endonerf_files, is_endonerf, open_endonerf
 from renderer.readers.frames import frames_of, open_image, open_images
 from renderer.readers.picture_kinds import frame_folder
@@ -103,6 +104,14 @@ def _frames_and_maps(path: Path, folder: Path) -> ClipFiles:
         return ClipFiles(told)  # A damaged picture, of which its reader says so.
 
 
+def _is_still(path: Path) -> bool:
+    """By its name; of DICOM, whose names tell nothing, by its header."""
+    if path.is_dir():
+        return False
+    kind = dicom_kind(path)
+    return is_picture(path) if kind is None else kind != "clip"
+
+
 def _open_picture(path: Path, options: ClipOptions) -> Clip:
     require_regular(path)
     return open_image(path, options.field_of_view)
@@ -121,7 +130,7 @@ LAYOUTS: Final = (
     Layout(
         name="image",
         title="one image",
-        matches=lambda path: is_picture(path) and not path.is_dir(),
+        matches=_is_still,
         open=_open_picture,
         own_files=_itself,
     ),

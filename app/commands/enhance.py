@@ -12,10 +12,12 @@ from typing import Any, cast
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
 from app.enhancement.batch import Item, enhance_batch, items_in
+from app.enhancement.dicom_files import is_dicom_name, require_dicom
 from app.enhancement.enhance_files import VIDEO, Setting, Stream, enhance_into
 from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
 from app.enhancement.settable import PIXELS
 from app.errors import UserError
+from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.image_files import is_image
 from app.files.image_series import Series, open_series
 from app.files.provenance import provenance, strict_json
@@ -28,20 +30,21 @@ from renderer.readers.pictures import VIDEOS, common_size, is_picture
 FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below", "strength")
 VESSEL_FIELDS = ("radius", "shading", "coring", "lift", "gamma", "most_color")
 OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "strength", "d_factor"}}
-PICTURES = frozenset({".avif", ".dcm", ".exr", ".gif", ".heic", ".jp2", ".jxl", ".psd", ".svg"})
+PICTURES = frozenset({".avif", ".exr", ".gif", ".heic", ".jp2", ".jxl", ".psd", ".svg"})
 NOT_WRITTEN = (VIDEOS | PICTURES) - {VIDEO}
 """Formats that are not written; any other name, such as 2024.05.01, is that of a folder."""
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "inputs", metavar="INPUT", nargs="+", type=Path, help="image, folder of images or video"
+        "inputs", metavar="INPUT", nargs="+", type=Path, help="image, folder of images or video; also DICOM"
     )
     parser.add_argument(
         "output",
         metavar="OUTPUT",
         type=Path,
-        help="image, folder or .mp4 video to write; with several inputs, the folder for all results",
+        help="image, folder, .mp4 video or .dcm (DICOM, a still or a video) to write; with several inputs, "
+        "the folder for all results",
     )
     parser.add_argument(
         "--recursive",
@@ -73,18 +76,31 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "does; or every pixel, by statistics without what is black at the border (default automatic)",
     )
     add_fields(parser, ClipOptions, ("deinterlacing", "stereo"))
+    group = parser.add_argument_group(
+        "of a .dcm file that is written", "by default nothing in it tells who the patient is"
+    )
+    group.add_argument(
+        "--keep-identity", action="store_true", help="keep patient, study and sound of the DICOM file INPUT"
+    )
+    group.add_argument(
+        "--burned-in",
+        choices=("yes", "no"),
+        help="whether text in the images may tell who the patient is (default: as INPUT says, else yes)",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
 def run(flags: argparse.Namespace) -> None:
     reading = parameters(ClipOptions, flags)
-    setting = Setting(flags.method, params_of(flags), flags.statistics, flags.pixels, clip_options=reading)
+    setting = Setting(
+        flags.method, params_of(flags), flags.statistics, flags.pixels, None, reading, _dicom(flags)
+    )
     if len(flags.inputs) > 1 or flags.recursive:
         _run_batch(flags, setting)
         return
     (given,) = flags.inputs
     series = open_series(given, reading)
-    _check_output(given, flags.output, series)
+    _check_output(given, flags.output, series, setting.dicom)
     started = time.perf_counter()
     written = run_to_end(enhance_into(flags.output, series, setting, _watched))
     _say(written.notices)
@@ -125,18 +141,30 @@ def params_of(flags: argparse.Namespace) -> Params:
     return None
 
 
-def _check_output(given: Path, output: Path, series: Series) -> None:
+def _dicom(flags: argparse.Namespace) -> DicomChoices:
+    """Raises UserError: no DICOM file is written."""
+    told = None if flags.burned_in is None else flags.burned_in == "yes"
+    choices = DicomChoices(keep_identity=flags.keep_identity, burned_in=told)
+    if choices != DEIDENTIFIED and not is_dicom_name(flags.output):
+        name = "--keep-identity" if choices.keep_identity else "--burned-in"
+        raise UserError(f"{name} has no effect without a .dcm file as OUTPUT: {flags.output}")
+    return choices
+
+
+def _check_output(given: Path, output: Path, series: Series, choices: DicomChoices) -> None:
     """Refuse what would overwrite the input, or has no place for what comes; a video holds one size."""
     files = {path.resolve() for path in series.sources}
     taken = {given.resolve(), *files, *((path.parent for path in files) if given.is_dir() else ())}
     if output.resolve() in taken or (output.is_dir() and output.resolve() in {path.parent for path in files}):
         raise UserError(f"expected OUTPUT other than INPUT, which is never overwritten: {output}")
-    if is_image(output) and len(series) > 1:
-        raise UserError(f"expected a folder or {VIDEO} for {len(series)} images, got {output}")
-    if output.suffix.lower() == VIDEO and given.is_dir():
+    if is_dicom_name(output):
+        require_dicom(series.sources, choices)
+    elif is_image(output) and len(series) > 1:
+        raise UserError(f"expected a folder, {VIDEO} or .dcm for {len(series)} images, got {output}")
+    if (output.suffix.lower() == VIDEO or is_dicom_name(output)) and given.is_dir():
         common_size(path for path in files if is_picture(path))
     if output.suffix.lower() in NOT_WRITTEN and not output.is_dir():
-        raise UserError(f"expected an image, a folder or {VIDEO} to write, got {output}")
+        raise UserError(f"expected an image, a folder, {VIDEO} or .dcm to write, got {output}")
 
 
 def _watched(stage: str, series: Series, items: Stream) -> Stream:

@@ -10,14 +10,14 @@ from pathlib import Path
 
 from app.enhancement.enhance_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
 from app.errors import UserError, sentence
-from app.files.image_files import is_image
+from app.files.image_files import is_still
 from app.files.image_series import open_series
 from app.files.stepping import map_steps
 from enhance import ImageError
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
 from renderer.readers.picture_kinds import left_out, map_folders
-from renderer.readers.pictures import VIDEOS, natural_key
+from renderer.readers.pictures import is_frame, moves, natural_key
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
     found: list[Item] = []
     for given in inputs:
         # Inputs of one kind and name would write to one place.
-        kind = "folder" if given.is_dir() else "picture" if is_image(given) else "video"
+        kind = "folder" if given.is_dir() else "picture" if is_still(given) else "video"
         stem = given.resolve().name if given.is_dir() else given.stem
         taken[kind, stem] += 1
         number = taken[kind, stem]
@@ -99,7 +99,7 @@ def _items_of(given: Path, output: Path, own: str, *, alone: bool, below: bool) 
     if given.is_dir():
         target = output if alone else output / own
         yield from _walk(given, target, name) if below else (Item(given, target, name),)
-    elif is_image(given):
+    elif is_still(given):
         yield Item(given, output if own == given.stem else output / f"{own}.png", name)
     else:
         yield Item(given, output / f"{own}{VIDEO}", name)
@@ -125,9 +125,9 @@ def _inside(folder: Path, output: Path, name: str) -> Iterator[Item]:
     """What lies in a folder, but for the folders in it whose names say that they hold no frames."""
     inside = sorted((path for path in folder.iterdir() if not path.name.startswith(".")), key=natural_key)
     files = [path for path in inside if path.is_file()]
-    if any(is_image(path) for path in files):
+    videos = [path for path in files if moves(path)]
+    if any(is_frame(path) or path.suffix.lower() == ".npy" for path in files):
         yield Item(folder, output, name)
-    videos = [path for path in files if path.suffix.lower() in VIDEOS]
     stems = Counter(path.stem for path in videos)
     for path in videos:
         kept = path.stem if stems[path.stem] == 1 else path.name

@@ -8,12 +8,19 @@ from itertools import tee
 from pathlib import Path
 from typing import Any, Literal
 
+from app.enhancement.dicom_files import (
+    is_dicom_name,
+    require_dicom,
+    write_dicom_film,
+    write_enhanced_still,
+)
 from app.enhancement.methods import MethodEnhancer, Params, by_baseline, measure_for
 from app.enhancement.recording import is_recording
 from app.enhancement.records import EnhancedPicture, EnhancedVideo
 from app.enhancement.settable import Pixels, drawn
 from app.errors import UserError, sentence
 from app.files.atomic import filled, together
+from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.image_files import ArrayImage, is_image, write_image
 from app.files.image_series import Series
 from app.files.provenance import write_sidecar
@@ -54,6 +61,8 @@ class Setting:
     """Evenly spread pictures whose statistics stand for a series; None: all of them."""
     clip_options: ClipOptions = DEFAULTS
     """How videos are read."""
+    dicom: DicomChoices = DEIDENTIFIED
+    """Of a DICOM object that is written."""
 
     def pools(self, series: Series) -> bool:
         """Whether all pictures have the same statistics."""
@@ -116,7 +125,11 @@ def enhance_into(
     images = _pictures(series, notices, failed=failed)
     pictures = watch("enhance", series, _enhanced(series, ahead(images), setting, pooled))
     try:
-        records = yield from _write(output, series, pictures, notices)
+        if is_dicom_name(output):
+            notices.extend(require_dicom(series.sources, setting.dicom))
+            records = yield from _write_dicom(output, series, pictures, notices, setting.dicom)
+        else:
+            records = yield from _write(output, series, pictures, notices)
     finally:
         pictures.close()
     return Written(records, tuple(notices), tuple(failed.values()))
@@ -230,6 +243,19 @@ def _write(
             written.append(replace(record, output=name))
             yield len(written)
     return tuple(written)
+
+
+def _write_dicom(
+    output: Path, series: Series, pictures: Iterator[Made], notices: list[str], choices: DicomChoices
+) -> Generator[int, None, tuple[EnhancedPicture, ...]]:
+    """One object: a still of one picture, else a video."""
+    if not series.is_video and len(series) == 1:
+        ((image, record),) = pictures
+        record = write_enhanced_still(output, image, replace(record, dicom=choices), series.sources)
+        yield 1
+        return (replace(record, output=output.name),)
+    film = write_dicom_film(output, pictures, series.timing, notices, choices, series.sources)
+    return (yield from film).pictures
 
 
 def write_enhanced_video(

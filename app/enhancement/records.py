@@ -11,6 +11,7 @@ from pydantic.dataclasses import dataclass
 from app.enhancement.methods import RecordedSettings
 from app.enhancement.parameter_grid import Measures
 from app.enhancement.settable import Pixels
+from app.files.dicom.choices import DicomChoices
 from app.files.records import LENIENT, Record, Source, Told
 from enhance import Statistics
 from enhance.result import Omission
@@ -49,6 +50,8 @@ class EnhancedPicture(Record):
     omitted: Annotated[tuple[Omission, ...] | None, Told] = None
     measures: Annotated[RecordedMeasures | None, Told] = None
     """Of a cell of a tuning grid."""
+    dicom: DicomChoices | None = None
+    """Of a DICOM object."""
 
     @property
     def pooled(self) -> Statistics | None:
@@ -65,6 +68,8 @@ class EnhancedVideo(Record):
     pictures: tuple[EnhancedPicture, ...]
     encoding: Annotated[str | None, Told] = None
     notices: Annotated[tuple[str, ...] | None, Told] = None
+    dicom: DicomChoices | None = None
+    """Of a DICOM object."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

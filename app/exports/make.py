@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from app.enhancement.contact_sheet import contact_sheet, tile
+from app.enhancement.dicom_files import is_dicom_name, write_dicom_film, write_enhanced_still
 from app.enhancement.enhance_files import Made, enhanced, write_enhanced_video
 from app.enhancement.methods import METHODS, MethodEnhancer
 from app.enhancement.parameter_grid import DEFINITIONS, Setting, measured, tried
@@ -46,6 +47,7 @@ from app.exports.sources import Sources
 from app.exports.splats.usd import write_moving
 from app.exports.splats.writing import write_moment
 from app.files.atomic import together, write_bytes
+from app.files.dicom.choices import DEIDENTIFIED
 from app.files.image_files import write_image
 from app.files.image_series import Series, timing_of
 from app.files.provenance import write_png, write_sidecar
@@ -82,8 +84,12 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
     """
     match record:
         case EnhancedPicture():
-            image, made = _enhanced(record, _series(record, sources), MethodEnhancer())
-            write_image(target, image, made.signed)
+            series = _series(record, sources)
+            image, made = _enhanced(record, series, MethodEnhancer())
+            if is_dicom_name(target):
+                write_enhanced_still(target, image, made, series.sources)
+            else:
+                write_image(target, image, made.signed)
         case EnhancedVideo():
             yield from _enhanced_video(record, sources, target)
         case TuningSheet():
@@ -152,7 +158,11 @@ def _enhanced_video(record: EnhancedVideo, sources: Sources, target: Path) -> St
 
     timing = opened(record.pictures[0].source).timing
     timing = replace(timing, frames_per_second=record.frames_per_second)
-    yield from write_enhanced_video(target, pictures(), timing, [])
+    if is_dicom_name(target):
+        files = opened(record.pictures[0].source).sources
+        yield from write_dicom_film(target, pictures(), timing, [], record.dicom or DEIDENTIFIED, files)
+    else:
+        yield from write_enhanced_video(target, pictures(), timing, [])
 
 
 def _tuning_sheet(record: TuningSheet, sources: Sources, target: Path) -> None:

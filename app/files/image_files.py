@@ -18,11 +18,14 @@ from app.files.atomic import together, write_bytes
 from app.files.embedded import CARRIERS, carrying
 from app.files.provenance import ascii_json, encode_png, write_sidecar
 from renderer.budget import OverBudget
+from renderer.clip import ClipError
+from renderer.layouts import layout_of
+from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 from renderer.readers.picture_files import opened, read_npy, require_size
 from renderer.readers.picture_kinds import PictureKinds, frame_folder, is_named_array, kinds_of
-from renderer.readers.pictures import SUFFIXES, VIDEOS, is_picture, is_visible, natural_key
+from renderer.readers.pictures import SUFFIXES, is_frame, is_picture, is_visible, moves, natural_key
 
 ArrayImage = NDArray[Any]
 
@@ -51,6 +54,11 @@ def is_image(path: Path) -> bool:
     return is_picture(path) or path.suffix.lower() == ".npy"
 
 
+def is_still(path: Path) -> bool:
+    """Whether a file holds one picture: by its name, or of DICOM by its header."""
+    return path.suffix.lower() == ".npy" or layout_of(path).name == "image"
+
+
 def frames_in(folder: Path) -> PictureKinds:
     """Frames of a folder in natural order, and what lies beside them; else those of its images/, or of its
     one folder beside maps and masks; else its arrays.
@@ -60,10 +68,10 @@ def frames_in(folder: Path) -> PictureKinds:
     """
     inside = frame_folder(folder)
     files = sorted((path for path in inside.iterdir() if path.is_file()), key=natural_key)
-    pictures = [path for path in files if is_picture(path)]
-    kinds = kinds_of([path for path in files if is_picture(path) or is_named_array(path)])
+    pictures = [path for path in files if is_frame(path)]
+    kinds = kinds_of([path for path in files if is_frame(path) or is_named_array(path)])
     if not pictures:
-        kinds = PictureKinds(tuple(path for path in files if is_image(path)))
+        kinds = PictureKinds(tuple(path for path in files if path.suffix.lower() == ".npy"))
     if not kinds.frames:
         folders = ", ".join(
             sorted(path.name for path in folder.iterdir() if path.is_dir() and is_visible(path))
@@ -76,7 +84,7 @@ def frames_in(folder: Path) -> PictureKinds:
 
 def _videos(files: list[Path]) -> str:
     """What to do with a folder of videos; empty without any."""
-    names = [path.name for path in files if path.suffix.lower() in VIDEOS]
+    names = [path.name for path in files if moves(path)]
     return f", which holds the videos {listed(names)}: name one of these, or add --recursive" if names else ""
 
 
@@ -92,6 +100,8 @@ def read_image(path: Path) -> ArrayImage:
         raise UserError(f"expected an image, got no such file: {path}")
     if path.suffix.lower() == ".npy":
         return _read_array(path)
+    if is_dicom(path):
+        return _read_dicom(path)
     _require_size(path)
     orientation = UPRIGHT if path.suffix.lower() in TIFF else _checked(path)
     stored = _decoded(path)
@@ -100,6 +110,15 @@ def read_image(path: Path) -> ArrayImage:
     order = {3: cv2.COLOR_BGR2RGB, 4: cv2.COLOR_BGRA2RGBA}
     colored = cv2.cvtColor(stored, order[stored.shape[2]]) if stored.ndim == 3 else stored
     return np.ascontiguousarray(TURNS[orientation](colored)) if orientation in TURNS else colored
+
+
+def _read_dicom(path: Path) -> ArrayImage:
+    from renderer.readers.dicom.pixels import read_still
+
+    try:
+        return read_still(path)
+    except ClipError as error:
+        raise UserError(str(error)) from error
 
 
 def _require_size(path: Path) -> None:

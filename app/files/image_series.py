@@ -9,12 +9,13 @@ from itertools import groupby
 from pathlib import Path
 
 from app.errors import UserError
-from app.files.image_files import ArrayImage, frames_in, is_image, read_image
+from app.files.image_files import ArrayImage, frames_in, is_still, read_image
 from app.files.records import Source
 from app.files.timing import Timing
 from renderer.clip import Clip
 from renderer.layouts import layout_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.dicom.header import holds_stream
 from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import frame_folder, left_out, map_folders
 from renderer.sources import open_clip
@@ -76,7 +77,7 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
         kinds = frames_in(path)
         series = _of_files(kinds.frames)
         return replace(series, notices=(*kinds.notices(), *_left_out(path), *series.notices))
-    return _of_files((path,)) if is_image(path) else _of_clip(path, options)
+    return _of_files((path,)) if is_still(path) else _of_clip(path, options)
 
 
 def _left_out(path: Path) -> Iterator[str]:
@@ -111,10 +112,11 @@ def timing_of(clip: Clip, frames: range) -> Timing:
     speed = clip.frames_per_second or FRAMES_PER_SECOND
     if clip.format != "video":
         return Timing(speed)
+    like = clip.path if holds_stream(clip.path) else None
     times = clip.frame_times and clip.frame_times[frames.start : frames.stop]
     start = times[0] if times else frames.start / speed
     within = times and tuple(time - start for time in times)
-    return Timing(speed, _uneven(within, speed), start, clip.path)
+    return Timing(speed, _uneven(within, speed), start, like)
 
 
 def _uneven(times: tuple[float, ...] | None, speed: float) -> tuple[float, ...] | None:

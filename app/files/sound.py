@@ -26,7 +26,7 @@ LAYOUTS = {1: "mono", 2: "stereo"}
 
 def sound_of(timing: Timing, output: OutputContainer) -> Sound | None:
     """The first sound track of the video that frames come from, with a track for it in `output`, if any."""
-    if timing.like is None:
+    if timing.like is None or not timing.has_sound:
         return None
     source = open_container(timing.like)
     if not source.streams.audio:

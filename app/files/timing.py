@@ -17,10 +17,12 @@ class Timing:
     """Seconds from the first frame of `like` to the first that is written."""
     like: Path | None = None
     """The video that frames are made from, one for one; sound, colour tags and shape of pixels are kept."""
+    has_sound: bool = True
+    """Whether the sound is."""
 
 
 def losses(timing: Timing) -> tuple[str, ...]:
     """A sentence for each thing that a writer of even, silent frames leaves out."""
-    lost = [] if timing.like is None else ["sound is"]
+    lost = ["sound is"] if timing.like is not None and timing.has_sound else []
     lost += [] if timing.frame_times is None else ["uneven frame times are"]
     return tuple(f"{what} not kept: this needs PyAV, which is not installed" for what in lost)

@@ -3,7 +3,7 @@ nor dark surround."""
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import field, replace
 from typing import Final
 
 from pydantic import ConfigDict
@@ -12,8 +12,10 @@ from pydantic.dataclasses import dataclass
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.settable import FrameNumber
 from app.errors import UserError
+from app.runs.unmasked_tools import FoundTools
 from enhance.field import FieldOfView
-from renderer.clip import Clip
+from renderer.clip import Clip, Frame, within
+from renderer.tool_search import without_tools
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
@@ -38,6 +40,9 @@ class ClipPart:
         first = min(max(self.trim[0], 0), count - 1)
         return first, min(max(self.trim[1], first), count - 1)
 
+    tools: FoundTools | None = None
+    """What training found of them; None: the clip has masks of its own, shows none, or nobody looked."""
+
     def of(self, clip: Clip) -> Clip:
         """These frames as a clip of their own, numbered and timed anew; what is masked is neither trained on
         nor evaluated. The very same clip where all of it counts.
@@ -49,14 +54,23 @@ class ClipPart:
         return self.lit(self._unmasked(self._trimmed(clip)))
 
     def lit(self, clip: Clip) -> Clip:
-        """The clip without its dark surround alone. Raises UserError: the field of view has another size."""
+        """The clip without its dark surround and the tools that were found, alone.
+
+        Raises:
+            UserError: the field of view has another size.
+        """
         field = self.field_of_view
-        if field is None:
+        if field is None and self.tools is None:
             return clip
-        if (field.width, field.height) != clip.size:
+        if field is not None and (field.width, field.height) != clip.size:
             got, wanted = f"{field.width}x{field.height}", "x".join(map(str, clip.size))
             raise UserError(f"expected a field of view of {wanted} pixels, got one of {got}: {clip.path}")
-        return clip.within(field.mask())
+        return replace(clip, read_frame=lambda index: self.cleared(clip.read_frame(index)))
+
+    def cleared(self, frame: Frame) -> Frame:
+        """The same for a frame, of the size of the field of view."""
+        lit = frame if self.field_of_view is None else within(frame, self.field_of_view.mask())
+        return lit if self.tools is None else without_tools(lit)
 
     def _trimmed(self, clip: Clip) -> Clip:
         if self.trim is None or self.trim == (0, len(clip) - 1):
@@ -88,7 +102,8 @@ class ClipPart:
         of = f" of {count}" if frames and count is not None else ""
         masked = "without masked pixels" if self.mask != NO_MASK else ""
         lit = "without the dark surround" if self.field_of_view is not None else ""
-        return ", ".join(filter(None, (frames + of, masked, lit)))
+        bare = "without tools" if self.tools is not None else ""
+        return ", ".join(filter(None, (frames + of, masked, lit, bare)))
 
 
 WHOLE: Final = ClipPart()

@@ -26,14 +26,15 @@ from app.errors import UserError
 from app.files.legible import require_utf8
 from app.files.provenance import digest, version
 from app.runs.clip_selection import WHOLE, ClipPart
-from app.runs.dark_surround import as_dense, lit_field, notice_of, omission_of, spread
+from app.runs.dark_surround import as_dense
 from app.runs.device import Asked, Choice, Device, choose, pictures_on
+from app.runs.left_out import left_out_of, with_found
 from app.runs.memory import peak_memory_mb, planned_in
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
 from app.runs.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord, input_clip
 from app.runs.run_lock import locked
 from app.runs.wall_clock import WallClock
-from enhance import EnhanceParams, FieldOfView
+from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.camera_motion import camera_notice
 from renderer.clip import Clip
@@ -153,26 +154,27 @@ def _train(
             if not run.is_run:
                 run.create(record)
                 meanwhile.enter_context(locked(run.path))
-            yield from _told(event, run, notices, record.clip.part.field_of_view, clock)
+            yield from _told(event, run, notices, record.clip.part, clock)
 
 
 def _told(
     event: TrainEvent,
     run: RunFolder,
     notices: tuple[str, ...],
-    field: FieldOfView | None,
+    part: ClipPart,
     clock: WallClock,
 ) -> Generator[TrainEvent, None, None]:
-    """The event, with what the clip's notices and its surround add to it and the time in all; kept, said."""
+    """The event, with what the clip's notices and its part add to it and the time in all; kept, said."""
     if isinstance(event, Finished):
         yield Finishing("saving the model", 0.0)
         run.save_model(event.model)
     if isinstance(event, Progress | Finished):
         event = replace(event, wall_seconds=clock.seconds())
     warnings = [Warned(notice) for notice in notices] if isinstance(event, Started) else []
-    if isinstance(event, Started) and field is not None:
-        event = replace(event, omitted=(omission_of(field), *event.omitted))
-        warnings.append(Warned(notice_of(field)))
+    if isinstance(event, Started):
+        omitted, found = left_out_of(part)
+        event = replace(event, omitted=(*omitted, *event.omitted))
+        warnings += map(Warned, found)
     for told in (event, *warnings):
         if not isinstance(told, Snapshot | Finishing):
             facts = {"peak_memory_mb": peak_memory_mb()} if isinstance(told, Finished) else {}
@@ -194,7 +196,7 @@ def pooled(clip: Clip, params: EnhancementSettings, measured: Measured = "tissue
 def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
     cameras = clip.cameras[:1] if clip.camera_is_fixed else clip.cameras
     is_enhanced = request.input == "enhanced"
-    part = _lit_part(request, clip)
+    part = with_found(request.part, clip.read_frame, clip.train_indices, request.config.keep)
     measured = part.lit(clip)
     return RunRecord(
         version=version(),
@@ -215,14 +217,6 @@ def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
         enhancement=pooled(measured, request.enhance_params, request.measured) if is_enhanced else None,
         device=device,
     )
-
-
-def _lit_part(request: TrainRequest, clip: Clip) -> ClipPart:
-    """Of the clip, without a dark surround, unless that is kept."""
-    if "surround" in request.config.keep or request.part.field_of_view is not None:
-        return request.part
-    field = lit_field(clip.read_frame(index) for index in spread(clip.train_indices))
-    return replace(request.part, field_of_view=field)
 
 
 def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
@@ -250,8 +244,9 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
         params = record.enhancement.params
         began |= {"preset": preset_of(params)} | vars(params)
         asked |= {"preset": preset_of(request.enhance_params)} | vars(request.enhance_params)
-    if request.part.field_of_view is None:  # Nobody asks for it: it is found.
-        del began["field_of_view"]
+    for found in ("field_of_view", "tools"):
+        if asked[found] is None:  # Nobody asks for it.
+            del began[found]
     for name, value in began.items():
         if asked[name] != value:
             raise UserError(f"cannot resume: expected the run's {name} {value}, got {asked[name]}")

@@ -15,7 +15,15 @@ from renderer.readers.clip_files import files_in
 from renderer.readers.listing import listed
 from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of
-from renderer.readers.pictures import VIDEOS, common_size, is_picture, is_visible, natural_key, read_rgb
+from renderer.readers.pictures import (
+    SUFFIXES,
+    common_size,
+    is_frame,
+    is_visible,
+    moves,
+    natural_key,
+    read_rgb,
+)
 
 FEW = 3
 """So many times more numbered images make of the others a cover, a sketch, a logo."""
@@ -65,7 +73,7 @@ def _instead(visible: Sequence[Path], files: Sequence[Path]) -> str:
         own = "open one of these, or the run that they were exported from"
         return f"; it holds the splat files {listed(splats)}: {own}"
     folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))
-    videos = [entry.name for entry in files if entry.suffix.lower() in VIDEOS]
+    videos = [entry.name for entry in files if moves(entry)]
     inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
     return f"; it holds the {inside}: open one of these" if inside else ""
 
@@ -80,7 +88,7 @@ def frames_of(folder: Path) -> tuple[Path, ...]:
 
 
 def _kinds(files: Iterable[Path]) -> PictureKinds:
-    return kinds_of(entry for entry in files if is_picture(entry) or is_named_array(entry))
+    return kinds_of(entry for entry in files if is_frame(entry) or is_named_array(entry))
 
 
 def _frames_of(kinds: PictureKinds) -> tuple[Path, ...]:
@@ -94,7 +102,9 @@ def _check_names(paths: tuple[Path, ...], folder: Path) -> None:
     """Raises ClipError for 1.jpg beside 1.png, which would be one moment twice."""
     first: dict[str, Path] = {}
     for path in paths:
-        other = first.setdefault(path.stem, path)
+        # What follows the last point of another name is a part of it, as of DICOM's numbers.
+        name = path.stem if path.suffix.lower() in SUFFIXES else path.name
+        other = first.setdefault(name, path)
         if other != path:
             both = f"{other.name} and {path.name}"
             raise ClipError(f"expected one image per name, got {both}; move one of them elsewhere: {folder}")

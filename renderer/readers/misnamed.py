@@ -7,11 +7,14 @@ from types import MappingProxyType
 from typing import Final
 
 from renderer.file_signatures import ANYWHERE
+from renderer.readers.dicom.opening import SUFFIXES
 from renderer.regular_files import require_regular
 
 HEAD: Final = 256
 """Bytes that tell."""
 VIDEO: Final = "a video: rename it to its own suffix, such as .mp4"
+DICOM: Final = "a DICOM file"
+UNMARKED: Final = "a file without the mark of DICOM: dcmconv of DCMTK writes it with one"
 HEIC: Final = "a HEIC image"
 BRANDS: Final = MappingProxyType({b"heic": HEIC, b"heix": HEIC, b"mif1": HEIC, b"avif": "an AVIF image"})
 """Of ISO media files that are pictures."""
@@ -42,17 +45,20 @@ def what_it_is(path: Path) -> str | None:
     if not head:
         return "an empty file"
     if head[128:132] == b"DICM":
-        return "a DICOM file: export it as images or video first"
+        return DICOM
     if head[4:8] == b"ftyp":
         picture = BRANDS.get(head[8:12])
         return VIDEO if picture is None else f"{picture}: convert it to PNG or JPEG first"
     if head[:4] == b"RIFF" and head[8:12] == b"AVI ":
         return VIDEO
-    return next((kind for start, kind in STARTS.items() if head.startswith(start)), None)
+    found = next((kind for start, kind in STARTS.items() if head.startswith(start)), None)
+    return UNMARKED if found is None and path.suffix.lower() in SUFFIXES else found
 
 
 def neither(path: Path) -> str:
     """The refusal of a file that is neither a picture nor a video."""
     kind = what_it_is(path) or "a file that is neither, or a damaged one"
+    if kind == DICOM:
+        return f"expected a DICOM file with an image or a video, got one whose video is damaged: {path}"
     got = "a damaged video, or one that was cut off" if kind == VIDEO else kind
     return f"expected an image or a video, got {got}: {path}"

@@ -11,6 +11,7 @@ import numpy as np
 
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.cut_off import CUT_OFF
+from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.misnamed import neither
 from renderer.utf8_paths import not_utf8
 
@@ -150,6 +151,8 @@ class OpenCvVideo:
 def open_capture(path: Path) -> cv2.VideoCapture:
     if said := not_utf8(path):  # The decoder would end the process.
         raise ClipError(said)
+    if is_dicom(path):
+        raise ClipError(f"a DICOM video needs PyAV: pip install av ({path.name})")
     # Of its own, since a name with a colon would be taken for an address.
     capture = cv2.VideoCapture(str(path.absolute()), cv2.CAP_FFMPEG)
     if not capture.isOpened():

@@ -9,7 +9,7 @@ from renderer.readers.listing import listed
 from renderer.readers.picture_files import opened
 from renderer.readers.pictures import BROKEN
 
-PAGED = frozenset({".tif", ".tiff", ".webp", ".png"})
+PAGED = frozenset({".tif", ".tiff", ".webp", ".png", ".dcm", ".dicom"})
 
 
 def left_pages(paths: Iterable[Path]) -> Iterator[str]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageFile, UnidentifiedImageError
 
 from renderer.budget import budget
+from renderer.readers.dicom.opening import is_dicom
 from renderer.regular_files import require_regular
 
 UNREADABLE_ARRAY = (
@@ -35,15 +36,21 @@ def opened(path: Path) -> Iterator[ImageFile.ImageFile]:
     Raises:
         OverBudget: it has too many pixels.
         OSError, ValueError, SyntaxError: it is no regular file, or no picture; or what is read of it while
-            it is open is damaged.
+            it is open is damaged. Of DICOM a ClipError, which is a ValueError, says all.
     """
     require_regular(path)
     try:
-        with Image.open(path) as picture:
+        with _dicom(path) if is_dicom(path) else Image.open(path) as picture:
             budget().require(pixels=picture.width * picture.height)
             yield picture
     except NONSENSE as error:
         raise ValueError(f"its header makes no sense: {error}".rstrip(": ")) from error
+
+
+def _dicom(path: Path) -> ImageFile.ImageFile:
+    from renderer.readers.dicom.still import DicomStill
+
+    return DicomStill(path)
 
 
 def require_size(path: Path) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 
 from renderer.readers.listing import listed
 from renderer.readers.picture_files import opened
-from renderer.readers.pictures import BROKEN, is_picture, is_visible, read_stored
+from renderer.readers.pictures import BROKEN, is_frame, is_visible, read_stored
 
 Kind = Literal["depth", "disparity", "mask", "map"]
 """A "map" is a picture of numbers that nothing tells more about."""
@@ -104,7 +104,7 @@ def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
             others |= dict.fromkeys(groups[name], kind) if kind else {}
     frames = tuple(path for path in pictures if path not in others)
     if not frames:
-        return PictureKinds(tuple(path for path in pictures if is_picture(path)))
+        return PictureKinds(tuple(path for path in pictures if is_frame(path)))
     return PictureKinds(frames, {path: others[path] for path in pictures if path in others})
 
 
@@ -131,7 +131,7 @@ def _words(stem: str) -> list[str]:
 
 
 def _holds_pictures(folder: Path) -> bool:
-    return any(is_picture(entry) and entry.is_file() for entry in folder.iterdir())
+    return any(is_frame(entry) and entry.is_file() for entry in folder.iterdir())
 
 
 def _mode(path: Path) -> str:

@@ -15,6 +15,9 @@ from PIL import ExifTags, Image, ImageFile, ImageOps, UnidentifiedImageError
 
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
+from renderer.readers.dicom.header import Kind, dicom_kind
+from renderer.readers.dicom.opening import SUFFIXES as DICOM
+from renderer.readers.dicom.opening import has_pydicom
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 from renderer.readers.picture_files import opened, read_npy
@@ -25,7 +28,11 @@ class SeveralSizes(ClipError):
     """Pictures that are fine one by one, and no clip together."""
 
 
-SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm"})
+NAMED = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm"})
+"""Suffixes of pictures and of nothing else."""
+
+SUFFIXES = NAMED | DICOM
+"""Of DICOM, some are videos, too, and many have other names: see `is_frame`."""
 
 VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
 
@@ -43,6 +50,22 @@ def is_visible(path: Path) -> bool:
 def is_picture(path: Path) -> bool:
     """Whether the name is one of a visible picture file."""
     return path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
+
+
+def is_frame(path: Path) -> bool:
+    """Whether a file is one picture of its folder: by its name, or DICOM of any name but those of others."""
+    return is_picture(path) if path.suffix.lower() in NAMED else _kind(path) == "image"
+
+
+def moves(path: Path) -> bool:
+    """Whether a file is a video: by its name, or DICOM as above."""
+    return path.suffix.lower() in VIDEOS or _kind(path) == "clip"
+
+
+def _kind(path: Path) -> Kind | None:
+    suffix = path.suffix.lower()
+    looked_at = suffix in DICOM or (suffix not in NAMED | VIDEOS and has_pydicom())
+    return dicom_kind(path) if looked_at and is_visible(path) else None
 
 
 def natural_key(path: Path) -> tuple[tuple[int, str], ...]:
@@ -184,6 +207,8 @@ def _tells_more_after_pixels(path: Path) -> bool:
 def _unreadable(path: Path, error: Exception) -> ClipError:
     if not path.exists():
         return ClipError(f"expected an image, got no such file: {path}")
+    if isinstance(error, ClipError):
+        return error
     if isinstance(error, OverBudget):
         return ClipError(f"{error}: {path}")
     if not path.is_file():

@@ -13,7 +13,7 @@ from renderer.readers.clip_files import files_in
 from renderer.readers.frames import FIELD_OF_VIEW, without_depth
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import PictureKinds, kinds_of
-from renderer.readers.pictures import is_picture, natural_key, read_rgb, upright_size
+from renderer.readers.pictures import is_frame, natural_key, read_rgb, upright_size
 
 NOT_READABLE = "left out, not readable"
 NOT_ONE_SIZE = "the images differ in size, so they are no recording to reconstruct"
@@ -25,7 +25,7 @@ def images_in(folder: Path) -> tuple[Path, ...]:
 
 
 def _kinds(folder: Path) -> PictureKinds:
-    return kinds_of(filter(is_picture, sorted(files_in(folder), key=natural_key)))
+    return kinds_of(filter(is_frame, sorted(files_in(folder), key=natural_key)))
 
 
 def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:

@@ -12,6 +12,8 @@ import numpy as np
 from renderer.clip import ByteImage, Clip, ClipError
 from renderer.pyav_presence import has_pyav, why_not_pyav
 from renderer.readers.clip_options import DEFAULTS, ClipOptions, StereoLayout
+from renderer.readers.dicom.header import read_header
+from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.frames import without_depth
 from renderer.readers.stereo_layout import chosen_layout, eye_aspect, eye_size, eyes, squeezed
 
@@ -90,6 +92,10 @@ def _clip(
 
 
 def _opened(path: Path, options: ClipOptions) -> Video:
+    if is_dicom(path) and not read_header(path).is_stream:
+        from renderer.readers.dicom_video import DicomVideo
+
+        return DicomVideo(path)
     if has_pyav():
         from renderer.readers.pyav_video import PyAvVideo
 

@@ -8,6 +8,8 @@ from pathlib import Path
 from renderer.clip import ClipError
 from renderer.pyav_presence import has_pyav
 from renderer.readers.clip_options import StereoLayout
+from renderer.readers.dicom.header import read_header
+from renderer.readers.dicom.opening import is_dicom
 
 
 @dataclass(frozen=True)
@@ -20,7 +22,7 @@ class VideoHeader:
     frames_per_second: float | None
     seconds: float | None = None
     codec: str | None = None
-    """As FFmpeg calls it; None where PyAV is not installed, which tells it and what follows."""
+    """As FFmpeg calls it, or DICOM; None where PyAV is not installed, which tells it and what follows."""
     sound: str | None = None
     """Codec of the first sound track."""
     is_interlaced: bool = False
@@ -32,7 +34,20 @@ class VideoHeader:
 
 def read_video_header(path: Path) -> VideoHeader:
     """Raises ClipError: the file is no video, or its path is not UTF-8, which the decoder cannot take."""
+    if is_dicom(path) and not read_header(path).is_stream:
+        return _of_frames(path)
     return _by_pyav(path) if has_pyav() else _by_opencv(path)
+
+
+def _of_frames(path: Path) -> VideoHeader:
+    """Of a DICOM object that holds its frames one by one."""
+    from pydicom.uid import UID
+
+    told = read_header(path)
+    rate = told.frames_per_second
+    seconds = told.frames / rate if rate else None
+    kind = UID(told.transfer_syntax).name
+    return VideoHeader(told.size, told.frames, rate, seconds, kind, pixel_aspect=told.pixel_aspect)
 
 
 def _by_pyav(path: Path) -> VideoHeader:

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from renderer.budget import OverBudget, budget
 from renderer.clip import ClipError
+from renderer.readers.dicom.opening import is_dicom
+from renderer.readers.dicom.stream import StreamFile
 from renderer.readers.misnamed import neither
 from renderer.utf8_paths import not_utf8
 
@@ -29,6 +31,8 @@ LOST = 0.5
 """Seconds that are missing from a file that is cut off."""
 ERRORS = 100
 """Places where a file may be damaged before the rest is given up."""
+DICOM_HOLDS = "mov,mp4,mpegts,mpeg,mpegvideo,h264,hevc"
+"""Forms of video in it, as FFmpeg calls them."""
 NO_VIDEO = frozenset({"ansi", "bintext", "xbin", "idf"})
 """Text, of which FFmpeg makes pictures."""
 
@@ -60,9 +64,14 @@ def open_container(path: Path) -> InputContainer:
     if said := not_utf8(path):
         raise ClipError(said)
     # As a plain file: a name with a colon is no address, and nothing that the file refers to is fetched.
-    address, local = f"file:{path.absolute()}", {"protocol_whitelist": "file"}
+    address: Any = f"file:{path.absolute()}"
+    local = {"protocol_whitelist": "file"}
+    if is_dicom(path):
+        address = StreamFile(path)
+        local |= {"format_whitelist": DICOM_HOLDS} | address.rate
     try:
-        return av.open(address, metadata_errors="replace", container_options=local)
+        container: InputContainer = av.open(address, metadata_errors="replace", container_options=local)
+        return container
     except (av.error.FFmpegError, OSError, ValueError) as error:
         raise ClipError(neither(path)) from error
 

@@ -24,8 +24,9 @@ Part = Literal[
     "unseen",
     "hidden",
     "surround",
+    "tools",
 ]
-"""What a clip may not need; the surround is left out before training sees the frames."""
+"""What a clip may not need; surround and tools are left out before training sees the frames."""
 
 CHOSEN: Final = (
     "depth_weight, color_motion_rate and scale_rate were chosen on training frames of the pulling clip that "

@@ -91,6 +91,8 @@ def one_round(person: Person, health: Health, deeds: Iterable[Deed]) -> None:
         if person.state.window.banner is not None:
             health.troubles.append(f"{deed.__name__}: {person.state.window.banner.message}")
             person.state.window.banner = None
+    if person.ctx.is_error():
+        print(f"failed in {done[-1]}", flush=True)
     person.rest()
     if left := children():
         health.troubles.append(f"{len(left)} processes at rest after {', '.join(done)}")

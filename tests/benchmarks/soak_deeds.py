@@ -10,6 +10,7 @@ from imgui_bundle import ImVec2
 
 from app.gui.actions import (
     actions,
+    depth_actions,
     export_actions,
     job_actions,
     second_actions,
@@ -194,6 +195,7 @@ def export(person: Person) -> None:
 def reconstruct(person: Person) -> None:
     """Fifty steps, to the end or until it is cancelled."""
     state, finish = person.state, person.run is None or person.rng.random() < 0.4
+    guess_depth(person)
     state.runs.reconstruction.config = replace(state.runs.reconstruction.config, iterations=STEPS)
     job_actions.start_reconstruction(state)
     person.wait(lambda: not state.runs.starts, "the start")
@@ -213,6 +215,16 @@ def reconstruct(person: Person) -> None:
         job_actions.cancel(state)
         person.wait(lambda: not state.runs.reconstruction.is_alive, "the cancelled job")
     person.pace()
+
+
+def guess_depth(person: Person) -> None:
+    """Of a clip that has none, as a video."""
+    clip = person.state.source.clip
+    if clip is not None and not clip.has_depth:
+        depth_actions.choose_source(person.state, "brightness")
+        person.wait(
+            lambda: (now := person.state.source.clip) is not None and now.has_depth, "a guess of depth"
+        )
 
 
 def go_elsewhere(person: Person) -> None:

@@ -26,7 +26,7 @@ from app.sweeps.plan import is_sweep
 from renderer.layouts import layout_of
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import frame_folder
-from renderer.readers.pictures import VIDEOS, is_picture, is_visible, natural_key
+from renderer.readers.pictures import is_frame, is_visible, moves, natural_key
 from renderer.regular_files import require_regular
 from renderer.splat_files import is_named_as_splats
 from renderer.splat_series import series_files
@@ -61,7 +61,7 @@ def _file(path: Path) -> tuple[Fact, ...]:
         return of_splats(path)
     if path.suffix == ".json":
         return of_json(path)
-    own = of_clip(path) if is_picture(path) else of_video(path)
+    own = of_clip(path) if layout_of(path).name == "image" else of_video(path)
     if not is_export(path):
         return own
     # An export is told as such first, then what it is like any picture or video.
@@ -83,7 +83,7 @@ def _folder(path: Path) -> tuple[Fact, ...]:
     if files := series_files(path):
         return of_series(path, files)
     known = layout_of(path).name != "images"
-    pictures = any(is_picture(entry) for entry in frame_folder(path).iterdir())
+    pictures = any(is_frame(entry) for entry in frame_folder(path).iterdir())
     return of_clip(path) if known or pictures else _other(path)
 
 
@@ -91,7 +91,7 @@ def _other(path: Path) -> tuple[Fact, ...]:
     """A folder that is no clip itself: of folders, or of videos. Raises UserError: of neither."""
     inside = sorted((entry for entry in path.iterdir() if is_visible(entry)), key=natural_key)
     folders = [entry for entry in inside if entry.is_dir()]
-    videos = [entry for entry in inside if entry.is_file() and entry.suffix.lower() in VIDEOS]
+    videos = [entry for entry in inside if entry.is_file() and moves(entry)]
     if not folders and not videos:
         files = f", with {listed([entry.name for entry in inside])}" if inside else ", which is empty"
         raise UserError(

@@ -23,6 +23,7 @@ from app.exports.usd_file import read_usd
 from app.files.image_files import read_image
 from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
+from renderer.readers.pictures import moves
 from renderer.readers.video import open_video
 from renderer.regular_files import read_whole
 from renderer.splat_files import read_splats
@@ -94,7 +95,7 @@ def arrays(path: Path) -> Iterator[Array]:
         return _tracks(path)
     if suffix == ".csv":
         return _columns(path)
-    return _frames(path) if suffix == ".mp4" else iter((read_image(path),))
+    return _frames(path) if moves(path) else iter((read_image(path),))
 
 
 def _elements(content: bytes) -> Iterator[Array]:

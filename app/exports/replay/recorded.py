@@ -11,10 +11,12 @@ from app.exports.gltf import read_glb
 from app.exports.meshes.mesh_text import obj_comments
 from app.exports.research.npz import PROVENANCE, read_text
 from app.exports.usd_file import read_usd
+from app.files.dicom.writing import facts_in_dicom
 from app.files.embedded import CARRIERS, KEYWORD, carried
 from app.files.provenance import facts_of, read_provenance
 from renderer.ply_comments import joined
 from renderer.ply_elements import PlyError, read_ply
+from renderer.readers.dicom.opening import is_dicom
 from renderer.regular_files import read_whole
 
 Facts = dict[str, Any]
@@ -23,7 +25,8 @@ Facts = dict[str, Any]
 def recorded(path: Path) -> Facts:
     """Raises UserError: no such file, or nothing that VesselSplat wrote about it."""
     if not path.is_file():
-        raise UserError(f"expected a file that VesselSplat wrote, got no such file: {path}")
+        what = "a folder; name one of its files" if path.is_dir() else "no such file"
+        raise UserError(f"expected a file that VesselSplat wrote, got {what}: {path}")
     suffix = path.suffix.lower()
     if suffix == ".png":
         return read_provenance(path)
@@ -40,11 +43,20 @@ def recorded(path: Path) -> Facts:
         return facts_of(text, path)
     if suffix == ".npz":
         return facts_of(read_text(path, PROVENANCE), path)
+    if is_dicom(path):
+        return _in_dicom(path)
     if suffix == ".html":
         return read_page(read_whole(path).decode(errors="replace"))[0]
     # Before 0.2.0, JPEG and TIFF had it beside them.
     inside = carried(read_whole(path)) if suffix in CARRIERS else None
     return _beside(path) if inside is None else facts_of(inside, path)
+
+
+def _in_dicom(path: Path) -> Facts:
+    text = facts_in_dicom(path)
+    if text is None:
+        raise UserError(f"expected a DICOM file written by VesselSplat, found no provenance in {path}")
+    return facts_of(text, path)
 
 
 def _in_comment(path: Path) -> Facts:

@@ -45,6 +45,7 @@ LESS = 2.0
 """Em of the button that removes a window, with the gap before it."""
 HEIGHT, WIDEST = 3.4, 6.0
 """Em of a small picture."""
+PREPARING = "preparing"
 SCOPES: dict[Scope, str] = {"automatic": "Automatic", "image": "Of each frame", "clip": "Of the whole clip"}
 PIXELS: dict[Pixels, str] = {"automatic": "Automatic", "all": "All", "tissue": "Tissue only"}
 SUBSAMPLES = {1: "Off", 2: "2×", 4: "4×", 8: "8×"}
@@ -119,7 +120,7 @@ def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, besid
 
 
 def _draw_thumbnail(state: AppState, name: str, texture: Texture) -> bool:
-    """Room for one where it is not made yet; whether it is clicked."""
+    """Room for one where it is not made yet, and why not; whether it is clicked."""
     pictures, made = state.picture.pictures, state.enhancement.thumbnails
     if pictures is None:
         imgui.dummy(ImVec2(0, em(HEIGHT)))
@@ -133,6 +134,9 @@ def _draw_thumbnail(state: AppState, name: str, texture: Texture) -> bool:
         size = ImVec2(scale * width, scale * height)
         low, drawn = corner + (room - size) / 2, texture(f"preset {name}", made.images[name])
         imgui.get_window_draw_list().add_image(drawn, low, low + size)
+    elif state.lacks(PAPER) or state.lacks(VESSEL):
+        low = corner + (room - imgui.calc_text_size(PREPARING)) / 2
+        imgui.get_window_draw_list().add_text(low, imgui.get_color_u32(imgui.Col_.text_disabled), PREPARING)
     return clicked
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final, Literal
 
 from app.gui.session_file import SUFFIX
+from renderer.readers.dicom.opening import SUFFIXES as DICOM
 from renderer.readers.pictures import SUFFIXES, VIDEOS
 from renderer.splat_files import SUFFIXES as SPLATS
 
@@ -44,13 +45,14 @@ class Question:
 
 ALL: Final = Filter("All files")
 IMAGES: Final = Filter("Images", (*sorted(SUFFIXES), ".npy"))
-VIDEO: Final = Filter("Videos", tuple(sorted(VIDEOS)))
+VIDEO: Final = Filter("Videos", tuple(sorted(VIDEOS | DICOM)))
+PICTURED: Final = Filter("Images and videos", (*IMAGES.suffixes, *sorted(VIDEOS)))
 MODELS: Final = Filter("Splat files", SPLATS)
 SESSIONS: Final = Filter("Sessions", (SUFFIX,))
 VIEWS: Final = Filter("Views and cameras", (".json", ".txt"))
 OPENED: Final = Filter(
     "Everything that opens",
-    (*IMAGES.suffixes, *VIDEO.suffixes, *MODELS.suffixes, *SESSIONS.suffixes, *VIEWS.suffixes),
+    (*PICTURED.suffixes, *MODELS.suffixes, *SESSIONS.suffixes, *VIEWS.suffixes),
 )
 QUESTIONS: Final[dict[Purpose, Question]] = {
     "folder": Question("Open a folder", takes_files=True),
@@ -58,9 +60,7 @@ QUESTIONS: Final[dict[Purpose, Question]] = {
     "run": Question("Choose a run folder"),
     "splats": Question("Choose a splat file", (MODELS, ALL)),
     "views": Question("Import views or cameras", (VIEWS, ALL)),
-    "inputs": Question(
-        "Add to the list", (Filter("Images and videos", IMAGES.suffixes + VIDEO.suffixes), IMAGES, VIDEO, ALL)
-    ),
+    "inputs": Question("Add to the list", (PICTURED, IMAGES, VIDEO, ALL)),
     "results": Question("Choose a folder for the results", keeps_itself=True),
     "export": Question("Choose a folder for exports", keeps_itself=True),
     "session": Question("Save the session", (SESSIONS, ALL)),

@@ -64,7 +64,7 @@ class Source:
     @property
     def training_part(self) -> ClipPart:
         """What of the open clip the next reconstruction is of."""
-        return replace(self.part, trim=self.span if self.part.trim else None, field_of_view=None)
+        return replace(self.part, trim=self.span if self.part.trim else None, field_of_view=None, tools=None)
 
     @property
     def place(self) -> int | None:

@@ -19,9 +19,10 @@ from app.files.legible import legible
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
 from renderer.pyav_presence import has_pyav
+from renderer.readers.dicom.header import holds_stream
 from renderer.readers.picture_files import opened
 from renderer.readers.picture_kinds import kind_by_name
-from renderer.readers.pictures import BROKEN, VIDEOS, is_picture, is_visible, natural_key, read_rgb
+from renderer.readers.pictures import BROKEN, VIDEOS, is_picture, is_visible, moves, natural_key, read_rgb
 from renderer.utf8_paths import not_utf8
 
 SIDE: Final = 160
@@ -118,7 +119,7 @@ def _small(path: Path) -> ByteImage | None:
     if path.is_dir():
         first = _first_image(path)
         return None if first is None else _small(first)
-    if path.suffix.lower() in VIDEOS:
+    if moves(path):
         frame = _video_frame(path)
         return None if frame is None else _shrunk(Image.fromarray(frame))
     with opened(path) as picture:
@@ -157,6 +158,8 @@ def _video_frame(path: Path) -> ByteImage | None:
     """One at a tenth of the whole, as the first ones are often black."""
     if not_utf8(path):
         return None
+    if not holds_stream(path):
+        return read_rgb(path)
     if has_pyav():
         return _frame_by_pyav(path)
     capture = cv2.VideoCapture(str(path))
@@ -171,14 +174,17 @@ def _video_frame(path: Path) -> ByteImage | None:
 def _frame_by_pyav(path: Path) -> ByteImage | None:
     import av
 
-    from renderer.readers.video_index import open_container, video_stream
+    from renderer.readers.video_index import decoded, open_container, video_stream
 
     try:
         with open_container(path) as container:
             stream = video_stream(container, path)
             if container.duration:
-                container.seek(container.duration // 10)
-            frame = next(container.decode(stream), None)
-            return None if frame is None else np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
+                container.seek((container.start_time or 0) + container.duration // 10)
+            frame = next(decoded(container, stream), None)
+        if frame is None:  # A transport stream has no list of places to go to.
+            with open_container(path) as container:
+                frame = next(decoded(container, video_stream(container, path)), None)
+        return None if frame is None else np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
     except av.error.FFmpegError:
         return None

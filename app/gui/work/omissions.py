@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 from app.runs.clip_selection import WHOLE, ClipPart
-from app.runs.dark_surround import lit_field, omission_of, spread
-from renderer.clip import Clip, within
+from app.runs.left_out import left_out_of, with_found
+from renderer.clip import Clip
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission
 
@@ -59,13 +59,11 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
     config, clip = request.config, request.part.of(request.clip)
     fit, _ = split(clip, config)
     frames = FrameStore.of(clip.read_frame(index) for index in fit)
-    field = lit_field(frames[place] for place in spread(range(len(frames))))
-    without = frames if field is None else FrameStore.of(within(frame, field.mask()) for frame in frames)
 
     def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:
-        if field is None or "surround" in keep:
-            return decide(clip, frames, replace(config, keep=keep)).omitted
-        return (omission_of(field), *decide(clip, without, replace(config, keep=keep)).omitted)
+        part = with_found(WHOLE, frames.__getitem__, range(len(frames)), keep)
+        bare = frames if part == WHOLE else FrameStore.of(map(part.cleared, frames))
+        return (*left_out_of(part)[0], *decide(clip, bare, replace(config, keep=keep)).omitted)
 
     kept = (
         each

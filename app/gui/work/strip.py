@@ -9,6 +9,8 @@ import cv2
 import numpy as np
 
 from app.enhancement.image_mask import PictureMask
+from app.runs.clip_selection import WHOLE
+from app.runs.left_out import with_found
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 
 HEIGHT = 72
@@ -94,7 +96,8 @@ class LeftOutRequest:
 
 @dataclass(frozen=True, eq=False)
 class LeftOut:
-    """(H, W), True = tool, burned-in text, surround, or masked by hand."""
+    """(H, W), True = tool, burned-in text, dark surround, or masked by hand; tools and surround as a
+    reconstruction finds them where the clip has no masks."""
 
     request: LeftOutRequest
     pixels: BoolImage
@@ -102,5 +105,8 @@ class LeftOut:
 
 def left_out(request: LeftOutRequest) -> Iterator[LeftOut]:
     """Raises ClipError."""
-    tissue = request.clip.read_frame(request.frame_index).tissue_mask
+    frame = request.clip.read_frame(request.frame_index)
+    others = sorted({0, request.frame_index, len(request.clip) - 1})
+    found = with_found(WHOLE, request.clip.read_frame, others, ())
+    tissue = found.cleared(frame).tissue_mask
     yield LeftOut(request, ~(tissue & request.mask.kept(tissue.shape)))

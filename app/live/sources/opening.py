@@ -5,12 +5,12 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
+from app.files.image_files import is_still
 from app.live.address import LiveAddress, LiveInput
 from app.live.sources.both_eyes import BothEyesSource
 from app.live.sources.paired import PairedSource
 from app.live.sources.source import Source, Wish
 from renderer.readers.clip_options import StereoLayout
-from renderer.readers.pictures import is_picture
 from renderer.readers.stereo_layout import chosen_layout
 from renderer.readers.video_header import read_video_header
 
@@ -49,6 +49,6 @@ def open_source(address: LiveAddress, wish: Wish) -> Source:
 def _told(asked: LiveInput) -> StereoLayout | None:
     """What a file says of itself. Raises ClipError: it is no video."""
     path = Path(asked.address.where)
-    if asked.stereo != "auto" or asked.address.kind != "file" or not path.is_file() or is_picture(path):
+    if asked.stereo != "auto" or asked.address.kind != "file" or not path.is_file() or is_still(path):
         return None
     return read_video_header(path).stereo

@@ -108,3 +108,10 @@ def test_a_record_of_a_later_schema_is_refused(tmp_path: Path) -> None:
     path = changed("render-color.png", tmp_path, schema=SCHEMA + 1)
     with pytest.raises(UserError, match=f"schema {SCHEMA}, got {SCHEMA + 1}.*render-color.png"):
         replay(path, SOURCES, tmp_path / "again.png")
+
+
+def test_a_folder_of_exports_is_asked_for_one_of_its_files(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="got a folder; name one of its files"):
+        recorded(tmp_path)
+    with pytest.raises(UserError, match="got no such file"):
+        recorded(tmp_path / "a.png")

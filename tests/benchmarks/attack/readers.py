@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.commands.described.paths import described
+from app.enhancement.dicom_files import require_dicom
 from app.exports.replay.recorded import recorded
+from app.files.dicom.choices import DicomChoices
 from app.files.image_files import read_image
 from app.gui.session_file import mended_session
 from app.gui.work.presets import load_presets
@@ -92,6 +94,11 @@ def _clip_of_picture(path: Path) -> None:
         open_clip(path).read_frame(0)
 
 
+def _written_dicom(path: Path) -> None:
+    recorded(path)
+    require_dicom((path,), DicomChoices(keep_identity=True))
+
+
 _FILES: dict[str, Read] = {
     **{f"{name}/model.safetensors": lambda folder, name=name: _model(folder, name)
        for name in ("vesselsplat", "deform3dgs", "endogaussian")},
@@ -111,6 +118,10 @@ _FILES: dict[str, Read] = {
     "transforms.json": lambda folder: import_views(folder / "transforms.json"),
     "colmap/images.txt": lambda folder: import_views(folder / "colmap" / "images.txt"),
     "colmap/cameras.txt": lambda folder: import_views(folder / "colmap" / "cameras.txt"),
+    **{f"{name}.dcm": lambda folder, name=name: _clip_of_picture(folder / f"{name}.dcm")
+       for name in ("still", "runs", "jpeg", "jpeg2000", "lossless", "jpegls")},
+    **{f"{name}.dcm": lambda folder, name=name: _clip(folder / f"{name}.dcm") for name in ("frames", "film")},
+    "enhanced.dcm": lambda folder: _written_dicom(folder / "enhanced.dcm"),
     "enhanced.png": lambda folder: recorded(folder / "enhanced.png"),
     "export.ply": lambda folder: (recorded(folder / "export.ply"), read_splats(folder / "export.ply")),
     "export.spz": lambda folder: read_splats(folder / "export.spz"),

@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from PIL import Image
+from pydicom.uid import JPEGLosslessSV1, JPEGLSLossless
 
 from app.__main__ import main
 from app.enhancement.image_mask import PictureMask
@@ -31,6 +32,18 @@ from renderer.editing.mask import Mask
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
 from renderer.view_files import Views, views_json
+from tests.renderer.readers.dicom_files import (
+    VIDEO,
+    compressed,
+    labelled,
+    lossless,
+    picture,
+    saved,
+    stills,
+    video,
+    video_file,
+    with_pixels,
+)
 from tests.renderer.splat_files.files import gaussians, spz_streams
 from tests.renderer.splat_files.ksplat_files import ksplat
 from tests.renderer.splat_files.sog_files import bundled, sog
@@ -52,6 +65,7 @@ def make_seeds(folder: Path) -> None:
     _window_files(folder, run)
     _cameras(folder, run)
     _pictures(folder)
+    _dicom(folder)
     _exports(folder, run)
 
 
@@ -126,6 +140,24 @@ def _pictures(folder: Path) -> None:
         Image.fromarray(image).save(folder / f"picture.{suffix}")
     np.save(folder / "picture.npy", image)
     main(["enhance", str(folder / "picture.png"), str(folder / "enhanced.png")])
+
+
+def _dicom(folder: Path) -> None:
+    """Small ones, of which the header is a good part."""
+    size = (24, 16)
+    kinds, frames = stills(picture(*size)), [picture(*size, seed) for seed in range(3)]
+    for name, kind in (("still", "rgb"), ("runs", "rle"), ("jpeg", "jpeg"), ("jpeg2000", "jpeg 2000")):
+        saved(kinds[kind][0], folder / f"{name}.dcm")
+    for name, syntax, codec in (("lossless", JPEGLosslessSV1, "ljpeg"), ("jpegls", JPEGLSLossless, "jpegls")):
+        form = "bgr24" if codec == "ljpeg" else "rgb24"
+        packed = compressed(
+            with_pixels(labelled(syntax=syntax), frames[0]), [lossless(frames[0], codec, form)]
+        )
+        saved(packed, folder / f"{name}.dcm")
+    saved(with_pixels(labelled(VIDEO), np.stack(frames)), folder / "frames.dcm")
+    content = video_file(folder / "film.mp4", frames)
+    saved(video(content, size, len(frames), "40", fragments=2), folder / "film.dcm")
+    main(["enhance", str(folder / "still.dcm"), str(folder / "enhanced.dcm")])
 
 
 def _exports(folder: Path, run: RunFolder) -> None:

@@ -75,7 +75,7 @@ def spz(
     version: int, degree: int, planes: Sequence[bytes], *, count: int, bits: int = 12, flags: int = 0
 ) -> bytes:
     head = struct.pack("<IIIBBBB", 0x5053474E, version, count, degree, bits, flags, 0)
-    return gzip.compress(head + b"".join(planes))
+    return gzip.compress(head + b"".join(planes), mtime=0)
 
 
 def spz_streams(

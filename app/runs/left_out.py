@@ -1,0 +1,38 @@
+"""What of a clip's frames is no tissue though its masks do not say so: found before training sees them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from app.runs import dark_surround, unmasked_tools
+from app.runs.clip_selection import ClipPart
+from renderer.clip import Frame
+from renderer.train.config import Part
+from renderer.train.events import Omission
+
+
+def with_found(
+    part: ClipPart, read_frame: Callable[[int], Frame], indices: Sequence[int], keep: Sequence[Part]
+) -> ClipPart:
+    """The part without the dark surround and the tools that some of these frames show, unless they are kept
+    or known."""
+    looked_at = dark_surround.spread(indices)
+    if "surround" not in keep and part.field_of_view is None:
+        part = replace(part, field_of_view=dark_surround.lit_field(map(read_frame, looked_at)))
+    if "tools" not in keep and part.tools is None:
+        frames = (part.cleared(read_frame(index)) for index in looked_at)
+        part = replace(part, tools=unmasked_tools.tools_in(frames))
+    return part
+
+
+def left_out_of(part: ClipPart) -> tuple[list[Omission], list[str]]:
+    """What is left out, and the same in lines for the start of training."""
+    omitted, lines = list[Omission](), list[str]()
+    if part.field_of_view is not None:
+        omitted.append(dark_surround.omission_of(part.field_of_view))
+        lines.append(dark_surround.notice_of(part.field_of_view))
+    if part.tools is not None:
+        omitted.append(unmasked_tools.omission_of(part.tools))
+        lines.append(unmasked_tools.notice_of(part.tools))
+    return omitted, lines

@@ -1,0 +1,133 @@
+"""Surgical tools in an image of tissue, found by their colour where nobody has masked them: steel and
+plastic are grey, white or blue, and tissue is red."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.clip import BoolImage, ByteImage, Frame, within
+
+SIDE: Final = 320
+"""Pixels of the longer side of what is looked at: reflections and vessels are small there."""
+GREY: Final = 0.08
+"""ln(R / G) of steel, white balanced: no redder."""
+MIXED: Final = 0.2
+"""ln(R / G) up to which what is next to steel belongs to the tool: it mirrors the tissue."""
+MIXED_SHARE: Final = 0.45
+"""Of the tissue's own redness: the same where tissue is pale."""
+LEAST_REDNESS: Final = 0.2
+"""ln(R / G) of tissue; paler tissue, as through amniotic fluid, is not told from steel."""
+GREY_SHARE: Final = 0.2
+"""Of a tool, reflections left out, that is grey: pale tissue is of mixed colour alone."""
+STEP: Final = 0.27
+"""Of the tissue's redness, from within a tool to what lies beside it; pale tissue fades into red."""
+SMALLEST: Final = 0.003
+"""Of the image."""
+MARGIN: Final = 0.025
+"""Of the longer side: edges are blurred, and tools throw shadows."""
+
+_DARK, _SATURATED = 14, 235  # Grey levels without colour.
+_FLOOR = 4.0  # Grey levels that keep the ratio of dark pixels small.
+_BLUR = 0.8  # px of the small image, standard deviation.
+_EDGE = 3  # px of the small image: width of the bands on both sides of an edge.
+_RIM = 4  # px of the small image: what ends there comes from beyond the view.
+_OPENING = 5  # px of the small image: thinner than that are reflections and vessels.
+
+
+def find_tools(image: ByteImage, seen: BoolImage) -> BoolImage:
+    """(H, W), True = tool and its margin, of an RGB image (H, W, 3).
+
+    `seen` (H, W) is True where the endoscope sees something. A tool is a connected area of grey and mixed
+    colour that enters from the edge of what is seen, and ends sharply. Colour is ln(R / G): brightness, and
+    so the distance of the lamp, cancels. Nothing is found where tissue itself is grey.
+
+    The constants were chosen on training frames of the pulling and mesentery clips, whose tools are
+    known, and of the wall, which has none: edges step by 0.34 to 1.3 of the tissue's redness where a tool
+    ends, and by up to 0.21 where pale tissue does. What it cannot tell: tips that mirror tissue all over,
+    and tissue as blue as steel.
+    """
+    height, width = seen.shape
+    scale = SIDE / max(width, height)
+    size = max(1, round(width * scale)), max(1, round(height * scale))
+    small = np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    colors = _Colors.of(small, cv2.resize(seen.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0)
+    if colors.tissue < LEAST_REDNESS:
+        return np.zeros_like(seen)
+    wide = cv2.dilate(_entering(colors), _disc(2 * round(MARGIN * max(size)) + 1))
+    return np.asarray(cv2.resize(wide, (width, height), interpolation=cv2.INTER_LINEAR) > 0)
+
+
+def without_tools(frame: Frame) -> Frame:
+    """The frame where tools, as `find_tools` sees them, are no tissue."""
+    return within(frame, ~find_tools(frame.image, frame.tissue_mask))
+
+
+@dataclass(frozen=True, eq=False)
+class _Colors:
+    """Of the small image, (h, w)."""
+
+    red: NDArray[np.float32]
+    """ln(R / G)."""
+    inside: BoolImage
+    usable: BoolImage
+    """Neither black nor saturated."""
+    tissue: float
+    """Its typical redness, also where tools cover nearly half of the image; 0 of nothing."""
+
+    @classmethod
+    def of(cls, small: ByteImage, inside: BoolImage) -> _Colors:
+        smooth = cv2.GaussianBlur(small, (0, 0), _BLUR).astype(np.float32) + _FLOOR
+        red = np.log(smooth[:, :, 0] / smooth[:, :, 1])
+        usable = inside & (small.max(axis=2) > _DARK) & (small.min(axis=2) < _SATURATED)
+        return cls(red, inside, usable, float(np.percentile(red[usable], 60)) if usable.any() else 0.0)
+
+    @property
+    def mixed(self) -> BoolImage:
+        return self.inside & (self.red < min(MIXED, MIXED_SHARE * self.tissue))
+
+
+def _entering(colors: _Colors) -> ByteImage:
+    """(h, w), 1 on areas of mixed colour from the rim that are grey enough and end sharply, else 0."""
+    opened = cv2.morphologyEx(colors.mixed.astype(np.uint8), cv2.MORPH_OPEN, _disc(_OPENING))
+    _, labels, facts, _ = cv2.connectedComponentsWithStats(opened)
+    count = len(facts)
+    clear = _shrunk(colors.inside, _RIM)
+    coloured = np.bincount(labels[colors.usable], minlength=count)
+    greys = np.bincount(labels[colors.usable & (colors.red < GREY)], minlength=count)
+    reaches = np.bincount(labels[~clear], minlength=count) > 0
+    large = facts[:, cv2.CC_STAT_AREA] > SMALLEST * labels.size
+    tools = reaches & large & (greys > GREY_SHARE * coloured)
+    tools[0] = False  # What is of no mixed colour.
+    for label in np.flatnonzero(tools):
+        tools[label] = _step(colors, labels == label, clear) > STEP * colors.tissue
+    return np.asarray(tools[labels], dtype=np.uint8)
+
+
+def _step(colors: _Colors, area: BoolImage, clear: BoolImage) -> float:
+    """By how much ln(R / G) just outside an area is above that just within; its ends at the rim left out."""
+    within_it = area & ~_shrunk(area, _EDGE) & clear & colors.usable
+    around = _grown(area, _EDGE + 2) & ~_grown(area, 2) & clear & colors.usable
+    if not within_it.any() or not around.any():
+        return 0.0
+    return float(np.median(colors.red[around]) - np.median(colors.red[within_it]))
+
+
+def _disc(across: int) -> ByteImage:
+    return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (across, across)), dtype=np.uint8)
+
+
+def _grown(mask: BoolImage, radius: int) -> BoolImage:
+    return np.asarray(cv2.dilate(mask.astype(np.uint8), _disc(2 * radius + 1)) > 0)
+
+
+def _shrunk(mask: BoolImage, radius: int) -> BoolImage:
+    """What lies beyond the image is none of it."""
+    bare = cv2.erode(
+        mask.astype(np.uint8), _disc(2 * radius + 1), borderType=cv2.BORDER_CONSTANT, borderValue=0
+    )
+    return np.asarray(bare > 0)

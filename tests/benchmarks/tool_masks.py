@@ -1,0 +1,75 @@
+"""How well tools are found where nobody has masked them, against masks that others made.
+
+python -m tests.benchmarks.tool_masks [DATA]
+
+IoU and precision of what is found, and recall of the tool without the margin that its masks have, on the
+clips' test frames and on the others; the share of the pixels that is taken for a tool on clips without any.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from enhance.field_search import find_field
+from renderer.clip import BoolImage, ByteImage, held_out_frames
+from renderer.readers.clip_files import numbered_pictures
+from renderer.readers.pictures import read_rgb
+from renderer.tool_search import find_tools
+
+MASKED = {
+    "pulling": ("endonerf/pulling_soft_tissues/images", "endonerf/pulling_soft_tissues/gt_masks", 255),
+    "mesentery": ("clips/mesentery_stereo/img_left", "clips/mesentery_stereo/tool_mask", 0),
+}
+"""Images, masks, and the value of a tool."""
+BARE = {
+    "wall": "clips/wall_stereo_moving_camera/left",
+    "sinus": "clips/sinus_moving_camera",
+    "fetoscopy": "clips/fetoscopy_470x470/input",
+    "retina": "retina",
+    "scared": "scared/d1k1_rectified_pair",
+}
+GIVEN_MARGIN = 12
+"""px that the given masks reach beyond the tools, about."""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("data", type=Path, nargs="?", default=Path("../shared/data"))
+    data = parser.parse_args().data
+    for name, (images, masks, tool) in MASKED.items():
+        pairs = list(zip(numbered_pictures(data / images), numbered_pictures(data / masks), strict=True))
+        held_out = set(held_out_frames(len(pairs)))
+        rows = [agreement(found(read_rgb(image)), read_rgb(mask)[:, :, 0] == tool) for image, mask in pairs]
+        for split, is_test in (("test frames", True), ("other frames", False)):
+            chosen = [row for index, row in enumerate(rows) if (index in held_out) == is_test]
+            iou, precision, recall = np.mean(chosen, axis=0)
+            print(f"{name:10} {split:12} IoU {iou:.3f}  precision {precision:.3f}  recall {recall:.3f}")
+    for name, images in BARE.items():
+        shares = [found(read_rgb(path)).mean() for path in numbered_pictures(data / images)]
+        print(f"{name:10} taken for a tool: {np.mean(shares):.4f} of the pixels, at most {max(shares):.4f}")
+
+
+def found(image: ByteImage) -> BoolImage:
+    field = find_field(image)
+    return find_tools(image, np.ones(image.shape[:2], bool) if field is None else field.mask())
+
+
+def agreement(mask: BoolImage, truth: BoolImage) -> tuple[float, float, float]:
+    """IoU, precision, recall."""
+    both = np.count_nonzero(mask & truth)
+    side = 2 * GIVEN_MARGIN + 1
+    core = cv2.erode(truth.astype(np.uint8), np.ones((side, side), np.uint8)) > 0
+    union = max(np.count_nonzero(mask | truth), 1)
+    return (
+        both / union,
+        both / max(np.count_nonzero(mask), 1),
+        float(mask[core].mean()) if core.any() else 1.0,
+    )
+
+
+if __name__ == "__main__":
+    main()
