@@ -29,13 +29,13 @@ from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.dark_surround import as_dense, lit_field, notice_of, omission_of, spread
 from app.runs.device import Asked, Choice, Device, choose, pictures_on
 from app.runs.memory import peak_memory_mb, planned_in
+from app.runs.posing import Posed, posed, within_whole
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
 from app.runs.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord, input_clip
 from app.runs.run_lock import locked
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams, FieldOfView
 from enhance.vessel import VesselParams
-from renderer.camera_motion import camera_notice
 from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip, require_depth_source
@@ -95,10 +95,11 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
     require_depth_source(request.clip_path, request.clip_options)
-    clip = yield from told_meanwhile(
-        "opening the clip", lambda _: request.part.of(open_clip(request.clip_path, request.clip_options))
-    )
     record = run.record() if run.is_run else None
+    part = request.part if record is None else replace(record.clip.part, field_of_view=None)
+    clip = yield from told_meanwhile(
+        "opening the clip", lambda _: part.of(open_clip(request.clip_path, request.clip_options))
+    )
     if record is not None:
         _check_same(request, record)
     else:
@@ -111,16 +112,19 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     device = device_of(request).device
     ahead = ReadAhead(clip, nearest_folder(run.path))
     yield from told_meanwhile(reading(clip), ahead.fill)
-    moves = yield from told_meanwhile("checking for camera motion", lambda _: camera_notice(ahead.clip))
-    notices = (*clip.notices, moves) if moves else clip.notices
+    if record is not None and record.clip.poses is not None:
+        through = Posed(record.clip.through(ahead.clip))
+    else:
+        through = yield from posed(ahead.clip, request.config)
     if record is None:
         record = yield from told_meanwhile(
-            "recording the clip", lambda _: _new_record(request, ahead.clip, device)
+            "recording the clip", lambda _: _new_record(request, through, device)
         )
     ahead.hand_over()
     try:
-        clip = input_clip(record.clip.part.lit(ahead.clip), record)
-        yield from _train(record, run, clip, pictures_on(device), notices, clock)
+        trained = input_clip(record.clip.part.lit(through.clip), record)
+        through = replace(through, notices=(*clip.notices, *through.notices))
+        yield from _train(record, run, trained, pictures_on(device), through, clock)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
 
@@ -139,7 +143,7 @@ def _train(
     run: RunFolder,
     clip: Clip,
     pictures: GradientBackend,
-    notices: tuple[str, ...],
+    posed: Posed,
     clock: WallClock,
 ) -> Generator[TrainEvent, None, None]:
     with ExitStack() as meanwhile:
@@ -153,13 +157,13 @@ def _train(
             if not run.is_run:
                 run.create(record)
                 meanwhile.enter_context(locked(run.path))
-            yield from _told(event, run, notices, record.clip.part.field_of_view, clock)
+            yield from _told(event, run, posed, record.clip.part.field_of_view, clock)
 
 
 def _told(
     event: TrainEvent,
     run: RunFolder,
-    notices: tuple[str, ...],
+    posed: Posed,
     field: FieldOfView | None,
     clock: WallClock,
 ) -> Generator[TrainEvent, None, None]:
@@ -169,7 +173,9 @@ def _told(
         run.save_model(event.model)
     if isinstance(event, Progress | Finished):
         event = replace(event, wall_seconds=clock.seconds())
-    warnings = [Warned(notice) for notice in notices] if isinstance(event, Started) else []
+    warnings = [Warned(notice) for notice in posed.notices] if isinstance(event, Started) else []
+    if isinstance(event, Started):
+        event = replace(event, omitted=(*posed.omitted, *event.omitted))
     if isinstance(event, Started) and field is not None:
         event = replace(event, omitted=(omission_of(field), *event.omitted))
         warnings.append(Warned(notice_of(field)))
@@ -191,10 +197,11 @@ def pooled(clip: Clip, params: EnhancementSettings, measured: Measured = "tissue
     return Enhancement(params=params, statistics=measure_for(params, images, masks))
 
 
-def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
+def _new_record(request: TrainRequest, posed: Posed, device: Device) -> RunRecord:
+    clip = posed.clip
     cameras = clip.cameras[:1] if clip.camera_is_fixed else clip.cameras
     is_enhanced = request.input == "enhanced"
-    part = _lit_part(request, clip)
+    part = _lit_part(request, clip, within_whole(request.part, posed.part))
     measured = part.lit(clip)
     return RunRecord(
         version=version(),
@@ -209,6 +216,8 @@ def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
             frames=len(clip),
             unit=clip.unit,
             cameras=tuple(camera.to_json() for camera in cameras),
+            poses=posed.poses,
+            asked=request.part.trim if posed.poses else None,
         ),
         input=request.input,
         config=request.config,
@@ -217,12 +226,12 @@ def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
     )
 
 
-def _lit_part(request: TrainRequest, clip: Clip) -> ClipPart:
+def _lit_part(request: TrainRequest, clip: Clip, part: ClipPart) -> ClipPart:
     """Of the clip, without a dark surround, unless that is kept."""
-    if "surround" in request.config.keep or request.part.field_of_view is not None:
-        return request.part
+    if "surround" in request.config.keep or part.field_of_view is not None:
+        return part
     field = lit_field(clip.read_frame(index) for index in spread(clip.train_indices))
-    return replace(request.part, field_of_view=field)
+    return replace(part, field_of_view=field)
 
 
 def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
@@ -252,6 +261,8 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
         asked |= {"preset": preset_of(request.enhance_params)} | vars(request.enhance_params)
     if request.part.field_of_view is None:  # Nobody asks for it: it is found.
         del began["field_of_view"]
+    if record.clip.poses is not None and request.part.trim == record.clip.asked:
+        del began["trim"]
     for name, value in began.items():
         if asked[name] != value:
             raise UserError(f"cannot resume: expected the run's {name} {value}, got {asked[name]}")
