@@ -41,15 +41,10 @@ def posed(clip: Clip, config: TrainConfig) -> Generator[Preparing, None, Posed]:
 
     Raises ClipError: a frame cannot be read.
     """
-    if not clip.camera_is_fixed or len(clip) < 2:
-        return Posed(clip)
     moves = yield from told_meanwhile("checking for camera motion", lambda _: camera_motion(clip))
-    if "poses" in config.leave_out:
-        return Posed(clip, notices=(contradicted(moves),) if moves else (), omitted=(REFUSED,))
-    if moves is None and "poses" not in config.keep:
-        return Posed(clip, omitted=(FIXED,))
-    if not _has_true_depth(clip):
-        return Posed(clip, notices=(contradicted(moves),) if moves else ())
+    omitted = left_out(clip, config, moves)
+    if omitted or not _may_be_posed(clip):
+        return Posed(clip, notices=(contradicted(moves),) if moves else (), omitted=omitted)
     try:
         found = yield from told_meanwhile(STAGE, lambda tell: find_poses(clip, tell))
     except PosesError as error:
@@ -57,9 +52,23 @@ def posed(clip: Clip, config: TrainConfig) -> Generator[Preparing, None, Posed]:
     return _of(clip, found)
 
 
-def _has_true_depth(clip: Clip) -> bool:
-    """A guess differs in scale from frame to frame."""
-    return clip.has_depth and clip.depth_origin not in ("monocular", "brightness")
+def left_out(clip: Clip, config: TrainConfig, moves: str | None) -> tuple[Omission, ...]:
+    """The search for poses, where the clip needs none or it is refused; nothing of clips that allow none."""
+    if not _may_be_posed(clip):
+        return ()
+    if "poses" in config.leave_out:
+        return (REFUSED,)
+    return () if moves or "poses" in config.keep else (FIXED,)
+
+
+def _may_be_posed(clip: Clip) -> bool:
+    """It lacks poses and has depth; a guess of that differs in scale from frame to frame."""
+    return (
+        clip.camera_is_fixed
+        and len(clip) > 1
+        and clip.has_depth
+        and (clip.depth_origin not in ("monocular", "brightness"))
+    )
 
 
 def _of(clip: Clip, found: FoundPoses) -> Posed:

@@ -26,12 +26,20 @@ from app.errors import UserError
 from app.files.legible import require_utf8
 from app.files.provenance import digest, version
 from app.runs.clip_selection import WHOLE, ClipPart
-from app.runs.dark_surround import as_dense, lit_field, notice_of, omission_of, spread
+from app.runs.dark_surround import as_dense, lit_field, notice_of, omission_of, spread, without_borders
 from app.runs.device import Asked, Choice, Device, choose, pictures_on
 from app.runs.memory import peak_memory_mb, planned_in
 from app.runs.posing import Posed, posed, within_whole
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
-from app.runs.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord, input_clip
+from app.runs.run_folder import (
+    ClipRecord,
+    Enhancement,
+    Input,
+    PosesRecord,
+    RunFolder,
+    RunRecord,
+    input_clip,
+)
 from app.runs.run_lock import locked
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams, FieldOfView
@@ -201,7 +209,7 @@ def _new_record(request: TrainRequest, posed: Posed, device: Device) -> RunRecor
     clip = posed.clip
     cameras = clip.cameras[:1] if clip.camera_is_fixed else clip.cameras
     is_enhanced = request.input == "enhanced"
-    part = _lit_part(request, clip, within_whole(request.part, posed.part))
+    part = _lit_part(request, clip, within_whole(request.part, posed.part), posed.poses)
     measured = part.lit(clip)
     return RunRecord(
         version=version(),
@@ -226,11 +234,13 @@ def _new_record(request: TrainRequest, posed: Posed, device: Device) -> RunRecor
     )
 
 
-def _lit_part(request: TrainRequest, clip: Clip, part: ClipPart) -> ClipPart:
-    """Of the clip, without a dark surround, unless that is kept."""
+def _lit_part(request: TrainRequest, clip: Clip, part: ClipPart, poses: PosesRecord | None) -> ClipPart:
+    """Of the clip, without a dark surround or, of a camera that was followed, bars; unless that is kept."""
     if "surround" in request.config.keep or part.field_of_view is not None:
         return part
     field = lit_field(clip.read_frame(index) for index in spread(clip.train_indices))
+    if field is None and poses is not None:
+        field = without_borders(clip.size, (clip.read_image(index) for index in spread(clip.train_indices)))
     return replace(part, field_of_view=field)
 
 

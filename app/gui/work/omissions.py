@@ -9,6 +9,8 @@ from typing import get_args
 
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.dark_surround import lit_field, omission_of, spread
+from app.runs.posing import left_out
+from renderer.camera_motion import camera_motion
 from renderer.clip import Clip, within
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission
@@ -62,10 +64,18 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
     field = lit_field(frames[place] for place in spread(range(len(frames))))
     without = frames if field is None else FrameStore.of(within(frame, field.mask()) for frame in frames)
 
+    read = {index: place for place, index in enumerate(fit)}
+    at_hand = replace(
+        clip, read_frame=lambda index: frames[read[index]] if index in read else clip.read_frame(index)
+    )
+    moves = camera_motion(at_hand)
+
     def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:
+        kept = replace(config, keep=keep)
+        of_poses = left_out(clip, kept, moves)
         if field is None or "surround" in keep:
-            return decide(clip, frames, replace(config, keep=keep)).omitted
-        return (omission_of(field), *decide(clip, without, replace(config, keep=keep)).omitted)
+            return (*of_poses, *decide(clip, frames, kept).omitted)
+        return (omission_of(field), *of_poses, *decide(clip, without, kept).omitted)
 
     kept = (
         each
