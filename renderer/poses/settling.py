@@ -17,10 +17,15 @@ _PASSES = 4
 _FIRST_PX = 2.0
 """px: as if the tissue deformed by that, before it is known."""
 _SLACK = 5.0
-"""By which places in the picture count less than their misfit allows. Poses and shape together can take up
-much of a deformation in the picture, and little of it in depth, which must keep a say. Chosen on two phantoms
-of 60 frames, depth off by 0.3 px of disparity: with 3 the error is 3.2 % of the path on one that is pulled in
-a third of the view, with 5 it is 2.5 %; on one at rest 0.15 and 0.18 %."""
+"""By which places in the picture count less than their misfit allows, of tissue that deforms. Poses and shape
+together can take up much of a deformation in the picture, and little of it in depth, which must keep a say.
+On a phantom that is pulled in a third of the view, depth off by 0.3 px of disparity, 1 leaves 6.6 % of the
+path as error, 5 leaves 2.8 %."""
+_RIGID_SLACK = 1.0
+"""Of tissue that does not: on a phantom at rest 1 leaves 0.12 %, 5 leaves 0.19 %."""
+_TAKEN_UP = 1.2
+"""Times the misfit in depth: where it is more, a fit to the places alone takes up a deformation. Of two
+phantoms at rest and a sinus it is 0.9 to 1.1, of four that deform 1.3 to 3.4."""
 _SEEN_ENOUGH = 3
 """Views of a point from which on its misfit says whether it moves."""
 _STRAY = 4 / 3
@@ -60,12 +65,21 @@ def settled(tracker: Tracker) -> Settled:
     """Keyframes and points are adjusted together, then the other views to the points; four times.
 
     Noise is measured on the steadier half of the points. Points that stray from where they should
-    be, over all views, count for little: they are on tissue that moves, or on a tool.
+    be, over all views, count for little: they are on tissue that moves, or on a tool. First as if the
+    tissue deformed; where it turns out not to, again by places in the picture, which are the more exact.
     """
-    lens, points = tracker.lens, tracker.points.where
-    views = tuple(tracker.views)
+    noise, _ = _judged(tracker.lens, tracker.points.where, tuple(tracker.views))
+    start = Settled(tuple(tracker.views), tracker.points.where, noise)
+    soft = _settled(tracker, start, _FIRST_PX, _SLACK)
+    rigid = _settled(tracker, soft, _RIGID_SLACK * soft.noise.pixel, _RIGID_SLACK)
+    return rigid if rigid.noise.depth < _TAKEN_UP * soft.noise.depth else soft
+
+
+def _settled(tracker: Tracker, start: Settled, first: float, slack: float) -> Settled:
+    """From views and points that nearly fit; places count as if they were off by `first` px to begin with."""
+    lens, views, points = tracker.lens, start.views, start.points
     noise, steady = _judged(lens, points, views)
-    weighing = noise.beside(_FIRST_PX, lens)
+    weighing = noise.beside(first, lens)
     for _ in range(_PASSES):
         views = tuple(_weighed(lens, points, view, weighing, steady) for view in views)
         bundle = adjusted(_bundle(tracker, views, points))
@@ -73,7 +87,7 @@ def settled(tracker: Tracker) -> Settled:
         points = bundle.points
         views = tuple(_again(lens, points, *each) for each in zip(views, starts, strict=True))
         noise, steady = _judged(lens, points, views)
-        weighing = noise.beside(_SLACK * noise.pixel, lens)
+        weighing = noise.beside(slack * noise.pixel, lens)
     return Settled(views, points, noise)
 
 
