@@ -31,8 +31,22 @@ _DARK, _BRIGHT = 25, 245  # Grey levels of a black surround, and of highlights, 
 _CLOSING = 1.0  # px between a feature and where tracking it there and back ends.
 
 
+POSES_MISSING = "camera poses are missing"
+
+
 def camera_notice(clip: Clip) -> str | None:
-    """A sentence when the background of a clip with one camera moves as if the camera did, else None.
+    """A sentence when the pictures contradict a fixed camera, see `camera_motion`. Raises ClipError."""
+    moves = camera_motion(clip)
+    return None if moves is None else contradicted(moves)
+
+
+def contradicted(moves: str) -> str:
+    """That sentence, of what moves."""
+    return f"the clip has a fixed camera, but {moves}: {POSES_MISSING}"
+
+
+def camera_motion(clip: Clip) -> str | None:
+    """In words, how the background of a clip with one camera moves as if the camera did; else None.
 
     Features on the tissue are tracked (Lucas and Kanade, 1981; there and back) through 13 training
     frames, from the first and from the middle one. Between two of these frames, three in four tracks
@@ -61,12 +75,10 @@ def camera_notice(clip: Clip) -> str | None:
     across = max((_picture_shift(tracks) for _, tracks in runs), default=0.0)
     rigid = max((_rigid_shift(seen, tracks) for seen, tracks in runs), default=0.0)
     if across > PICTURE_SHIFT:
-        moves = f"the background moves by {100 * across:.0f} % of the image width"
-    elif rigid > RIGID_SHIFT:
-        moves = f"the tissue moves as one rigid body, by {100 * rigid:.0f} % of its distance"
-    else:
-        return None
-    return f"the clip has a fixed camera, but {moves}: camera poses are missing"
+        return f"the background moves by {100 * across:.0f} % of the image width"
+    if rigid > RIGID_SHIFT:
+        return f"the tissue moves as one rigid body, by {100 * rigid:.0f} % of its distance"
+    return None
 
 
 @dataclass(frozen=True, eq=False)

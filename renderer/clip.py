@@ -222,6 +222,16 @@ class Clip:
             read_right=read_right and (lambda index: read_right(kept[index])),
         )
 
+    def through(self, cameras: tuple[Camera, ...]) -> Clip:
+        """The same clip seen by these cameras, one a frame. Raises ValueError: another number of them."""
+        if len(cameras) != len(self):
+            raise ValueError(f"expected {len(self)} cameras, one a frame, got {len(cameras)}")
+
+        def read_frame(index: int) -> Frame:
+            return replace(self.read_frame(index), camera=cameras[index])
+
+        return replace(self, cameras=cameras, read_frame=read_frame)
+
     def within(self, kept: BoolImage) -> Clip:
         """The same clip where only these pixels (H, W) of every frame are tissue, and evaluated."""
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from enhance.field import FieldOfView, typical
 from enhance.field_search import find_field
-from renderer.clip import Frame
+from renderer.clip import ByteImage, Frame
+from renderer.poses.burned_in import burned_in_borders
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission
 
@@ -42,6 +43,16 @@ def lit_field(frames: Iterable[Frame]) -> FieldOfView | None:
     if field is None or field.is_whole:
         return None
     return field if tissue[~field.mask()].mean() > LEAST_TISSUE * count else None
+
+
+def without_borders(images: Sequence[ByteImage]) -> FieldOfView | None:
+    """Images without bars at their border, which stay while a camera moves; None where there are none."""
+    left, top, right, bottom = burned_in_borders(images)
+    if not any((left, top, right, bottom)):
+        return None
+    height, width = images[0].shape[:2]
+    corners = ((left, top), (width - right, top), (width - right, height - bottom), (left, height - bottom))
+    return FieldOfView(width=width, height=height, polygon=tuple((float(x), float(y)) for x, y in corners))
 
 
 def omission_of(field: FieldOfView) -> Omission:

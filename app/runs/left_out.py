@@ -13,13 +13,20 @@ from renderer.train.events import Omission
 
 
 def with_found(
-    part: ClipPart, read_frame: Callable[[int], Frame], indices: Sequence[int], keep: Sequence[Part]
+    part: ClipPart,
+    read_frame: Callable[[int], Frame],
+    indices: Sequence[int],
+    keep: Sequence[Part],
+    is_followed: bool = False,
 ) -> ClipPart:
     """The part without the dark surround and the tools that some of these frames show, unless they are kept
-    or known."""
+    or known; without bars at the border, too, where the camera `is_followed`, as bars stay where it moves."""
     looked_at = dark_surround.spread(indices)
     if "surround" not in keep and part.field_of_view is None:
-        part = replace(part, field_of_view=dark_surround.lit_field(map(read_frame, looked_at)))
+        field = dark_surround.lit_field(map(read_frame, looked_at))
+        if field is None and is_followed:
+            field = dark_surround.without_borders([read_frame(index).image for index in looked_at])
+        part = replace(part, field_of_view=field)
     if "tools" not in keep and part.tools is None:
         frames = (part.cleared(read_frame(index)) for index in looked_at)
         part = replace(part, tools=unmasked_tools.tools_in(frames))

@@ -17,6 +17,7 @@ from pydantic.dataclasses import dataclass
 
 from app.console.flags import problem
 from app.enhancement.methods import MethodEnhancer, RecordedSettings
+from app.enhancement.settable import FrameNumber
 from app.errors import UserError
 from app.files.atomic import make_folder, replaced, write_bytes
 from app.files.provenance import digests, strict_json
@@ -28,6 +29,7 @@ from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, Frame, held_out_frames
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed, read_text
+from renderer.poses.lost_frame import LostFrame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
@@ -35,6 +37,17 @@ from renderer.train.events import Omission, TrainEvent
 
 Input = Literal["original", "enhanced"]
 PARTIAL = re.compile(r"^\..*\.partial(\..*)?$")
+
+
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+class PosesRecord:
+    """How well the cameras of a clip without poses were estimated, see `renderer.poses.search.FoundPoses`."""
+
+    residuals: tuple[float | None, ...]
+    """px, one a frame of the part."""
+    points: tuple[int, ...]
+    lost: tuple[LostFrame, ...] = ()
+    """Frames of what was asked for that have no pose of their own."""
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
@@ -57,6 +70,10 @@ class ClipRecord:
     unit: str
     cameras: tuple[dict[str, Any], ...]
     """`Camera.to_json`: one a frame, or a single one when the camera is fixed."""
+    poses: PosesRecord | None = None
+    """Where the cameras were estimated; None: they are the clip's."""
+    asked: tuple[FrameNumber, FrameNumber] | None = None
+    """With poses that were estimated: the frames that were asked for, as `part` may be less; None: all."""
 
     def __post_init__(self) -> None:
         """Raises ValueError: no frames or too many, another number of cameras, or one that sees nothing."""
@@ -66,6 +83,24 @@ class ClipRecord:
             raise ValueError(f"expected one camera, or one per frame, got {got}")
         for camera in self.cameras:
             Camera.from_json(camera)
+
+    def through(self, part: Clip) -> Clip:
+        """The part of the clip, with the cameras that were estimated, if any were."""
+        if self.poses is None:
+            return part
+        return part.through(tuple(Camera.from_json(each) for each in self._one_each()))
+
+    def through_whole(self, clip: Clip) -> Clip:
+        """The same of the whole clip: frames outside the part have the camera of the nearest one in it."""
+        if self.poses is None:
+            return clip
+        cameras = [Camera.from_json(each) for each in self._one_each()]
+        start = self.part.first or 0
+        places = (min(max(at - start, 0), len(cameras) - 1) for at in range(len(clip)))
+        return clip.through(tuple(cameras[place] for place in places))
+
+    def _one_each(self) -> tuple[dict[str, Any], ...]:
+        return self.cameras if len(self.cameras) == self.frames else self.cameras * self.frames
 
     def is_of(self, path: Path) -> bool:
         """Whether the clip there has the bytes of this one. Raises OSError: there is none."""
@@ -288,7 +323,7 @@ def run_clip(record: RunRecord) -> Clip:
     clip = open_clip(path, record.clip.options)
     if not record.clip.is_of(path):
         raise UserError(f"expected the clip that the run was trained on, got changed files: {path}")
-    return record.clip.part.of(clip)
+    return record.clip.through(record.clip.part.of(clip))
 
 
 def input_clip(clip: Clip, record: RunRecord) -> Clip:

@@ -30,13 +30,20 @@ from app.runs.dark_surround import as_dense
 from app.runs.device import Asked, Choice, Device, choose, pictures_on
 from app.runs.left_out import left_out_of, with_found
 from app.runs.memory import peak_memory_mb, planned_in
+from app.runs.posing import Posed, posed, within_whole
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
-from app.runs.run_folder import ClipRecord, Enhancement, Input, RunFolder, RunRecord, input_clip
+from app.runs.run_folder import (
+    ClipRecord,
+    Enhancement,
+    Input,
+    RunFolder,
+    RunRecord,
+    input_clip,
+)
 from app.runs.run_lock import locked
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
-from renderer.camera_motion import camera_notice
 from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip, require_depth_source
@@ -96,10 +103,11 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
     require_depth_source(request.clip_path, request.clip_options)
-    clip = yield from told_meanwhile(
-        "opening the clip", lambda _: request.part.of(open_clip(request.clip_path, request.clip_options))
-    )
     record = run.record() if run.is_run else None
+    part = request.part if record is None else replace(record.clip.part, field_of_view=None, tools=None)
+    clip = yield from told_meanwhile(
+        "opening the clip", lambda _: part.of(open_clip(request.clip_path, request.clip_options))
+    )
     if record is not None:
         _check_same(request, record)
     else:
@@ -112,16 +120,19 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     device = device_of(request).device
     ahead = ReadAhead(clip, nearest_folder(run.path))
     yield from told_meanwhile(reading(clip), ahead.fill)
-    moves = yield from told_meanwhile("checking for camera motion", lambda _: camera_notice(ahead.clip))
-    notices = (*clip.notices, moves) if moves else clip.notices
+    if record is not None and record.clip.poses is not None:
+        through = Posed(record.clip.through(ahead.clip))
+    else:
+        through = yield from posed(ahead.clip, request.config)
     if record is None:
         record = yield from told_meanwhile(
-            "recording the clip", lambda _: _new_record(request, ahead.clip, device)
+            "recording the clip", lambda _: _new_record(request, through, device)
         )
     ahead.hand_over()
     try:
-        clip = input_clip(record.clip.part.lit(ahead.clip), record)
-        yield from _train(record, run, clip, pictures_on(device), notices, clock)
+        trained = input_clip(record.clip.part.lit(through.clip), record)
+        through = replace(through, notices=(*clip.notices, *through.notices))
+        yield from _train(record, run, trained, pictures_on(device), through, clock)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
 
@@ -140,7 +151,7 @@ def _train(
     run: RunFolder,
     clip: Clip,
     pictures: GradientBackend,
-    notices: tuple[str, ...],
+    posed: Posed,
     clock: WallClock,
 ) -> Generator[TrainEvent, None, None]:
     with ExitStack() as meanwhile:
@@ -154,13 +165,13 @@ def _train(
             if not run.is_run:
                 run.create(record)
                 meanwhile.enter_context(locked(run.path))
-            yield from _told(event, run, notices, record.clip.part, clock)
+            yield from _told(event, run, posed, record.clip.part, clock)
 
 
 def _told(
     event: TrainEvent,
     run: RunFolder,
-    notices: tuple[str, ...],
+    posed: Posed,
     part: ClipPart,
     clock: WallClock,
 ) -> Generator[TrainEvent, None, None]:
@@ -170,10 +181,10 @@ def _told(
         run.save_model(event.model)
     if isinstance(event, Progress | Finished):
         event = replace(event, wall_seconds=clock.seconds())
-    warnings = [Warned(notice) for notice in notices] if isinstance(event, Started) else []
+    warnings = [Warned(notice) for notice in posed.notices] if isinstance(event, Started) else []
     if isinstance(event, Started):
         omitted, found = left_out_of(part)
-        event = replace(event, omitted=(*omitted, *event.omitted))
+        event = replace(event, omitted=(*omitted, *posed.omitted, *event.omitted))
         warnings += map(Warned, found)
     for told in (event, *warnings):
         if not isinstance(told, Snapshot | Finishing):
@@ -193,10 +204,12 @@ def pooled(clip: Clip, params: EnhancementSettings, measured: Measured = "tissue
     return Enhancement(params=params, statistics=measure_for(params, images, masks))
 
 
-def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
+def _new_record(request: TrainRequest, posed: Posed, device: Device) -> RunRecord:
+    clip = posed.clip
     cameras = clip.cameras[:1] if clip.camera_is_fixed else clip.cameras
     is_enhanced = request.input == "enhanced"
-    part = with_found(request.part, clip.read_frame, clip.train_indices, request.config.keep)
+    asked, is_followed = within_whole(request.part, posed.part), posed.poses is not None
+    part = with_found(asked, clip.read_frame, clip.train_indices, request.config.keep, is_followed)
     measured = part.lit(clip)
     return RunRecord(
         version=version(),
@@ -211,6 +224,8 @@ def _new_record(request: TrainRequest, clip: Clip, device: Device) -> RunRecord:
             frames=len(clip),
             unit=clip.unit,
             cameras=tuple(camera.to_json() for camera in cameras),
+            poses=posed.poses,
+            asked=request.part.trim if posed.poses else None,
         ),
         input=request.input,
         config=request.config,
@@ -247,6 +262,8 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
     for found in ("field_of_view", "tools"):
         if asked[found] is None:  # Nobody asks for it.
             del began[found]
+    if record.clip.poses is not None and request.part.trim == record.clip.asked:
+        del began["trim"]
     for name, value in began.items():
         if asked[name] != value:
             raise UserError(f"cannot resume: expected the run's {name} {value}, got {asked[name]}")

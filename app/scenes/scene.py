@@ -61,6 +61,8 @@ class Scene:
     test_indices: tuple[int, ...] = ()
     notices: tuple[str, ...] = ()
     """What was repaired or left out."""
+    poses_are_estimated: bool = False
+    """Its cameras were worked out in training: the clip itself has one for all frames."""
     saved_edits: Edits | None = None
     """What was saved of edits of `model`, which is without them."""
 
@@ -116,10 +118,14 @@ class Scene:
         return 0 <= frame - self.start < len(self.cameras)
 
     def is_of(self, clip: Clip) -> bool:
-        """Its cameras are those of the clip, or of a part of it."""
-        if self.first is None:
-            return self.cameras == clip.cameras
-        return self.cameras == clip.cameras[self.first : self.first + len(self.cameras)]
+        """Its cameras are those of the clip, or of a part of it; of estimated poses, the lens is."""
+        theirs = (
+            clip.cameras if self.first is None else clip.cameras[self.first : self.first + len(self.cameras)]
+        )
+        if self.poses_are_estimated and len(theirs) == len(self.cameras):
+            pairs = zip(self.cameras, theirs, strict=True)
+            return all(one.moved(other.camera_from_world) == other for one, other in pairs)
+        return self.cameras == theirs
 
     def edited(self, edits: Edits) -> Scene:
         """What is left of it; its record says so."""
@@ -235,6 +241,7 @@ def run_scene(
         live=training.live,
         first=part.first,
         test_indices=footage.test_indices,
+        poses_are_estimated=isinstance(footage, RunRecord) and footage.clip.poses is not None,
     )
 
 

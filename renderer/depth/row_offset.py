@@ -1,4 +1,4 @@
-"""Eyes whose rows lie a constant number of pixels apart, as of a rig that was mounted or cropped so."""
+"""Eyes whose rows lie apart: by a constant, as of a rig that was mounted or cropped so, or frame by frame."""
 
 from __future__ import annotations
 
@@ -14,6 +14,11 @@ from renderer.clip import ByteImage
 
 SMALLEST: Final = 0.5
 """px: rows that are closer are left as they are, as matching takes them."""
+FEWEST: Final = 10
+"""Features by which one pair tells its rows."""
+VARYING: Final = 2.0
+"""px between the pairs of a clip: eyes that do not look at the same moment see a moving camera at two places.
+Rows of clips from fixed cameras vary by up to 1 px from pair to pair, features being few."""
 PAIRS: Final = 5
 """Pairs that are looked at, spread over the clip: one alone may have too few features to tell."""
 
@@ -31,6 +36,21 @@ def row_offset(shifts: Sequence[NDArray[np.float64]]) -> tuple[float, float]:
     if abs(offset) < SMALLEST:
         offset = 0.0
     return offset, max(float(np.median(np.abs(down - offset))) for down in (shifts[0][:, 1], every))
+
+
+def own_offsets(shifts: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """The same rows of each pair by itself (P,); NaN of one that shows too little."""
+    return np.array([_own(each) for each in shifts])
+
+
+def own_offset(shifts: NDArray[np.float64], usual: float) -> float:
+    """Of one pair; `usual` where it shows too little to tell."""
+    found = _own(shifts)
+    return usual if math.isnan(found) else found
+
+
+def _own(shifts: NDArray[np.float64]) -> float:
+    return float(np.median(shifts[:, 1])) if len(shifts) >= FEWEST else math.nan
 
 
 def moved_down(image: ByteImage, rows: float) -> ByteImage:

@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, Clip, ClipError, Frame
-from renderer.depth.row_offset import moved_down, places, row_offset, unseen
+from renderer.depth.row_offset import (
+    VARYING,
+    moved_down,
+    own_offset,
+    own_offsets,
+    places,
+    row_offset,
+    unseen,
+)
 from renderer.depth.stereo import disparity, feature_shifts
 from renderer.readers.frames import open_images
 from renderer.readers.listing import listed
@@ -41,6 +49,24 @@ class _Rig:
 
     baseline: float
     unit: str
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """By how many right pictures are to be moved down."""
+
+    usual: float = 0.0
+    vary: bool = False
+    """From frame to frame: each is looked at."""
+
+    def said(self) -> tuple[str, ...]:
+        if self.vary:
+            return (
+                "the eyes' rows are apart by a distance that varies: each right image is moved by its own",
+            )
+        if self.usual:
+            return (f"the eyes' rows are {abs(self.usual):.1f} px apart: right images are moved by that",)
+        return ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,12 +188,12 @@ def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Cl
     def read_frame(index: int) -> Frame:
         frame = clip.read_frame(index)
         other = right.read(index)
-        found = disparity(frame.image, moved_down(other, rows) if rows else other)
-        found[unseen(rows)] = 0
+        down = own_offset(feature_shifts(frame.image, other), rows.usual) if rows.vary else rows.usual
+        found = disparity(frame.image, moved_down(other, down) if down else other)
+        found[unseen(down)] = 0
         return replace(frame, depth=_depth(found, frame.camera.fx * rig.baseline))
 
-    apart = (f"the eyes' rows are {abs(rows):.1f} px apart: right images are moved by that",) if rows else ()
-    said = (*clip.notices, *apart, _said(rig))
+    said = (*clip.notices, *rows.said(), _said(rig))
     return replace(
         clip, read_frame=read_frame, has_depth=True, unit=rig.unit, depth_origin="stereo", notices=said
     )
@@ -210,8 +236,8 @@ def _show_one_scene(left: Path, right: Path, changed: tuple[int, int]) -> bool:
     return len(feature_shifts(read_rgb(left), read_rgb(right))) >= _FEWEST_FEATURES
 
 
-def _judged(clip: Clip, right: RightEye) -> float:
-    """By how many rows right pictures are to be moved down; 0 where the first two look rectified.
+def _judged(clip: Clip, right: RightEye) -> _Rows:
+    """How far rows are apart; not at all where the first two pictures look rectified.
 
     Raises ClipError: they look like no rectified pair, or like one that is swapped.
     """
@@ -219,10 +245,15 @@ def _judged(clip: Clip, right: RightEye) -> float:
     where = f"{right.names}: {clip.path}"
     if len(shifts) < _FEWEST_FEATURES:
         raise ClipError(f"expected a stereo pair, got images with {len(shifts)} features in common, {where}")
-    across, rows = np.median(shifts[:, 0]), 0.0
+    across, rows = np.median(shifts[:, 0]), _Rows()
     if np.median(np.abs(shifts[:, 1])) > LARGEST_VERTICAL_OFFSET:
         others = [feature_shifts(clip.read_image(at), right.read(at)) for at in places(len(clip))[1:]]
-        rows, down = row_offset([shifts, *others])
+        every = [shifts, *others]
+        usual, down = row_offset(every)
+        own = own_offsets(every)
+        rows = _Rows(usual, bool(np.nanmax(own) - np.nanmin(own) > VARYING))
+        if rows.vary:
+            down = float(np.median(np.abs(shifts[:, 1] - own[0])))
         if down > LARGEST_VERTICAL_OFFSET:
             limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
             way = "rectify them with their calibration"

@@ -25,8 +25,9 @@ Part = Literal[
     "hidden",
     "surround",
     "tools",
+    "poses",
 ]
-"""What a clip may not need; surround and tools are left out before training sees the frames."""
+"""What a clip may not need; surround, tools and poses are decided on before training sees the frames."""
 
 CHOSEN: Final = (
     "depth_weight, color_motion_rate and scale_rate were chosen on training frames of the pulling clip that "
@@ -101,9 +102,9 @@ class TrainConfig:
     """Degree of the spherical harmonics for view-dependent colour; auto: as the clip needs."""
     render_mode: RenderMode = "default"
     """How splats narrower than a pixel are rendered, see RenderMode; a run is rendered as it was trained."""
-    keep: Annotated[tuple[Part, ...], Len(0, 11)] = ()
+    keep: Annotated[tuple[Part, ...], Len(0, 13)] = ()
     """Parts to keep although the clip does not need them, to measure what they cost."""
-    leave_out: Annotated[tuple[Literal["deformation", "color_curves"], ...], Len(0, 2)] = ()
+    leave_out: Annotated[tuple[Literal["deformation", "color_curves", "poses"], ...], Len(0, 3)] = ()
     """Parts to leave out whatever the clip needs."""
     hold_out: bool = False
     """Hold every seventh training frame out and evaluate on it, for choosing settings."""

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from app.commands.described.fact import Fact, count, made, next_steps, notices
@@ -17,7 +18,7 @@ from app.exports.replay.recorded import recorded
 from app.gui.session_file import SESSION, SessionSource
 from app.live.picture import FRAME, RECORDING
 from app.report.section import holds_report, read_report
-from app.runs.run_folder import RunFolder
+from app.runs.run_folder import PosesRecord, RunFolder
 from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all
 from app.sweeps.plan import SWEEP, read_sweep
@@ -67,6 +68,7 @@ def of_run(path: Path) -> Facts:
         Fact("model", count(size, "Gaussian") if size else "none yet", {"gaussians": size}),
         *_time(steps_of, run.wall_seconds()),
         Fact("unit", clip.unit),
+        *_poses(clip.poses),
         made(record.created, record.version),
     ]
     if quality is not None:
@@ -82,6 +84,24 @@ def of_run(path: Path) -> Facts:
     else:
         steps = [("train", clip.path, "--run", "PATH", "--resume")] if there else []
     return (*facts, next_steps(path, *steps))
+
+
+def _poses(poses: PosesRecord | None) -> list[Fact]:
+    """Of a run whose clip had none."""
+    if poses is None:
+        return []
+    residuals = [each for each in poses.residuals if each is not None]
+    typical, worst = float(np.median(residuals)), max(residuals)
+    text = (
+        f"estimated, {typical:.1f} px from where points are expected (median), {worst:.1f} in the worst frame"
+    )
+    return [
+        Fact(
+            "poses",
+            text,
+            {"estimated": True, "residual_px": typical, "worst_px": worst, "lost": len(poses.lost)},
+        )
+    ]
 
 
 def _time(steps: object, wall: float | None) -> Facts:

@@ -9,6 +9,8 @@ from typing import get_args
 
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.left_out import left_out_of, with_found
+from app.runs.posing import left_out
+from renderer.camera_motion import camera_motion
 from renderer.clip import Clip
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission
@@ -60,10 +62,17 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
     fit, _ = split(clip, config)
     frames = FrameStore.of(clip.read_frame(index) for index in fit)
 
+    read = {index: place for place, index in enumerate(fit)}
+    at_hand = replace(
+        clip, read_frame=lambda index: frames[read[index]] if index in read else clip.read_frame(index)
+    )
+    moves = camera_motion(at_hand)
+
     def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:
         part = with_found(WHOLE, frames.__getitem__, range(len(frames)), keep)
         bare = frames if part == WHOLE else FrameStore.of(map(part.cleared, frames))
-        return (*left_out_of(part)[0], *decide(clip, bare, replace(config, keep=keep)).omitted)
+        asked = replace(config, keep=keep)
+        return (*left_out_of(part)[0], *left_out(clip, asked, moves), *decide(clip, bare, asked).omitted)
 
     kept = (
         each

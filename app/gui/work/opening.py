@@ -286,7 +286,7 @@ def _clip_of(record: RunRecord) -> tuple[Clip | None, Clip | None, tuple[str, ..
     """As it was trained on, and with no depth but that of its own files."""
     try:
         bare = open_bare(Path(record.clip.path), record.clip.options)
-        clip = with_chosen_depth(bare, record.clip.options)
+        clip = record.clip.through_whole(with_chosen_depth(bare, record.clip.options))
         return clip, bare, clip.notices
     except ClipError as error:
         return None, None, (f"the run's clip cannot be opened; only its model is shown: {error}",)

@@ -4,6 +4,7 @@ what is left of one that has ended."""
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -11,6 +12,7 @@ from typing import Any, Literal
 from app.errors import UserError
 from app.files.provenance import digests
 from app.gui.work.opening import request_of
+from app.runs.clip_selection import ClipPart
 from app.runs.progress_log import EMPTY_LOG, TrainingLog, told
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.run_lock import holder
@@ -147,7 +149,17 @@ def run_model(request: ModelRequest) -> Iterator[Scene]:
     """Answers a ModelRequest; of a finished run the file of its model is read for its digest."""
     run = request.run
     folder = RunFolder(run.run_path)
-    yield run_scene(folder, request.model, request.clip, run.config, run.part, request.training)
+    footage, part = _footage(folder, request)
+    yield run_scene(folder, request.model, footage, run.config, part, request.training)
+
+
+def _footage(folder: RunFolder, request: ModelRequest) -> tuple[Clip | RunRecord, ClipPart]:
+    """What the model is seen through: of a clip whose poses training estimated, the run's record."""
+    with suppress(OSError, UserError):
+        record = folder.record()
+        if record.clip.poses is not None:
+            return record, record.clip.part
+    return request.clip, request.run.part
 
 
 @dataclass(frozen=True, eq=False)

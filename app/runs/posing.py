@@ -1,0 +1,104 @@
+"""Camera poses that a clip lacks: found where its camera moves and it has depth, else left out, and said."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass, replace
+
+from app.runs.clip_selection import ClipPart
+from app.runs.preparing import told_meanwhile
+from app.runs.run_folder import PosesRecord
+from renderer.camera_motion import POSES_MISSING, camera_motion, contradicted
+from renderer.clip import Clip
+from renderer.poses.search import FoundPoses, PosesError, find_poses
+from renderer.train.config import TrainConfig
+from renderer.train.events import Omission, Preparing
+
+STAGE = "estimating camera poses"
+_NAMED = 3
+"""Frames without a pose that are named, of more."""
+FIXED = Omission(
+    "camera poses", "no motion of the camera was found", "following features through all frames", "poses"
+)
+REFUSED = replace(FIXED, why="as requested", part=None)
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """A clip that is ready for training as far as its cameras go."""
+
+    clip: Clip
+    """The part that has poses; the very same clip where none were estimated."""
+    poses: PosesRecord | None = None
+    part: tuple[int, int] | None = None
+    """First and last frame of the clip that it was made of; None: all of them."""
+    notices: tuple[str, ...] = ()
+    omitted: tuple[Omission, ...] = ()
+
+
+def posed(clip: Clip, config: TrainConfig) -> Generator[Preparing, None, Posed]:
+    """Looks for a motion of the camera, and follows it where there is one and depth says how far it goes.
+
+    Raises ClipError: a frame cannot be read.
+    """
+    moves = yield from told_meanwhile("checking for camera motion", lambda _: camera_motion(clip))
+    omitted = left_out(clip, config, moves)
+    if omitted or not _may_be_posed(clip):
+        return Posed(clip, notices=(contradicted(moves),) if moves else (), omitted=omitted)
+    try:
+        found = yield from told_meanwhile(STAGE, lambda tell: find_poses(clip, tell))
+    except PosesError as error:
+        return Posed(clip, notices=(f"{contradicted(moves) if moves else POSES_MISSING}: {error}",))
+    return _of(clip, found)
+
+
+def left_out(clip: Clip, config: TrainConfig, moves: str | None) -> tuple[Omission, ...]:
+    """The search for poses, where the clip needs none or it is refused; nothing of clips that allow none."""
+    if not _may_be_posed(clip):
+        return ()
+    if "poses" in config.leave_out:
+        return (REFUSED,)
+    return () if moves or "poses" in config.keep else (FIXED,)
+
+
+def _may_be_posed(clip: Clip) -> bool:
+    """It lacks poses and has depth; a guess of that differs in scale from frame to frame."""
+    return (
+        clip.camera_is_fixed
+        and len(clip) > 1
+        and clip.has_depth
+        and (clip.depth_origin not in ("monocular", "brightness"))
+    )
+
+
+def _of(clip: Clip, found: FoundPoses) -> Posed:
+    record = PosesRecord(residuals=found.residuals, points=found.points, lost=found.lost)
+    whole = (found.first, found.last) == (0, len(clip) - 1)
+    held = clip if whole else clip.between(found.first, found.last)
+    part = None if whole else (found.first, found.last)
+    return Posed(held.through(found.cameras), record, part, tuple(_notices(clip, found)))
+
+
+def _notices(clip: Clip, found: FoundPoses) -> list[str]:
+    residuals = sorted(each for each in found.residuals if each is not None)
+    typical, most = residuals[len(residuals) // 2], residuals[-1]
+    said = [
+        f"camera poses are estimated: points lie {typical:.1f} px (median) from where they are expected, "
+        f"{most:.1f} px in the worst frame; what all of the tissue does together counts as camera motion"
+    ]
+    if len(found.cameras) < len(clip):
+        held = f"frames {found.first + 1} to {found.last + 1} of {len(clip)}"
+        said.append(f"only {held} are reconstructed, the longest part with camera poses")
+    if found.lost:
+        named = "; ".join(f"{clip.labels[each.frame]} ({each.why})" for each in found.lost[:_NAMED])
+        more = f" and {len(found.lost) - _NAMED} more" if len(found.lost) > _NAMED else ""
+        said.append(f"frames without a camera pose of their own: {named}{more}")
+    return said
+
+
+def within_whole(asked: ClipPart, part: tuple[int, int] | None) -> ClipPart:
+    """What was asked for, narrowed to a part of that."""
+    if part is None:
+        return asked
+    start = asked.first or 0
+    return replace(asked, trim=(start + part[0], start + part[1]))

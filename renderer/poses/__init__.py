@@ -1,0 +1,1 @@
+"""Camera poses from the frames of a clip with depth."""

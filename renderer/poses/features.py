@@ -1,0 +1,50 @@
+"""Features of the tissue, and where they are in other pictures."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+
+from renderer.camera import FloatArray
+from renderer.clip import BoolImage, ByteImage
+from renderer.poses.pictures import Picture
+
+_QUALITY = 0.01
+_CLOSING = 0.7
+"""px between a feature and where tracking it there and back ends."""
+
+
+def found_features(picture: Picture, taken: FloatArray, most: int, apart: float) -> FloatArray:
+    """(N, 2) column and row of at most so many corners (Shi and Tomasi, 1994), `apart` px from each other
+    and from those that are `taken` (M, 2)."""
+    free = picture.usable.astype(np.uint8)
+    for x, y in np.floor(taken).astype(int):
+        cv2.circle(free, (int(x), int(y)), round(apart), (0,), cv2.FILLED)
+    if most < 1:
+        return np.zeros((0, 2))
+    found: Any = cv2.goodFeaturesToTrack(picture.grey, most, _QUALITY, apart, mask=free)
+    return np.zeros((0, 2)) if found is None else found[:, 0].astype(np.float64) + 0.5
+
+
+def followed(
+    before: ByteImage, after: ByteImage, places: FloatArray, guess: FloatArray, window: int, levels: int = 3
+) -> tuple[FloatArray, BoolImage]:
+    """Where features (N, 2) of one picture are in another, looked for near `guess` (N, 2), and where that is
+    certain (Lucas and Kanade, 1981, in OpenCV; there and back)."""
+    if not len(places):
+        return places, np.zeros(0, dtype=bool)
+    start, near = ((each - 0.5).astype(np.float32)[:, None] for each in (places, guess))
+    options: dict[str, Any] = {
+        "winSize": (window, window), "maxLevel": levels, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW,
+        "criteria": (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 0.003),
+    }  # fmt: skip
+    there, found, _ = cv2.calcOpticalFlowPyrLK(before, after, start, near.copy(), **options)
+    back, found_back, _ = cv2.calcOpticalFlowPyrLK(after, before, there, start.copy(), **options)
+    apart = np.linalg.norm((back - start)[:, 0], axis=1)
+    moved = there[:, 0].astype(np.float64) + 0.5
+    height, width = after.shape
+    inside = ((moved > 0) & (moved < (width, height))).all(axis=1)
+    certain = (found[:, 0] > 0) & (found_back[:, 0] > 0) & (apart < _CLOSING) & inside
+    return moved, np.asarray(certain)

@@ -1,0 +1,127 @@
+"""The path of a camera that moves, from the frames of a clip with depth; where that fails, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from renderer.camera import Camera, FloatArray
+from renderer.clip import Clip, Frame
+from renderer.poses.between import between
+from renderer.poses.lost_frame import LostFrame
+from renderer.poses.pictures import Picture, picture_of, small_lens
+from renderer.poses.rigid_motion import inverse
+from renderer.poses.settling import apart, settled
+from renderer.poses.tracking import Lost, Tracker
+
+MOST_BRIDGED: Final = 5
+"""Frames in a row without a pose, as of smoke or a wiped lens, that a part goes on behind."""
+SHORTEST: Final = 8
+"""Frames of a part that is worth a reconstruction."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundPoses:
+    """Of the longest part of a clip through which the camera was followed."""
+
+    first: int
+    """Frame of the clip at which the part begins; its camera is the identity."""
+    cameras: tuple[Camera, ...]
+    """One a frame of the part."""
+    residuals: tuple[float | None, ...]
+    """Median distance in px between points as seen and as expected; None: between two others, see `lost`."""
+    points: tuple[int, ...]
+    """That agree with the pose."""
+    lost: tuple[LostFrame, ...]
+    """Of the whole clip."""
+
+    @property
+    def last(self) -> int:
+        return self.first + len(self.cameras) - 1
+
+
+class PosesError(Exception):
+    """No part of the clip shows where its camera was: the text says why."""
+
+
+def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total: None) -> FoundPoses:
+    """Poses of a clip whose one camera is of all frames, from features on the tissue and their depth.
+
+    The world is the first camera of the part, in the clip's unit. What moves with the tissue as a
+    whole, such as breathing that all of the view follows, is in the poses: nothing tells it apart.
+    `tell` is called with how many frames are done, and of how many.
+
+    Raises:
+        PosesError: no part of SHORTEST frames.
+        ClipError: a frame cannot be read.
+    """
+    lens = small_lens(clip.cameras[0])
+    parts, lost, unit = _followed(clip, lens, tell)
+    whole = max(parts, key=lambda part: part.views[-1].frame - part.views[0].frame, default=None)
+    if whole is None or whole.views[-1].frame - whole.views[0].frame + 1 < SHORTEST:
+        why = max((each.why for each in lost), key=[each.why for each in lost].count, default="")
+        raise PosesError(f"the camera could not be followed through {SHORTEST} frames{why and ': ' + why}")
+    done = settled(whole)
+    back = inverse(done.views[0].pose)
+    poses = {view.frame: _in_unit(view.pose @ back, unit) for view in done.views}
+    shrink = clip.cameras[0].width / lens.width
+    residuals, points = dict[int, float](), dict[int, int]()
+    for view in done.views:
+        off = np.linalg.norm(apart(lens, done.points, view)[:, :2], axis=1)
+        residuals[view.frame] = shrink * float(np.median(off))
+        points[view.frame] = int(view.inliers.sum())
+    first, last = done.views[0].frame, done.views[-1].frame
+    path = [poses[at] if at in poses else between(poses, at) for at in range(first, last + 1)]
+    return FoundPoses(
+        first=first,
+        cameras=tuple(clip.cameras[0].moved(pose) for pose in path),
+        residuals=tuple(residuals.get(at) for at in range(first, last + 1)),
+        points=tuple(points.get(at, 0) for at in range(first, last + 1)),
+        lost=tuple(lost),
+    )
+
+
+def _followed(
+    clip: Clip, lens: Camera, tell: Callable[[int, int], None]
+) -> tuple[list[Tracker], list[LostFrame], float]:
+    parts, lost, unit = list[Tracker](), list[LostFrame](), 0.0
+    now: Tracker | None = None
+    for index in range(len(clip)):
+        tell(index, len(clip))
+        frame = clip.read_frame(index)
+        unit = unit or _typical(frame)
+        picture = picture_of(frame, lens, unit or 1.0)
+        try:
+            if now is not None and index - now.views[-1].frame > MOST_BRIDGED + 1:
+                now = None
+            if now is None:
+                now = _begun(lens, picture)
+                parts.append(now)
+            else:
+                now.follow(picture)
+        except Lost as reason:
+            lost.append(LostFrame(index, str(reason)))
+    return parts, lost, unit or 1.0
+
+
+def _begun(lens: Camera, picture: Picture) -> Tracker:
+    """Raises Lost."""
+    tracker = Tracker(lens)
+    tracker.begin(picture)
+    return tracker
+
+
+def _typical(frame: Frame) -> float:
+    """The median depth; 0 without any."""
+    if frame.depth is None or not frame.depth_mask.any():
+        return 0.0
+    return float(np.median(frame.depth[frame.depth_mask]))
+
+
+def _in_unit(pose: FloatArray, unit: float) -> FloatArray:
+    scaled = pose.copy()
+    scaled[:3, 3] *= unit
+    return scaled

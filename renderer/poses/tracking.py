@@ -1,0 +1,189 @@
+"""Frame by frame, where the camera is against the points that its keyframes have shown so far."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.camera import Camera, FloatArray
+from renderer.clip import BoolImage, ByteImage
+from renderer.poses.features import followed, found_features
+from renderer.poses.pictures import Picture, sampled_inverse
+from renderer.poses.resection import FEWEST, Resected, by_chance, resected
+from renderer.poses.rigid_motion import Seen, inverse, lifted, local, projected
+
+IntArray = NDArray[np.int64]
+PIXEL_NOISE: Final = 0.5
+"""px: standard deviation of where a feature is found, before it is measured."""
+DEPTH_NOISE: Final = 0.02
+"""Of the inverse depth at the typical distance, before it is measured."""
+_FEATURES = 600
+_APART = 1 / 80
+"""Of the width, between features."""
+_WINDOW = 21  # px
+_KEPT = 0.7
+"""Share of a keyframe's features below which the next one is made."""
+_FAR = 0.08
+"""Of the width: features that moved farther look different, and the next keyframe is made."""
+_MOST_MISFIT = 0.015
+"""Of the width: half of the points moved by more on their own."""
+_LATEST = 10
+"""Frames after which the next keyframe is made in any case."""
+_OLD_KEYFRAMES = 6
+"""In which lost points are looked up."""
+_ASTRAY = 1 / 20
+"""Of the width, between a point found again and where the pose has it."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What one frame shows of the points."""
+
+    frame: int
+    pose: FloatArray
+    """(4, 4), camera from world, lengths in the search's unit."""
+    ids: IntArray
+    """(N,) which points."""
+    seen: Seen
+    inliers: BoolImage
+    """(N,)."""
+
+
+@dataclass(eq=False)
+class _Points:
+    """All points of a part so far: grows."""
+
+    where: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    key: IntArray = field(default_factory=lambda: np.zeros(0, np.int64))
+    """The keyframe that first showed each, by its number."""
+    places: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    """Where, in px."""
+
+    def add(self, where: FloatArray, key: int, places: FloatArray) -> IntArray:
+        ids = np.arange(len(self.where), len(self.where) + len(where))
+        self.where = np.concatenate([self.where, where])
+        self.key = np.concatenate([self.key, np.full(len(where), key)])
+        self.places = np.concatenate([self.places, places])
+        return ids
+
+
+class Lost(Exception):
+    """A frame has no pose: the text says why."""
+
+
+class Tracker:
+    """One part of a clip in which each frame follows from those before it."""
+
+    def __init__(self, lens: Camera) -> None:
+        self.lens = lens
+        self.points = _Points()
+        self.views: list[View] = []
+        self.keys: list[int] = []
+        """Of the views, which are keyframes."""
+        self._greys: list[ByteImage] = []
+        self._previous: ByteImage | None = None
+        self._ids = np.zeros(0, np.int64)
+        """Of the newest keyframe's features, those still followed: their points; where they are in it, and in
+        the frame before; how many there were."""
+        self._in_key = self._now = np.zeros((0, 2))
+        self._of_key = 0
+
+    def begin(self, picture: Picture) -> None:
+        """Raises Lost: the frame shows too few points with depth."""
+        self._open_keyframe(picture, np.eye(4), np.zeros(0, np.int64), np.zeros((0, 2)))
+        self._previous = picture.grey
+        if len(self._ids) < FEWEST:
+            raise Lost(f"{len(self._ids)} points with depth")
+        self.views[-1] = View(
+            picture.index, np.eye(4), *self._observed(picture), np.ones(len(self._ids), bool)
+        )
+
+    def follow(self, picture: Picture) -> None:
+        """Raises Lost: no pose of this frame agrees with what came before; the next one may be tried."""
+        assert self._previous is not None
+        there, certain = followed(self._previous, picture.grey, self._now, self._now, _WINDOW)
+        there, firm = followed(self._greys[-1], picture.grey, self._in_key, there, _WINDOW, levels=1)
+        kept = np.flatnonzero(certain & firm & _at(picture.usable, there))
+        if len(kept) < FEWEST:
+            raise Lost(f"{len(kept)} points followed")
+        ids, in_key, now = self._ids[kept], self._in_key[kept], there[kept]
+        seen = observed(picture, now)
+        where = self.points.where[ids]
+        starts = [self.views[-1].pose, *by_chance(self.lens, where, seen)]
+        found = resected(self.lens, where, seen, starts)
+        if found.misfit > _MOST_MISFIT * self.lens.width / PIXEL_NOISE:
+            raise Lost(f"half of {len(ids)} points are {found.misfit * PIXEL_NOISE:.1f} px off")
+        self._ids, self._in_key, self._now, self._previous = ids, in_key, now, picture.grey
+        self.views.append(View(picture.index, found.pose, ids, seen, found.inliers))
+        moved = np.median(np.linalg.norm(now - in_key, axis=1))
+        late = len(self.views) - self.keys[-1] > _LATEST
+        if late or len(ids) < _KEPT * self._of_key or moved > _FAR * self.lens.width:
+            self._renew(picture, found)
+
+    def _observed(self, picture: Picture) -> tuple[IntArray, Seen]:
+        return self._ids, observed(picture, self._now)
+
+    def _renew(self, picture: Picture, found: Resected) -> None:
+        """The frame becomes a keyframe: what it shows beside what was followed is found."""
+        ids, now = self._ids[found.inliers], self._now[found.inliers]
+        old, places = self._found_again(picture, found.pose, ids)
+        self.views.pop()
+        self._open_keyframe(picture, found.pose, np.r_[ids, old], np.concatenate([now, places]))
+        seen = observed(picture, self._now)
+        self.views[-1] = View(picture.index, found.pose, self._ids, seen, np.ones(len(self._ids), bool))
+
+    def _open_keyframe(self, picture: Picture, pose: FloatArray, ids: IntArray, places: FloatArray) -> None:
+        fresh = found_features(picture, places, _FEATURES - len(ids), _APART * self.lens.width)
+        nearness = sampled_inverse(picture, fresh)
+        fresh, nearness = fresh[nearness > 0], nearness[nearness > 0]
+        where = lifted(self.lens, np.c_[fresh, nearness])
+        back = inverse(pose)
+        new = self.points.add(local(back, where), len(self._greys), fresh)
+        self._ids, self._now = np.r_[ids, new], np.concatenate([places, fresh])
+        self._in_key, self._of_key = self._now, len(self._ids)
+        self.keys.append(len(self.views))
+        self._greys.append(picture.grey)
+        self.views.append(
+            View(picture.index, pose, self._ids, observed(picture, self._now), np.ones(0, bool))
+        )
+
+    def _found_again(
+        self, picture: Picture, pose: FloatArray, known: IntArray
+    ) -> tuple[IntArray, FloatArray]:
+        """Points that were lost on the way and are in view again: this keeps drift small."""
+        places = local(pose, self.points.where)
+        expected = projected(self.lens, places)
+        looked = _at(picture.usable, expected[:, :2]) & (places[:, 2] > 0)
+        looked[known] = False
+        per_key = np.bincount(self.points.key[looked], minlength=len(self._greys))
+        found, where = [np.zeros(0, np.int64)], [np.zeros((0, 2))]
+        for key in np.argsort(-per_key, kind="stable")[:_OLD_KEYFRAMES]:
+            ids = np.flatnonzero(looked & (self.points.key == key))
+            guess = expected[ids, :2]
+            there, certain = followed(
+                self._greys[key], picture.grey, self.points.places[ids], guess, _WINDOW, levels=2
+            )
+            near = np.linalg.norm(there - guess, axis=1) < _ASTRAY * self.lens.width
+            good = certain & near & _at(picture.usable, there)
+            found.append(ids[good])
+            where.append(there[good])
+        return np.concatenate(found), np.concatenate(where)
+
+
+def observed(picture: Picture, places: FloatArray) -> Seen:
+    """What the picture measures at (N, 2) px, with the noise that is assumed first."""
+    nearness = sampled_inverse(picture, places)
+    pixel = np.full(len(places), 1 / PIXEL_NOISE)
+    depth = np.where(nearness > 0, 1 / DEPTH_NOISE, 0.0)
+    return Seen(np.c_[places, nearness], np.stack([pixel, pixel, depth], axis=1))
+
+
+def _at(usable: BoolImage, places: FloatArray) -> BoolImage:
+    """Whether (N, 2) px lie on usable tissue; not outside the picture."""
+    height, width = usable.shape
+    x, y = np.floor(np.clip(places, -1, max(height, width))).astype(np.int64).T
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    return np.asarray(inside & usable[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)])

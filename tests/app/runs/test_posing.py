@@ -1,0 +1,98 @@
+"""Training estimates the camera poses that a clip lacks, and everything after it uses them."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from app.evaluation.evaluate import open_evaluation
+from app.gui.work.opening import OpenRequest, open_path
+from app.runs.run_folder import RunFolder, run_clip
+from app.runs.train_run import TrainRequest, run_training
+from renderer.phantom import PhantomParams, write_phantom
+from renderer.train.config import TrainConfig
+from renderer.train.events import Started, Warned
+
+CONFIG = TrainConfig(iterations=4, n_gaussians=500)
+
+
+@pytest.fixture(scope="module")
+def moving(tmp_path_factory):
+    """A clip whose camera moves and whose poses say that it does not."""
+    path = tmp_path_factory.mktemp("moving") / "clip"
+    write_phantom(
+        path, PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
+    )
+    bounds = np.load(path / "poses_bounds.npy")
+    np.save(path / "poses_bounds.npy", np.repeat(bounds[:1], len(bounds), axis=0))
+    return path
+
+
+@pytest.fixture(scope="module")
+def trained(moving):
+    events = list(run_training(TrainRequest(clip_path=moving, run_path=moving.parent / "run", config=CONFIG)))
+    return RunFolder(moving.parent / "run"), events
+
+
+def test_poses_are_recorded_with_how_well_they_fit(trained):
+    record = trained[0].record()
+    assert len({camera.position.tobytes() for camera in record.cameras}) == 12
+    assert max(each for each in record.clip.poses.residuals if each is not None) < 1
+    said = [event.message for event in trained[1] if isinstance(event, Warned)]
+    assert any("camera poses are estimated" in message for message in said)
+
+
+def test_evaluation_and_the_window_see_through_them(trained):
+    run = trained[0]
+    cameras = run.record().cameras
+    assert run_clip(run.record()).read_frame(7).camera == cameras[7]
+    assert open_evaluation(run.path).clip.cameras == cameras
+    *_, opened = open_path(OpenRequest(run.path))
+    assert opened.clip.cameras == cameras
+    assert opened.run.model.is_of(opened.clip)
+
+
+def test_a_run_resumes_with_the_poses_that_it_began_with(moving, tmp_path):
+    request = TrainRequest(clip_path=moving, run_path=tmp_path / "run", config=CONFIG)
+    events = run_training(request)
+    next(event for event in events if isinstance(event, Started))
+    events.close()
+    before = RunFolder(request.run_path).record()
+    list(run_training(replace(request, resume=True)))
+    assert RunFolder(request.run_path).record() == before
+    assert before.clip.poses is not None
+
+
+def test_poses_can_be_refused_and_are_left_out_where_the_camera_is_fixed(moving, tmp_path):
+    refused = replace(CONFIG, leave_out=("poses",))
+    events = list(run_training(TrainRequest(clip_path=moving, run_path=tmp_path / "refused", config=refused)))
+    assert any("poses are missing" in event.message for event in events if isinstance(event, Warned))
+    assert RunFolder(tmp_path / "refused").record().clip.poses is None
+
+    write_phantom(tmp_path / "still", PhantomParams(n_frames=10, width=64, height=48))
+    events = run_training(
+        TrainRequest(clip_path=tmp_path / "still", run_path=tmp_path / "run", config=CONFIG)
+    )
+    started = next(event for event in events if isinstance(event, Started))
+    events.close()
+    assert ("camera poses", "no motion of the camera was found") in {(o.what, o.why) for o in started.omitted}
+
+
+def test_the_part_that_holds_is_what_is_trained_on(moving, tmp_path):
+    """Frames without anything to follow at the start are left out."""
+    clip = tmp_path / "clip"
+    shutil.copytree(moving, clip)
+    for image in sorted((clip / "images").iterdir())[:2]:
+        Image.fromarray(np.zeros((128, 160, 3), np.uint8)).save(image)
+    config = replace(CONFIG, keep=("poses",))
+    request = TrainRequest(clip_path=clip, run_path=tmp_path / "run", config=config)
+    list(run_training(request))
+    record = RunFolder(request.run_path).record()
+    assert record.clip.part.trim == (2, 11)
+    assert record.clip.frames == len(run_clip(record)) == 10
+    assert [each.frame for each in record.clip.poses.lost] == [0, 1]
+    list(run_training(replace(request, resume=True)))
