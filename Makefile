@@ -19,14 +19,14 @@ demo: $(VENV)/.prepared
 app: $(VENV)/.prepared
 	$(BIN)/vesselsplat
 
-test: $(VENV)/.installed-test lint
-	$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder
+LINT = $(BIN)/ruff format --check . && $(BIN)/ruff check . && $(BIN)/mypy && $(BIN)/lint-imports
+
+# Both at once: the suite leaves a core idle for most of the time.
+test: $(VENV)/.installed-test
+	($(LINT)) & $(BIN)/python -m pytest && wait $$!
 
 lint: $(VENV)/.installed-test
-	$(BIN)/ruff format --check .
-	$(BIN)/ruff check .
-	$(BIN)/mypy
-	$(BIN)/lint-imports
+	$(LINT)
 
 format: $(VENV)/.installed-test
 	$(BIN)/ruff format .

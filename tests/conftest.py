@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from typing import Any
 
 import moderngl
 import pytest
@@ -21,14 +20,6 @@ settings.load_profile("compiling")
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Windows first: X ends a process that has had a context without a window, and then opens one."""
     items.sort(key=lambda item: item.get_closest_marker("display") is None)
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> object:
-    """Asked where several processes share the suite, as `make test` has it."""
-    from tests.shared_suite import WindowsInOne
-
-    return WindowsInOne(config, log)
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

@@ -59,7 +59,7 @@ def test_a_run_takes_longer_in_all_than_its_steps(
     clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Work before the first step counts, and a run that goes on adds to what it took before."""
-    monkeypatch.setattr("app.runs.train_run.camera_notice", lambda _: time.sleep(0.4))
+    monkeypatch.setattr("app.runs.posing.camera_motion", lambda _: time.sleep(0.4))
     run = RunFolder(tmp_path / "run")
     for event in run_training(request_of(clip_path, run.path)):
         if isinstance(event, Progress):
