@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
+from renderer.poses.pictures import trackable
 from renderer.readers.rigid import rigid_fit
 
 PICTURE_SHIFT = 0.05
@@ -27,21 +28,14 @@ _MOMENTS = 13
 _FEATURES = 300
 _KEPT = 0.25  # Of the features, or the tracks say nothing.
 _FEWEST = 20
-_DARK, _BRIGHT = 25, 245  # Grey levels of a black surround, and of highlights, which follow the lamp.
 _CLOSING = 1.0  # px between a feature and where tracking it there and back ends.
 
 
 POSES_MISSING = "camera poses are missing"
 
 
-def camera_notice(clip: Clip) -> str | None:
-    """A sentence when the pictures contradict a fixed camera, see `camera_motion`. Raises ClipError."""
-    moves = camera_motion(clip)
-    return None if moves is None else contradicted(moves)
-
-
 def contradicted(moves: str) -> str:
-    """That sentence, of what moves."""
+    """The sentence that says so of a clip with one camera; `moves`: by `camera_motion`."""
     return f"the clip has a fixed camera, but {moves}: {POSES_MISSING}"
 
 
@@ -95,22 +89,9 @@ class _Moment:
 
 
 def _moment(frame: Frame, has_scale: bool) -> _Moment:
-    width, height = _WIDTH, max(1, round(frame.camera.height * _WIDTH / frame.camera.width))
-    small = cv2.resize(frame.image, (width, height), interpolation=cv2.INTER_AREA)
-    grey = cv2.cvtColor(small, cv2.COLOR_RGB2GRAY)
-    mask = cv2.resize(frame.tissue_mask.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
-    lit = (mask > 0) & (grey > _DARK) & (grey < _BRIGHT)
-    usable = cv2.erode(lit.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0
+    size = _WIDTH, max(1, round(frame.camera.height * _WIDTH / frame.camera.width))
     depth = frame.depth if has_scale else None
-    return _Moment(_evened(grey), np.asarray(usable), frame.camera.resized(width, height), depth)
-
-
-def _evened(grey: NDArray[Any]) -> ByteImage:
-    """Local mean and deviation taken out: the lamp moves with the camera, its light is no texture."""
-    level = grey.astype(np.float32)
-    mean = cv2.GaussianBlur(level, (0, 0), 10)
-    spread = np.sqrt(cv2.GaussianBlur((level - mean) ** 2, (0, 0), 10)) + 4
-    return np.asarray(np.clip(128 + 40 * (level - mean) / spread, 0, 255), dtype=np.uint8)
+    return _Moment(*trackable(frame, size), frame.camera.resized(*size), depth)
 
 
 def _tracks(moments: list[_Moment]) -> FloatArray:

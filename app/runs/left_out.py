@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Final
 
 from app.runs import dark_surround, unmasked_tools
 from app.runs.clip_selection import ClipPart
 from renderer.clip import Frame
 from renderer.train.config import Part
 from renderer.train.events import Omission
+
+BEFORE: Final[tuple[Part, ...]] = ("surround", "tools")
+"""Parts that `with_found` decides on."""
 
 
 def with_found(

@@ -45,17 +45,21 @@ def small_lens(camera: Camera) -> Camera:
 def picture_of(frame: Frame, lens: Camera, unit: float) -> Picture:
     """The frame at the lens's size; depth in `unit`."""
     size = (lens.width, lens.height)
+    return Picture(frame.index, *trackable(frame, size), _inverse(frame, size, unit))
+
+
+def trackable(frame: Frame, size: tuple[int, int]) -> tuple[ByteImage, BoolImage]:
+    """The frame at `size` (width, height), grey and of even brightness and contrast, and what of it is lit
+    tissue away from its border: (h, w) each."""
     image = cv2.resize(frame.image, size, interpolation=cv2.INTER_AREA)
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     mask = cv2.resize(frame.tissue_mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
     lit = ((mask > 0) & (grey > _DARK) & (grey < _BRIGHT)).astype(np.uint8)
     usable = cv2.erode(lit, np.ones((_BORDER, _BORDER), np.uint8)) > 0
-    return Picture(
-        frame.index, evened(grey, lens.width / 32), np.asarray(usable), _inverse(frame, size, unit)
-    )
+    return _evened(grey, size[0] / 32), np.asarray(usable)
 
 
-def evened(grey: NDArray[Any], reach: float) -> ByteImage:
+def _evened(grey: NDArray[Any], reach: float) -> ByteImage:
     """Local mean and deviation taken out: the lamp moves with the camera, its light is no texture."""
     level = grey.astype(np.float32)
     mean = cv2.GaussianBlur(level, (0, 0), reach)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from renderer.clip import ByteImage, ClipError
+from renderer.readers.byte_levels import in_bytes
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.dicom.header import read_header
 from renderer.readers.dicom.pixels import read_pixels, whole_frames
@@ -44,9 +45,7 @@ class DicomVideo:
     def read(self, index: int) -> ByteImage:
         """(H, W, 3) RGB. Raises ClipError when the frame is damaged."""
         stored = read_pixels(self._path, self._header, range(len(self))[index])
-        if stored.dtype.itemsize > 1:
-            stored = (stored.astype(np.uint32) + 128) // 257
-        byte = stored.astype(np.uint8)
+        byte = in_bytes(stored) if stored.dtype.itemsize > 1 else stored.astype(np.uint8)
         return np.repeat(byte[:, :, None], 3, axis=2) if byte.ndim == 2 else byte
 
     def _oddities(self) -> list[str]:

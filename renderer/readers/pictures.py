@@ -15,6 +15,7 @@ from PIL import ExifTags, Image, ImageFile, ImageOps, UnidentifiedImageError
 
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
+from renderer.readers.byte_levels import in_bytes
 from renderer.readers.dicom.header import Kind, dicom_kind
 from renderer.readers.dicom.opening import SUFFIXES as DICOM
 from renderer.readers.dicom.opening import has_pydicom
@@ -136,7 +137,7 @@ def read_rgb(path: Path) -> ByteImage:
     grey = read_stored(path)
     if grey.dtype.kind == "f" or grey.min() < 0 or grey.max() > 65535:
         raise ClipError(f"expected an image of 8 or 16 bits, got {grey.dtype} values: {path}")
-    byte = ((grey.astype(np.uint32) + 128) // 257).astype(np.uint8)
+    byte = in_bytes(grey)
     return np.repeat(byte[:, :, None], 3, axis=2)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from renderer.clip import ClipError
 from renderer.pyav_presence import has_pyav
 from renderer.readers.clip_options import StereoLayout
-from renderer.readers.dicom.header import read_header
+from renderer.readers.dicom.header import DicomHeader, read_header
 from renderer.readers.dicom.opening import is_dicom
 
 
@@ -34,16 +34,15 @@ class VideoHeader:
 
 def read_video_header(path: Path) -> VideoHeader:
     """Raises ClipError: the file is no video, or its path is not UTF-8, which the decoder cannot take."""
-    if is_dicom(path) and not read_header(path).is_stream:
-        return _of_frames(path)
+    if is_dicom(path) and not (told := read_header(path)).is_stream:
+        return _of_frames(told)
     return _by_pyav(path) if has_pyav() else _by_opencv(path)
 
 
-def _of_frames(path: Path) -> VideoHeader:
+def _of_frames(told: DicomHeader) -> VideoHeader:
     """Of a DICOM object that holds its frames one by one."""
     from pydicom.uid import UID
 
-    told = read_header(path)
     rate = told.frames_per_second
     seconds = told.frames / rate if rate else None
     kind = UID(told.transfer_syntax).name

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from renderer.camera_motion import camera_notice
+from renderer.camera_motion import camera_motion, contradicted
 from renderer.clip import Clip, Frame
 from renderer.phantom import Phantom, PhantomParams
 from renderer.readers.frames import open_images
@@ -59,6 +59,11 @@ def clip_of(scene: Phantom, *, said_fixed: bool = True, has_depth: bool = True) 
         has_depth=has_depth,
         unit="mm",
     )
+
+
+def camera_notice(clip: Clip) -> str | None:
+    moves = camera_motion(clip)
+    return None if moves is None else contradicted(moves)
 
 
 @pytest.mark.parametrize("tissue", ["moving", "static"])

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import get_args
 
 from app.runs.clip_selection import WHOLE, ClipPart
-from app.runs.left_out import left_out_of, with_found
+from app.runs.left_out import BEFORE, left_out_of, with_found
 from app.runs.posing import left_out
 from renderer.camera_motion import camera_motion
-from renderer.clip import Clip
+from renderer.clip import Clip, Frame
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission
 
@@ -68,9 +69,14 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
     )
     moves = camera_motion(at_hand)
 
-    def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:
+    @cache
+    def seen(keep: tuple[Part, ...]) -> tuple[ClipPart, FrameStore[Frame]]:
+        """What of the frames training sees, and the frames so."""
         part = with_found(WHOLE, frames.__getitem__, range(len(frames)), keep)
-        bare = frames if part == WHOLE else FrameStore.of(map(part.cleared, frames))
+        return part, frames if part == WHOLE else FrameStore.of(map(part.cleared, frames))
+
+    def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:
+        part, bare = seen(tuple(each for each in keep if each in BEFORE))
         asked = replace(config, keep=keep)
         return (*left_out_of(part)[0], *left_out(clip, asked, moves), *decide(clip, bare, asked).omitted)
 

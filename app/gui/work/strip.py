@@ -105,8 +105,8 @@ class LeftOut:
 
 def left_out(request: LeftOutRequest) -> Iterator[LeftOut]:
     """Raises ClipError."""
-    frame = request.clip.read_frame(request.frame_index)
-    others = sorted({0, request.frame_index, len(request.clip) - 1})
-    found = with_found(WHOLE, request.clip.read_frame, others, ())
-    tissue = found.cleared(frame).tissue_mask
+    looked_at = sorted({0, request.frame_index, len(request.clip) - 1})
+    frames = {index: request.clip.read_frame(index) for index in looked_at}
+    found = with_found(WHOLE, frames.__getitem__, looked_at, ())
+    tissue = found.cleared(frames[request.frame_index]).tissue_mask
     yield LeftOut(request, ~(tissue & request.mask.kept(tissue.shape)))

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 from PIL import Image, ImageFile
 
 from renderer.clip import ClipError
+from renderer.readers.byte_levels import in_bytes
 from renderer.readers.dicom.header import read_header
 from renderer.readers.dicom.pixels import read_pixels
 
@@ -44,7 +44,7 @@ class DicomStill(ImageFile.ImageFile):
         if not self._is_loaded:
             stored = read_pixels(self._path, self._header, 0)
             if stored.ndim == 3 and stored.dtype.itemsize > 1:
-                stored = ((stored.astype(np.uint32) + 128) // 257).astype(np.uint8)
+                stored = in_bytes(stored)
             picture = Image.fromarray(stored)
             self._mode, self.im = picture.mode, picture.im
             self._is_loaded = True

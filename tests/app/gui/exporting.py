@@ -78,3 +78,17 @@ class Exporter:
 
 def same(path: Path, *sources: Path) -> bool:
     return replay(path, sources, path.with_name(f"again{path.suffix}")).difference.is_none
+
+
+def exported(run: Exporter, what: What) -> Path:
+    """As the button in the panel does it."""
+    before = run.state.exports.count
+    export_actions.choose_what(run.state, what)
+    export_actions.start(run.state)
+    for _ in range(100):
+        run.turn(1)
+        if run.state.exports.count > before:
+            break
+    assert run.state.window.banner is None
+    assert run.state.exports.last is not None
+    return run.state.exports.last

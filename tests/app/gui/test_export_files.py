@@ -1,10 +1,7 @@
-"""Exports as files: names and folders, formats of images, models for other programs, the way to them."""
+"""Exports as files: names and folders, formats of images, models for other programs."""
 
 from __future__ import annotations
 
-import os
-import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +10,6 @@ import pytest
 import trimesh
 from imgui_bundle import imgui
 
-from app.errors import UserError
 from app.exports.browser.page import read_page
 from app.exports.browser.tracks import tracks_of
 from app.exports.exporting import ExportRequest, ImageSuffix, SplatSuffix, free_name
@@ -31,32 +27,16 @@ from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.work.naming import NameRequest
-from app.gui.work.revealing import RevealRequest, plain_environment, reveal, shown_by
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from renderer.camera_files import read_cameras
 from renderer.camera_path import CameraPath, Keyframe
 from renderer.splat_files import read_splats
 from tests.app.gui.conftest import outside
-from tests.app.gui.exporting import Exporter, same
+from tests.app.gui.exporting import Exporter, exported, same
 from tests.app.gui.test_session import opened_state
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.app.gui.ui import Ui
-
-
-def exported(run: Exporter, what: What) -> Path:
-    """As the button in the panel does it."""
-    before = run.state.exports.count
-    export_actions.choose_what(run.state, what)
-    export_actions.start(run.state)
-    for _ in range(100):
-        run.turn(1)
-        if run.state.exports.count > before:
-            break
-    assert run.state.window.banner is None
-    assert run.state.exports.last is not None
-    return run.state.exports.last
-
 
 # ---- names and folders
 
@@ -344,62 +324,6 @@ def test_the_encoder_is_asked_for_once_the_panel_is_shown(run: Exporter) -> None
     export_actions.toggle_export(run.state)
     run.turn()
     assert run.state.exports.encoder is not None
-
-
-# ---- shown in the folder
-
-
-def test_the_command_of_each_system(tmp_path: Path) -> None:
-    path = tmp_path / "a.png"
-    assert shown_by(path, "darwin") == ("open", "-R", str(path))
-    assert shown_by(path, "win32") == ("explorer", f"/select,{path}")
-    assert shown_by(path, "linux") == ("xdg-open", str(tmp_path))
-    assert shown_by(tmp_path, "linux") == ("xdg-open", str(tmp_path))
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="starts a program of a Linux desktop")
-def test_the_file_manager_is_started_and_trouble_is_one_line(
-    run: Exporter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    program = tmp_path / "bin" / "xdg-open"
-    program.parent.mkdir()
-    monkeypatch.setenv("PATH", f"{program.parent}{os.pathsep}/usr/bin{os.pathsep}/bin")
-    path = exported(run, "both panes")
-    monkeypatch.setattr("app.gui.work.revealing.which", lambda name: None)
-    export_actions.reveal(run.state)
-    run.turn()
-    assert run.state.window.banner is not None
-    assert run.state.window.banner.message.startswith("no file manager was found")
-    actions.dismiss(run.state)
-    monkeypatch.setattr("app.gui.work.revealing.which", lambda name: str(program))
-    program.write_text(f'#!/bin/sh\nprintf %s "$1" > {tmp_path}/seen\n')
-    program.chmod(0o755)
-    export_actions.reveal(run.state)
-    run.turn()
-    assert (tmp_path / "seen").read_text() == str(path.parent)
-    assert run.state.window.banner is None
-    program.write_text("#!/bin/sh\nexit 3\n")
-    with pytest.raises(UserError, match="no file manager"):
-        list(reveal(RevealRequest(path)))
-    # One that stays open is waited for by nobody.
-    program.write_text("#!/bin/sh\nsleep 1\n")
-    monkeypatch.setattr("app.gui.work.revealing.PATIENCE", 0.1)
-    began = time.monotonic()
-    steps = reveal(RevealRequest(path))
-    assert next(steps) == path
-    assert time.monotonic() - began < 0.9
-    assert list(steps) == []
-    path.unlink()
-    with pytest.raises(UserError, match="no longer"):
-        list(reveal(RevealRequest(path)))
-
-
-def test_programs_of_the_system_get_the_system_s_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
-    bundle = {"LD_LIBRARY_PATH": "/bundle", "LD_LIBRARY_PATH_ORIG": "/mine", "HOME": "/h"}
-    assert plain_environment(bundle)["LD_LIBRARY_PATH"] == "/mine"
-    assert plain_environment({"LD_LIBRARY_PATH": "/x"}) == {"LD_LIBRARY_PATH": "/x"}
-    monkeypatch.setattr(sys, "frozen", True, raising=False)
-    assert plain_environment({"LD_LIBRARY_PATH": "/bundle"}) == {}
 
 
 @pytest.mark.display
