@@ -52,7 +52,8 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Finishing, Progress, Snapshot, Started, TrainEvent, Warned
 from renderer.train.frame_store import nearest_folder
 from renderer.train.gradient_backend import GradientBackend
-from renderer.train.trainer import TrainingError, require_depth, train
+from renderer.train.trainer import TrainingError, require_depth
+from renderer.train.training import train
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""

@@ -21,7 +21,8 @@ from renderer.train.checkpoint import Checkpoint, checkpoint_paths, read_newest_
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
 from renderer.train.needs import Needs, decide
-from renderer.train.trainer import TrainingError, train
+from renderer.train.trainer import TrainingError
+from renderer.train.training import train
 from tests.renderer.plane import plane_clip
 
 Damage = Callable[[NDArray[Any]], NDArray[Any]]
