@@ -63,11 +63,13 @@ class WindowedMotion:
         return len(self.frames)
 
     def windows_at(self, time: float) -> tuple[int, ...]:
-        """The window of a time in [0, 1], or the two that overlap there, in the order of time."""
+        """The window of a time in [0, 1], the one before or else after it where there is none, or the two
+        that overlap there, in the order of time."""
         frame = self._frame(time)
         first, last = self.frames.T
         found = np.flatnonzero((first <= frame) & (frame <= last))
-        return tuple(found.tolist()) or (int(np.searchsorted(first, frame, side="right")) - 1,)
+        before = int(np.searchsorted(first, frame, side="right")) - 1
+        return tuple(found.tolist()) or (max(before, 0),)
 
     def rows_at(self, time: float) -> IntArray:
         """Of `moved`: the Gaussians that there are at a time in [0, 1], ascending."""

@@ -12,7 +12,7 @@ from renderer.train.events import Started, TrainEvent
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.trainer import require_depth, train_window
 from renderer.train.windowed import WindowedTraining
-from renderer.train.windows import one_window, windows_of
+from renderer.train.windows import left_out, windows_of
 
 
 def train(
@@ -58,5 +58,5 @@ def train(
         return
     for event in train_window(clip, config, folder=folder, resume=resume, pictures=pictures):
         if isinstance(event, Started):
-            event = replace(event, omitted=(*event.omitted, one_window(clip, config)))
+            event = replace(event, omitted=(*event.omitted, *left_out(clip, config)))
         yield event

@@ -60,11 +60,13 @@ def cut_notice(windows: tuple[Window, ...]) -> str:
     )
 
 
-def one_window(clip: Clip, config: TrainConfig) -> Omission:
-    """What is left out of a clip that one window is enough for."""
+def left_out(clip: Clip, config: TrainConfig) -> tuple[Omission, ...]:
+    """Other windows, where one is enough for the clip."""
+    if len(windows_of(clip, config)) > 1:
+        return ()
     longest = config.window_frames or LONGEST
     why = f"the clip has {len(clip)} frames, and windows are for more than {longest}"
-    return Omission("windows", why, "Gaussians and curves for each window")
+    return (Omission("windows", why, "Gaussians and curves for each window"),)
 
 
 def in_words(omitted: Sequence[Sequence[Omission]]) -> tuple[Omission, ...]:
