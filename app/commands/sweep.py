@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -108,14 +109,16 @@ def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: 
 
 
 def require_all_done(plan: Plan, folder: Path) -> None:
-    """Raises UserError: jobs failed; the first of them are named."""
+    """Raises UserError: jobs failed; the first reasons are named, each once."""
     places = [(job, JobFolder.of(folder, job.key)) for job in plan.jobs]
     failed = [(job, place) for job, place in places if place.has_failed]
+    reasons = Counter((job.clip, (place.failed_facts() or {}).get("reason")) for job, place in failed)
     if failed:
         told = "; ".join(
-            f"{job.clip}: {(place.failed_facts() or {}).get('reason')}" for job, place in failed[:NAMED]
+            f"{clip} ({number} jobs): {reason}" if number > 1 else f"{clip}: {reason}"
+            for (clip, reason), number in [*reasons.items()][:NAMED]
         )
-        more = f"; {len(failed) - NAMED} more in table.csv" if len(failed) > NAMED else ""
+        more = f"; {len(reasons) - NAMED} other reasons in table.csv" if len(reasons) > NAMED else ""
         raise UserError(f"{len(failed)} of {len(plan.jobs)} jobs failed (--retry repeats them): {told}{more}")
 
 

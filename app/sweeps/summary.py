@@ -138,7 +138,8 @@ class Summary:
             if not math.isnan(seconds + mean):
                 series = drawn_as(setting)
                 points.append(Point(series=series, setting=said(setting), seconds=seconds, error=mean))
-        return Diagram(measure=measure, points=tuple(points), more_is_better=measure in HIGHER)
+        words = measure.replace("_", " ")
+        return Diagram(measure=words, points=tuple(points), more_is_better=measure in HIGHER)
 
     def _of(self, setting: Setting) -> list[Row]:
         return [row for row in self.rows if self.setting(row) == setting]

@@ -76,16 +76,19 @@ def _plot(chart: Chart, now: Point | None) -> None:
         few = len(chart.series) <= MOST_BELOW
         where = implot.Location_.south if few else implot.Location_.east
         implot.setup_legend(where, implot.LegendFlags_.outside)
-    else:
-        # Nothing lies beyond the front: no setting is both faster and better.
+    elif chart.corner_is_free:
         corner = implot.Location_.south_west if chart.logarithmic else implot.Location_.north_west
         implot.setup_legend(corner)
-        implot.plot_stairs(front.name, front.across, front.up, implot.Spec(line_weight=em(0.1)))
+    else:
+        implot.setup_legend(implot.Location_.east, implot.LegendFlags_.outside)
     for fit in chart.fits:
         implot.plot_line(fit.name, fit.across, fit.up, implot.Spec(line_weight=em(0.08)))
     for place, line in enumerate(chart.series):
         mark = implot.Spec(marker=place % MARKERS, marker_size=em(0.28))
         implot.plot_scatter(line.name, line.across, line.up, mark)
+    # Last, so that a series has the same colour whether there is a front or not.
+    if front is not None:
+        implot.plot_stairs(front.name, front.across, front.up, implot.Spec(line_weight=em(0.1)))
     if now is not None:
         _draw_dot(chart, now)
     _explain_nearest(chart)

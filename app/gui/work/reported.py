@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,8 @@ from enhance import EnhanceParams
 from enhance.accuracy import named
 
 ENHANCEMENT = "enhancement"
+CORNER = (0.3, 0.6)
+"""Share of the axes that a legend takes in a corner."""
 LEAST = 1e-6
 """What an error of 0 is drawn as, on a logarithmic axis."""
 
@@ -56,6 +59,12 @@ class Scale:
     least: float
     most: float
     ticks: tuple[float, ...] = ()
+
+    def share(self, value: float, *, logarithmic: bool) -> float:
+        """How far along the axis a value is, 0 to 1."""
+        if logarithmic:
+            return math.log(value / self.least) / math.log(self.most / self.least)
+        return (value - self.least) / (self.most - self.least)
 
     @property
     def labels(self) -> list[str]:
@@ -86,6 +95,17 @@ class Chart:
     def name(self) -> str:
         """To choose it by."""
         return f"{self.title}: {self.measure}" if self.points else self.title
+
+    @property
+    def corner_is_free(self) -> bool:
+        """Nothing lies in the corner beyond the front, where no setting is both faster and better."""
+        for point in self.points:
+            x, y = self.place(point)
+            across = self.across.share(x, logarithmic=True)
+            up = self.up.share(y, logarithmic=self.logarithmic)
+            if across < CORNER[0] and (up if self.logarithmic else 1 - up) < CORNER[1]:
+                return False
+        return True
 
     def place(self, point: Point) -> tuple[float, float]:
         """On the axes."""

@@ -41,7 +41,7 @@ def test_a_failed_job_is_one_line_the_rest_is_done_and_repeated_on_request(
     assert not out.exists()
     done = vesselsplat("sweep", spec, "--out", out, "--workers", 1)
     assert done.code == 2
-    assert "2 of 4 jobs failed (--retry repeats them): bad.png: " in done.error.splitlines()[-1]
+    assert "2 of 4 jobs failed (--retry repeats them): bad.png (2 jobs): " in done.error.splitlines()[-1]
     assert "Traceback" not in done.error
     assert "2 finished, 2 failed" in done.out
     assert {"table.csv", "table.jsonl", "sweep.html", "sweep.json"} <= {path.name for path in out.iterdir()}
