@@ -58,5 +58,5 @@ def train(
         return
     for event in train_window(clip, config, folder=folder, resume=resume, pictures=pictures):
         if isinstance(event, Started):
-            event = replace(event, omitted=(*event.omitted, *left_out(clip, config)))
+            event = replace(event, omitted=(*event.omitted, *left_out(windows, config)))
         yield event

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import ceil
 from typing import Final
 
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.camera import Camera
 from renderer.clip import Clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission
@@ -19,6 +24,10 @@ SHORTEST: Final = 3 * OVERLAP
 """Frames of a window: it overlaps none but its neighbours."""
 LONGEST: Final = 400
 """Frames of a window where nobody says."""
+MOST_VIEWS: Final = 3.0
+"""That the camera of a window may come to see anew, as shares of its own view added up."""
+_GRID: Final = 9
+"""Points across and down a view that tell what share of it another one shows."""
 
 
 @dataclass(frozen=True)
@@ -37,21 +46,66 @@ class Window:
 
 
 def windows_of(clip: Clip, config: TrainConfig) -> tuple[Window, ...]:
-    """Of nearly equal length, in the order of time; a single one where the clip is short enough."""
-    return cut(len(clip), config.window_frames or LONGEST)
+    """In the order of time, of as many frames as it says, or with as much to show each; a single one where
+    the clip is short and its camera goes nowhere. Raises ClipError: the first frame cannot be read."""
+    if config.window_frames is not None:
+        return cut(np.full(len(clip), 1 / config.window_frames))
+    return cut(1 / LONGEST + new_views(clip) / MOST_VIEWS)
 
 
-def cut(count: int, longest: int) -> tuple[Window, ...]:
-    """`count` frames in windows of at most about `longest`."""
-    if count <= longest:
+def cut(shares: NDArray[np.float64]) -> tuple[Window, ...]:
+    """Frames in windows of nearly equal parts, each about a whole one: `shares` (N,) says what part of one
+    each frame is. None is shorter than SHORTEST, unless the clip is."""
+    count, total = len(shares), float(shares.sum())
+    shared = min(OVERLAP * total / count, 0.5)
+    step = SHORTEST - OVERLAP
+    number = min(ceil((total - shared) / (1 - shared) - 1e-9), (count - OVERLAP) // step)
+    if number <= 1:
         return (Window(0, count - 1),)
-    number = ceil((count - OVERLAP) / (longest - OVERLAP))
-    step = ALIGNED * ceil((count - OVERLAP) / number / ALIGNED)
-    starts = range(0, count - OVERLAP, step)
-    return tuple(Window(start, min(start + step + OVERLAP, count) - 1) for start in starts)
+    before = np.concatenate([[0.0], np.cumsum(shares[:-OVERLAP])])
+    starts = [0]
+    for place in range(1, number):
+        wanted = int(np.searchsorted(before, before[-1] * place / number))
+        start = max(ALIGNED * round(wanted / ALIGNED), starts[-1] + step)
+        if start + SHORTEST <= count:
+            starts.append(start)
+    ends = [start + OVERLAP for start in starts[1:]]
+    return tuple(Window(first, end - 1) for first, end in zip(starts, [*ends, count], strict=True))
 
 
-def cut_notice(windows: tuple[Window, ...]) -> str:
+def new_views(clip: Clip) -> NDArray[np.float64]:
+    """(N,) share of each frame's view that the one before does not show, at the distance of the tissue; 0 of
+    the first. Reads a frame where the camera moves."""
+    shares = np.zeros(len(clip))
+    if clip.camera_is_fixed:
+        return shares
+    distance = _distance(clip)
+    for index, (former, camera) in enumerate(pairwise(clip.cameras), start=1):
+        shares[index] = 1 - _shown(camera, former, distance)
+    return shares
+
+
+def _distance(clip: Clip) -> float:
+    """Median depth of what the first frame for training shows; of sparse points where it has no depth."""
+    if clip.points is not None:
+        _, depths = clip.cameras[0].project(clip.points.positions)
+        seen = depths[depths > 0]
+    else:
+        frame = clip.read_frame(clip.train_indices[0])
+        seen = np.zeros(0) if frame.depth is None else frame.depth[frame.depth_mask].astype(np.float64)
+    return float(np.median(seen)) if len(seen) else 1.0
+
+
+def _shown(camera: Camera, other: Camera, distance: float) -> float:
+    """Share of the view of `camera`, at a distance along its axis, that is in the view of the other one."""
+    small = camera.resized(_GRID, _GRID)
+    points = small.unproject(np.full((_GRID, _GRID), distance)).reshape(-1, 3)
+    pixels, depths = other.project(points)
+    inside = ((pixels >= 0) & (pixels <= [other.width, other.height])).all(axis=1) & (depths > 0)
+    return float(inside.mean())
+
+
+def cut_notice(windows: Sequence[Window]) -> str:
     """What is said of a clip in several windows."""
     longest = max(map(len, windows))
     return (
@@ -60,12 +114,13 @@ def cut_notice(windows: tuple[Window, ...]) -> str:
     )
 
 
-def left_out(clip: Clip, config: TrainConfig) -> tuple[Omission, ...]:
+def left_out(windows: Sequence[Window], config: TrainConfig) -> tuple[Omission, ...]:
     """Other windows, where one is enough for the clip."""
-    if len(windows_of(clip, config)) > 1:
+    if len(windows) > 1:
         return ()
     longest = config.window_frames or LONGEST
-    why = f"the clip has {len(clip)} frames, and windows are for more than {longest}"
+    limit = f"{longest} frames" + ("" if config.window_frames else f" or {MOST_VIEWS:g} views")
+    why = f"the clip has {len(windows[0])} frames, and windows are for more than {limit}"
     return (Omission("windows", why, "Gaussians and curves for each window"),)
 
 

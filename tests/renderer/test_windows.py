@@ -20,10 +20,10 @@ from renderer.train.events import Evaluated, Finished, Progress, Snapshot, Start
 from renderer.train.trainer import TrainingError
 from renderer.train.training import train
 from renderer.train.window_files import FOLDER, in_windows, unfinished
-from renderer.train.windows import OVERLAP, SHORTEST, Window, cut, windows_of
+from renderer.train.windows import OVERLAP, SHORTEST, Window, cut, new_views, windows_of
 from tests.renderer.plane import plane_clip
 
-FRAMES, STEPS = 100, 6
+FRAMES, STEPS = 112, 6
 CONFIG = TrainConfig(
     iterations=STEPS, n_gaussians=60, node_columns=4, window_frames=SHORTEST, checkpoint_every=2
 )
@@ -64,13 +64,39 @@ def same(one: DynamicGaussians, other: DynamicGaussians) -> bool:
 
 @given(st.integers(1, 5000), st.integers(SHORTEST, 600))
 def test_windows_hold_every_frame_and_overlap_none_but_their_neighbours(count: int, longest: int) -> None:
-    windows = cut(count, longest)
+    windows = cut(np.full(count, 1 / longest))
     assert windows[0].first == 0
     assert windows[-1].last == count - 1
     assert all(later.first <= former.last + 1 - OVERLAP for former, later in pairwise(windows))
     assert all(later.first > former.last for former, later in zip(windows, windows[2:], strict=False))
     assert all(window.first % 8 == 0 for window in windows)
-    assert max(map(len, windows)) < longest + 8
+    assert max(map(len, windows)) < longest + 2 * OVERLAP
+
+
+@given(st.integers(SHORTEST, 1500), st.integers(0, 99))
+def test_windows_are_shorter_where_there_is_more_to_see(count: int, seed: int) -> None:
+    shares = np.random.default_rng(seed).exponential(0.01, count)
+    shares[: count // 2] *= 5
+    windows = cut(shares)
+    assert (windows[0].first, windows[-1].last) == (0, count - 1)
+    assert all(later.first == former.last + 1 - OVERLAP for former, later in pairwise(windows))
+    assert all(window.first % 8 == 0 and len(window) >= SHORTEST for window in windows)
+    if len(windows) > 1:
+        assert len(windows[0]) <= max(len(windows[-1]), SHORTEST) + OVERLAP
+
+
+def test_a_camera_that_travels_sees_new_views() -> None:
+    clip = plane_clip()
+    still, width = clip.cameras[0], clip.size[0] * 50.0 / clip.cameras[0].fx
+    moved = []
+    for index in range(len(clip)):
+        pose = np.eye(4)
+        pose[0, 3] = -0.25 * width * index
+        moved.append(still.moved(pose))
+    assert not new_views(clip).any()
+    seen = new_views(clip.through(tuple(moved)))
+    assert seen[0] == 0
+    assert seen[1:] == pytest.approx(0.25, abs=0.06)
 
 
 def test_windows_hold_out_the_frames_that_the_clip_does() -> None:
@@ -86,7 +112,7 @@ def test_a_short_clip_has_one_window_and_says_so() -> None:
     started = next(iter(train(clip, CONFIG)))
     assert isinstance(started, Started)
     assert [each.why for each in started.omitted if each.what == "windows"] == [
-        "the clip has 12 frames, and windows are for more than 48"
+        "the clip has 12 frames, and windows are for more than 48 frames"
     ]
 
 
@@ -145,7 +171,7 @@ def test_a_model_in_windows_comes_back_from_its_file(
     [
         ("window_rows", np.array([0, 1, 2, 3])),
         ("window_frames", np.array([[0, 47], [30, 90], [40, 99]])),
-        ("window_frames", np.array([[0, 47], [32, 79], [64, 100]])),
+        ("window_frames", np.array([[0, 47], [32, 79], [64, FRAMES]])),
         ("1.node_indices", np.zeros((3, 4), np.int32)),
     ],
 )
@@ -200,6 +226,6 @@ def test_a_preview_shows_the_window_in_training_at_every_time(whole: tuple[list[
     preview = in_windows(FRAMES, [Window(32, 79)], [lambda: second])
     sent = DynamicGaussians.from_arrays(dict(preview.arrays()))
     assert np.array_equal(sent.at(0.0).means, second.at(0.0).means)
-    assert np.array_equal(sent.at(0.5).means, second.at((50 - 32) / 48).means)
+    assert np.array_equal(sent.at(0.5).means, second.at((FRAMES / 2 - 32) / 48).means)
     assert np.array_equal(sent.at(1.0).means, second.at(1.0).means)
     assert isinstance(Snapshot(0, preview).model, DynamicGaussians)

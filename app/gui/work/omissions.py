@@ -81,7 +81,7 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
         asked = replace(config, keep=keep)
         needed = decide(clip, bare, asked)
         before = (*left_out_of(part)[0], *left_out(clip, asked, moves))
-        return (*before, *needed.omitted, *windows.left_out(clip, asked))
+        return (*before, *needed.omitted, *windows.left_out(windows.windows_of(clip, asked), asked))
 
     kept = (
         each
