@@ -66,7 +66,7 @@ def cut(shares: NDArray[np.float64]) -> tuple[Window, ...]:
     starts = [0]
     for place in range(1, number):
         wanted = int(np.searchsorted(before, before[-1] * place / number))
-        start = max(ALIGNED * round(wanted / ALIGNED), starts[-1] + step)
+        start = max(ALIGNED * (wanted // ALIGNED), starts[-1] + step)
         if start + SHORTEST <= count:
             starts.append(start)
     ends = [start + OVERLAP for start in starts[1:]]
