@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from math import ceil
 from typing import Final
 
@@ -24,10 +23,12 @@ SHORTEST: Final = 3 * OVERLAP
 """Frames of a window: it overlaps none but its neighbours."""
 LONGEST: Final = 400
 """Frames of a window where nobody says."""
-MOST_VIEWS: Final = 3.0
-"""That the camera of a window may come to see anew, as shares of its own view added up."""
-_GRID: Final = 9
+MOST_VIEWS: Final = 1.0
+"""That the camera of a window may come to see beside its first one: twice the tissue for as many Gaussians."""
+_GRID: Final = 32
 """Points across and down a view that tell what share of it another one shows."""
+_MUCH: Final = 0.25
+"""New share of a view after which others are held against it."""
 
 
 @dataclass(frozen=True)
@@ -74,14 +75,18 @@ def cut(shares: NDArray[np.float64]) -> tuple[Window, ...]:
 
 
 def new_views(clip: Clip) -> NDArray[np.float64]:
-    """(N,) share of each frame's view that the one before does not show, at the distance of the tissue; 0 of
-    the first. Reads a frame where the camera moves."""
+    """(N,) share of each frame's view that is new, at the distance of the tissue: more than frames before
+    had of what the last one with much that was new did not show. Reads a frame where the camera moves."""
     shares = np.zeros(len(clip))
     if clip.camera_is_fixed:
         return shares
-    distance = _distance(clip)
-    for index, (former, camera) in enumerate(pairwise(clip.cameras), start=1):
-        shares[index] = 1 - _shown(camera, former, distance)
+    distance, key, told = _distance(clip), clip.cameras[0], 0.0
+    for index, camera in enumerate(clip.cameras):
+        new = 1 - _shown(camera, key, distance)
+        shares[index] = max(new - told, 0.0)
+        told = max(new, told)
+        if new > _MUCH:
+            key, told = camera, 0.0
     return shares
 
 
