@@ -159,3 +159,10 @@ def test_another_file_is_refused_in_one_line(tmp_path: Path) -> None:
     other.write_text("[1, 2]")
     with pytest.raises(UserError, match="report"):
         list(open_path(OpenRequest(other)))
+
+
+def test_a_legend_lies_in_the_corner_only_where_no_point_does(path: Path) -> None:
+    chart = next(chart for chart in read(path).charts if chart.logarithmic)
+    fast = Point(series="subsample", setting="s", seconds=0.0021, error=2 * chart.up.least)
+    assert chart.corner_is_free
+    assert not replace(chart, points=(*chart.points, fast)).corner_is_free
