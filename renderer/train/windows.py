@@ -24,7 +24,7 @@ SHORTEST: Final = 3 * OVERLAP
 LONGEST: Final = 400
 """Frames of a window where nobody says."""
 MOST_VIEWS: Final = 1.0
-"""That the camera of a window may come to see beside its first one: twice the tissue for as many Gaussians."""
+"""That the camera of a window may see beside its first: twice the tissue for as many Gaussians."""
 _GRID: Final = 32
 """Points across and down a view that tell what share of it another one shows."""
 _MUCH: Final = 0.25
