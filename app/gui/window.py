@@ -69,7 +69,7 @@ from app.gui.update.jobs import MakeJob, start_due
 from app.gui.update.live import close_live, follow_live, shown
 from app.gui.update.preparing import follow_preparation
 from app.gui.update.update import take_pictures, update
-from app.gui.work import kept_layout
+from app.gui.work import kept_layout, tidying
 from app.gui.work.background import Apart, Worker
 from app.gui.work.settings import Places, Theme, load_clips, load_settings
 from app.kernels.preparer import Preparer
@@ -131,8 +131,8 @@ class Window:
         self._make_job = make_job
         self._channels = Channels()
         self._workers: tuple[Worker | Apart, ...] = (
-            Worker(self._channels.of("first"), hello_imgui.request_refresh),
-            Worker(self._channels.of("second"), hello_imgui.request_refresh),
+            Worker(self._channels.of("first"), hello_imgui.request_refresh, tidying.rest),
+            Worker(self._channels.of("second"), hello_imgui.request_refresh, tidying.rest),
             *(Apart(channel, hello_imgui.request_refresh) for channel in self._channels.of("apart")),
         )
         self._preparer: Preparer | None = None

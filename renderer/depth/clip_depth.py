@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from renderer.clip import Clip, ClipError, Frame
-from renderer.depth.depth_prior import depth_from_brightness, with_guessed_depth
+from renderer.depth.depth_prior import brightness_guess, with_guessed_depth
 from renderer.depth.monocular import FOLDERS, map_files, monocular_guess, monocular_maps
 from renderer.depth.stereo_pairs import right_eye, right_files, with_stereo_depth
 from renderer.readers.clip_options import ClipOptions, DepthSource
@@ -71,7 +71,7 @@ def _monocular(clip: Clip, options: ClipOptions) -> Clip:
 
 
 def _brightness(clip: Clip, options: ClipOptions) -> Clip:
-    guessed = with_guessed_depth(clip, depth_from_brightness, BY_BRIGHTNESS)
+    guessed = with_guessed_depth(clip, brightness_guess(clip), BY_BRIGHTNESS)
     return replace(guessed, depth_origin="brightness")
 
 

@@ -17,12 +17,16 @@ _REACH = 0.03
 _CONTRAST, _STEP = 1.2, 0.2
 """A reflection's smallest channel is above this multiple of its surroundings plus this share of the
 level that one pixel in ten exceeds: whatever the exposure, the same pixels."""
+_LEAST = 1e-3
+"""Share of seen surroundings below which there are none."""
 _MARGIN = 1 / 90
 """Of the width: what the blur of the lens and the window of a matcher still feel of a reflection."""
 
 
-def well_exposed(image: ByteImage) -> BoolImage:
+def well_exposed(image: ByteImage, seen: BoolImage | None = None) -> BoolImage:
     """(H, W), True where an RGB picture (H, W, 3) is neither black nor a reflection of the lamp.
+
+    What is not `seen`, the surround of a round view, counts for no surroundings; None: all is seen.
 
     Reflections are white, so they stand out most in the smallest channel. They move with lamp and
     eye, not with the tissue: two views of one lie at the depth of the mirrored lamp. The constants
@@ -31,8 +35,10 @@ def well_exposed(image: ByteImage) -> BoolImage:
     """
     width = image.shape[1]
     whiteness, level = image.min(axis=2), image.max(axis=2)
-    around = averaged(whiteness.astype(np.float32), _REACH)
-    step = _STEP * float(np.percentile(level, 90))
+    within = np.ones_like(whiteness, bool) if seen is None or not seen.any() else seen
+    share = averaged(within.astype(np.float32), _REACH)
+    around = averaged((within * whiteness).astype(np.float32), _REACH) / np.maximum(share, _LEAST)
+    step = _STEP * float(np.percentile(level[within], 90))
     bright = (whiteness > _CONTRAST * around + step) | (whiteness > _SATURATED)
     across = max(round(_MARGIN * width), 1)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (across, across))

@@ -13,6 +13,10 @@ LIT = 30
 """Of 255: the surround stays below, compression noise included."""
 DISPLACED = 0.05
 """Share of the lit field beyond a mask, and of the mask on the black surround, from which it is misplaced."""
+DARK = 25
+"""Of 255: the noise of a surround stays below, after a median."""
+LEAST = 0.01
+"""Of the picture: smaller dark corners are shadow."""
 _RIM = 1 / 200
 """Of the picture's width: the bright ring at the edge of the lens, which is no tissue."""
 
@@ -26,9 +30,25 @@ def lit_field(images: Sequence[ByteImage]) -> BoolImage:
     outlines, _ = cv2.findContours(lit, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     if outlines:
         cv2.drawContours(field, [max(outlines, key=cv2.contourArea)], -1, (1,), cv2.FILLED)
-    side = 2 * round(lit.shape[1] * _RIM) + 1
     # Beyond the picture the field goes on: it has no rim there.
-    return np.asarray(cv2.erode(field, np.ones((side, side), np.uint8)) > 0)
+    return np.asarray(cv2.erode(field, _rim(lit.shape[1])) > 0)
+
+
+def beyond_surround(images: Sequence[ByteImage]) -> BoolImage:
+    """(H, W), True but for what is dark in all of the (H, W, 3) images up to their border, and its rim; all
+    True where that would be everything."""
+    dark = np.all([cv2.medianBlur(image.max(axis=2), 5) < DARK for image in images], axis=0)
+    _, labels, facts, _ = cv2.connectedComponentsWithStats(dark.astype(np.uint8), connectivity=4)
+    at_border = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
+    large = facts[at_border, cv2.CC_STAT_AREA] >= LEAST * dark.size
+    outside = np.isin(labels, at_border[large & (at_border > 0)]).astype(np.uint8)
+    inside = np.asarray(cv2.dilate(outside, _rim(dark.shape[1])) == 0)
+    return inside if inside.any() else np.ones_like(inside)
+
+
+def _rim(width: int) -> ByteImage:
+    side = 2 * round(width * _RIM) + 1
+    return np.ones((side, side), np.uint8)
 
 
 def is_displaced(mask: BoolImage, field: BoolImage) -> bool:

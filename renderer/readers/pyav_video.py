@@ -16,6 +16,7 @@ import numpy as np
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import Deinterlacing
 from renderer.readers.cut_off import CUT_OFF
+from renderer.readers.decoders import DECODERS
 from renderer.readers.deinterlacing import deinterlaced
 from renderer.readers.stereo_layout import told_layout
 from renderer.readers.video_index import decoded, index_of, nominal_rate, open_container, video_stream
@@ -23,6 +24,8 @@ from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, quarter_turn
 
 if TYPE_CHECKING:
     from av import VideoFrame
+    from av.container import InputContainer
+    from av.video.stream import VideoStream
 
 STEP_LIMIT = 32
 """Frames that are cheaper to decode in passing than to seek over."""
@@ -40,7 +43,8 @@ SMOOTH = 8
 
 
 class PyAvVideo:
-    """Frames by number, in any order and from any thread, from one decoder that is used under a lock.
+    """Frames by number, in any order and from any thread, from one decoder that is used under a lock, and
+    given up when other videos are read.
 
     Time stamps, sorted, tell which frame is which: a frame is returned only when its own stamp is the wanted
     one, so seeking that lands elsewhere is noticed and mended.
@@ -56,13 +60,17 @@ class PyAvVideo:
         self._place = {stamp: number for number, stamp in enumerate(self._index.stamps)}
         by_field = deinterlacing == "field" and self._index.is_interlaced
         self._per_frame = 2 if by_field else 1
+        self._decoder: tuple[InputContainer, VideoStream] | None = None
+        self._frames: Iterator[VideoFrame] = iter(())
         self._recent: dict[int, VideoFrame] = {}
         self._close: weakref.finalize[..., PyAvVideo] | None = None
-        self._restart(0)
+        stream = self._start()
         first = self._frame(0)
-        self.pixel_aspect = float(pixel_aspect(self._stream, first))
+        self._nominal_rate = nominal_rate(stream)
+        self.pixel_aspect = float(pixel_aspect(stream, first))
         self.stereo = told_layout(first)
         self.notices = tuple(self._oddities(first))
+        DECODERS.use(self)
 
     def __len__(self) -> int:
         return len(self._index.stamps) * self._per_frame
@@ -76,7 +84,7 @@ class PyAvVideo:
     @property
     def frames_per_second(self) -> float:
         """The file's own rate where its frames come evenly, else their number by the time they take."""
-        nominal, stamps = nominal_rate(self._stream), self._index.stamps
+        nominal, stamps = self._nominal_rate, self._index.stamps
         if len(stamps) > 1:
             mean = (stamps[-1] - stamps[0]) * self._index.time_base / (len(stamps) - 1)
             rounding = self._index.time_base / (len(stamps) - 1)
@@ -90,7 +98,7 @@ class PyAvVideo:
         times = self._index.times
         if self._per_frame == 1:
             return times
-        lasting = [later - one for one, later in pairwise(times)] or [float(1 / nominal_rate(self._stream))]
+        lasting = [later - one for one, later in pairwise(times)] or [float(1 / self._nominal_rate)]
         lasting.append(lasting[-1])
         return tuple(
             time + half * last / 2 for time, last in zip(times, lasting, strict=True) for half in (0, 1)
@@ -99,6 +107,7 @@ class PyAvVideo:
     def read(self, index: int) -> ByteImage:
         """(H, W, 3) RGB, upright. Raises ClipError when the frame is damaged."""
         number, field = divmod(range(len(self))[index], self._per_frame)
+        DECODERS.use(self)
         with self._lock:
             before = self._neighbour(number - 1)
             frame = self._frame(number)
@@ -106,6 +115,16 @@ class PyAvVideo:
                 after = self._neighbour(number + 1)
                 frame = deinterlaced(before, frame, after, field=field if self._per_frame == 2 else None)
             return self._rgb(frame)
+
+    def rest(self) -> bool:
+        """See Rests."""
+        if not self._lock.acquire(blocking=False):
+            return False
+        try:
+            self._give_up()
+        finally:
+            self._lock.release()
+        return True
 
     def _neighbour(self, number: int) -> VideoFrame | None:
         """Of an interlaced frame; None where there is none, or none is needed."""
@@ -118,13 +137,15 @@ class PyAvVideo:
             return None
 
     def _rgb(self, frame: VideoFrame) -> ByteImage:
+        from av.video.reformatter import Colorspace
         from av.video.reformatter import Interpolation as Flags
 
         # Without these, swscale rounds down: whole pictures become darker by a grey level. It is quickest
         # with a plane a colour.
         exact = Flags.BILINEAR | Flags.ACCURATE_RND | Flags.FULL_CHR_H_INT
-        matrix = usual_matrix(frame.height) if frame.colorspace == UNSPECIFIED else None
-        planar = frame.reformat(format="gbrp", src_colorspace=matrix, interpolation=exact)
+        unsaid = frame.colorspace == UNSPECIFIED
+        matrix = int(Colorspace[usual_matrix(frame.height)]) if unsaid else None
+        planar = self._reformatter.reformat(frame, format="gbrp", src_colorspace=matrix, interpolation=exact)
         green, blue, red = (
             np.frombuffer(memoryview(plane), np.uint8).reshape(-1, plane.line_size)[:, : plane.width]
             for plane in planar.planes
@@ -135,6 +156,8 @@ class PyAvVideo:
     def _frame(self, number: int) -> VideoFrame:
         if number in self._recent:
             return self._recent[number]
+        if self._decoder is None:
+            self._start()
         for approach in (self._step, self._seek, self._restart):
             if approach(number) and (frame := self._decode_until(number)) is not None:
                 return frame
@@ -147,29 +170,40 @@ class PyAvVideo:
     def _seek(self, number: int) -> bool:
         import av
 
-        if self._index.is_counted:
+        if self._index.is_counted or self._decoder is None:
             return False
+        container, stream = self._decoder
         try:
-            self._container.seek(self._index.stamps[number], stream=self._stream)
+            container.seek(self._index.stamps[number], stream=stream)
         except (av.error.FFmpegError, OSError):
             return False
-        self._frames = decoded(self._container, self._stream)
+        self._frames = decoded(container, stream)
         self._recent = {}
         return True
 
-    def _restart(self, number: int) -> bool:
+    def _give_up(self) -> None:
+        from av.video.reformatter import VideoReformatter
+
         if self._close is not None:
             self._close()
-        self._container = open_container(self._path)
+        # The stream alone keeps the decoder's threads and frames; the reformatter has threads of its own.
+        self._decoder, self._frames, self._recent = None, iter(()), {}
+        self._reformatter = VideoReformatter()
+
+    def _restart(self, number: int) -> bool:
+        self._start()
+        return True
+
+    def _start(self) -> VideoStream:
+        self._give_up()
+        container = open_container(self._path)
         # Containers and their streams hold each other, and a decoder its threads and pictures: whoever drops
         # a video gives all of it back at once, and not when garbage is next searched for, which may be never.
-        self._close = weakref.finalize(self, self._container.close)
+        self._close = weakref.finalize(self, container.close)
         self._close.atexit = False
-        self._stream = video_stream(self._container, self._path)
-        self._frames = decoded(self._container, self._stream)
-        self._recent = {}
-        self._at = -1
-        return True
+        stream = video_stream(container, self._path)
+        self._decoder, self._frames, self._at = (container, stream), decoded(container, stream), -1
+        return stream
 
     def _decode_until(self, number: int) -> VideoFrame | None:
         """The wanted frame; None where it is not among those that come."""

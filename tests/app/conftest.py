@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -17,6 +16,7 @@ from app.runs import preparing
 from app.runs.train_run import TrainRequest, run_training
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
+from tests.app.apart import Call, command
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = TrainConfig(iterations=40, n_gaussians=600, checkpoint_every=10)
@@ -24,15 +24,6 @@ CONFIG = TrainConfig(iterations=40, n_gaussians=600, checkpoint_every=10)
 
 def request_of(clip_path: Path, run_path: Path, **changes: object) -> TrainRequest:
     return replace(TrainRequest(clip_path=clip_path, run_path=run_path, config=CONFIG), **changes)
-
-
-@dataclass(frozen=True)
-class Call:
-    """What a command did."""
-
-    code: int
-    out: str
-    error: str
 
 
 @pytest.fixture
@@ -44,10 +35,7 @@ def vesselsplat(capfd: pytest.CaptureFixture[str]) -> Callable[..., Call]:
         texts = [str(argument) for argument in arguments]
         if any(text.endswith(".mp4") for text in texts):
             # Video decoders are silenced when they load: in this process they may have loaded before.
-            done = subprocess.run(
-                [sys.executable, "-m", "app", *texts], capture_output=True, text=True, cwd=ROOT
-            )
-            return Call(done.returncode, done.stdout, done.stderr)
+            return command(*texts, folder=ROOT)
         code = main(texts)
         captured = capfd.readouterr()
         return Call(code, captured.out, captured.err)

@@ -10,7 +10,6 @@ import shutil
 import struct
 import subprocess
 import sys
-import textwrap
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +19,7 @@ import pytest
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from app.__main__ import main
 from app.files.embedded import KEYWORD
 from app.gui.work.presets import load_presets
 from app.gui.work.settings import load_settings
@@ -27,7 +27,8 @@ from app.report.section import read_report
 from app.runs.queue_file import take_over
 from app.runs.run_folder import RunFolder
 from renderer.view_files import FORMAT, VERSION
-from tests.app.conftest import ROOT, Call
+from tests.app.apart import Call, called
+from tests.app.conftest import ROOT
 
 Cli = Callable[..., Call]
 BRACKETS = b"[" * 100_000
@@ -57,14 +58,15 @@ def write_png(path: Path, *chunks: bytes) -> Path:
 
 
 ROWS = zlib.compress(bytes(8 * 25))
-LITTLE_MEMORY = """
-    import resource, sys
-    from app.__main__ import main
 
-    used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+
+def with_little_memory(arguments: list[str]) -> int:
+    """The command, which may take three gigabytes more than it has."""
+    import resource
+
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (used + (3 << 30),) * 2)
-    sys.exit(main(sys.argv[1:]))
-"""
+    return main(arguments)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits memory as Linux does")
@@ -72,12 +74,8 @@ LITTLE_MEMORY = """
 def test_a_chunk_that_claims_four_gigabytes_is_a_damaged_file(tmp_path: Path, command: list[str]) -> None:
     """Pillow reads what is left of the last chunk of pixels at once, and raises MemoryError."""
     picture = write_png(tmp_path / "a.png", chunk(b"IDAT", ROWS, claimed=0xFFFFFFFF))
-    out = [tmp_path / "out.png"] if command == ["enhance"] else []
-    done = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(LITTLE_MEMORY), *command, picture, *out],
-        env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, timeout=60, check=False,
-    )  # fmt: skip
-    said = one_line(Call(done.returncode, done.stdout, done.stderr))
+    out = ["out.png"] if command == ["enhance"] else []
+    said = one_line(called(with_little_memory, [*command, str(picture), *out], folder=tmp_path, seconds=60))
     assert "header makes no sense" in said
     assert str(picture) in said
 

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
-import subprocess
+import shutil
+import signal
 import sys
-import textwrap
 from pathlib import Path
 
 import pytest
 
+from renderer.clip import ClipError
 from renderer.phantom import PhantomParams, write_phantom
-from tests.app.conftest import ROOT
+from renderer.sources import open_clip
+from tests.app.apart import called, command
 
 SECONDS = 20
 PIPES = [
@@ -41,24 +43,15 @@ def test_a_pipe_is_refused_and_never_waited_for(
 ) -> None:
     os.mkfifo(tmp_path / name)
     given = [argument.format(tmp_path / name) for argument in arguments]
-    done = subprocess.run(
-        [sys.executable, "-m", "app", *given],
-        cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True,
-        timeout=SECONDS, check=False,
-    )  # fmt: skip
-    assert done.returncode == 2, done.stderr
-    assert "Traceback" not in done.stderr
-    assert done.stderr.count("\n") == 1
+    done = command(*given, folder=tmp_path, seconds=SECONDS)
+    assert done.code == 2, done.error
+    assert "Traceback" not in done.error
+    assert done.error.count("\n") == 1
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
-EACH_FILE = """
-    import os, shutil, signal, sys
-    from pathlib import Path
-    from renderer.clip import ClipError
-    from renderer.sources import open_clip
-
-    clip, scratch = Path(sys.argv[1]), Path(sys.argv[2])
+def open_each(clip: Path, scratch: Path) -> int:
+    """The clip with a pipe in the place of one of its files, for the first of each kind in each folder."""
     seen = set()
     for file in sorted(path for path in clip.rglob("*") if path.is_file()):
         if (file.parent, file.suffix) in seen:
@@ -70,15 +63,17 @@ EACH_FILE = """
         (copy / file.relative_to(clip)).unlink()
         os.mkfifo(copy / file.relative_to(clip))
         signal.alarm(10)
-        print(file.relative_to(clip), flush=True)
+        sys.stdout.write(f"{file.relative_to(clip)}\n")
+        sys.stdout.flush()
         try:
             opened = open_clip(copy)
             for index in range(len(opened)):
                 opened.read_frame(index)
         except ClipError as error:
-            assert str(copy) in str(error), error
+            if str(copy) not in str(error):
+                raise
         signal.alarm(0)
-"""
+    return 0
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes in folders")
@@ -86,9 +81,6 @@ EACH_FILE = """
 def test_a_pipe_within_a_clip_is_refused_and_never_waited_for(tmp_path: Path, layout: str) -> None:
     params = PhantomParams(n_frames=3, width=64, height=48, seed=1)
     write_phantom(tmp_path / "clip", params, layout)  # type: ignore[arg-type]
-    done = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(EACH_FILE), str(tmp_path / "clip"), str(tmp_path)],
-        env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, f"{done.stdout.splitlines()[-1:]} {done.stderr[-600:]}"
-    assert len(done.stdout.splitlines()) > 3
+    done = called(open_each, tmp_path / "clip", tmp_path, folder=tmp_path)
+    assert done.code == 0, f"{done.out.splitlines()[-1:]} {done.error[-600:]}"
+    assert len(done.out.splitlines()) > 3

@@ -20,8 +20,8 @@ Context = imgui.test_engine.TestContext
 UNPACED = FOREVER = 1e9
 PATIENCE = 300.0
 """Seconds after which the window is said to hang."""
-RESTING = 2.0
-"""Seconds in which what waits for rest is done: measuring, giving memory back."""
+RESTING = 4.0
+"""Seconds in which what waits for rest is done: measuring, and giving memory back a second after all work."""
 KEEP_FILES = 12
 K = imgui.Key
 

@@ -10,6 +10,7 @@ from imgui_bundle import ImVec2
 
 from app.gui.actions import (
     actions,
+    clip_actions,
     depth_actions,
     export_actions,
     job_actions,
@@ -25,6 +26,8 @@ from enhance import EnhanceParams
 from tests.benchmarks.person import K, Person
 
 STEPS = 50
+TRIMMED = 20
+"""Frames that are reconstructed: to estimate depth of 250 takes more than a minute."""
 Deed = Callable[[Person], None]
 
 
@@ -196,6 +199,7 @@ def reconstruct(person: Person) -> None:
     """Fifty steps, to the end or until it is cancelled."""
     state, finish = person.state, person.run is None or person.rng.random() < 0.4
     guess_depth(person)
+    trim(person)
     state.runs.reconstruction.config = replace(state.runs.reconstruction.config, iterations=STEPS)
     job_actions.start_reconstruction(state)
     person.wait(lambda: not state.runs.starts, "the start")
@@ -214,7 +218,17 @@ def reconstruct(person: Person) -> None:
         )
         job_actions.cancel(state)
         person.wait(lambda: not state.runs.reconstruction.is_alive, "the cancelled job")
+    clip_actions.untrim(state)
     person.pace()
+
+
+def trim(person: Person) -> None:
+    state, clip = person.state, person.state.source.clip
+    assert clip is not None
+    first = person.rng.randrange(max(len(clip) - TRIMMED, 1))
+    for frame, start in ((first, True), (first + TRIMMED - 1, False)):
+        actions.seek(state, frame)
+        clip_actions.trim_here(state, start=start)
 
 
 def guess_depth(person: Person) -> None:

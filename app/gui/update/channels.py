@@ -66,7 +66,7 @@ from app.gui.work.shipped import read_guide, read_welcome
 from app.gui.work.strip import left_out, make_strip
 from app.gui.work.swept import read_swept_image
 from app.gui.work.thumbnails import make_thumbnails
-from app.gui.work.tidying import clear_places, tidy
+from app.gui.work.tidying import clear_places
 from app.gui.work.tuning import CellMaker
 from app.gui.work.writing import SessionRequest, WriteRequest, keep, write, write_file
 from app.scenes.drawer import draw_view
@@ -158,7 +158,7 @@ class Channels:
         self.names, self.encoders = NewestChannel(name_of), Channel(encoder_of)
         self.reveals = Channel(reveal, depth=4)
         self.devices = NewestChannel(find_devices)
-        self.tidying, self.clearing = Channel(tidy), Channel(clear_places)
+        self.clearing = Channel(clear_places)
 
     @cached_property
     def rows(self) -> Sequence[Row[Any, Any]]:
@@ -222,7 +222,6 @@ class Channels:
                 lambda s: assets.guide_path() if s.guide.shown else None, SECOND, forgets=False),
             Row(self.about, told("the versions cannot be listed", about_actions.take_about),
                 lambda s: s.scene.drawn_by if s.about.shown else None, SECOND, forgets=False),
-            Row(self.tidying, taking.take_nothing, wishes.to_tidy, SECOND, forgets=False),
             Row(self.clearing, taking.take_nothing, lambda s: s.places, SECOND),
             Row(self.saving, export_actions.take_saved),
             Row(self.sessions, session_actions.take_written),

@@ -21,7 +21,6 @@ from app.gui.work.recents import RecentsRequest
 from app.gui.work.run_measures import RunMeasuresRequest
 from app.gui.work.strip import LeftOutRequest, StripRequest
 from app.gui.work.thumbnails import ThumbnailsRequest
-from app.gui.work.tidying import OnScreen
 from app.gui.work.tuning import CellRequest
 from app.gui.work.writing import KeepRequest
 from app.kernels.progress import Kind
@@ -31,7 +30,7 @@ from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
 
 REST = 0.25
-"""Seconds without a new picture before what can wait is done: measuring, small pictures, tidying."""
+"""Seconds without a new picture before what can wait is done: measuring, small pictures."""
 SLOW_VIEW = 60.0
 """Milliseconds above which the 3D view is drawn smaller while it moves."""
 REDUCED = 0.5
@@ -99,13 +98,6 @@ def neighbours_wish(state: AppState) -> NeighboursRequest | None:
     if clip is None or path is None or clip.format != "image" or state.picture.pictures is None:
         return None
     return NeighboursRequest(path)
-
-
-def to_tidy(state: AppState) -> OnScreen | None:
-    """Memory that what was open before had needed: given back once for everything that is opened."""
-    if not at_rest(state) or state.pictures_wait or state.source.opening is not None:
-        return None
-    return OnScreen(state.source.path, state.source.clip)
 
 
 def side_wish(state: AppState, side: Side) -> OtherRequest | None:

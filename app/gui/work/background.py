@@ -16,6 +16,9 @@ Answer = TypeVar("Answer")
 
 log = logging.getLogger(__name__)
 
+REST = 1.0
+"""Seconds without work after which a worker rests."""
+
 
 class Failure:
     """An exception as an answer: the one line a person reads."""
@@ -163,11 +166,19 @@ class SteppedChannel(Channel[Request, Answer]):
 
 
 class Worker:
-    """One thread that serves several channels in turn, so that two numba thread pools never meet."""
+    """One thread that serves several channels in turn, so that two numba thread pools never meet.
 
-    def __init__(self, channels: Sequence[Channel[Any, Any]], on_answer: Callable[[], None]) -> None:
+    `at_rest` is called there once after all work, when no more has come for a while.
+    """
+
+    def __init__(
+        self,
+        channels: Sequence[Channel[Any, Any]],
+        on_answer: Callable[[], None],
+        at_rest: Callable[[], None] = lambda: None,
+    ) -> None:
         self._channels = tuple(channels)
-        self._on_answer = on_answer
+        self._on_answer, self._at_rest = on_answer, at_rest
         self._wake, self._closing = threading.Event(), threading.Event()
         for channel in self._channels:
             channel.attach(self._wake.set)
@@ -181,13 +192,16 @@ class Worker:
         self._thread.join(timeout)
 
     def _run(self) -> None:
+        self._wake.wait()
         while not self._closing.is_set():
-            self._wake.wait()
             self._wake.clear()
             while not self._closing.is_set():
                 served = [channel.run_waiting(self._on_answer) for channel in self._channels]
                 if not any(served):
                     break
+            if not self._wake.wait(REST):
+                self._at_rest()
+                self._wake.wait()
         for channel in self._channels:
             channel.close()
 

@@ -1,33 +1,25 @@
-"""Tidying off the window's thread: memory that what was open before had needed goes back to the system, and
-what killed windows and their trainings have left is cleared away at the start."""
+"""Tidying off the window's thread: at rest, free memory goes back to the system; at the start, what killed
+windows and their trainings have left is cleared away."""
 
 from __future__ import annotations
 
+import gc
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from app.gui.work.settings import Places
 from app.runs.memory import give_back
 from app.runs.run_lock import clear_training
 from app.runs.shared_model import clear_blocks
-from renderer.clip import Clip
 from renderer.leftovers import clear
 
 
-@dataclass(frozen=True)
-class OnScreen:
-    """What has been opened."""
-
-    path: Path | None
-    clip: Clip | None
-
-
-def tidy(request: OnScreen) -> Iterator[None]:
-    """Answers with nothing: the system has the memory."""
+def rest() -> None:
+    """What only refers to itself is freed before: a decoded frame is a few objects to Python, which does not
+    hurry for them, and megabytes."""
+    gc.collect()
     give_back()
-    yield None
 
 
 def clear_places(places: Places) -> Iterator[None]:

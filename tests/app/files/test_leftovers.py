@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import textwrap
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,31 +15,31 @@ from app.files.atomic import filled, together, write_bytes
 from renderer import leftovers
 from renderer.atomic_files import PARTIAL
 from renderer.leftovers import COMMIT, clear, commit_name, temporary_name
-from tests.app.conftest import ROOT
+from tests.app.apart import called
 
 OLD, NEW = {"a.mp4": "old", "a.mp4.json": "old"}, {"a.mp4": "new", "a.mp4.json": "new"}
 
-KILLED = """
-    import os, sys
-    from pathlib import Path
-    from app.files.atomic import together
-    left = int(sys.argv[2])
 
-    def counted(call):
-        def wrapped(*arguments, **named):
-            global left
+def write_until(folder: Path, calls: int) -> int:
+    """A set of files; the process is gone with the call of the system that comes after so many."""
+    left = calls
+
+    def counted(call: Callable[..., Any]) -> Callable[..., Any]:
+        def wrapped(*arguments: Any, **named: Any) -> Any:
+            nonlocal left
             if left == 0:
                 os._exit(9)
             left -= 1
             return call(*arguments, **named)
+
         return wrapped
 
     for name in ("mkdir", "replace", "rename", "fsync", "unlink", "rmdir", "open", "remove"):
         setattr(os, name, counted(getattr(os, name)))
-    with together(Path(sys.argv[1]) / "a.mp4") as place:
+    with together(folder / "a.mp4") as place:
         place.write_text("new")
         (place.parent / "a.mp4.json").write_text("new")
-"""
+    os._exit(0)
 
 
 def contents(folder: Path) -> dict[str, str]:
@@ -47,8 +48,7 @@ def contents(folder: Path) -> dict[str, str]:
 
 def write_and_die(folder: Path, calls: int) -> int:
     """In a process that is gone at that call of the system."""
-    script = [sys.executable, "-c", textwrap.dedent(KILLED), str(folder), str(calls)]
-    return subprocess.run(script, env=os.environ | {"PYTHONPATH": str(ROOT)}, check=False).returncode
+    return called(write_until, folder, calls, folder=folder).code
 
 
 def test_a_kill_at_any_call_leaves_all_old_or_all_new(tmp_path: Path) -> None:

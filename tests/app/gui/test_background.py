@@ -1,9 +1,13 @@
 from __future__ import annotations
 
+import queue
 import threading
 from collections.abc import Iterator
 from weakref import ref
 
+import pytest
+
+from app.gui.work import background
 from app.gui.work.background import Channel, Failure, Worker
 
 SECONDS = 5.0
@@ -109,6 +113,20 @@ def test_the_worker_serves_in_its_own_thread_and_wakes_the_window() -> None:
         assert channel.take() == (7, 7)
     worker.close()
     assert set(threads) == {"vesselsplat-worker"}
+
+
+def test_a_worker_rests_once_after_all_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """That is when memory goes back to the system."""
+    monkeypatch.setattr(background, "REST", 0.05)
+    rests = queue.SimpleQueue[str]()
+    channel = Channel(lambda request: iter([request]))
+    worker = Worker((channel,), lambda: None, lambda: rests.put(threading.current_thread().name))
+    for request in range(2):
+        channel.ask(request)
+        assert rests.get(timeout=SECONDS) == "vesselsplat-worker"
+        assert channel.take() == (request, request)
+    worker.close()
+    assert rests.empty()
 
 
 def test_waiting_ends_with_the_last_answer_of_the_newest_request() -> None:

@@ -15,9 +15,13 @@ from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
 from app.scenes.drawer import draw_view
 from app.scenes.view_kinds import BY_PROCESSOR, EXPLAINED, ViewKind, has_scale
 from app.scenes.view_request import ViewRequest, read_frame
+from renderer.deformation.frame_by_frame import FrameByFrame
 from renderer.gaussians import DynamicGaussians
+from renderer.raw_gaussians import RawGaussians
+from renderer.splats import Splats
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.settling import show_live
+from tests.renderer.scenes import random_splats
 
 SIZE = (64, 48)
 
@@ -84,6 +88,38 @@ def test_a_tiny_scene_is_seen_as_a_large_one_is(ctx: moderngl.Context, live: App
     assert graphics._texture is not None
     picture = read(ctx, graphics._texture.glo, 4)[::-1].astype(int)
     assert np.abs(picture - wanted.image).max() <= 3
+    graphics.release()
+
+
+def raw(splats: Splats) -> RawGaussians:
+    """Those that are drawn as `splats`."""
+    return RawGaussians(
+        splats.means,
+        splats.quats,
+        np.log(splats.scales),
+        np.log(splats.opacities / (1 - splats.opacities)),
+        splats.colors,
+        np.zeros((len(splats), 0, 3), np.float32),
+    )
+
+
+@pytest.mark.gl
+def test_of_a_series_each_moment_has_its_own_gaussians(ctx: moderngl.Context, live: AppState) -> None:
+    """Fewer of them, more, and fewer again."""
+    scene = live.scene.model
+    assert scene is not None
+    moments = tuple(raw(random_splats(n, scene.cameras[0], n)) for n in (150, 400))
+    series = replace(scene, model=DynamicGaussians(moments[0], FrameByFrame(moments)))
+    graphics = GraphicsViewport(ctx, Textures(ctx))
+    pictures = []
+    for time in (0.0, 0.5, 0.0):
+        request = ViewRequest.fitted(series, time, None, SIZE)
+        graphics._draw(request, None)
+        assert graphics._texture is not None
+        pictures.append(read(ctx, graphics._texture.glo, 4)[::-1].astype(int))
+        (wanted,) = draw_view(request)
+        assert np.abs(pictures[-1] - wanted.image).max() <= 3
+    assert np.abs(pictures[0] - pictures[1]).max() > 60
     graphics.release()
 
 

@@ -1,7 +1,7 @@
 """A process that reads damaged files one after the other, under limits of memory and time.
 
-`python -m tests.benchmarks.attack.worker SEEDS READER FIRST LAST`: a line of JSON for each failure, and the
-number of the file that it begins, so that the one that ended the process is known.
+It says a line of JSON for each failure, and the number of the file that it begins, so that the one that
+ended the process is known.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import os
 import resource
 import shutil
 import signal
-import sys
 import tempfile
 import traceback
 from pathlib import Path
@@ -34,15 +33,16 @@ class TooSlow(BaseException):
     """Not caught by what catches exceptions."""
 
 
-def main() -> None:
-    """See the module."""
+def work(seeds: Path, name: str, numbers: range, streams: tuple[Path, Path]) -> None:
+    """In a process of its own. `streams`: files for stdout and stderr, decoders' words as well."""
+    for number, path in enumerate(streams, start=1):
+        os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND), number)
     keep_quiet()
-    seeds, name, first, last = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
     reader = readers(seeds)[name]
     signal.signal(signal.SIGALRM, _late)
     _limit_memory()
     with tempfile.TemporaryDirectory() as scratch:
-        for number in range(first, last):
+        for number in numbers:
             print(json.dumps({"begins": number}), flush=True)
             folder = Path(scratch) / "all"
             shutil.rmtree(folder, ignore_errors=True)
@@ -99,7 +99,3 @@ def _tell(number: int, error: BaseException) -> None:
         "from": place,
     }
     print(json.dumps(told), flush=True)
-
-
-if __name__ == "__main__":
-    main()

@@ -10,7 +10,7 @@ import pytest
 
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
-from renderer.depth.depth_prior import depth_from_brightness, with_guessed_depth
+from renderer.depth.depth_prior import brightness_guess, depth_from_brightness, with_guessed_depth
 from renderer.phantom import Phantom, PhantomParams
 
 SAID = "guessed"
@@ -130,6 +130,27 @@ def test_no_depth_off_the_tissue_and_in_the_black():
     assert not depth[:30].any()
     assert (depth[30:, 50:] > 0).all()
     assert np.isfinite(depth).all()
+
+
+def test_what_a_surround_shows_changes_no_depth_of_tissue():
+    """Round views of a plane: in black, and in the noise that some endoscopes show instead."""
+    rows, columns = np.indices((128, 160))
+    inside = (rows - 64) ** 2 + (columns - 80) ** 2 < 58**2
+    frames = [lit_plane(near) for near in (40.0, 44.0, 48.0)]
+    noise = np.random.default_rng(0).integers(0, 25, (3, 128, 160, 3), dtype=np.uint8)
+    found = []
+    for around in (np.zeros_like(noise), noise):
+        round_views = [
+            replace(frame, image=np.where(inside[:, :, None], frame.image, levels))
+            for frame, levels in zip(frames, around, strict=True)
+        ]
+        clip = clip_of(round_views)
+        seen = with_guessed_depth(clip, brightness_guess(clip), SAID)
+        found.append([depth_of(seen.read_frame(index)) for index in range(3)])
+    for black, noisy in zip(*found, strict=True):
+        np.testing.assert_array_equal(noisy, black)
+        assert (black[inside] > 0).mean() > 0.95
+        assert not black[~inside].any()
 
 
 def test_the_range_is_cut_to_percentiles():

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import gc
+import os
 import sys
 from pathlib import Path
 
+import numpy as np
 import psutil
 import pytest
 
+from renderer.readers.decoders import MOST
 from renderer.readers.video import open_video
 from tests.renderer.readers.numbered import opencv_video
 
@@ -34,3 +37,16 @@ def test_a_dropped_video_lets_its_decoder_go_without_a_search_for_garbage(
         assert held() == 0
     finally:
         gc.enable()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="counts what the process holds open by name")
+def test_of_many_videos_only_the_last_read_hold_a_decoder(tmp_path: Path) -> None:
+    """The others decode again where they are read again."""
+    video, threads = opencv_video(tmp_path / "a.mp4", "mp4v", 100), psutil.Process().num_threads()
+    clips = [open_video(video) for _ in range(3 * MOST)]
+    wanted = {index: clips[0].read_image(index) for index in (99, 5, 50)}
+    for index, image in wanted.items():
+        for clip in clips:
+            np.testing.assert_array_equal(clip.read_image(index), image)
+    assert sum(one.path == str(video) for one in psutil.Process().open_files()) == MOST
+    assert psutil.Process().num_threads() <= threads + MOST * (1 + 2 * (os.cpu_count() or 1))
