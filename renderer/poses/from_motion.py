@@ -1,0 +1,161 @@
+"""Cameras and points of a clip without depth, up to scale, from features alone: structure from motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from renderer.camera import FloatArray
+from renderer.clip import Clip, SparsePoints
+from renderer.poses.bundle import FocalGuess
+from renderer.poses.growing import Growing
+from renderer.poses.lost_frame import LostFrame
+from renderer.poses.parts import MOST_BRIDGED, SHORTEST, Lost, parts_of, pictures_of
+from renderer.poses.pictures import small_lens
+from renderer.poses.rigid_motion import local
+from renderer.poses.search import FoundPoses, PosesError, found_poses
+from renderer.poses.settling import Settled, settled
+from renderer.poses.starting import started
+from renderer.poses.tracks import Tracked, Tracks
+from renderer.poses.triangulation import judged
+from renderer.poses.views import PIXEL_NOISE, Rough, View
+
+MEDIAN_DEPTH: Final = 100.0
+"""Scene units, of the points: the scale of what has none."""
+FOCAL_SPREAD: Final = 0.25
+"""Of the logarithm of a focal length that is guessed: fields of view of 60 degrees may be 45 to 75."""
+_CERTAIN = math.radians(1.5)
+"""Between rays to a point that a shape begins from."""
+_OFTEN = 3
+"""Keyframes that show such a point."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundStructure:
+    """The longest part of a clip that holds, in scene units."""
+
+    poses: FoundPoses
+    """Its cameras have the focal length that was found."""
+    points: SparsePoints
+
+
+def find_structure(
+    clip: Clip, *, focal_is_known: bool, tell: Callable[[int, int], None] = lambda done, total: None
+) -> FoundStructure:
+    """Of a clip whose one camera is of all frames, without depth.
+
+    The world is the first camera of the part; the median depth of points is MEDIAN_DEPTH. A focal length
+    that is not known is sought along with the rest. `tell` is called with how many frames are done.
+
+    Raises:
+        PosesError: no part of SHORTEST frames tells distances, and why.
+        ClipError: a frame cannot be read.
+    """
+    lens = small_lens(clip.cameras[0])
+    focal = None if focal_is_known else FocalGuess(lens.fx, FOCAL_SPREAD)
+    bare = replace(clip, read_frame=lambda index: replace(clip.read_frame(index), depth=None))
+    parts, lost = parts_of(pictures_of(bare, lens, 1.0, tell), Tracks)
+    best: Rough | None = None
+    waiting, why = [part.tracked for part in parts], [each.why for each in lost]
+    while waiting:
+        waiting.sort(key=lambda part: len(part.sights))
+        part = waiting.pop()
+        if len(part.sights) < SHORTEST or (best is not None and len(part.sights) <= len(best.views)):
+            break
+        try:
+            growing = started(lens, part, focal)
+            ended = growing.grow()
+        except Lost as reason:
+            why.append(str(reason))
+            continue
+        rough, left = _all_views(growing, part, focal)
+        lost += [LostFrame(part.sights[part.keys[key]].frame, said) for key, said in ended.items()]
+        lost += [each for each in left if each.frame not in {other.frame for other in lost}]
+        if best is None or len(rough.views) > len(best.views):
+            best = rough
+        waiting += _rest(part, growing)
+    if best is None or best.views[-1].frame - best.views[0].frame + 1 < SHORTEST:
+        said = max(why, key=why.count, default="too few frames")
+        raise PosesError(said)
+    done, points = _scaled(settled(best), best.keys)
+    lost.sort(key=lambda each: each.frame)
+    return FoundStructure(found_poses(clip, done, 1.0, lost), SparsePoints(points))
+
+
+def _rest(part: Tracked, growing: Growing) -> Iterator[Tracked]:
+    """What of a part holds on to nothing that has grown."""
+    first, last = min(growing.poses), max(growing.poses)
+    if first > 0:
+        yield part.between(0, first - 1)
+    if last + 1 < len(part.keys):
+        yield part.between(last + 1, len(part.keys) - 1)
+
+
+def _all_views(growing: Growing, part: Tracked, focal: FocalGuess | None) -> tuple[Rough, list[LostFrame]]:
+    """Of the frames between the keyframes that have grown, and those behind the last of all."""
+    first, last = min(growing.poses), max(growing.poses)
+    held = part.between(first, last)
+    keyed = {key: growing.poses[first + number] for number, key in enumerate(held.keys)
+             if first + number in growing.poses}  # fmt: skip
+    if last + 1 < len(part.keys):
+        held = replace(held, sights=held.sights[: held.keys[-1] + 1])
+    compact = np.full(len(growing.points), -1)
+    compact[growing.known] = np.arange(len(growing.known))
+    views, keys, lost = list[View](), list[int](), list[LostFrame]()
+    pose: FloatArray = growing.poses[first]
+    for place, sight in enumerate(held.sights):
+        ids, seen = growing.seen_by(sight)
+        try:
+            if place in keyed:
+                keys.append(len(views))
+                pose, inliers = keyed[place], np.ones(len(ids), bool)
+            else:
+                found = growing.placed(sight, pose)
+                pose, inliers = found.pose, found.inliers
+        except Lost as reason:
+            lost.append(LostFrame(sight.frame, str(reason)))
+            continue
+        views.append(View(sight.frame, pose, compact[ids], seen, inliers))
+    rough = Rough(growing.lens, tuple(views), tuple(keys), growing.points[growing.known], focal)
+    return _unbroken(rough), lost
+
+
+def _unbroken(rough: Rough) -> Rough:
+    """The longest run of views without a gap that is too wide to go on behind; it begins with a keyframe."""
+    frames = [view.frame for view in rough.views]
+    gaps = [at + 1 for at, (one, two) in enumerate(pairwise(frames)) if two - one > MOST_BRIDGED + 1]
+    runs = list(pairwise([0, *gaps, len(frames)]))
+    start, end = max(runs, key=lambda run: run[1] - run[0])
+    start = min(key for key in (*rough.keys, end) if key >= start)
+    keys = tuple(key - start for key in rough.keys if start <= key < end)
+    return replace(rough, views=rough.views[start:end], keys=keys)
+
+
+def _scaled(done: Settled, keys: tuple[int, ...]) -> tuple[Settled, FloatArray]:
+    """The same in scene units; and the points (P, 3) in the axes of the first view that are certain."""
+    shown = [done.views[key] for key in keys]
+    ids = np.concatenate([view.ids for view in shown])
+    poses = np.repeat(np.stack([view.pose for view in shown]), [len(view.ids) for view in shown], axis=0)
+    places = np.concatenate([view.seen.measured[:, :2] for view in shown])
+    known = judged(done.lens, done.points, poses, ids, places)
+    often = np.bincount(ids, minlength=len(done.points)) >= min(_OFTEN, len(keys))
+    near = known.misfit < 3 * max(done.noise.pixel, PIXEL_NOISE)
+    good = often & near & (known.angle > _CERTAIN)
+    if not good.any():
+        good = known.angle > 0
+    depth = local(poses, done.points[ids])[good[ids], 2]
+    factor = MEDIAN_DEPTH / float(np.median(depth))
+    views = tuple(replace(view, pose=_times(view.pose, factor)) for view in done.views)
+    where = factor * done.points
+    return replace(done, views=views, points=where), local(views[0].pose, where[good])
+
+
+def _times(pose: FloatArray, factor: float) -> FloatArray:
+    scaled = pose.copy()
+    scaled[:3, 3] *= factor
+    return scaled
