@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass as plain_dataclass
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Final, Literal
 
+import numpy as np
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
@@ -26,7 +27,7 @@ from app.runs.device import Device
 from enhance import Statistics
 from renderer.budget import budget
 from renderer.camera import Camera
-from renderer.clip import ByteImage, Clip, Frame, held_out_frames
+from renderer.clip import ByteImage, Clip, Frame, SparsePoints, held_out_frames
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed, read_text
 from renderer.poses.lost_frame import LostFrame
@@ -48,6 +49,8 @@ class PosesRecord:
     points: tuple[int, ...]
     lost: tuple[LostFrame, ...] = ()
     """Frames of what was asked for that have no pose of their own."""
+    structure: tuple[tuple[float, float, float], ...] = ()
+    """Points of the tissue, where they were found with the poses, in lack of depth."""
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
@@ -85,10 +88,12 @@ class ClipRecord:
             Camera.from_json(camera)
 
     def through(self, part: Clip) -> Clip:
-        """The part of the clip, with the cameras that were estimated, if any were."""
+        """The part of the clip, with the cameras that were estimated, if any were, and the points."""
         if self.poses is None:
             return part
-        return part.through(tuple(Camera.from_json(each) for each in self._one_each()))
+        seen = part.through(tuple(Camera.from_json(each) for each in self._one_each()))
+        structure = self.poses.structure
+        return replace(seen, points=SparsePoints(np.array(structure))) if structure else seen
 
     def through_whole(self, clip: Clip) -> Clip:
         """The same of the whole clip: frames outside the part have the camera of the nearest one in it."""
