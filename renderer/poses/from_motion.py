@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
-from renderer.camera import FloatArray
+from renderer.camera import Camera, FloatArray
 from renderer.clip import Clip, SparsePoints
 from renderer.poses.bundle import FocalGuess
 from renderer.poses.growing import Growing
@@ -60,8 +60,24 @@ def find_structure(
     focal = None if focal_is_known else FocalGuess(lens.fx, FOCAL_SPREAD)
     bare = replace(clip, read_frame=lambda index: replace(clip.read_frame(index), depth=None))
     parts, lost = parts_of(pictures_of(bare, lens, 1.0, tell), Tracks)
+    try:
+        done, points, unplaced = solved(lens, [part.tracked for part in parts], focal)
+    except Lost as reason:
+        raise PosesError(str(reason) if parts else _commonest([each.why for each in lost])) from reason
+    lost = sorted({each.frame: each for each in (*lost, *unplaced)}.values(), key=lambda each: each.frame)
+    return FoundStructure(found_poses(clip, done, 1.0, lost), SparsePoints(points))
+
+
+def solved(
+    lens: Camera, parts: Sequence[Tracked], focal: FocalGuess | None
+) -> tuple[Settled, FloatArray, list[LostFrame]]:
+    """The views of the longest part that holds and its points, in scene units; those of them that are certain,
+    (P, 3) in the axes of the first view; and frames without a pose although features were followed.
+
+    Raises Lost: no part of SHORTEST frames tells distances, and why.
+    """
     best: Rough | None = None
-    waiting, why = [part.tracked for part in parts], [each.why for each in lost]
+    waiting, lost, why = list(parts), list[LostFrame](), list[str]()
     while waiting:
         waiting.sort(key=lambda part: len(part.sights))
         part = waiting.pop()
@@ -74,17 +90,17 @@ def find_structure(
             why.append(str(reason))
             continue
         rough, left = _all_views(growing, part, focal)
-        lost += [LostFrame(part.sights[part.keys[key]].frame, said) for key, said in ended.items()]
-        lost += [each for each in left if each.frame not in {other.frame for other in lost}]
+        lost += [LostFrame(part.sights[part.keys[key]].frame, said) for key, said in ended.items()] + left
         if best is None or len(rough.views) > len(best.views):
             best = rough
         waiting += _rest(part, growing)
-    if best is None or best.views[-1].frame - best.views[0].frame + 1 < SHORTEST:
-        said = max(why, key=why.count, default="too few frames")
-        raise PosesError(said)
-    done, points = _scaled(settled(best), best.keys)
-    lost.sort(key=lambda each: each.frame)
-    return FoundStructure(found_poses(clip, done, 1.0, lost), SparsePoints(points))
+    if best is None or len(best.views) < SHORTEST:
+        raise Lost(_commonest(why))
+    return *_scaled(settled(best), best.keys), lost
+
+
+def _commonest(why: Sequence[str]) -> str:
+    return max(why, key=why.count, default=f"features are followed through fewer than {SHORTEST} frames")
 
 
 def _rest(part: Tracked, growing: Growing) -> Iterator[Tracked]:
