@@ -57,7 +57,7 @@ class Bundle:
     """Where the focal length of `lens` is sought, too."""
 
 
-def adjusted(bundle: Bundle) -> Bundle:
+def adjusted(bundle: Bundle, rounds: int = _ROUNDS) -> Bundle:
     """Levenberg and Marquardt's method on the robust cost; never a higher one than that of `bundle`.
 
     Where no view measures depth, the scale is free, and that of `bundle` is kept to first order.
@@ -66,7 +66,7 @@ def adjusted(bundle: Bundle) -> Bundle:
     left = misfit(bundle)
     cost = _cost(bundle, left)
     groups, free = _groups(bundle), _free(bundle)
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         other = _stepped(bundle, left, groups, free, damping)
         there = misfit(other)
         lower = _cost(other, there)
@@ -173,27 +173,23 @@ def _eliminate(
     by_point = change @ bundle.poses[bundle.views[group]][:, :3, :3]
     by_lens = lens_slopes(bundle.lens, places) * weights
 
-    of_points = np.zeros((len(points), 3, 3))
-    np.add.at(of_points, of_point, np.einsum("nij,nik->njk", by_point, by_point))
-    pull = np.zeros((len(points), 3))
-    np.add.at(pull, of_point, np.einsum("nij,ni->nj", by_point, apart))
+    of_points = _summed(by_point.swapaxes(1, 2) @ by_point, of_point, len(points))
+    pull = _summed(_along(by_point, apart), of_point, len(points))
     diagonal = np.einsum("ljj->lj", of_points)
     diagonal *= 1 + damping
     diagonal += 1e-9
     inverse = np.linalg.inv(of_points)
-    across = np.zeros((len(points) * len(views), 3, 6))
-    np.add.at(across, of_point * len(views) + of_view, np.einsum("nij,nik->njk", by_point, by_pose))
+    pairs = of_point * len(views) + of_view
+    across = _summed(by_point.swapaxes(1, 2) @ by_pose, pairs, len(points) * len(views))
     of_poses = across.reshape(len(points), len(views), 3, 6).swapaxes(1, 2).reshape(len(points), 3, -1)
-    of_lens = np.zeros((len(points), 3))
-    np.add.at(of_lens, of_point, np.einsum("nij,ni->nj", by_point, by_lens))
+    of_lens = _summed(_along(by_point, by_lens), of_point, len(points))
     coupling = np.concatenate([of_poses, of_lens[:, :, None]], axis=2)
     solved = inverse @ coupling
     offset = np.einsum("ljk,lk->lj", inverse, pull)
 
     columns = np.r_[(6 * views[:, None] + np.arange(6)).ravel(), 6 * len(bundle.poses)]
-    own, beside = np.zeros((len(views), 6, 6)), np.zeros((len(views), 6))
-    np.add.at(own, of_view, np.einsum("nij,nik->njk", by_pose, by_pose))
-    np.add.at(beside, of_view, np.einsum("nij,ni->nj", by_pose, by_lens))
+    own = _summed(by_pose.swapaxes(1, 2) @ by_pose, of_view, len(views))
+    beside = _summed(_along(by_pose, by_lens), of_view, len(views))
     own_diagonal = np.einsum("mjj->mj", own)
     own_diagonal *= 1 + damping
     own_diagonal += 1e-9
@@ -206,8 +202,21 @@ def _eliminate(
     block[:-1, -1] += beside.ravel()
     block[-1, -1] += (1 + damping) * (by_lens**2).sum()
     stiffness[np.ix_(columns, columns)] += block
-    turned = np.zeros((len(views), 6))
-    np.add.at(turned, of_view, np.einsum("nij,ni->nj", by_pose, apart))
+    turned = _summed(_along(by_pose, apart), of_view, len(views))
     said = np.r_[turned.ravel(), (by_lens * apart).sum()]
     against[columns] += said - np.einsum("ljk,lj->k", coupling, offset)
     return _Back(points, columns, offset, solved)
+
+
+def _along(change: FloatArray, values: FloatArray) -> FloatArray:
+    """(N, j) of slopes (N, 3, j) and values (N, 3)."""
+    return np.asarray((change * values[:, :, None]).sum(axis=1))
+
+
+def _summed(values: FloatArray, of: IntArray, count: int) -> FloatArray:
+    """(count, ...) sums of the values (N, ...) of each; 0 where it has none."""
+    order = np.argsort(of, kind="stable")
+    starts = np.flatnonzero(np.diff(of[order], prepend=-1))
+    sums = np.zeros((count, *values.shape[1:]))
+    sums[of[order[starts]]] = np.add.reduceat(values[order], starts, axis=0)
+    return sums

@@ -21,6 +21,7 @@ from renderer.poses.rigid_motion import local
 from renderer.poses.search import FoundPoses, PosesError, found_poses
 from renderer.poses.settling import Settled, settled
 from renderer.poses.starting import started
+from renderer.poses.steadying import steadied
 from renderer.poses.tracks import Tracked, Tracks
 from renderer.poses.triangulation import judged
 from renderer.poses.views import PIXEL_NOISE, Rough, View
@@ -71,8 +72,8 @@ def find_structure(
 def solved(
     lens: Camera, parts: Sequence[Tracked], focal: FocalGuess | None
 ) -> tuple[Settled, FloatArray, list[LostFrame]]:
-    """The views of the longest part that holds and its points, in scene units; those of them that are certain,
-    (P, 3) in the axes of the first view; and frames without a pose although features were followed.
+    """The views of the longest part that holds and its points, in scene units; those of these that are
+    certain, (P, 3) in the axes of the first view; and frames without a pose although features were followed.
 
     Raises Lost: no part of SHORTEST frames tells distances, and why.
     """
@@ -86,6 +87,7 @@ def solved(
         try:
             growing = started(lens, part, focal)
             ended = growing.grow()
+            growing = steadied(growing)
         except Lost as reason:
             why.append(str(reason))
             continue

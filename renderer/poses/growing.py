@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Set
+from copy import copy
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
 from renderer.poses.bundle import Bundle, FocalGuess, IntArray, adjusted, misfit
@@ -18,17 +20,22 @@ from renderer.poses.parts import Lost
 from renderer.poses.resection import FEWEST, OUTLYING, Resected, by_chance, resected
 from renderer.poses.rigid_motion import Seen
 from renderer.poses.tracks import Sight, Tracked
-from renderer.poses.triangulation import judged, triangulated
+from renderer.poses.triangulation import Triangulated, judged, triangulated
 from renderer.poses.views import PIXEL_NOISE
 
 NARROWEST: Final = math.radians(1.0)
 """Between rays to a point: where they are more alike, its distance is not certain."""
+BoolArray = NDArray[np.bool_]
 MOST_MISFIT: Final = 0.008
 """Of the width: half of the points of a frame that moved by more on their own leave it without a pose."""
+SEEN_BY: Final = 3
+"""Keyframes that tell whether a track agrees with them: two always nearly do."""
 _FIRST_PX, _LEAST_PX = 1.0, 0.1
 """px, noise of places before it is measured, and the least."""
 _STRAY = 4.0
 """Times the noise: points that are farther off, over all views, are not of the body that is followed."""
+_ROUNDS = 6
+"""Of bundle adjustment each time: it goes on with the next keyframe."""
 _GROWN = 1.15
 """Times as many keyframes: all are adjusted anew."""
 _FREE_FROM = 5
@@ -82,14 +89,46 @@ class Growing:
         self.adjust()
         return ended
 
+    def only(self, which: BoolArray) -> Growing:
+        """The same keyframes by these of the tracks (L,) alone, adjusted. Raises Lost."""
+        other = copy(self)
+        other.points = np.where((which & np.isfinite(self.misfits()))[:, None], self._all().where, np.nan)
+        for _ in range(2):
+            other.adjust()
+        return other
+
+    def misfits(self) -> FloatArray:
+        """(L,) px, of all tracks that SEEN_BY keyframes and more show: root mean square of where the best
+        point for the track would be seen; inf of others."""
+        found = self._all()
+        tracks = self._observations(sorted(self.poses))[1]
+        often = np.bincount(tracks, minlength=len(self.points)) >= SEEN_BY
+        return np.where(often & (found.angle > NARROWEST), found.misfit, np.inf)
+
+    def middles(self) -> FloatArray:
+        """(L, 2) px, where keyframes show each track in the mean; 0 where none does."""
+        _, tracks, places = self._observations(sorted(self.poses))
+        total = np.zeros((len(self.points), 2))
+        np.add.at(total, tracks, places)
+        return total / np.maximum(np.bincount(tracks, minlength=len(total)), 1)[:, None]
+
+    def _all(self) -> Triangulated:
+        numbers = sorted(self.poses)
+        views, tracks, places = self._observations(numbers)
+        poses = np.stack([self.poses[number] for number in numbers])[views]
+        return triangulated(self.lens, poses, tracks, places, len(self.points))
+
     def placed(self, sight: Sight, start: FloatArray) -> Resected:
         """The pose of any frame by the points that it shows. Raises Lost."""
         ids, seen = self.seen_by(sight)
         if len(ids) < FEWEST:
             raise Lost(f"{len(ids)} points of known place")
         where = self.points[ids]
-        found = resected(self.lens, where, seen, [start, *by_chance(self.lens, where, seen)])
-        if found.misfit > MOST_MISFIT * self.lens.width / PIXEL_NOISE:
+        most = MOST_MISFIT * self.lens.width / PIXEL_NOISE
+        found = resected(self.lens, where, seen, [start])
+        if found.misfit > most and (tried := by_chance(self.lens, where, seen)):
+            found = resected(self.lens, where, seen, tried)
+        if found.misfit > most:
             raise Lost(f"half of {len(ids)} points are {found.misfit * PIXEL_NOISE:.1f} px off")
         return found
 
@@ -117,7 +156,7 @@ class Growing:
             seen=seen_at(places[held], self.noise),
             focal=self._focal if len(numbers) >= _FREE_FROM else None,
         )
-        bundle = adjusted(bundle)
+        bundle = adjusted(bundle, _ROUNDS)
         self.lens, self.points[ids] = bundle.lens, bundle.points
         self.poses = dict(zip(numbers, bundle.poses, strict=True))
         self._adjusted_at = len(numbers)

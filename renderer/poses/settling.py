@@ -14,6 +14,8 @@ from renderer.poses.rigid_motion import Seen, inverse, local, projected
 from renderer.poses.views import DEPTH_NOISE, Rough, View
 
 _PASSES = 4
+_WITHOUT_DEPTH = 2
+"""Passes: keyframes and points have been adjusted before."""
 _FIRST_PX = 2.0
 """px: as if the tissue deformed by that, before it is known."""
 _SLACK = 5.0
@@ -73,18 +75,18 @@ def settled(rough: Rough) -> Settled:
     lens, views, points = rough.lens, rough.views, rough.points
     start = Settled(lens, views, points, _judged(lens, points, views)[0])
     if not any((view.seen.weights[:, 2] > 0).any() for view in views):
-        return _settled(rough, start, _RIGID_SLACK * start.noise.pixel, _RIGID_SLACK)
+        return _settled(rough, start, _RIGID_SLACK * start.noise.pixel, _RIGID_SLACK, _WITHOUT_DEPTH)
     soft = _settled(rough, start, _FIRST_PX, _SLACK)
     rigid = _settled(rough, soft, _RIGID_SLACK * soft.noise.pixel, _RIGID_SLACK)
     return rigid if rigid.noise.depth < _TAKEN_UP * soft.noise.depth else soft
 
 
-def _settled(rough: Rough, start: Settled, first: float, slack: float) -> Settled:
+def _settled(rough: Rough, start: Settled, first: float, slack: float, passes: int = _PASSES) -> Settled:
     """From views and points that nearly fit; places count as if they were off by `first` px to begin with."""
     lens, views, points = start.lens, start.views, start.points
     noise, steady = _judged(lens, points, views)
     weighing = noise.beside(first, lens)
-    for _ in range(_PASSES):
+    for _ in range(passes):
         views = tuple(_weighed(lens, points, view, weighing, steady) for view in views)
         bundle = adjusted(_bundle(rough, lens, views, points))
         starts = _carried(rough.keys, views, bundle.poses)

@@ -24,7 +24,7 @@ _KEPT = 0.7
 """Share of a keyframe's features below which the next one is made."""
 _FAR = 0.06
 """Of the width: features that moved farther look different, and the next keyframe is made."""
-_LATEST = 10
+_LATEST = 5
 """Frames after which the next keyframe is made in any case."""
 
 
