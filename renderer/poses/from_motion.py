@@ -13,7 +13,7 @@ import numpy as np
 from renderer.camera import Camera, FloatArray
 from renderer.clip import Clip, SparsePoints
 from renderer.poses.bundle import FocalGuess
-from renderer.poses.growing import Growing
+from renderer.poses.growing import SEEN_BY, Growing
 from renderer.poses.lost_frame import LostFrame
 from renderer.poses.parts import MOST_BRIDGED, SHORTEST, Lost, parts_of, pictures_of
 from renderer.poses.pictures import small_lens
@@ -23,8 +23,8 @@ from renderer.poses.settling import Settled, settled
 from renderer.poses.starting import started
 from renderer.poses.steadying import steadied
 from renderer.poses.tracks import Tracked, Tracks
-from renderer.poses.triangulation import judged
-from renderer.poses.views import PIXEL_NOISE, Rough, View
+from renderer.poses.triangulation import triangulated
+from renderer.poses.views import Rough, View
 
 MEDIAN_DEPTH: Final = 100.0
 """Scene units, of the points: the scale of what has none."""
@@ -32,8 +32,9 @@ FOCAL_SPREAD: Final = 0.25
 """Of the logarithm of a focal length that is guessed: fields of view of 60 degrees may be 45 to 75."""
 _CERTAIN = math.radians(1.5)
 """Between rays to a point that a shape begins from."""
-_OFTEN = 3
-"""Keyframes that show such a point."""
+_LOOSE = 0.01
+"""Of the width, by which such a point may be off, as of tissue that moves."""
+_MOST_POINTS = 5000
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,17 +73,17 @@ def find_structure(
 def solved(
     lens: Camera, parts: Sequence[Tracked], focal: FocalGuess | None
 ) -> tuple[Settled, FloatArray, list[LostFrame]]:
-    """The views of the longest part that holds and its points, in scene units; those of these that are
-    certain, (P, 3) in the axes of the first view; and frames without a pose although features were followed.
+    """The views of the longest part that holds, in scene units; points (P, 3) in the axes of the first one,
+    of tissue that moves as well; and frames without a pose although features were followed.
 
     Raises Lost: no part of SHORTEST frames tells distances, and why.
     """
-    best: Rough | None = None
+    best: tuple[Rough, Tracked] | None = None
     waiting, lost, why = list(parts), list[LostFrame](), list[str]()
     while waiting:
         waiting.sort(key=lambda part: len(part.sights))
         part = waiting.pop()
-        if len(part.sights) < SHORTEST or (best is not None and len(part.sights) <= len(best.views)):
+        if len(part.sights) < SHORTEST or (best is not None and len(part.sights) <= len(best[0].views)):
             break
         try:
             growing = started(lens, part, focal)
@@ -93,12 +94,13 @@ def solved(
             continue
         rough, left = _all_views(growing, part, focal)
         lost += [LostFrame(part.sights[part.keys[key]].frame, said) for key, said in ended.items()] + left
-        if best is None or len(rough.views) > len(best.views):
-            best = rough
+        if best is None or len(rough.views) > len(best[0].views):
+            best = rough, part
         waiting += _rest(part, growing)
-    if best is None or len(best.views) < SHORTEST:
-        raise Lost(_commonest(why))
-    return *_scaled(settled(best), best.keys), lost
+    if best is None or len(best[0].views) < SHORTEST:
+        raise Lost(_commonest([*why, *(each.why for each in lost)]))
+    rough, part = best
+    return *_shaped(settled(rough), rough.keys, part), lost
 
 
 def _commonest(why: Sequence[str]) -> str:
@@ -130,6 +132,7 @@ def _all_views(growing: Growing, part: Tracked, focal: FocalGuess | None) -> tup
         ids, seen = growing.seen_by(sight)
         try:
             if place in keyed:
+                growing.require(ids)
                 keys.append(len(views))
                 pose, inliers = keyed[place], np.ones(len(ids), bool)
             else:
@@ -154,23 +157,22 @@ def _unbroken(rough: Rough) -> Rough:
     return replace(rough, views=rough.views[start:end], keys=keys)
 
 
-def _scaled(done: Settled, keys: tuple[int, ...]) -> tuple[Settled, FloatArray]:
-    """The same in scene units; and the points (P, 3) in the axes of the first view that are certain."""
-    shown = [done.views[key] for key in keys]
-    ids = np.concatenate([view.ids for view in shown])
-    poses = np.repeat(np.stack([view.pose for view in shown]), [len(view.ids) for view in shown], axis=0)
-    places = np.concatenate([view.seen.measured[:, :2] for view in shown])
-    known = judged(done.lens, done.points, poses, ids, places)
-    often = np.bincount(ids, minlength=len(done.points)) >= min(_OFTEN, len(keys))
-    near = known.misfit < 3 * max(done.noise.pixel, PIXEL_NOISE)
-    good = often & near & (known.angle > _CERTAIN)
+def _shaped(done: Settled, keys: tuple[int, ...], part: Tracked) -> tuple[Settled, FloatArray]:
+    """The same in scene units, and all points (P, 3) that keyframes tell the distance of."""
+    sights = {sight.frame: sight for sight in part.sights}
+    shown = [sights[done.views[key].frame] for key in keys]
+    ids, places = (np.concatenate([getattr(sight, name) for sight in shown]) for name in ("ids", "places"))
+    each = np.stack([done.views[key].pose for key in keys])
+    poses = np.repeat(each, [len(sight.ids) for sight in shown], axis=0)
+    found = triangulated(done.lens, poses, ids, places, part.count)
+    often = np.bincount(ids, minlength=part.count) >= min(SEEN_BY, len(keys))
+    good = often & (found.misfit < _LOOSE * done.lens.width) & (found.angle > _CERTAIN)
     if not good.any():
-        good = known.angle > 0
-    depth = local(poses, done.points[ids])[good[ids], 2]
-    factor = MEDIAN_DEPTH / float(np.median(depth))
+        good = often & np.isfinite(found.misfit)
+    factor = MEDIAN_DEPTH / float(np.median(local(poses, found.where[ids])[good[ids], 2]))
     views = tuple(replace(view, pose=_times(view.pose, factor)) for view in done.views)
-    where = factor * done.points
-    return replace(done, views=views, points=where), local(views[0].pose, where[good])
+    points = local(views[0].pose, factor * found.where[good])
+    return replace(done, views=views, points=factor * done.points), points[:: -(-len(points) // _MOST_POINTS)]
 
 
 def _times(pose: FloatArray, factor: float) -> FloatArray:

@@ -121,8 +121,7 @@ class Growing:
     def placed(self, sight: Sight, start: FloatArray) -> Resected:
         """The pose of any frame by the points that it shows. Raises Lost."""
         ids, seen = self.seen_by(sight)
-        if len(ids) < FEWEST:
-            raise Lost(f"{len(ids)} points of known place")
+        self.require(ids)
         where = self.points[ids]
         most = MOST_MISFIT * self.lens.width / PIXEL_NOISE
         found = resected(self.lens, where, seen, [start])
@@ -137,11 +136,15 @@ class Growing:
         held = np.isfinite(self.points[sight.ids, 0])
         return sight.ids[held], seen_at(sight.places[held], PIXEL_NOISE)
 
+    def require(self, ids: IntArray) -> None:
+        """Raises Lost: too few points to place a view by."""
+        if len(ids) < FEWEST:
+            raise Lost(f"{len(ids)} points of known place")
+
     def adjust(self) -> None:
         """Bundle adjustment; points that stray are no longer known. Raises Lost: too few points are."""
         ids = self.known
-        if len(ids) < FEWEST:
-            raise Lost(f"{len(ids)} points of known place")
+        self.require(ids)
         numbers = sorted(self.poses)
         place = np.full(len(self.points), -1)
         place[ids] = np.arange(len(ids))
