@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Generator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -12,14 +13,14 @@ from app.runs.posing import Posed, through_found
 from app.runs.preparing import told_meanwhile
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, SparsePoints
-from renderer.poses.from_motion import FoundStructure, find_structure
+from renderer.poses.from_motion import FoundStructure, followed_features, structure_of
 from renderer.poses.search import PosesError
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.frames import is_seen_by_assumption
 from renderer.train.config import TrainConfig
 from renderer.train.events import Preparing
 
-STAGE = "finding camera and shape from motion"
+FOLLOWING, PLACING = "following features", "finding camera and shape from motion"
 DIGITS = 3
 """Of positions in run.json, in scene units of which the tissue is a hundred away."""
 
@@ -33,10 +34,10 @@ def structured(clip: Clip, config: TrainConfig, options: ClipOptions) -> Generat
     if "poses" in config.leave_out:
         raise ClipError(f"expected poses to be found for depth from motion, got them left out: {clip.path}")
     is_known = not is_seen_by_assumption(clip) or options.field_of_view != DEFAULTS.field_of_view
+    features = yield from told_meanwhile(FOLLOWING, partial(followed_features, clip))
+    place = partial(structure_of, clip, features, focal_is_known=is_known)
     try:
-        found = yield from told_meanwhile(
-            STAGE, lambda tell: find_structure(clip, focal_is_known=is_known, tell=tell)
-        )
+        found = yield from told_meanwhile(PLACING, lambda tell: place(tell=tell))
     except PosesError as error:
         way = "--depth brightness estimates it, without a scale"
         raise ClipError(f"no depth follows from the camera's motion: {error} ({way}): {clip.path}") from error

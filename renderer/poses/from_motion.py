@@ -26,6 +26,7 @@ from renderer.poses.tracks import Tracked, Tracks
 from renderer.poses.triangulation import triangulated
 from renderer.poses.views import Rough, View
 
+Tell = Callable[[int, int], None]
 MEDIAN_DEPTH: Final = 100.0
 """Scene units, of the points: the scale of what has none."""
 FOCAL_SPREAD: Final = 0.25
@@ -46,32 +47,58 @@ class FoundStructure:
     points: SparsePoints
 
 
-def find_structure(
-    clip: Clip, *, focal_is_known: bool, tell: Callable[[int, int], None] = lambda done, total: None
-) -> FoundStructure:
+def find_structure(clip: Clip, *, focal_is_known: bool) -> FoundStructure:
     """Of a clip whose one camera is of all frames, without depth.
 
     The world is the first camera of the part; the median depth of points is MEDIAN_DEPTH. A focal length
-    that is not known is sought along with the rest. `tell` is called with how many frames are done.
+    that is not known is sought along with the rest.
 
     Raises:
         PosesError: no part of SHORTEST frames tells distances, and why.
         ClipError: a frame cannot be read.
     """
+    return structure_of(clip, followed_features(clip), focal_is_known=focal_is_known)
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedFeatures:
+    """What frames show, before anything is known of where it is."""
+
+    parts: tuple[Tracked, ...]
+    lost: tuple[LostFrame, ...]
+    """Frames in none of them."""
+
+
+def followed_features(clip: Clip, tell: Tell = lambda done, total: None) -> FollowedFeatures:
+    """The first half of `find_structure`; `tell` is called with how many frames are done."""
     lens = small_lens(clip.cameras[0])
-    focal = None if focal_is_known else FocalGuess(lens.fx, FOCAL_SPREAD)
     bare = replace(clip, read_frame=lambda index: replace(clip.read_frame(index), depth=None))
     parts, lost = parts_of(pictures_of(bare, lens, 1.0, tell), Tracks)
+    return FollowedFeatures(tuple(part.tracked for part in parts), tuple(lost))
+
+
+def structure_of(
+    clip: Clip, features: FollowedFeatures, *, focal_is_known: bool, tell: Tell = lambda done, total: None
+) -> FoundStructure:
+    """The second half; `tell` is called with how many keyframes are placed, of twice as many: placing what
+    lies between them and bringing all to agree takes about as long."""
+    lens = small_lens(clip.cameras[0])
+    focal = None if focal_is_known else FocalGuess(lens.fx, FOCAL_SPREAD)
     try:
-        done, points, unplaced = solved(lens, [part.tracked for part in parts], focal)
+        done, points, unplaced = solved(lens, features.parts, focal, tell)
     except Lost as reason:
-        raise PosesError(str(reason) if parts else _commonest([each.why for each in lost])) from reason
-    lost = sorted({each.frame: each for each in (*lost, *unplaced)}.values(), key=lambda each: each.frame)
+        said = str(reason) if features.parts else _commonest([each.why for each in features.lost])
+        raise PosesError(said) from reason
+    each_lost = {each.frame: each for each in (*features.lost, *unplaced)}
+    lost = [each_lost[frame] for frame in sorted(each_lost)]
     return FoundStructure(found_poses(clip, done, 1.0, lost), SparsePoints(points))
 
 
 def solved(
-    lens: Camera, parts: Sequence[Tracked], focal: FocalGuess | None
+    lens: Camera,
+    parts: Sequence[Tracked],
+    focal: FocalGuess | None,
+    tell: Tell = lambda done, total: None,
 ) -> tuple[Settled, FloatArray, list[LostFrame]]:
     """The views of the longest part that holds, in scene units; points (P, 3) in the axes of the first one,
     of tissue that moves as well; and frames without a pose although features were followed.
@@ -87,7 +114,7 @@ def solved(
             break
         try:
             growing = started(lens, part, focal)
-            ended = growing.grow()
+            ended = growing.grow(tell)
             growing = steadied(growing)
         except Lost as reason:
             why.append(str(reason))

@@ -7,7 +7,7 @@ Schoenberger and Frahm, "Structure-from-motion revisited", 2016, describe it.
 from __future__ import annotations
 
 import math
-from collections.abc import Set
+from collections.abc import Callable, Set
 from copy import copy
 from typing import Final
 
@@ -70,11 +70,12 @@ class Growing:
         self._triangulate(2 * OUTLYING * _FIRST_PX)
         self.adjust()
 
-    def grow(self) -> dict[int, str]:
+    def grow(self, tell: Callable[[int, int], None]) -> dict[int, str]:
         """Takes in every keyframe that holds on to those before it; of the two at which it ends on either
-        side, if any, why."""
+        side, if any, why. `tell` is called with how many are done, of twice as many."""
         ended: dict[int, str] = {}
         while open_ends := self._next(ended.keys()):
+            tell(len(self.poses), 2 * len(self._sights))
             number = max(open_ends, key=self._shown)
             try:
                 self.poses[number] = self.placed(self._sights[number], self._nearest(number)).pose
