@@ -52,7 +52,8 @@ if _typing.TYPE_CHECKING:
         TrainEvent,
         Warned,
     )
-    from renderer.train.trainer import TrainingError, train
+    from renderer.train.trainer import TrainingError
+    from renderer.train.training import train
 
 __all__ = [
     "Camera",
@@ -115,7 +116,8 @@ _MODULES = {
     "splats": "Splats",
     "train.config": "TrainConfig",
     "train.events": "Evaluated Finished Finishing Progress Snapshot Started TrainEvent Warned",
-    "train.trainer": "TrainingError train",
+    "train.trainer": "TrainingError",
+    "train.training": "train",
 }
 _HOME = {name: f"renderer.{module}" for module, names in _MODULES.items() for name in names.split()}
 

@@ -10,16 +10,13 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.deformation.fdm import FlexibleMotion
-from renderer.deformation.hexplane_motion import HexplaneMotion
-from renderer.deformation.motion import Motion, Still
-from renderer.deformation.spline_motion import SplineMotion
+from renderer.deformation.kinds import motion_among
+from renderer.deformation.motion import Motion
+from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array, Splats
-from renderer.stored_arrays import Arrays, read_arrays, write_arrays
+from renderer.stored_arrays import LazyArrays, stored_arrays, write_arrays
 
-MOTIONS: tuple[type[Motion], ...] = (SplineMotion, FlexibleMotion, HexplaneMotion)
-"""Each is known in a file by the names of its arrays."""
 NEEDED = ("means", "quats", "log_scales", "opacity_logits", "colors")
 
 
@@ -64,9 +61,12 @@ class DynamicGaussians:
         """The chosen Gaussians with their motion."""
         return type(self)(self.raw.rows(index), self.motion.rows(index))
 
-    def arrays(self) -> Arrays:
-        """Every array by name, in a fixed order."""
-        return self.raw.arrays() | self.motion.arrays()
+    def arrays(self) -> Mapping[str, NDArray[Any]]:
+        """Every array by name, in a fixed order; those of windows are read as they are asked for."""
+        own, of_motion = self.raw.arrays(), self.motion.arrays()
+        if isinstance(of_motion, dict):
+            return own | of_motion
+        return LazyArrays([*own, *of_motion], lambda name: own[name] if name in own else of_motion[name])
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
@@ -90,13 +90,12 @@ class DynamicGaussians:
     @classmethod
     def load(cls, path: Path) -> Self:
         """Read what `save` wrote. Raises ValueError for a file that is no such model."""
-        arrays, _ = read_arrays(path)
+        stored = stored_arrays(path)
         try:
-            return cls.checked(arrays)
+            return cls.checked(stored if _motion_of(stored) is WindowedMotion else dict(stored))
         except ValueError as error:
             raise ValueError(f"{error}: {path}") from error
 
 
 def _motion_of(arrays: Mapping[str, NDArray[Any]]) -> type[Motion]:
-    """Known by the name of its last array."""
-    return next((kind for kind in MOTIONS if kind.NAMES[-1] in arrays), Still)
+    return WindowedMotion if WindowedMotion.NAMES[-1] in arrays else motion_among(arrays)

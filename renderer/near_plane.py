@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from renderer.camera import Camera
+from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.gaussians import DynamicGaussians
 
 NEAR_SHARE = 1e-3
@@ -17,8 +18,12 @@ def near_plane(model: DynamicGaussians, camera: Camera) -> float:
 
 
 def middle_distance(model: DynamicGaussians, camera: Camera) -> float:
-    """Median depth along the camera's axis of the Gaussians before it; 1 when there is none."""
+    """Median depth along the camera's axis of the Gaussians before it, of a model in windows of those that
+    there are at first; 1 when there is none."""
     pose = camera.camera_from_world
-    depth = model.means @ pose[2, :3] + pose[2, 3]
+    means = model.means
+    if isinstance(model.motion, WindowedMotion):
+        means = means[model.motion.rows_at(0.0)]
+    depth = means @ pose[2, :3] + pose[2, 3]
     before = depth[depth > 0]
     return float(np.median(before)) if len(before) else 1.0

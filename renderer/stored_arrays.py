@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ from safetensors.numpy import save_file
 from renderer.regular_files import require_regular
 
 Arrays = dict[str, NDArray[Any]]
+Result = TypeVar("Result")
+DTYPES: Final = {"<f4": "F32", "<i4": "I32", "<i8": "I64"}
+"""Of a model, as safetensors calls them."""
 OR_NONE = "?"
 FIRST, SECOND = "first.", "second."
 """Moments of the array whose name follows."""
@@ -46,11 +50,51 @@ def read_arrays(path: Path) -> tuple[Arrays, dict[str, str]]:
     Raises:
         ValueError: it cannot be read, or is damaged.
     """
+
+    def take(file: Any) -> tuple[Arrays, dict[str, str]]:
+        arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        return arrays, file.metadata() or {}
+
+    return _opened(path, take)
+
+
+class LazyArrays(Mapping[str, NDArray[Any]]):
+    """Arrays by name, each read when it is asked for, again each time."""
+
+    def __init__(self, names: Sequence[str], read: Callable[[str], NDArray[Any]]) -> None:
+        self._names, self._read = dict.fromkeys(names), read
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name not in self._names:
+            raise KeyError(name)
+        return self._read(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
+def stored_arrays(path: Path) -> LazyArrays:
+    """Those of a safetensors file, which stays open, and must stay as it is, while they are read.
+
+    Raises:
+        ValueError: it cannot be read, or is damaged.
+    """
+    file, names = _opened(path, lambda file: (file, list(file.keys())))
+    return LazyArrays(names, file.get_tensor)
+
+
+def stored_metadata(path: Path) -> dict[str, str]:
+    """Of a safetensors file. Raises ValueError: it cannot be read, or is damaged."""
+    return _opened(path, lambda file: file.metadata() or {})
+
+
+def _opened(path: Path, take: Callable[[Any], Result]) -> Result:
     try:
         require_regular(path)
-        with safe_open(path, framework="numpy") as file:
-            arrays = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-            return arrays, file.metadata() or {}
+        return take(safe_open(path, framework="numpy"))
     except (SafetensorError, OSError, TypeError, AttributeError, KeyError, ValueError) as error:
         raise ValueError(f"expected a file in safetensors format, got {error}: {path}") from error
 
@@ -58,11 +102,15 @@ def read_arrays(path: Path) -> tuple[Arrays, dict[str, str]]:
 def write_arrays(
     path: Path, arrays: Mapping[str, NDArray[Any]], metadata: dict[str, str] | None = None
 ) -> None:
-    """A safetensors file, written from the arrays as they lie in memory: they may fill half of it.
+    """A safetensors file, written from the arrays as they lie in memory: they may fill half of it. Those
+    that are read when they are asked for are written one after the other.
 
     Raises:
         OSError: it cannot be written.
     """
+    if isinstance(arrays, LazyArrays):
+        _write_one_by_one(path, arrays, metadata)
+        return
     dense = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
     try:
         save_file(dense, path, metadata)
@@ -71,6 +119,22 @@ def write_arrays(
         if number is None:
             raise
         raise OSError(int(number[1]), os.strerror(int(number[1])), str(path)) from error
+
+
+def _write_one_by_one(path: Path, arrays: LazyArrays, metadata: dict[str, str] | None) -> None:
+    """The format of safetensors: the header's length in 8 bytes, the header as JSON, all values."""
+    header: dict[str, Any] = {"__metadata__": metadata} if metadata else {}
+    end = 0
+    for name, array in arrays.items():
+        start, end = end, end + array.nbytes
+        told = {"dtype": DTYPES[array.dtype.str], "shape": array.shape, "data_offsets": (start, end)}
+        header[name] = told
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 8)
+    with path.open("wb") as file:
+        file.write(len(text).to_bytes(8, "little") + text)
+        for array in arrays.values():
+            file.write(np.ascontiguousarray(array).data)
 
 
 def check(arrays: Mapping[str, NDArray[Any]], layout: Mapping[str, Stored], lengths: dict[str, int]) -> None:

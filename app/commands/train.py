@@ -41,7 +41,7 @@ from renderer.train.events import (
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("clip", metavar="CLIP", type=Path, help="EndoNeRF folder with depth")
+    parser.add_argument("clip", metavar="CLIP", type=Path, help="folder of a clip, or a video, see README")
     parser.add_argument("--run", type=Path, required=True, metavar="RUN", help="folder of the run to write")
     add_fields(parser, TrainConfig, ("method",))
     parser.add_argument(
@@ -56,7 +56,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         default=argparse.SUPPRESS,
         help="with --input enhanced: the paper's method (default), or VesselSplat's preset `vessel`",
     )
-    add_fields(parser, TrainConfig, ("iterations", "seed", "sh_degree", "keep", "leave_out"))
+    add_fields(parser, TrainConfig, ("iterations", "seed", "window_frames", "sh_degree", "keep", "leave_out"))
     add_fields(parser, ClipOptions, EVERY_OPTION)
     parser.add_argument(
         "--frames",
@@ -170,7 +170,8 @@ def follow(request: TrainRequest, device: Device) -> Finished:
     finished: Finished | None = None
     done = 0
     with Stages() as shown:
-        training = partial(shown.of, f"train {request.input} on {device}", request.config.iterations)
+        title = f"train {request.input} on {device}"
+        training = partial(shown.of, title, request.config.iterations)
         for event in run_training(request):
             match event:
                 case Preparing():
@@ -179,6 +180,7 @@ def follow(request: TrainRequest, device: Device) -> Finished:
                 case Planned():
                     sys.stderr.write(f"{told(event)}\n")
                 case Started():
+                    training = partial(shown.of, title, event.iterations)
                     training()
                 case Progress():
                     done = event.iteration

@@ -52,9 +52,11 @@ class Other:
 
     @property
     def arrays(self) -> list[NDArray[Any]]:
-        """All that it keeps alive."""
-        by = self.request.by
-        model = by.model.arrays().values() if isinstance(by, Scene) else ()
+        """All that it keeps alive; windows of a long clip are read when they are needed."""
+        by, model = self.request.by, list[NDArray[Any]]()
+        if isinstance(by, Scene):
+            arrays = by.model.arrays()
+            model += (arrays if isinstance(arrays, dict) else by.model.raw.arrays()).values()
         return [self.image, *([self.made.original] if self.made else ()), *model]
 
 

@@ -33,7 +33,7 @@ from renderer.surface.of_model import surface_of
 from renderer.surface.triangles import render_mesh
 from renderer.train.config import Method, Part, TrainConfig
 from renderer.train.events import Finished
-from renderer.train.trainer import train
+from renderer.train.training import train
 
 STEPS: Final = 8
 GAUSSIANS: Final = 400

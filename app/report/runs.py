@@ -15,7 +15,7 @@ from app.runs.train_run import Measured, TrainRequest, run_training
 from renderer.clip import Clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
-from renderer.train.trainer import train
+from renderer.train.training import train
 
 WARMING = 6
 """Steps: both resolutions."""

@@ -71,19 +71,21 @@ def _work(work: Callable[[Tell], Result], tell: Tell, outcome: Future[Result]) -
 
 
 class ReadAhead:
-    """A clip whose training frames are read once, before training, and then handed over.
+    """A clip whose training frames are read once, before training, and then handed over; of a long clip those
+    of its first window, of `count` frames.
 
     Those that memory cannot hold lie in a file of no name in `folder` meanwhile.
     """
 
-    def __init__(self, clip: Clip, folder: Path) -> None:
+    def __init__(self, clip: Clip, folder: Path, count: int) -> None:
         self.clip = replace(clip, read_frame=self._read)
         self._source, self._store, self._handing = clip, FrameStore[Frame](folder), False
+        self._indices = tuple(index for index in clip.train_indices if index < count)
         self._places: dict[int, int] = {}
 
     def fill(self, told: Tell) -> None:
         """Raises ClipError: a frame cannot be read, or none of a few pairs that are looked at first match."""
-        indices = self._source.train_indices
+        indices = self._indices
         probes = _probes(indices) if self._source.depth_origin == "stereo" else []
         ordered = probes + [index for index in indices if index not in probes]
         for done, index in enumerate(ordered):

@@ -7,6 +7,7 @@ Run folders are private: run.json names the clip by its absolute path, so that t
 from __future__ import annotations
 
 import re
+import shutil
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import fields, replace
 from pathlib import Path
@@ -28,6 +29,7 @@ from enhance import Statistics
 from renderer.budget import budget
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, Frame, SparsePoints, held_out_frames
+from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed, read_text
 from renderer.poses.lost_frame import LostFrame
@@ -35,6 +37,7 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, TrainEvent
+from renderer.train.window_files import FOLDER as WINDOWS
 
 Input = Literal["original", "enhanced"]
 PARTIAL = re.compile(r"^\..*\.partial(\..*)?$")
@@ -199,7 +202,8 @@ class RunFolder:
 
     @property
     def has_checkpoint(self) -> bool:
-        return any(self.path.glob("checkpoint-*.safetensors"))
+        places = (self.path, *(self.path / WINDOWS).glob("*"))
+        return any(True for place in places for _ in place.glob("*.safetensors"))
 
     def require_vacant(self) -> None:
         """Raises UserError: something is here that a new run could harm."""
@@ -267,9 +271,18 @@ class RunFolder:
         """The same, before a run goes on: 0 where it has not begun."""
         return self.wall_seconds() if self.events(*TIMED) else 0.0
 
-    def save_model(self, model: DynamicGaussians) -> None:
+    def save_model(self, model: DynamicGaussians) -> DynamicGaussians:
+        """The same to go on with: one in windows reads them from its own file, and theirs are removed."""
         with replaced(self.model_path) as temporary:
             model.save(temporary)
+        if isinstance(model.motion, WindowedMotion):
+            model = DynamicGaussians.load(self.model_path)
+            self.clear_windows()
+        return model
+
+    def clear_windows(self) -> None:
+        """Of a finished run nothing needs them."""
+        shutil.rmtree(self.path / WINDOWS, ignore_errors=True)
 
     def model(self) -> DynamicGaussians:
         """The finished model. Raises UserError when there is none or it cannot be read."""

@@ -53,7 +53,9 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Finishing, Progress, Snapshot, Started, TrainEvent, Warned
 from renderer.train.frame_store import nearest_folder
 from renderer.train.gradient_backend import GradientBackend
-from renderer.train.trainer import TrainingError, require_depth, train
+from renderer.train.trainer import TrainingError, require_depth
+from renderer.train.training import train
+from renderer.train.windows import windows_of
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""
@@ -119,7 +121,7 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     yield planned_in(run.path, clip, request.config)
     clock.before = run.wall_before()
     device = device_of(request).device
-    ahead = ReadAhead(clip, nearest_folder(run.path))
+    ahead = ReadAhead(clip, nearest_folder(run.path), len(windows_of(clip, request.config)[0]))
     yield from told_meanwhile(reading(clip), ahead.fill)
     if record is not None and record.clip.poses is not None:
         through = Posed(record.clip.through(ahead.clip))
@@ -181,7 +183,7 @@ def _told(
     """The event, with what the clip's notices and its part add to it and the time in all; kept, said."""
     if isinstance(event, Finished):
         yield Finishing("saving the model", 0.0)
-        run.save_model(event.model)
+        event = replace(event, model=run.save_model(event.model))
     if isinstance(event, Progress | Finished):
         event = replace(event, wall_seconds=clock.seconds())
     warnings = [Warned(notice) for notice in posed.notices] if isinstance(event, Started) else []
@@ -191,9 +193,14 @@ def _told(
         warnings += map(Warned, found)
     for told in (event, *warnings):
         if not isinstance(told, Snapshot | Finishing):
-            facts = {"peak_memory_mb": peak_memory_mb()} if isinstance(told, Finished) else {}
+            facts = _facts(told) if isinstance(told, Finished) else {}
             run.log(told, **facts)
         yield told
+
+
+def _facts(finished: Finished) -> dict[str, float]:
+    """What the log says beside the event's own fields."""
+    return {"peak_memory_mb": peak_memory_mb(), "n_gaussians": len(finished.model)}
 
 
 def pooled(clip: Clip, params: EnhancementSettings, measured: Measured = "tissue") -> Enhancement:
@@ -274,6 +281,7 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
 
 def _finished_before(run: RunFolder) -> Finished:
     """As the log tells; of a run that was killed after its model was written, the log is completed."""
+    run.clear_windows()
     if events := run.events("Finished"):
         steps, wall = run.train_seconds() or 0.0, run.wall_seconds()
         return Finished(int(events[-1]["iteration"]), steps, run.model(), wall_seconds=wall)

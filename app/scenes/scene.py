@@ -18,6 +18,7 @@ from renderer.camera import Camera
 from renderer.clip import Clip
 from renderer.deformation.frame_by_frame import FrameByFrame
 from renderer.deformation.motion import Still
+from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.editing.edits import Edits
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
@@ -85,6 +86,14 @@ class Scene:
     def is_series(self) -> bool:
         """Of a file per moment: other Gaussians at each."""
         return isinstance(self.model.motion, FrameByFrame)
+
+    @property
+    def split_by_time(self) -> str:
+        """What makes its Gaussians others at other times, in words; empty: they are the same at all."""
+        if self.is_series:
+            return "a splat file per moment"
+        motion = self.model.motion
+        return f"a model in {len(motion)} windows" if isinstance(motion, WindowedMotion) else ""
 
     def time(self, index: int) -> float:
         """Of frame `index`, in [0, 1)."""

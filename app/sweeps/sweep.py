@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +19,8 @@ from app.sweeps.worker import Order, Outcome, carry_out_order, made_known
 
 MOST_LOSSES: Final = 5
 """Workers that may be lost with one job before it counts as failed: it may be what ends them."""
+MOST_SENT: Final = 4_000_000_000
+"""Bytes of clips that are on their way to workers at a time."""
 LOOK: Final = 1.0
 """Seconds after which progress is told although nothing was finished."""
 
@@ -52,8 +54,7 @@ def run_jobs(
     losses: Counter[str] = Counter()
     report(done, _note(failed, 0))
     while waiting or running:
-        while waiting and len(running) < engine.window:
-            order = waiting.popleft()
+        while len(running) < engine.window and (order := next_order(waiting, running.values())):
             running[engine.executor.submit(carry_out, order)] = order
         finished, _ = wait(running, LOOK, FIRST_COMPLETED)
         for future in finished:
@@ -65,6 +66,16 @@ def run_jobs(
             _keep(places[order.job.key], order, answer)
             done, failed = done + 1, failed + (answer.state == "failed")
         report(done, _note(failed, len(running)))
+
+
+def next_order(waiting: deque[Order], running: Collection[Order]) -> Order | None:
+    """Taken from those that wait, in their order; one whose clip is sent along waits until there is room for
+    it, since what is on its way lies in the memory of the engine."""
+    room = MOST_SENT - sum(order.sent for order in running)
+    found = next((order for order in waiting if order.sent <= room or not running), None)
+    if found is not None:
+        waiting.remove(found)
+    return found
 
 
 def _note(failed: int, running: int) -> str:

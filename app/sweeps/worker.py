@@ -43,6 +43,11 @@ class Order:
     content: bytes | None = None
     """Of the clip, where the worker cannot see it; see `clip_transfer`."""
 
+    @property
+    def sent(self) -> int:
+        """Bytes of the clip that go along."""
+        return len(self.content or b"")
+
 
 @dataclass(frozen=True)
 class Outcome:

@@ -20,14 +20,15 @@ class Motion(Protocol):
     """Of its arrays, as files have them."""
 
     def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
-        """The Gaussians at `time` in [0, 1]; arrays that do not move are those of `raw` themselves."""
+        """The Gaussians that there are at `time` in [0, 1]; arrays that do not move are those of `raw`
+        themselves."""
         ...
 
     def rows(self, index: NDArray[np.int64]) -> Self:
         """The motion of the chosen Gaussians."""
         ...
 
-    def arrays(self) -> Arrays: ...
+    def arrays(self) -> Mapping[str, NDArray[Any]]: ...
 
     @classmethod
     def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:

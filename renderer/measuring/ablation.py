@@ -21,7 +21,8 @@ from renderer.train.initialize import scene_size, with_points
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
 from renderer.train.needs import decide
-from renderer.train.trainer import split, train
+from renderer.train.trainer import split
+from renderer.train.training import train
 
 
 @dataclass(frozen=True)

@@ -43,9 +43,10 @@ def maps_of(
     model: DynamicGaussians, time: float, camera: Camera, near: float, mode: RenderMode = "default"
 ) -> Maps:
     """Rendered by the numba rasteriser."""
-    rendered = render(model.at(time), camera, near=near, mode=mode)
+    splats = model.at(time)
+    rendered = render(splats, camera, near=near, mode=mode)
     seen = rendered.alpha > SOLID
-    sigma = _sigma(seen, len(model))
+    sigma = _sigma(seen, len(splats))
     inverse = np.divide(1, rendered.depth, out=np.zeros_like(rendered.depth), where=seen)
     nearness = smoothed(inverse, seen, sigma)
     depth = np.divide(1, nearness, out=np.zeros_like(nearness), where=nearness > 0)

@@ -68,6 +68,8 @@ class TrainConfig:
     """Random seed of the sampled points and the order of the frames."""
     n_gaussians: Annotated[int, Interval(ge=1, le=1_000_000)] = 30_000
     """Gaussians sampled from the depth of the training frames; fewer are faster but less sharp."""
+    window_frames: Annotated[int, Interval(ge=48, le=100_000)] | None = None
+    """Most frames that one set of Gaussians is trained on; longer clips are cut into windows; auto: 400."""
     n_controls: Annotated[int, Interval(ge=4, le=1000)] | None = None
     """Control values in time; empty: one per 3.7 frames. More follow faster motion and overfit sooner."""
     node_columns: Annotated[int, Interval(ge=2, le=200)] = 20

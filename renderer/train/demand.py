@@ -8,6 +8,7 @@ from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Planned
 from renderer.train.frame_store import MOST_BYTES
 from renderer.train.needs import FRAMES_PER_CONTROL_AT_REST
+from renderer.train.windows import windows_of
 
 PROGRAM = 450_000_000
 """Bytes of a training of a few small frames: libraries and compiled kernels, nearly all of it."""
@@ -20,6 +21,8 @@ COPIES = 6
 Measured 5.7 for 1000 frames of 64x48 (tests.benchmarks.train_memory)."""
 STORED = 10
 """Of the model on the disk: three checkpoints of three arrays each while the oldest goes, and the model."""
+KEPT = 2
+"""The same of a window that is finished: its model, and its part of that of the clip."""
 PLAIN = 14 + 45
 """Numbers of a Gaussian at rest, with harmonics."""
 BUMPS, GROWTH = 510, 2
@@ -29,14 +32,20 @@ PLANES = 20_000_000
 
 
 def demand(clip: Clip, config: TrainConfig) -> Planned:
-    """An upper estimate: the clip may turn out to need less."""
+    """An upper estimate: the clip may turn out to need less. One window of a long clip is in memory at a
+    time; all of them are on the disk."""
+    windows = windows_of(clip, config)
+    longest = max(windows, key=len).of(clip)
     width, height = clip.size
-    pixels, fit = width * height, len(clip.train_indices)
+    pixels, fit = width * height, len(longest.train_indices)
     reading, training = FRAME * pixels * fit, (READY + HALF) * pixels * fit
     held = min(reading, MOST_BYTES) + min(training, 2 * MOST_BYTES)
     spilled = max(reading - MOST_BYTES, 0) + max(READY * pixels * fit - MOST_BYTES, 0)
-    model = 4 * _numbers(config.method, config.n_gaussians, _controls(clip, config))
-    return Planned(PROGRAM + held + WORK * pixels + COPIES * model, spilled + STORED * model)
+    model = 4 * _numbers(config.method, config.n_gaussians, _controls(longest, config))
+    others = len(windows) - 1
+    joined = 4 * PLAIN * config.n_gaussians * others
+    memory = PROGRAM + held + WORK * pixels + COPIES * model + joined
+    return Planned(memory, spilled + STORED * model + KEPT * model * others)
 
 
 def _controls(clip: Clip, config: TrainConfig) -> int:

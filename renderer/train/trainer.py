@@ -1,4 +1,4 @@
-"""Training as a generator of events: the terminal, the tests and the window iterate the same stream."""
+"""Training of a clip, or of one window of a long one, as a generator of events."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class TrainingError(RuntimeError):
     """
 
 
-def train(
+def train_window(
     clip: Clip,
     config: TrainConfig,
     *,
@@ -80,34 +80,8 @@ def train(
     resume: bool = False,
     pictures: GradientBackend | None = None,
 ) -> Iterator[TrainEvent]:
-    """Reconstruct `clip` from its training frames, as a generator of events: Started first, Finished with the
-    model last; ending it early ends the training.
-
-    With a `folder`, which exists, checkpoints are written there; `resume` continues from the newest.
-    `pictures` renders; without it, the numba kernels do. One seed gives the same bytes on the CPU, whether
-    interrupted or not and whatever the number of threads.
-
-    Raises:
-        ClipError: frames cannot be read, or there is no depth to start from.
-        TrainingError: the checkpoint belongs to another run, the loss is no longer finite, or no frame shows
-            anything of the model.
-
-    Example:
-        >>> from pathlib import Path
-        >>> from tempfile import TemporaryDirectory
-        >>> from renderer import PhantomParams, TrainConfig, open_clip, train, write_phantom
-        >>> with TemporaryDirectory() as folder:
-        ...     write_phantom(Path(folder, "clip"), PhantomParams(n_frames=4, width=48, height=32))
-        ...     clip = open_clip(Path(folder, "clip"))
-        ...     events = list(train(clip, TrainConfig(iterations=4, n_gaussians=100)))
-        >>> type(events[0]).__name__, type(events[-1]).__name__
-        ('Started', 'Finished')
-        >>> model = events[-1].model
-        >>> model.at(0.5).means.shape == (len(model), 3)
-        True
-    """
+    """Reconstruct all of `clip` with one set of Gaussians, see `renderer.train.training.train`."""
     opened, spilled = time.perf_counter(), nearest_folder(folder) if folder else None
-    require_depth(clip)
     fit, held_out = split(clip, config)
     frames = FrameStore.of((clip.read_frame(index) for index in fit), spilled)
     seeds = frames if clip.points is None else FrameStore.of(with_points(frames, clip.points), spilled)

@@ -151,9 +151,10 @@ def from_motion(scene: Phantom, views: Sequence[Frame], true: Sequence[Camera]) 
         off, turned = errors(found.cameras, true[found.first : found.last + 1], scaled=True)
         focal = "known" if view is None else f"guessed {lens.fx / known.fx:.2f} as long"
         residual = np.median([each for each in found.residuals if each is not None])
+        length = f"{focal}, found {found.cameras[0].fx / known.fx:.3f}"
         yield (
-            f"without depth, focal length {focal}, found {found.cameras[0].fx / known.fx:.3f}: {off:.2f} % of "
-            f"the way, {turned:.2f} degrees; {residual:.2f} px; {len(found.cameras)} of {len(views)} frames, "
+            f"without depth, focal length {length}: {off:.2f} % of the way, "
+            f"{turned:.2f} degrees; {residual:.2f} px; {len(found.cameras)} of {len(views)} frames, "
             f"{1000 * seconds / len(views):.0f} ms of one core a frame"
         )
 

@@ -16,7 +16,7 @@ from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished
 from renderer.train.fusion import OF_OTHERS, OF_REFERENCE, fused, reliable, restless
-from renderer.train.trainer import train
+from renderer.train.training import train
 from tests.renderer.sheet import moving_sheet
 
 CAMERA = Camera(60.0, 60.0, 40.0, 32.0, 80, 64)

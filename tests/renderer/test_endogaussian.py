@@ -13,7 +13,7 @@ from renderer.train import trainer
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished
 from renderer.train.methods.endogaussian import recipe
-from renderer.train.trainer import train
+from renderer.train.training import train
 from tests.renderer.sheet import moving_sheet, needs_of
 
 SMALL = TrainConfig(

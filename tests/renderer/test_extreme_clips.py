@@ -15,7 +15,8 @@ from renderer.sources import open_clip
 from renderer.train import trainer
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished
-from renderer.train.trainer import TrainingError, train
+from renderer.train.trainer import TrainingError
+from renderer.train.training import train
 from tests.renderer.sheet import moving_sheet
 
 CONFIG = TrainConfig(iterations=10, n_gaussians=100)

@@ -14,7 +14,7 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Finished
 from renderer.train.frame_store import FrameStore
 from renderer.train.frames import TrainFrame, halved, train_frame
-from renderer.train.trainer import train
+from renderer.train.training import train
 from tests.renderer.sheet import moving_sheet
 
 ALL_ON_DISK = 0

@@ -13,7 +13,8 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.train.checkpoint import checkpoint_paths, read_checkpoint
 from renderer.train.events import Finished
 from renderer.train.guards import JUDGED, LossWatch, hold_scales, leave_out_broken
-from renderer.train.trainer import LOSSES, TrainingError, train
+from renderer.train.trainer import LOSSES, TrainingError
+from renderer.train.training import train
 from tests.renderer.sheet import SMALL, moving_sheet
 
 RATES = (

@@ -14,7 +14,7 @@ from renderer.train.events import Finished
 from renderer.train.frames import train_frame
 from renderer.train.initialize import sampled, with_points
 from renderer.train.losses import LossWeights, picture_loss
-from renderer.train.trainer import train
+from renderer.train.training import train
 from tests.renderer.sheet import SIZE, SMALL, moving_sheet
 
 WEIGHTS = LossWeights(color=0.0, inverse_depth=1.0)

@@ -16,7 +16,7 @@ from renderer.sources import open_clip
 from renderer.train import held_out
 from renderer.train.events import Evaluated, Finished
 from renderer.train.held_out import MOST, SHARE, HeldOut
-from renderer.train.trainer import train
+from renderer.train.training import train
 from tests.renderer.sheet import SMALL, moving_sheet
 from tests.renderer.test_training import same_bytes
 

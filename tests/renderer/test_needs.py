@@ -31,7 +31,7 @@ from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
 from renderer.train.needs import Needs, decide
 from renderer.train.recipe import Recipe
-from renderer.train.trainer import train
+from renderer.train.training import train
 from renderer.train.unseen import seen_in, without_unseen
 from tests.renderer.plane import N_FRAMES, plane_clip
 from tests.renderer.sheet import moving_sheet, needs_of

@@ -22,7 +22,7 @@ from renderer.torch_train.gradient_backend import TorchBackend
 from renderer.train.events import Evaluated
 from renderer.train.gradient_backend import CpuBackend
 from renderer.train.losses import LossWeights
-from renderer.train.trainer import train
+from renderer.train.training import train
 from tests.renderer import gsplat_on_cpu
 from tests.renderer.scenes import random_splats, turned_camera
 from tests.renderer.sheet import SMALL, moving_sheet

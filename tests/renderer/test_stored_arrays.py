@@ -21,7 +21,8 @@ from renderer.train.checkpoint import Checkpoint, checkpoint_paths, read_newest_
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
 from renderer.train.needs import Needs, decide
-from renderer.train.trainer import TrainingError, train
+from renderer.train.trainer import TrainingError, train_window
+from renderer.train.training import train
 from tests.renderer.plane import plane_clip
 
 Damage = Callable[[NDArray[Any]], NDArray[Any]]
@@ -120,7 +121,7 @@ def test_every_array_of_a_checkpoint_is_checked_before_training_goes_on(
             decided.append(decide(*given))
         return decided[0]
 
-    monkeypatch.setattr(sys.modules[train.__module__], "decide", decide_once)
+    monkeypatch.setattr(sys.modules[train_window.__module__], "decide", decide_once)
 
     def not_resumed(arrays: Arrays, iteration: int = 6) -> None:
         for path in checkpoint_paths(tmp_path):

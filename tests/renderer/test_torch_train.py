@@ -27,7 +27,7 @@ from renderer.train.gradient_backend import CpuBackend, GradientBackend
 from renderer.train.losses import LossWeights
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
-from renderer.train.trainer import train
+from renderer.train.training import train
 from tests.renderer.scenes import turned_camera
 from tests.renderer.sheet import SMALL, moving_sheet, needs_of
 from tests.renderer.test_densify import blobs

@@ -19,7 +19,8 @@ from renderer.train.events import Evaluated, Finished, Finishing, Progress, Star
 from renderer.train.frames import halved, train_frame
 from renderer.train.initialize import sampled, scene_size
 from renderer.train.losses import LossWeights, picture_loss
-from renderer.train.trainer import TrainingError, frame_of, split, train
+from renderer.train.trainer import TrainingError, frame_of, split
+from renderer.train.training import train
 from tests.renderer.sheet import SIZE, SMALL, moving_sheet
 
 

@@ -44,7 +44,9 @@ def of_run(path: Path) -> Facts:
     done = told.get("Finished", told.get("Progress", {})).get("iteration", 0)
     process = holder(path)
     state = "finished" if run.is_finished else "being trained" if process else "not finished"
-    size = told.get("Progress", {}).get("n_gaussians", told.get("Started", {}).get("n_gaussians"))
+    counted = (told.get(name, {}).get("n_gaussians") for name in ("Finished", "Progress", "Started"))
+    size = next(filter(None, counted), None)
+    wanted = told.get("Started", {}).get("iterations", config.iterations)
     steps_of = told.get("Finished", told.get("Progress", {})).get("seconds")
     quality = told.get("Evaluated", {}).get("psnr")
     facts = [
@@ -64,7 +66,7 @@ def of_run(path: Path) -> Facts:
             f"{config.method}, {record.input} frames, on {record.device}",
             {"method": config.method, "input": record.input, "device": record.device},
         ),
-        Fact("iterations", f"{done} of {config.iterations}", {"done": done, "wanted": config.iterations}),
+        Fact("iterations", f"{done} of {wanted}", {"done": done, "wanted": wanted}),
         Fact("model", count(size, "Gaussian") if size else "none yet", {"gaussians": size}),
         *_time(steps_of, run.wall_seconds()),
         Fact("unit", clip.unit),

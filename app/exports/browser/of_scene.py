@@ -10,9 +10,9 @@ from renderer.camera import Camera
 
 
 def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> BrowserModel:
-    """All of its time, as `camera` sees it first. Raises UserError: it is of a file per moment."""
-    if scene.is_series:
-        raise UserError(f"expected one model that moves, got a splat file per moment: {scene.name}")
+    """All of its time, as `camera` sees it first. Raises UserError: its Gaussians change over time."""
+    if scene.split_by_time:
+        raise UserError(f"expected one model that moves, got {scene.split_by_time}: {scene.name}")
     clip, frames = scene.record.clip, len(scene.cameras)
     return extended(
         BrowserModel,

@@ -18,9 +18,9 @@ def surface_mesh(
     vertices: int = VERTICES,
     faces: int | None = None,
 ) -> SurfaceMesh:
-    """At `time` in [0, 1], or through the clip. Raises UserError: it is of a file per moment."""
-    if scene.is_series:
-        raise UserError(f"expected one model that moves, got a splat file per moment: {scene.name}")
+    """At `time` in [0, 1], or through the clip. Raises UserError: its Gaussians are others at other times."""
+    if scene.split_by_time:
+        raise UserError(f"expected one model that moves, got {scene.split_by_time}: {scene.name}")
     clip = scene.record.clip
     return extended(
         SurfaceMesh,

@@ -82,8 +82,10 @@ def write_model_arrays(
         UserError: no moment, cameras of several sizes, or Gaussians that are others at every moment.
     """
     moments = record.moments
-    if scene.is_series or not moments:
-        raise UserError(f"expected one model that moves and a moment at least: {scene.name}")
+    if scene.split_by_time:
+        raise UserError(f"expected one model that moves, got {scene.split_by_time}: {scene.name}")
+    if not moments:
+        raise UserError(f"expected a moment at least, got none: {scene.name}")
     sizes = {(one.camera.height, one.camera.width) for one in moments}
     if len(sizes) > 1:
         raise UserError(f"expected cameras of one size, got {len(sizes)} sizes: set one with --size")

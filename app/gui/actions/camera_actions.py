@@ -147,7 +147,7 @@ def choices(state: AppState) -> tuple[ViewKind, ...]:
     """The views that this model has: without frames there is no difference to them, and Gaussians that are
     others at every moment have not moved."""
     model = state.scene.model
-    lacks = {"motion", "surface"} if model is not None and model.is_series else set()
+    lacks = {"motion", "surface"} if model is not None and model.split_by_time else set()
     lacks |= set() if state.has_frames else {"difference"}
     return tuple(kind for kind in EXPLAINED if kind not in lacks)
 

@@ -25,7 +25,7 @@ def follow(state: AppState) -> None:
     editing, model = state.editing, state.scene.model
     if model is editing.edited:
         return
-    if model is None or model.live or model.is_series:
+    if model is None or model.live or model.split_by_time:
         state.editing = Editing(edited=model)
         return
     edits = model.saved_edits or Edits.none(len(model.model))

@@ -91,8 +91,8 @@ def _lacks_model(state: AppState, offer: Offer) -> str:
         return "The reconstruction is not finished: wait for it or continue it."
     if offer.form == "moving splats" and not has_usd():
         return f"{NO_USD[0].upper()}{NO_USD[1:]}."
-    if state.scene.model.is_series and offer.form in OF_MOVING:
-        return "This is a splat file per moment: open the run that they come from."
+    if (split := state.scene.model.split_by_time) and offer.form in OF_MOVING:
+        return f"This is {split}, not one model that moves."
     if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
         return "There is no camera path yet: create one in the Cameras panel."
     return ""

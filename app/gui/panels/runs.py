@@ -79,7 +79,7 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
         imgui.same_line(right - imgui.calc_text_size(psnr).x)
         imgui.text_colored(theme.now().accent, psnr)
         explain(PSNR_FINISHED if run.made == "finished" else PSNR_SO_FAR)
-    finished, steps = run.made == "finished", f"{config.iterations:,}"
+    finished, steps = run.made == "finished", f"{run.iterations:,}"
     steps = f"{steps} iterations" if finished else f"{run.iteration:,} of {steps}"
     muted(f"{named(config.method)} · {run.request.input} frames · {_made(state, run)}")
     muted(f"{_when(run.created)} · {steps}")

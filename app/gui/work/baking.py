@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from app.scenes.scene import Scene
-from renderer.deformation.frame_by_frame import FrameByFrame
 from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Baker, Keyframes, Tolerance
 
@@ -46,9 +45,9 @@ class Baked:
 
 
 def can_bake(shown: Scene) -> bool:
-    """A model that moves and stays as it is: previews of a training come and go, and files per moment are
-    keyframes already, which are uploaded one at a time."""
-    return not shown.live and not isinstance(shown.model.motion, Still | FrameByFrame)
+    """A model that moves and stays as it is: previews of a training come and go, and Gaussians that are
+    others at other times are uploaded as they come."""
+    return not shown.live and not (isinstance(shown.model.motion, Still) or shown.split_by_time)
 
 
 def bake(request: BakeRequest) -> Iterator[Baked]:

@@ -55,6 +55,7 @@ class Omissions:
 def look(request: OmissionsRequest) -> Iterator[Omissions]:
     """Decides as training does, from the same frames. Raises ClipError: frames cannot be read."""
     # Training's modules take a while to import; the window must not wait for them.
+    from renderer.train import windows
     from renderer.train.frame_store import FrameStore
     from renderer.train.needs import decide
     from renderer.train.trainer import split
@@ -78,7 +79,9 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
     def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:
         part, bare = seen(tuple(each for each in keep if each in BEFORE))
         asked = replace(config, keep=keep)
-        return (*left_out_of(part)[0], *left_out(clip, asked, moves), *decide(clip, bare, asked).omitted)
+        needed = decide(clip, bare, asked)
+        before = (*left_out_of(part)[0], *left_out(clip, asked, moves))
+        return (*before, *needed.omitted, *windows.left_out(clip, asked))
 
     kept = (
         each

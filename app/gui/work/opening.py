@@ -21,7 +21,6 @@ from app.scenes.scene import Scene, Training, finished_scene, run_scene, series_
 from app.sweeps.plan import SWEEP, is_sweep
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
-from renderer.gaussians import DynamicGaussians
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.listing import listed
@@ -30,7 +29,7 @@ from renderer.regular_files import require_regular
 from renderer.sources import open_bare, open_case, open_clip, with_chosen_depth
 from renderer.splat_files import is_named_as_splats
 from renderer.splat_series import series_files
-from renderer.train.checkpoint import read_newest_checkpoint
+from renderer.train.window_files import unfinished
 from renderer.view_files import Views, import_views
 
 Content = Literal["clip", "stills", "run"]
@@ -255,17 +254,16 @@ def _open_run(folder: RunFolder) -> Opened:
 
 def last_checkpoint(folder: RunFolder, record: RunRecord, said: TrainingLog) -> Scene | None:
     """The model as it was at the newest checkpoint that can be read; None where there is none."""
-    checkpoint = read_newest_checkpoint(folder.path)
-    if checkpoint is None:
-        return None
     try:
-        model = DynamicGaussians.checked(checkpoint.arrays)
+        left = unfinished(folder.path, record.clip.frames)
     except ValueError:
+        return None
+    if left is None:
         return None
     # Methods with a stage of their own before take more steps than they are asked for.
     steps = said.progress[-1].iterations if said.progress else record.config.iterations
-    done = Training(checkpoint.iteration, steps, live=True)
-    return run_scene(folder, model, record, record.config, record.clip.part, done)
+    done = Training(left.iteration, steps, live=True)
+    return run_scene(folder, left.model, record, record.config, record.clip.part, done)
 
 
 def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:

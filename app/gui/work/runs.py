@@ -51,6 +51,11 @@ class ListedRun:
     """Of an unfinished run: what it has said so far."""
 
     @property
+    def iterations(self) -> int:
+        """Steps of all of its windows, of an unfinished run that has said so; else of each."""
+        return self.told.progress[-1].iterations if self.told.progress else self.request.config.iterations
+
+    @property
     def iteration(self) -> int:
         """Steps that are known to be done."""
         if self.made == "finished":

@@ -24,7 +24,7 @@ from renderer.rasterize.cpu import Rasterizer
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished
-from renderer.train.trainer import train
+from renderer.train.training import train
 
 SIZES: Final = ((160, 128), (320, 256), (640, 512), (1280, 1024))
 COUNTS: Final = (2_500, 10_000, 40_000, 160_000)

@@ -25,7 +25,8 @@ from renderer.rasterize.cpu import render
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Evaluated, Finished
 from renderer.train.initialize import scene_size
-from renderer.train.trainer import TrainingError, train
+from renderer.train.trainer import TrainingError
+from renderer.train.training import train
 
 CONFIG: Final = TrainConfig(iterations=60, n_gaussians=300)
 RATES: Final = (

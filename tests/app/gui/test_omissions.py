@@ -19,7 +19,7 @@ from app.runs.train_run import TrainRequest
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission, Started
-from renderer.train.trainer import train
+from renderer.train.training import train
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.ui import Ui
 

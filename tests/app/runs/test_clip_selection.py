@@ -20,7 +20,7 @@ from renderer.clip import Clip
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Evaluated, Finished
-from renderer.train.trainer import train
+from renderer.train.training import train
 from tests.app.conftest import Call, request_of
 
 PART = ClipPart(trim=(2, 8), mask=PictureMask(text=(40, 0, 64, 20)))

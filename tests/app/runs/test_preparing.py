@@ -95,7 +95,7 @@ def counting(clip: Clip, read: list[int]) -> Clip:
 def test_frames_are_read_once_and_handed_over(clip_path: Path, tmp_path: Path) -> None:
     read: list[int] = []
     clip = counting(open_clip(clip_path), read)
-    ahead = ReadAhead(clip, tmp_path)
+    ahead = ReadAhead(clip, tmp_path, len(clip))
     ahead.fill(lambda done, total: None)
     for index in clip.train_indices:
         assert ahead.clip.read_frame(index) is ahead.clip.read_frame(index)
@@ -193,7 +193,7 @@ def test_pairs_that_match_nowhere_are_refused_after_a_few(clip_path: Path, tmp_p
         frame = clip.read_frame(index)
         return replace(frame, depth=np.zeros(frame.tissue_mask.shape, np.float32))
 
-    ahead = ReadAhead(replace(clip, read_frame=unmatched, depth_origin="stereo"), tmp_path)
+    ahead = ReadAhead(replace(clip, read_frame=unmatched, depth_origin="stereo"), tmp_path, len(clip))
     with pytest.raises(ClipError, match="none that match in"):
         ahead.fill(lambda done, total: None)
     assert len(read) == 3

@@ -55,14 +55,16 @@ def test_the_need_is_said(clip_path: Path, tmp_path: Path, capsys: pytest.Captur
 
 
 def test_frames_beyond_the_bound_cost_disk_and_no_memory(clip_path: Path) -> None:
-    clip, config = open_clip(clip_path), TrainConfig(method="static")
+    clip, config = open_clip(clip_path), TrainConfig(method="static", window_frames=4000)
     camera = replace(clip.cameras[0], width=640, height=512)
     long = [replace(clip, cameras=(camera,) * count) for count in (250, 1000, 4000)]
     needs = [demand(each, config) for each in long]
     assert needs[0].memory == needs[1].memory == needs[2].memory < 2e9
     assert needs[2].disk > 3.9 * needs[1].disk > 0
-    curves = [demand(each, TrainConfig()) for each in long]
+    curves = [demand(each, TrainConfig(window_frames=4000)) for each in long]
     assert curves[2].memory > 2 * curves[1].memory
+    windows = [demand(replace(clip, cameras=(camera,) * count), TrainConfig()) for count in (1000, 10_000)]
+    assert windows[0].memory < windows[1].memory < min(1.2 * windows[0].memory, 2e9)
 
 
 def test_free_memory_is_what_a_container_leaves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from dataclasses import replace
@@ -16,10 +17,10 @@ import pytest
 from app.errors import UserError
 from app.sweeps.clip_transfer import located, packed
 from app.sweeps.engines.engine import Engine
-from app.sweeps.jobs import FAILURE, PICTURE, RESULT, JobFolder
+from app.sweeps.jobs import FAILURE, PICTURE, RESULT, JobFolder, Keeps
 from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
 from app.sweeps.spec import spec_of
-from app.sweeps.sweep import MOST_LOSSES, run_jobs
+from app.sweeps.sweep import MOST_LOSSES, next_order, run_jobs
 from app.sweeps.table import rows
 from app.sweeps.worker import Order, Outcome, carry_out_order, sweep_locked
 
@@ -153,6 +154,25 @@ def test_a_worker_that_sees_no_folder_gives_the_same_results_through_the_engine(
         steady = {name: value for name, value in row.measures.items() if name != "milliseconds"}
         assert steady == {name: seen[row.job][name] for name in steady}
         assert (JobFolder.of(folder, row.job).path / PICTURE).is_file()
+
+
+def test_clips_on_their_way_are_bounded_and_hold_nothing_else_up(
+    plan: Plan, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.sweeps.sweep.MOST_SENT", 1500)
+    orders = [Order(job, plan.clip_of(job), folder, "", 1, Keeps(True, True)) for job in plan.jobs]
+    waiting = deque(replace(order, content=bytes(1000)) for order in orders[:3])
+    waiting.append(orders[3])
+    first = next_order(waiting, [])
+    assert first is not None
+    assert first.sent == 1000
+    second = next_order(waiting, [first])
+    assert second == orders[3]
+    assert next_order(waiting, [first]) is None
+    assert len(waiting) == 2
+    # One that is larger than the bound still goes, alone.
+    monkeypatch.setattr("app.sweeps.sweep.MOST_SENT", 10)
+    assert next_order(waiting, []) is not None
 
 
 def test_a_clip_that_changed_is_another_one(plan: Plan, folder: Path) -> None:

@@ -14,7 +14,7 @@ from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished
 from renderer.train.initialize import round_gaussians
-from renderer.train.trainer import train
+from renderer.train.training import train
 
 PARAMS = PhantomParams(n_frames=10, width=96, height=72)
 PHANTOM = Phantom(PARAMS)

@@ -1,0 +1,203 @@
+"""A long clip in windows that overlap: each has Gaussians and a motion of its own, read when it is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, ClassVar, Final, Self, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.deformation.kinds import motion_among
+from renderer.deformation.motion import Motion
+from renderer.raw_gaussians import RawGaussians, sigmoid
+from renderer.splats import Float32Array
+from renderer.stored_arrays import LazyArrays, Stored, check
+
+IntArray = NDArray[np.int64]
+HELD: Final = 3
+"""Motions of windows that stay in memory: two that overlap, and one on the way there."""
+FAINTEST: Final = 1e-6
+"""Opacity of what is faded out, whose logarithm must be finite."""
+
+
+class LazyMotions(Sequence[Motion]):
+    """Of `count` windows; the last few that were asked for stay in memory."""
+
+    def __init__(self, count: int, read: Callable[[int], Motion]) -> None:
+        self._count, self._read = count, lru_cache(HELD)(read)
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, index: int) -> Motion: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Motion]: ...
+    def __getitem__(self, index: int | slice) -> Motion | Sequence[Motion]:
+        if isinstance(index, slice):
+            return [self[place] for place in range(*index.indices(self._count))]
+        return self._read(range(self._count)[index])
+
+
+@dataclass(frozen=True, eq=False)
+class WindowedMotion:
+    """W windows in the order of time, each with the Gaussians of some rows: those of other windows are not
+    there. A window overlaps none but its neighbours; where two overlap the next one fades in over the first
+    half of the overlap, and the one before fades out over the second, so that nothing shines through."""
+
+    NAMES: ClassVar[tuple[str, ...]] = ("window_clip", "window_frames", "window_rows")
+
+    count: int
+    """Frames of the clip."""
+    frames: IntArray
+    """(W, 2) first and last frame of each window."""
+    first_rows: IntArray
+    """(W + 1,) first Gaussian of each window, and the number of all."""
+    motions: Sequence[Motion]
+    """W of them; their time is that of their window."""
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def windows_at(self, time: float) -> tuple[int, ...]:
+        """The window of a time in [0, 1], the one before or else after it where there is none, or the two
+        that overlap there, in the order of time."""
+        frame = self._frame(time)
+        first, last = self.frames.T
+        found = np.flatnonzero((first <= frame) & (frame <= last))
+        before = int(np.searchsorted(first, frame, side="right")) - 1
+        return tuple(found.tolist()) or (max(before, 0),)
+
+    def rows_at(self, time: float) -> IntArray:
+        """Of `moved`: the Gaussians that there are at a time in [0, 1], ascending."""
+        return np.concatenate([np.arange(*self._span(window)) for window in self.windows_at(time)])
+
+    def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
+        """See Motion; only those that there are at `time`."""
+        there = self.windows_at(time)
+        parts = [self._moved_in(raw, window, time) for window in there]
+        if len(parts) == 1:
+            return parts[0]
+        share = self._share_of_overlap(there[0], time)
+        fades = min(1.0, 2 * (1 - share)), min(1.0, 2 * share)
+        return joined_rows([faded(part, fade) for part, fade in zip(parts, fades, strict=True)])
+
+    def rows(self, index: NDArray[np.int64]) -> Self:
+        """See Motion. Raises ValueError: the index is not in the order of the windows."""
+        window_of = np.searchsorted(self.first_rows, index, side="right") - 1
+        if (np.diff(window_of) < 0).any():
+            raise ValueError("expected rows in the order of their windows")
+        bounds = np.searchsorted(window_of, np.arange(len(self) + 1))
+
+        def read(window: int) -> Motion:
+            chosen = index[bounds[window] : bounds[window + 1]]
+            return self.motions[window].rows(chosen - self.first_rows[window])
+
+        return replace(self, first_rows=bounds.astype(np.int64), motions=LazyMotions(len(self), read))
+
+    def arrays(self) -> Mapping[str, NDArray[Any]]:
+        """Its own arrays, and those of the windows, which are read as they are asked for."""
+        own = {
+            "window_clip": np.array([self.count], np.int64),
+            "window_frames": self.frames,
+            "window_rows": self.first_rows,
+        }
+        names = [*own, *self._names()]
+
+        def read(name: str) -> NDArray[Any]:
+            if name in own:
+                return own[name]
+            window, _, of_motion = name.partition(".")
+            return self.motions[int(window)].arrays()[of_motion]
+
+        return LazyArrays(names, read)
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
+        """See Motion; motions are read as they are needed."""
+        frames = arrays["window_frames"]
+        kinds = [_names_of(arrays, window) for window in range(len(frames))]
+
+        def read(window: int) -> Motion:
+            own = {name: arrays[f"{window}.{name}"] for name in kinds[window]}
+            return motion_among(own).from_arrays(own)
+
+        motions = LazyMotions(len(frames), read)
+        return cls(int(arrays["window_clip"][0]), frames, arrays["window_rows"], motions)
+
+    @classmethod
+    def check(cls, arrays: Mapping[str, NDArray[Any]], count: int) -> None:
+        """See Motion."""
+        lengths: dict[str, int] = {}
+        check(arrays, {name: LAYOUT[name] for name in LAYOUT}, lengths)
+        rows, frames = arrays["window_rows"], arrays["window_frames"]
+        n_frames = int(arrays["window_clip"][0])
+        if len(rows) != len(frames) + 1 or rows[0] != 0 or rows[-1] != count or (np.diff(rows) < 0).any():
+            raise ValueError(f"expected window_rows that share out {count} Gaussians, got others")
+        first, last = frames.T
+        in_order = (first[1:] > first[:-1]).all() and (last[1:] > last[:-1]).all() and (last >= first).all()
+        whole = len(frames) > 0 and first[0] >= 0 and last[-1] < n_frames
+        if not whole or not in_order or (first[2:] <= last[:-2]).any():
+            raise ValueError("expected window_frames in order, none of which overlaps any but its neighbours")
+        for window in range(len(frames)):
+            own = {name: arrays[f"{window}.{name}"] for name in _names_of(arrays, window)}
+            motion_among(own).check(own, int(rows[window + 1] - rows[window]))
+
+    def _names(self) -> Iterator[str]:
+        for window, motion in enumerate(self.motions):
+            yield from (f"{window}.{name}" for name in motion.arrays())
+
+    def _frame(self, time: float) -> float:
+        return min(max(time, 0.0), 1.0) * self.count
+
+    def _span(self, window: int) -> tuple[int, int]:
+        return int(self.first_rows[window]), int(self.first_rows[window + 1])
+
+    def _share_of_overlap(self, window: int, time: float) -> float:
+        """How far a time is in the overlap of a window with the next one."""
+        start, end = self.frames[window + 1, 0], self.frames[window, 1]
+        return float((self._frame(time) - start) / max(end - start, 1))
+
+    def _moved_in(self, raw: RawGaussians, window: int, time: float) -> RawGaussians:
+        first, last = self.frames[window]
+        start, end = self._span(window)
+        of_window = RawGaussians(**{name: value[start:end] for name, value in raw.arrays().items()})
+        local = (self._frame(time) - first) / (last - first + 1)
+        return self.motions[window].moved(of_window, min(max(float(local), 0.0), 1.0))
+
+
+def faded(raw: RawGaussians, share: float) -> RawGaussians:
+    """With opacities times `share` in [0, 1]."""
+    if share >= 1:
+        return raw
+    opacities = np.clip(share * sigmoid(raw.opacity_logits), np.float32(FAINTEST), None)
+    logits: Float32Array = np.log(opacities / (1 - opacities))
+    return replace(raw, opacity_logits=logits)
+
+
+def joined_rows(parts: Sequence[RawGaussians]) -> RawGaussians:
+    """One after the other; colours depend on the direction to the highest degree of them."""
+    bands = max(part.harmonics.shape[1] for part in parts)
+    padded = [
+        replace(
+            part, harmonics=np.pad(part.harmonics, ((0, 0), (0, bands - part.harmonics.shape[1]), (0, 0)))
+        )
+        for part in parts
+    ]
+    names = padded[0].arrays()
+    return RawGaussians(**{name: np.concatenate([part.arrays()[name] for part in padded]) for name in names})
+
+
+def _names_of(arrays: Mapping[str, NDArray[Any]], window: int) -> tuple[str, ...]:
+    prefix = f"{window}."
+    return tuple(name.removeprefix(prefix) for name in arrays if name.startswith(prefix))
+
+
+LAYOUT = {
+    "window_clip": Stored("1", np.int64, least=1),
+    "window_frames": Stored("W 2", np.int64, least=0),
+    "window_rows": Stored("R", np.int64, least=0),
+}

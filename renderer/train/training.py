@@ -1,0 +1,62 @@
+"""Training of a clip as a generator of events: terminal, tests and window iterate the same stream."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from renderer.clip import Clip
+from renderer.train.config import TrainConfig
+from renderer.train.events import Started, TrainEvent
+from renderer.train.gradient_backend import GradientBackend
+from renderer.train.trainer import require_depth, train_window
+from renderer.train.windowed import WindowedTraining
+from renderer.train.windows import left_out, windows_of
+
+
+def train(
+    clip: Clip,
+    config: TrainConfig,
+    *,
+    folder: Path | None = None,
+    resume: bool = False,
+    pictures: GradientBackend | None = None,
+) -> Iterator[TrainEvent]:
+    """Reconstruct `clip` from its training frames, as a generator of events: Started first, Finished with the
+    model last; ending it early ends the training. A long clip is cut into windows that overlap, which are
+    trained one after the other.
+
+    With a `folder`, which exists when Started has been taken, checkpoints are written there, and windows that
+    are finished, of which the model reads what it needs; `resume` continues from the newest. `pictures`
+    renders; without it, the numba kernels do. One seed gives the same bytes on the CPU, whether interrupted
+    or not and whatever the number of threads.
+
+    Raises:
+        ClipError: frames cannot be read, or there is no depth to start from.
+        TrainingError: the checkpoint belongs to another run, the loss is no longer finite, or no frame shows
+            anything of the model.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> from renderer import PhantomParams, TrainConfig, open_clip, train, write_phantom
+        >>> with TemporaryDirectory() as folder:
+        ...     write_phantom(Path(folder, "clip"), PhantomParams(n_frames=4, width=48, height=32))
+        ...     clip = open_clip(Path(folder, "clip"))
+        ...     events = list(train(clip, TrainConfig(iterations=4, n_gaussians=100)))
+        >>> type(events[0]).__name__, type(events[-1]).__name__
+        ('Started', 'Finished')
+        >>> model = events[-1].model
+        >>> model.at(0.5).means.shape == (len(model), 3)
+        True
+    """
+    require_depth(clip)
+    windows = windows_of(clip, config)
+    if len(windows) > 1:
+        yield from WindowedTraining(clip, config, windows, folder, resume, pictures).events()
+        return
+    for event in train_window(clip, config, folder=folder, resume=resume, pictures=pictures):
+        if isinstance(event, Started):
+            event = replace(event, omitted=(*event.omitted, *left_out(clip, config)))
+        yield event

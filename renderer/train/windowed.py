@@ -1,0 +1,154 @@
+"""Training of a long clip in windows that overlap, one after the other."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from renderer.clip import Clip
+from renderer.gaussians import DynamicGaussians
+from renderer.near_plane import middle_distance
+from renderer.train.config import TrainConfig
+from renderer.train.events import (
+    Evaluated,
+    Finishing,
+    Omission,
+    Progress,
+    Snapshot,
+    Started,
+    TrainEvent,
+    Warned,
+)
+from renderer.train.events import Finished as Ended
+from renderer.train.gradient_backend import GradientBackend
+from renderer.train.held_out import evaluated
+from renderer.train.trainer import TrainingError, fingerprint, split, train_window
+from renderer.train.window_files import (
+    FOLDER,
+    Finished,
+    finish,
+    finished,
+    folder_of,
+    in_windows,
+    is_finished,
+    load,
+)
+from renderer.train.windows import Window, cut_notice, in_words
+
+
+@dataclass(frozen=True)
+class _Done:
+    """A window of which all is done but its place among the others."""
+
+    iterations: int
+    seconds: float
+    """Of its steps."""
+    wall: float
+    """Seconds in all; 0: an earlier part of the run did it."""
+    omitted: tuple[Omission, ...]
+    model: Callable[[], DynamicGaussians]
+
+
+@dataclass(frozen=True)
+class WindowedTraining:
+    """Of one clip; see `renderer.train.training.train`."""
+
+    clip: Clip
+    config: TrainConfig
+    windows: tuple[Window, ...]
+    folder: Path | None
+    resume: bool
+    pictures: GradientBackend | None
+
+    def events(self) -> Iterator[TrainEvent]:
+        opened = time.perf_counter()
+        if self.folder and not self.resume:
+            shutil.rmtree(self.folder / FOLDER, ignore_errors=True)
+        done: list[_Done] = []
+        for window in self.windows:
+            done.append(self._kept(window) or (yield from self._trained(window, tuple(done))))
+        model = in_windows(len(self.clip), self.windows, [each.model for each in done])
+        iteration = sum(each.iterations for each in done)
+        if not any(each.wall for each in done):
+            yield Started(iteration, iteration, len(model), ())
+        yield Finishing("measuring held-out frames", 0.0)
+        if measured := split(self.clip, self.config)[1] or self.clip.test_indices:
+            views = (self.clip.read_frame(index) for index in measured)
+            size = middle_distance(model, self.clip.cameras[0])
+            yield evaluated(model, views, iteration, size, self.config.render_mode)
+        seconds, wall = sum(each.seconds for each in done), time.perf_counter() - opened
+        yield Ended(iteration, seconds, model, in_words([each.omitted for each in done]), wall)
+
+    def _kept(self, window: Window) -> _Done | None:
+        """What an earlier part of the run finished. Raises TrainingError: another run did."""
+        if self.folder is None or not is_finished(folder := folder_of(self.folder, window)):
+            return None
+        try:
+            told = finished(folder)
+        except ValueError as error:
+            raise TrainingError(f"training cannot continue ({error})") from error
+        if told.fingerprint != fingerprint(window.of(self.clip), self.config):
+            wanted = "expected a window of this clip and configuration"
+            raise TrainingError(f"{wanted}, got another: {folder.name}")
+        return _Done(told.iterations, told.seconds, 0.0, (), lambda: load(folder))
+
+    def _trained(self, window: Window, done: Sequence[_Done]) -> Generator[TrainEvent, None, _Done]:
+        """The events of a window, as those of the whole clip, and what is left when it is finished."""
+        began, clip = time.perf_counter(), window.of(self.clip)
+        folder = folder_of(self.folder, window) if self.folder else None
+        resume = self.resume and folder is not None and folder.is_dir()
+        omitted: tuple[Omission, ...] = ()
+        for event in train_window(clip, self.config, folder=folder, resume=resume, pictures=self.pictures):
+            if isinstance(event, Ended):
+                wall, omitted = time.perf_counter() - began, (*omitted, *event.omitted)
+                model = self._stored(event, clip, folder)
+                return _Done(event.iteration, event.seconds, wall, omitted, model)
+            if not isinstance(event, Started) or not any(each.wall for each in done):
+                yield from self._as_of_all(event, done, window, began)
+            if isinstance(event, Started):
+                omitted = event.omitted
+                if folder is not None:
+                    folder.mkdir(parents=True, exist_ok=True)
+        raise AssertionError("a training ends with Finished")
+
+    def _as_of_all(
+        self, event: TrainEvent, done: Sequence[_Done], window: Window, began: float
+    ) -> Iterator[TrainEvent]:
+        """An event of a window that began at `began`, after others that are done."""
+        before, number = sum(each.iterations for each in done), len(self.windows)
+        match event:
+            case Started():
+                total = event.iterations * number
+                yield Started(before + event.iteration, total, event.n_gaussians, ())
+                yield Warned(cut_notice(self.windows))
+            case Progress():
+                own = time.perf_counter() - began + event.seconds_left
+                walls = [own, *(each.wall for each in done if each.wall)]
+                later = (number - len(done) - 1) * float(np.mean(walls))
+                yield replace(
+                    event,
+                    iteration=before + event.iteration,
+                    iterations=event.iterations * number,
+                    seconds=event.seconds + sum(each.seconds for each in done),
+                    seconds_left=event.seconds_left + later,
+                )
+            case Snapshot():
+                model = in_windows(len(self.clip), [window], [lambda: event.model])
+                yield Snapshot(before + event.iteration, model)
+            case Evaluated() if event.iteration < self.config.iterations:
+                yield replace(event, iteration=before + event.iteration)
+            case Warned():
+                yield Warned(f"window {len(done) + 1}: {event.message}")
+
+    def _stored(self, event: Ended, clip: Clip, folder: Path | None) -> Callable[[], DynamicGaussians]:
+        """The model of a window, on the disk where there is a folder for it."""
+        if folder is None:
+            return lambda: event.model
+        told = Finished(fingerprint(clip, self.config), event.iteration, event.seconds)
+        finish(folder, event.model, told)
+        return lambda: load(folder)

@@ -1,0 +1,205 @@
+"""Long clips in windows: how they are cut, what moves in them, and training that is cut short."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from renderer.clip import Clip
+from renderer.deformation.windowed_motion import WindowedMotion
+from renderer.gaussians import DynamicGaussians
+from renderer.train.config import TrainConfig
+from renderer.train.events import Evaluated, Finished, Progress, Snapshot, Started, TrainEvent
+from renderer.train.trainer import TrainingError
+from renderer.train.training import train
+from renderer.train.window_files import FOLDER, in_windows, unfinished
+from renderer.train.windows import OVERLAP, SHORTEST, Window, cut, windows_of
+from tests.renderer.plane import plane_clip
+
+FRAMES, STEPS = 100, 6
+CONFIG = TrainConfig(
+    iterations=STEPS, n_gaussians=60, node_columns=4, window_frames=SHORTEST, checkpoint_every=2
+)
+
+
+def long_clip() -> Clip:
+    """The plane's frames again and again."""
+    short = plane_clip(slide=4.0)
+
+    def read_frame(index: int) -> object:
+        return replace(short.read_frame(index % len(short)), index=index, time=index / FRAMES)
+
+    return replace(
+        short,
+        cameras=short.cameras[:1] * FRAMES,
+        labels=tuple(map(str, range(FRAMES))),
+        read_frame=read_frame,  # type: ignore[arg-type]
+    )
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[TrainEvent], Path]:
+    folder = tmp_path_factory.mktemp("run")
+    return list(train(long_clip(), CONFIG, folder=folder)), folder
+
+
+def model_of(events: list[TrainEvent]) -> DynamicGaussians:
+    assert isinstance(events[-1], Finished)
+    return events[-1].model
+
+
+def same(one: DynamicGaussians, other: DynamicGaussians) -> bool:
+    arrays, others = one.arrays(), other.arrays()
+    return set(arrays) == set(others) and all(
+        arrays[name].tobytes() == others[name].tobytes() for name in arrays
+    )
+
+
+@given(st.integers(1, 5000), st.integers(SHORTEST, 600))
+def test_windows_hold_every_frame_and_overlap_none_but_their_neighbours(count: int, longest: int) -> None:
+    windows = cut(count, longest)
+    assert windows[0].first == 0
+    assert windows[-1].last == count - 1
+    assert all(later.first <= former.last + 1 - OVERLAP for former, later in pairwise(windows))
+    assert all(later.first > former.last for former, later in zip(windows, windows[2:], strict=False))
+    assert all(window.first % 8 == 0 for window in windows)
+    assert max(map(len, windows)) < longest + 8
+
+
+def test_windows_hold_out_the_frames_that_the_clip_does() -> None:
+    clip = long_clip()
+    held = {
+        window.first + index for window in windows_of(clip, CONFIG) for index in window.of(clip).test_indices
+    }
+    assert held == set(clip.test_indices)
+
+
+def test_a_short_clip_has_one_window_and_says_so() -> None:
+    clip = plane_clip()
+    started = next(iter(train(clip, CONFIG)))
+    assert isinstance(started, Started)
+    assert [each.why for each in started.omitted if each.what == "windows"] == [
+        "the clip has 12 frames, and windows are for more than 48"
+    ]
+
+
+def test_steps_of_all_windows_are_counted(whole: tuple[list[TrainEvent], Path]) -> None:
+    events, _ = whole
+    number = len(windows_of(long_clip(), CONFIG))
+    assert number == 3
+    assert isinstance(events[0], Started)
+    done = [event.iteration for event in events if isinstance(event, Progress | Evaluated | Finished)]
+    assert done == sorted(done)
+    assert done[-1] == events[0].iterations == number * STEPS
+    assert sum(isinstance(event, Evaluated) and event.iteration == done[-1] for event in events) == 1
+
+
+def test_outside_of_overlaps_a_window_is_alone_and_in_them_the_next_one_fades_in(
+    whole: tuple[list[TrainEvent], Path],
+) -> None:
+    model = model_of(whole[0])
+    motion = model.motion
+    assert isinstance(motion, WindowedMotion)
+    counts = np.diff(motion.first_rows)
+    first, second = motion.frames[:2]
+    assert len(model.at((second[0] - 1) / FRAMES)) == counts[0]
+    start, end = second[0] / FRAMES, first[1] / FRAMES
+    assert len(model.at((start + end) / 2)) == counts[0] + counts[1]
+    seen = [model.at(start + share * (end - start)).opacities for share in np.linspace(0, 1, 41)]
+    assert seen[0][counts[0] :].max() < 1e-5 > seen[-1][: counts[0]].max()
+    # Wherever it is looked at, one of the two is all there.
+    alone = [model.at((start + end) / 2).opacities]
+    for opacities in seen:
+        faded = opacities / alone[0]
+        assert max(np.median(faded[: counts[0]]), np.median(faded[counts[0] :])) > 0.95
+    steps = [np.abs(later - former).max() for former, later in pairwise(seen)]
+    assert max(steps) < 0.1
+
+
+def test_a_model_in_windows_comes_back_from_its_file(
+    whole: tuple[list[TrainEvent], Path], tmp_path: Path
+) -> None:
+    model = model_of(whole[0])
+    model.save(tmp_path / "model.safetensors")
+    back = DynamicGaussians.load(tmp_path / "model.safetensors")
+    assert same(model, back)
+    for time in (0.0, 0.31, 0.42, 0.99, 1.0):
+        assert np.array_equal(model.at(time).means, back.at(time).means)
+    kept = np.arange(0, len(model), 3)
+    chosen = back.rows(kept)
+    rows = back.motion.rows_at(0.42)  # type: ignore[attr-defined]
+    assert np.array_equal(chosen.at(0.42).means, back.at(0.42).means[np.isin(rows, kept)])
+    with pytest.raises(ValueError, match="order of their windows"):
+        back.rows(kept[::-1])
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("window_rows", np.array([0, 1, 2, 3])),
+        ("window_frames", np.array([[0, 47], [30, 90], [40, 99]])),
+        ("window_frames", np.array([[0, 47], [32, 79], [64, 100]])),
+        ("1.node_indices", np.zeros((3, 4), np.int32)),
+    ],
+)
+def test_damaged_windows_are_refused(
+    whole: tuple[list[TrainEvent], Path], name: str, value: np.ndarray[tuple[int, ...], np.dtype[np.int64]]
+) -> None:
+    arrays = dict(model_of(whole[0]).arrays())
+    assert name in arrays
+    with pytest.raises(ValueError, match="expected"):
+        DynamicGaussians.checked(arrays | {name: value})
+
+
+def cut_short(folder: Path, steps: int) -> Iterator[TrainEvent]:
+    for event in train(long_clip(), CONFIG, folder=folder):
+        yield event
+        if isinstance(event, Progress) and event.iteration >= steps:
+            return
+
+
+def test_a_run_cut_short_in_its_second_window_goes_on_to_the_same_bytes(
+    whole: tuple[list[TrainEvent], Path], tmp_path: Path
+) -> None:
+    list(cut_short(tmp_path, 2 * STEPS))
+    left = unfinished(tmp_path, FRAMES)
+    assert left is not None
+    assert left.iteration == 2 * STEPS
+    assert len(left.model.motion.frames) == 2  # type: ignore[attr-defined]
+    with pytest.raises(TrainingError, match="another"):
+        list(train(long_clip(), replace(CONFIG, seed=1), folder=tmp_path, resume=True))
+    events = list(train(long_clip(), CONFIG, folder=tmp_path, resume=True))
+    assert isinstance(events[0], Started)
+    assert events[0].iteration == 2 * STEPS
+    assert same(model_of(whole[0]), model_of(events))
+    # And once more, where only the end is missing.
+    again = list(train(long_clip(), CONFIG, folder=tmp_path, resume=True))
+    assert isinstance(again[0], Started)
+    assert again[0].iteration == again[0].iterations == 3 * STEPS
+    assert same(model_of(again), model_of(events))
+    damaged = next((tmp_path / FOLDER).glob("*/*.safetensors"))
+    damaged.write_bytes(damaged.read_bytes()[:50])
+    with pytest.raises(TrainingError, match="damaged"):
+        list(train(long_clip(), CONFIG, folder=tmp_path, resume=True))
+
+
+def test_a_preview_shows_the_window_in_training_at_every_time(whole: tuple[list[TrainEvent], Path]) -> None:
+    model = model_of(whole[0])
+    rows = model.motion.first_rows  # type: ignore[attr-defined]
+    second = DynamicGaussians(
+        model.rows(np.arange(rows[1], rows[2])).raw,
+        model.motion.motions[1],  # type: ignore[attr-defined]
+    )
+    preview = in_windows(FRAMES, [Window(32, 79)], [lambda: second])
+    sent = DynamicGaussians.from_arrays(dict(preview.arrays()))
+    assert np.array_equal(sent.at(0.0).means, second.at(0.0).means)
+    assert np.array_equal(sent.at(0.5).means, second.at((50 - 32) / 48).means)
+    assert np.array_equal(sent.at(1.0).means, second.at(1.0).means)
+    assert isinstance(Snapshot(0, preview).model, DynamicGaussians)
