@@ -66,8 +66,9 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
 
 def found_poses(clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame]) -> FoundPoses:
     """What `done`, of the small frames and lengths in `unit`, says of the clip's cameras."""
-    camera, shrink = clip.cameras[0], clip.cameras[0].width / done.lens.width
-    camera = replace(camera, fx=done.lens.fx * shrink, fy=camera.fy * done.lens.fx * shrink / camera.fx)
+    assumed, shrink = clip.cameras[0], clip.cameras[0].width / done.lens.width
+    longer = done.lens.fx / small_lens(assumed).fx
+    camera = replace(assumed, fx=assumed.fx * longer, fy=assumed.fy * longer)
     back = inverse(done.views[0].pose)
     poses = {view.frame: _in_unit(view.pose @ back, unit) for view in done.views}
     residuals, points = dict[int, float](), dict[int, int]()
