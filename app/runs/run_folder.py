@@ -52,8 +52,17 @@ class PosesRecord:
     points: tuple[int, ...]
     lost: tuple[LostFrame, ...] = ()
     """Frames of what was asked for that have no pose of their own."""
-    structure: tuple[tuple[float, float, float], ...] = ()
-    """Points of the tissue, where they were found with the poses, in lack of depth."""
+    structure: tuple[float, ...] = ()
+    """Points of the tissue, where they were found with the poses, in lack of depth: x, y and z in turn."""
+
+    def __post_init__(self) -> None:
+        """Raises ValueError: points that are not all of three numbers."""
+        if len(self.structure) % 3:
+            raise ValueError(f"expected x, y and z of each point, got {len(self.structure)} numbers")
+
+    @property
+    def sparse_points(self) -> SparsePoints | None:
+        return SparsePoints(np.reshape(self.structure, (-1, 3))) if self.structure else None
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
@@ -95,8 +104,7 @@ class ClipRecord:
         if self.poses is None:
             return part
         seen = part.through(tuple(Camera.from_json(each) for each in self._one_each()))
-        structure = self.poses.structure
-        return replace(seen, points=SparsePoints(np.array(structure))) if structure else seen
+        return replace(seen, points=self.poses.sparse_points or part.points)
 
     def through_whole(self, clip: Clip) -> Clip:
         """The same of the whole clip: frames outside the part have the camera of the nearest one in it."""

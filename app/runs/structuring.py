@@ -7,12 +7,10 @@ from collections.abc import Generator
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
-
 from app.runs.posing import Posed, through_found
 from app.runs.preparing import told_meanwhile
 from renderer.camera import Camera
-from renderer.clip import Clip, ClipError, SparsePoints
+from renderer.clip import Clip, ClipError
 from renderer.poses.from_motion import FoundStructure, followed_features, structure_of
 from renderer.poses.search import PosesError
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -21,7 +19,7 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Preparing
 
 FOLLOWING, PLACING = "following features", "finding camera and shape from motion"
-DIGITS = 3
+DIGITS = 2
 """Of positions in run.json, in scene units of which the tissue is a hundred away."""
 
 
@@ -43,13 +41,13 @@ def structured(clip: Clip, config: TrainConfig, options: ClipOptions) -> Generat
         raise ClipError(f"no depth follows from the camera's motion: {error} ({way}): {clip.path}") from error
     through = through_found(clip, found.poses)
     assert through.poses is not None
-    rows = found.points.positions.round(DIGITS).tolist()
-    structure = tuple((x, y, z) for x, y, z in rows)
+    structure = tuple(found.points.positions.round(DIGITS).ravel().tolist())
+    poses = replace(through.poses, structure=structure)
     said = (*through.notices, *(() if is_known else (_focal(clip.cameras[0], found),)))
     return replace(
         through,
-        clip=replace(through.clip, points=SparsePoints(np.array(structure))),
-        poses=replace(through.poses, structure=structure),
+        clip=replace(through.clip, points=poses.sparse_points),
+        poses=poses,
         notices=said,
     )
 
