@@ -18,8 +18,9 @@ BoolImage = NDArray[np.bool_]
 Split = Literal["field", "even-odd"]
 """Frames held out of training: every eighth from the second on, or the odd ones."""
 
-DepthOrigin = Literal["measured", "beside", "stereo", "monocular", "brightness"]
-"""Files of the clip's layout, files beside pictures, pairs that are matched, maps of a network, a guess."""
+DepthOrigin = Literal["measured", "beside", "stereo", "monocular", "brightness", "motion"]
+"""Files of the clip's layout, files beside pictures, pairs that are matched, maps of a network, a guess, the
+camera's motion."""
 
 
 class ClipError(ValueError):
@@ -147,7 +148,7 @@ class Clip:
     unit: str
     """"mm", or "scene units" where the scale is unknown."""
     depth_origin: DepthOrigin = "measured"
-    """Where there is depth."""
+    """Where there is depth; "motion": where there are, or are to be found, points without."""
     why_no_depth: str = ""
     """Where there is none although something promises it: why, and what to do."""
     frames_per_second: float | None = None

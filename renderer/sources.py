@@ -101,7 +101,8 @@ def require_depth_source(path: Path, options: ClipOptions = DEFAULTS) -> None:
         if options.depth != "measured" and chosen_layout(options.stereo, told) is not None:
             return
         way = (
-            "--depth brightness estimates it, without a scale; --stereo LAYOUT tells that it shows both eyes"
+            "--depth brightness estimates it, --depth motion finds it where the camera moves, both without a "
+            "scale; --stereo LAYOUT tells that it shows both eyes"
         )
         raise ClipError(f"reconstruction expects depth, and a video has none ({way}): {path}")
 

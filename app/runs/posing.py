@@ -49,7 +49,7 @@ def posed(clip: Clip, config: TrainConfig) -> Generator[Preparing, None, Posed]:
         found = yield from told_meanwhile(STAGE, lambda tell: find_poses(clip, tell))
     except PosesError as error:
         return Posed(clip, notices=(f"{contradicted(moves) if moves else POSES_MISSING}: {error}",))
-    return _of(clip, found)
+    return through_found(clip, found)
 
 
 def left_out(clip: Clip, config: TrainConfig, moves: str | None) -> tuple[Omission, ...]:
@@ -71,7 +71,8 @@ def _may_be_posed(clip: Clip) -> bool:
     )
 
 
-def _of(clip: Clip, found: FoundPoses) -> Posed:
+def through_found(clip: Clip, found: FoundPoses) -> Posed:
+    """The part of the clip that has poses, as seen from these."""
     record = PosesRecord(residuals=found.residuals, points=found.points, lost=found.lost)
     whole = (found.first, found.last) == (0, len(clip) - 1)
     held = clip if whole else clip.between(found.first, found.last)

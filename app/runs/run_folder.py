@@ -9,10 +9,11 @@ from __future__ import annotations
 import re
 import shutil
 from dataclasses import dataclass as plain_dataclass
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Final, Literal
 
+import numpy as np
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
@@ -27,7 +28,7 @@ from app.runs.device import Device
 from enhance import Statistics
 from renderer.budget import budget
 from renderer.camera import Camera
-from renderer.clip import ByteImage, Clip, Frame, held_out_frames
+from renderer.clip import ByteImage, Clip, Frame, SparsePoints, held_out_frames
 from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed, read_text
@@ -51,6 +52,17 @@ class PosesRecord:
     points: tuple[int, ...]
     lost: tuple[LostFrame, ...] = ()
     """Frames of what was asked for that have no pose of their own."""
+    structure: tuple[float, ...] = ()
+    """Points of the tissue, where they were found with the poses, in lack of depth: x, y and z in turn."""
+
+    def __post_init__(self) -> None:
+        """Raises ValueError: points that are not all of three numbers."""
+        if len(self.structure) % 3:
+            raise ValueError(f"expected x, y and z of each point, got {len(self.structure)} numbers")
+
+    @property
+    def sparse_points(self) -> SparsePoints | None:
+        return SparsePoints(np.reshape(self.structure, (-1, 3))) if self.structure else None
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
@@ -88,10 +100,11 @@ class ClipRecord:
             Camera.from_json(camera)
 
     def through(self, part: Clip) -> Clip:
-        """The part of the clip, with the cameras that were estimated, if any were."""
+        """The part of the clip, with the cameras that were estimated, if any were, and the points."""
         if self.poses is None:
             return part
-        return part.through(tuple(Camera.from_json(each) for each in self._one_each()))
+        seen = part.through(tuple(Camera.from_json(each) for each in self._one_each()))
+        return replace(seen, points=self.poses.sparse_points or part.points)
 
     def through_whole(self, clip: Clip) -> Clip:
         """The same of the whole clip: frames outside the part have the camera of the nearest one in it."""

@@ -41,6 +41,7 @@ from app.runs.run_folder import (
     input_clip,
 )
 from app.runs.run_lock import locked
+from app.runs.structuring import structured
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -112,7 +113,7 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     )
     if record is not None:
         _check_same(request, record)
-    else:
+    elif clip.depth_origin != "motion":
         require_depth(clip)
     if run.is_finished:
         yield _finished_before(run)
@@ -124,6 +125,8 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     yield from told_meanwhile(reading(clip), ahead.fill)
     if record is not None and record.clip.poses is not None:
         through = Posed(record.clip.through(ahead.clip))
+    elif clip.depth_origin == "motion":
+        through = yield from structured(ahead.clip, request.config, request.clip_options)
     else:
         through = yield from posed(ahead.clip, request.config)
     if record is None:

@@ -28,7 +28,7 @@ from renderer.splat_series import read_series, series_files
 from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
 
-ESTIMATES: Final = ("monocular", "brightness")
+ESTIMATES: Final = ("monocular", "brightness", "motion")
 """Depths that no length follows from."""
 
 

@@ -11,11 +11,13 @@ from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.depth_prior import brightness_guess, with_guessed_depth
 from renderer.depth.monocular import FOLDERS, map_files, monocular_guess, monocular_maps
 from renderer.depth.stereo_pairs import right_eye, right_files, with_stereo_depth
+from renderer.poses.parts import SHORTEST
 from renderer.readers.clip_options import ClipOptions, DepthSource
 
 BY_BRIGHTNESS: Final = (
     "depth is estimated from brightness (a lamp at the camera): shapes are coarse and lengths have no scale"
 )
+BY_MOTION: Final = "depth is from the camera's motion, at sparse points: lengths have no scale"
 BY_MAPS: Final = "depth is taken from monocular maps: lengths have no scale"
 
 
@@ -75,6 +77,25 @@ def _brightness(clip: Clip, options: ClipOptions) -> Clip:
     return replace(guessed, depth_origin="brightness")
 
 
+def _motion(clip: Clip, options: ClipOptions) -> Clip:
+    """Points and poses are still to be found (renderer.poses.from_motion): that takes all frames."""
+    if why := why_not_by_motion(clip):
+        raise ClipError(f"{why}: {clip.path}")
+    notices = (*clip.notices, BY_MOTION)
+    return replace(
+        _off(clip, options), depth_origin="motion", unit="scene units", points=None, notices=notices
+    )
+
+
+def why_not_by_motion(clip: Clip) -> str:
+    """Without a look at its frames; empty where depth may follow from the motion of the camera."""
+    if not clip.camera_is_fixed:
+        return "expected a clip without camera poses for depth from motion, got one that has them"
+    if len(clip) < SHORTEST:
+        return f"expected at least {SHORTEST} frames for depth from motion, got {len(clip)}"
+    return ""
+
+
 def _off(clip: Clip, options: ClipOptions) -> Clip:
     def read_frame(index: int) -> Frame:
         return replace(clip.read_frame(index), depth=None, depth_is_guess=False)
@@ -88,5 +109,6 @@ _SOURCES: Final[dict[DepthSource, Callable[[Clip, ClipOptions], Clip]]] = {
     "stereo": _stereo,
     "monocular": _monocular,
     "brightness": _brightness,
+    "motion": _motion,
     "off": _off,
 }

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal, get_args
 
 from renderer.clip import Clip, ClipError
-from renderer.depth.clip_depth import with_depth
+from renderer.depth.clip_depth import why_not_by_motion, with_depth
 from renderer.depth.monocular import monocular_maps
 from renderer.depth.stereo_pairs import right_eye
 from renderer.readers.clip_options import ClipOptions, DepthSource
 
-DepthWay = Literal["measured", "stereo", "guessed"]
+DepthWay = Literal["measured", "stereo", "motion", "guessed"]
 DEPTH_WAYS: Final[tuple[DepthWay, ...]] = get_args(DepthWay)
 
 
@@ -22,6 +22,7 @@ class DepthWays:
     why_not_measured: str
     """In a sentence; empty: it can be. So of the others."""
     why_not_stereo: str
+    why_not_motion: str
     why_not_guessed: str
     guess: DepthSource
     """Of what a guess would be made."""
@@ -30,6 +31,7 @@ class DepthWays:
         return {
             "measured": self.why_not_measured,
             "stereo": self.why_not_stereo,
+            "motion": self.why_not_motion,
             "guessed": self.why_not_guessed,
         }[way]
 
@@ -42,7 +44,9 @@ class DepthWays:
 
 
 def way_of(clip: Clip) -> DepthWay | None:
-    """In which its depth was come by; None without any."""
+    """In which its depth was come by, or is to be in training; None without any."""
+    if clip.depth_origin == "motion":
+        return "motion"
     if not clip.has_depth:
         return None
     if clip.depth_origin in ("monocular", "brightness"):
@@ -54,11 +58,12 @@ def depth_ways(bare: Clip, options: ClipOptions) -> DepthWays:
     """Of a clip without any depth but that of its files. Looks at the first pair of a stereo clip."""
     if not bare.has_one_size:
         why = f"{bare.why_no_depth[:1].upper()}{bare.why_no_depth[1:]}."
-        return DepthWays(why, why, why, "brightness")
+        return DepthWays(why, why, why, why, "brightness")
     moves = "" if bare.camera_is_fixed else "The camera moves by known lengths, and a guess has no scale."
     return DepthWays(
         why_not_measured="" if bare.has_depth else "This clip comes with no measured depth.",
         why_not_stereo=_why_not_stereo(bare, options),
+        why_not_motion=_sentence(why_not_by_motion(bare)),
         why_not_guessed=moves,
         guess="monocular" if _has_maps(bare) else "brightness",
     )
@@ -71,9 +76,12 @@ def _why_not_stereo(bare: Clip, options: ClipOptions) -> str:
         with_depth(bare, replace(options, depth="stereo"))
     except (ClipError, OSError) as error:
         # A person knows which clip it is.
-        said = str(error).removesuffix(f": {bare.path}")
-        return f"{said[:1].upper()}{said[1:]}."
+        return _sentence(str(error).removesuffix(f": {bare.path}"))
     return ""
+
+
+def _sentence(said: str) -> str:
+    return f"{said[:1].upper()}{said[1:]}." if said else ""
 
 
 def _has_maps(bare: Clip) -> bool:

@@ -7,6 +7,7 @@ and memory grow with the number of views, not with its product with the number o
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -15,12 +16,26 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
 from renderer.poses.resection import residuals, robust, trust
-from renderer.poses.rigid_motion import Seen, local, motion_slopes, moved, slopes
+from renderer.poses.rigid_motion import Seen, lens_slopes, local, motion_slopes, moved, slopes, zoomed
 
 IntArray = NDArray[np.int64]
 _ROUNDS = 15
 _ENOUGH = 1e-5
 """Of the cost: a smaller gain ends it."""
+
+
+@dataclass(frozen=True)
+class FocalGuess:
+    """A focal length that is not known, one for all views."""
+
+    fx: float
+    """px."""
+    spread: float
+    """Standard deviation of its logarithm: what is seen must say more than this to change it by much."""
+
+    def off(self, lens: Camera) -> float:
+        """In standard deviations, how much longer it is than that of `lens`."""
+        return math.log(self.fx / lens.fx) / self.spread
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,18 +53,23 @@ class Bundle:
     """(N,) and of which point."""
     seen: Seen
     """N observations."""
+    focal: FocalGuess | None = None
+    """Where the focal length of `lens` is sought, too."""
 
 
-def adjusted(bundle: Bundle) -> Bundle:
-    """Levenberg and Marquardt's method on the robust cost; never a higher one than that of `bundle`."""
+def adjusted(bundle: Bundle, rounds: int = _ROUNDS) -> Bundle:
+    """Levenberg and Marquardt's method on the robust cost; never a higher one than that of `bundle`.
+
+    Where no view measures depth, the scale is free, and that of `bundle` is kept to first order.
+    """
     damping = 1e-4
     left = misfit(bundle)
-    cost = _cost(left)
-    groups = _groups(bundle)
-    for _ in range(_ROUNDS):
-        other = _stepped(bundle, left, groups, damping)
+    cost = _cost(bundle, left)
+    groups, free = _groups(bundle), _free(bundle)
+    for _ in range(rounds):
+        other = _stepped(bundle, left, groups, free, damping)
         there = misfit(other)
-        lower = _cost(there)
+        lower = _cost(other, there)
         if not lower < cost:
             damping *= 10
             if damping > 1e4:
@@ -71,8 +91,23 @@ def _places(bundle: Bundle) -> FloatArray:
     return local(bundle.poses[bundle.views], bundle.points[bundle.seen_points])
 
 
-def _cost(left: FloatArray) -> float:
-    return float(robust((left**2).sum(axis=1)).sum())
+def _cost(bundle: Bundle, left: FloatArray) -> float:
+    of_focal = 0.0 if bundle.focal is None else bundle.focal.off(bundle.lens) ** 2
+    return float(robust((left**2).sum(axis=1)).sum()) + of_focal
+
+
+def _free(bundle: Bundle) -> IntArray:
+    """Of the 6 K + 1 unknowns of the poses and the focal length, those that are sought."""
+    count = len(bundle.poses)
+    held = [*range(6)]
+    if count > 1 and not (bundle.seen.weights[:, 2] > 0).any():
+        places = -np.einsum("kji,kj->ki", bundle.poses[:, :3, :3], bundle.poses[:, :3, 3])
+        far = int(np.argmax(np.linalg.norm(places - places[0], axis=1)))
+        toward = bundle.poses[far, :3, :3] @ (places[far] - places[0])
+        held.append(6 * far + 3 + int(np.argmax(np.abs(toward))))
+    if bundle.focal is None:
+        held.append(6 * count)
+    return np.setdiff1d(np.arange(6 * count + 1), held)
 
 
 def _groups(bundle: Bundle) -> list[IntArray]:
@@ -85,31 +120,36 @@ def _groups(bundle: Bundle) -> list[IntArray]:
     return [order[start:end] for start, end in pairwise(bounds) if end > start]
 
 
-def _stepped(bundle: Bundle, left: FloatArray, groups: list[IntArray], damping: float) -> Bundle:
-    count = len(bundle.poses)
-    stiffness, against = np.zeros((6 * count, 6 * count)), np.zeros(6 * count)
+def _stepped(
+    bundle: Bundle, left: FloatArray, groups: list[IntArray], free: IntArray, damping: float
+) -> Bundle:
+    unknowns = 6 * len(bundle.poses) + 1
+    stiffness, against = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
     backs = [_eliminate(bundle, left, group, damping, stiffness, against) for group in groups]
-    free = slice(6, None)
-    step = np.zeros(6 * count)
-    step[free] = np.linalg.solve(stiffness[free, free], against[free])
+    if bundle.focal is not None:
+        stiffness[-1, -1] += bundle.focal.spread**-2
+        against[-1] += bundle.focal.off(bundle.lens) / bundle.focal.spread
+    step = np.zeros(unknowns)
+    step[free] = np.linalg.solve(stiffness[np.ix_(free, free)], against[free])
     points = bundle.points.copy()
     for back in backs:
         points[back.points] += back.offset - np.einsum("ljk,k->lj", back.coupling, step[back.columns])
-    poses = [moved(pose, each) for pose, each in zip(bundle.poses, step.reshape(-1, 6), strict=True)]
-    return replace(bundle, poses=np.stack(poses), points=points)
+    poses = [moved(pose, each) for pose, each in zip(bundle.poses, step[:-1].reshape(-1, 6), strict=True)]
+    lens = bundle.lens if bundle.focal is None else zoomed(bundle.lens, step[-1])
+    return replace(bundle, lens=lens, poses=np.stack(poses), points=points)
 
 
 @dataclass(frozen=True, eq=False)
 class _Back:
-    """How the points (P,) of a group follow from the step of the poses that see them."""
+    """How the points (P,) of a group follow from the step of the poses that see them, and of the lens."""
 
     points: IntArray
     columns: IntArray
-    """(6 M,) of the M poses."""
+    """(6 M + 1,) of the M poses and the focal length."""
     offset: FloatArray
     """(P, 3)."""
     coupling: FloatArray
-    """(P, 3, 6 M)."""
+    """(P, 3, 6 M + 1)."""
 
 
 def _eliminate(
@@ -120,7 +160,8 @@ def _eliminate(
     stiffness: FloatArray,
     against: FloatArray,
 ) -> _Back:
-    """Adds what one group says of the poses to the equations (6 K, 6 K) and (6 K,), its points eliminated."""
+    """Adds what one group says of poses and focal length to the equations (6 K + 1, 6 K + 1) and (6 K + 1,),
+    its points eliminated."""
     points, of_point = np.unique(bundle.seen_points[group], return_inverse=True)
     views, of_view = np.unique(bundle.views[group], return_inverse=True)
     places = local(bundle.poses[bundle.views[group]], bundle.points[bundle.seen_points[group]])
@@ -130,24 +171,25 @@ def _eliminate(
     change = slopes(bundle.lens, places) * weights[:, :, None]
     by_pose = change @ motion_slopes(places)
     by_point = change @ bundle.poses[bundle.views[group]][:, :3, :3]
+    by_lens = lens_slopes(bundle.lens, places) * weights
 
-    of_points = np.zeros((len(points), 3, 3))
-    np.add.at(of_points, of_point, np.einsum("nij,nik->njk", by_point, by_point))
-    pull = np.zeros((len(points), 3))
-    np.add.at(pull, of_point, np.einsum("nij,ni->nj", by_point, apart))
+    of_points = _summed(by_point.swapaxes(1, 2) @ by_point, of_point, len(points))
+    pull = _summed(_along(by_point, apart), of_point, len(points))
     diagonal = np.einsum("ljj->lj", of_points)
     diagonal *= 1 + damping
     diagonal += 1e-9
     inverse = np.linalg.inv(of_points)
-    across = np.zeros((len(points) * len(views), 3, 6))
-    np.add.at(across, of_point * len(views) + of_view, np.einsum("nij,nik->njk", by_point, by_pose))
-    coupling = across.reshape(len(points), len(views), 3, 6).swapaxes(1, 2).reshape(len(points), 3, -1)
+    pairs = of_point * len(views) + of_view
+    across = _summed(by_point.swapaxes(1, 2) @ by_pose, pairs, len(points) * len(views))
+    of_poses = across.reshape(len(points), len(views), 3, 6).swapaxes(1, 2).reshape(len(points), 3, -1)
+    of_lens = _summed(_along(by_point, by_lens), of_point, len(points))
+    coupling = np.concatenate([of_poses, of_lens[:, :, None]], axis=2)
     solved = inverse @ coupling
     offset = np.einsum("ljk,lk->lj", inverse, pull)
 
-    columns = (6 * views[:, None] + np.arange(6)).ravel()
-    own = np.zeros((len(views), 6, 6))
-    np.add.at(own, of_view, np.einsum("nij,nik->njk", by_pose, by_pose))
+    columns = np.r_[(6 * views[:, None] + np.arange(6)).ravel(), 6 * len(bundle.poses)]
+    own = _summed(by_pose.swapaxes(1, 2) @ by_pose, of_view, len(views))
+    beside = _summed(_along(by_pose, by_lens), of_view, len(views))
     own_diagonal = np.einsum("mjj->mj", own)
     own_diagonal *= 1 + damping
     own_diagonal += 1e-9
@@ -156,8 +198,25 @@ def _eliminate(
     for place in range(len(views)):
         here = slice(6 * place, 6 * place + 6)
         block[here, here] += own[place]
+    block[-1, :-1] += beside.ravel()
+    block[:-1, -1] += beside.ravel()
+    block[-1, -1] += (1 + damping) * (by_lens**2).sum()
     stiffness[np.ix_(columns, columns)] += block
-    turned = np.zeros((len(views), 6))
-    np.add.at(turned, of_view, np.einsum("nij,ni->nj", by_pose, apart))
-    against[columns] += turned.ravel() - np.einsum("ljk,lj->k", coupling, offset)
+    turned = _summed(_along(by_pose, apart), of_view, len(views))
+    said = np.r_[turned.ravel(), (by_lens * apart).sum()]
+    against[columns] += said - np.einsum("ljk,lj->k", coupling, offset)
     return _Back(points, columns, offset, solved)
+
+
+def _along(change: FloatArray, values: FloatArray) -> FloatArray:
+    """(N, j) of slopes (N, 3, j) and values (N, 3)."""
+    return np.asarray((change * values[:, :, None]).sum(axis=1))
+
+
+def _summed(values: FloatArray, of: IntArray, count: int) -> FloatArray:
+    """(count, ...) sums of the values (N, ...) of each; 0 where it has none."""
+    order = np.argsort(of, kind="stable")
+    starts = np.flatnonzero(np.diff(of[order], prepend=-1))
+    sums = np.zeros((count, *values.shape[1:]))
+    sums[of[order[starts]]] = np.add.reduceat(values[order], starts, axis=0)
+    return sums

@@ -95,3 +95,11 @@ def sampled_inverse(picture: Picture, places: FloatArray) -> FloatArray:
         borderValue=(0.0,),
     )
     return np.where(known[:, 0] > 0.999, around[:, 0], 0).astype(np.float64)
+
+
+def at_usable(picture: Picture, places: FloatArray) -> BoolImage:
+    """Whether (N, 2) px lie on usable tissue; not outside the picture."""
+    height, width = picture.usable.shape
+    x, y = np.floor(np.clip(places, -1, max(height, width))).astype(np.int64).T
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    return np.asarray(inside & picture.usable[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)])

@@ -123,7 +123,6 @@ def _step(lens: Camera, places: FloatArray, seen: Seen, left: FloatArray, dampin
     """(6,), of Levenberg and Marquardt."""
     share = trust((left**2).sum(axis=1))
     change = (slopes(lens, places) @ motion_slopes(places)) * seen.weights[:, :, None]
-    weighted = change * share[:, None, None]
-    stiffness = np.einsum("nij,nik->jk", weighted, change)
-    against = np.einsum("nij,ni->j", weighted, left)
+    weighted = (change * share[:, None, None]).reshape(-1, 6).T
+    stiffness, against = weighted @ change.reshape(-1, 6), weighted @ left.ravel()
     return np.asarray(np.linalg.solve(stiffness + damping * np.diag(np.diag(stiffness) + 1e-12), against))

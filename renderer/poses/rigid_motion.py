@@ -5,7 +5,8 @@ Lengths are in units of a distance that is typical of the scene, so that inverse
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -64,6 +65,18 @@ def slopes(lens: Camera, places: FloatArray) -> FloatArray:
     found[:, 1, 2] = -lens.fy * places[:, 1] / z**2
     found[:, 2, 2] = -1 / z**2
     return found
+
+
+def lens_slopes(lens: Camera, places: FloatArray) -> FloatArray:
+    """(N, 3): how `projected` changes with the logarithm of the focal length, see `zoomed`."""
+    z = np.maximum(places[:, 2], NEAREST)
+    across, down = lens.fx * places[:, 0] / z, lens.fy * places[:, 1] / z
+    return np.stack([across, down, np.zeros_like(z)], axis=1)
+
+
+def zoomed(lens: Camera, step: float) -> Camera:
+    """The lens with a focal length exp(`step`) times as long."""
+    return replace(lens, fx=lens.fx * math.exp(step), fy=lens.fy * math.exp(step))
 
 
 def motion_slopes(places: FloatArray) -> FloatArray:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -12,15 +12,11 @@ from renderer.camera import Camera, FloatArray
 from renderer.clip import Clip, Frame
 from renderer.poses.between import between
 from renderer.poses.lost_frame import LostFrame
-from renderer.poses.pictures import Picture, picture_of, small_lens
+from renderer.poses.parts import SHORTEST, parts_of, pictures_of
+from renderer.poses.pictures import Picture, small_lens
 from renderer.poses.rigid_motion import inverse
-from renderer.poses.settling import apart, settled
-from renderer.poses.tracking import Lost, Tracker
-
-MOST_BRIDGED: Final = 5
-"""Frames in a row without a pose, as of smoke or a wiped lens, that a part goes on behind."""
-SHORTEST: Final = 8
-"""Frames of a part that is worth a reconstruction."""
+from renderer.poses.settling import Settled, apart, settled
+from renderer.poses.tracking import Tracker
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,52 +55,42 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
         ClipError: a frame cannot be read.
     """
     lens = small_lens(clip.cameras[0])
-    parts, lost, unit = _followed(clip, lens, tell)
+    unit = _unit(clip)
+    parts, lost = parts_of(pictures_of(clip, lens, unit, tell), partial(_begun, lens))
     whole = max(parts, key=lambda part: part.views[-1].frame - part.views[0].frame, default=None)
     if whole is None or whole.views[-1].frame - whole.views[0].frame + 1 < SHORTEST:
         why = max((each.why for each in lost), key=[each.why for each in lost].count, default="")
         raise PosesError(f"the camera could not be followed through {SHORTEST} frames{why and ': ' + why}")
-    done = settled(whole)
+    return found_poses(clip, settled(whole.rough), unit, lost)
+
+
+def found_poses(clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame]) -> FoundPoses:
+    """What `done`, of the small frames and lengths in `unit`, says of the clip's cameras."""
+    assumed, shrink = clip.cameras[0], clip.cameras[0].width / done.lens.width
+    longer = done.lens.fx / small_lens(assumed).fx
+    camera = replace(assumed, fx=assumed.fx * longer, fy=assumed.fy * longer)
     back = inverse(done.views[0].pose)
     poses = {view.frame: _in_unit(view.pose @ back, unit) for view in done.views}
-    shrink = clip.cameras[0].width / lens.width
     residuals, points = dict[int, float](), dict[int, int]()
     for view in done.views:
-        off = np.linalg.norm(apart(lens, done.points, view)[:, :2], axis=1)
+        off = np.linalg.norm(apart(done.lens, done.points, view)[:, :2], axis=1)
         residuals[view.frame] = shrink * float(np.median(off))
         points[view.frame] = int(view.inliers.sum())
     first, last = done.views[0].frame, done.views[-1].frame
     path = [poses[at] if at in poses else between(poses, at) for at in range(first, last + 1)]
     return FoundPoses(
         first=first,
-        cameras=tuple(clip.cameras[0].moved(pose) for pose in path),
+        cameras=tuple(camera.moved(pose) for pose in path),
         residuals=tuple(residuals.get(at) for at in range(first, last + 1)),
         points=tuple(points.get(at, 0) for at in range(first, last + 1)),
         lost=tuple(lost),
     )
 
 
-def _followed(
-    clip: Clip, lens: Camera, tell: Callable[[int, int], None]
-) -> tuple[list[Tracker], list[LostFrame], float]:
-    parts, lost, unit = list[Tracker](), list[LostFrame](), 0.0
-    now: Tracker | None = None
-    for index in range(len(clip)):
-        tell(index, len(clip))
-        frame = clip.read_frame(index)
-        unit = unit or _typical(frame)
-        picture = picture_of(frame, lens, unit or 1.0)
-        try:
-            if now is not None and index - now.views[-1].frame > MOST_BRIDGED + 1:
-                now = None
-            if now is None:
-                now = _begun(lens, picture)
-                parts.append(now)
-            else:
-                now.follow(picture)
-        except Lost as reason:
-            lost.append(LostFrame(index, str(reason)))
-    return parts, lost, unit or 1.0
+def _unit(clip: Clip) -> float:
+    """Of lengths: the median depth of the first frame that has any."""
+    frames = (clip.read_frame(index) for index in range(len(clip)))
+    return next((typical for frame in frames if (typical := _typical(frame))), 1.0)
 
 
 def _begun(lens: Camera, picture: Picture) -> Tracker:

@@ -11,9 +11,11 @@ from renderer.camera import Camera, FloatArray
 from renderer.poses.bundle import Bundle, IntArray, adjusted
 from renderer.poses.resection import resected, trust
 from renderer.poses.rigid_motion import Seen, inverse, local, projected
-from renderer.poses.tracking import DEPTH_NOISE, Tracker, View
+from renderer.poses.views import DEPTH_NOISE, Rough, View
 
 _PASSES = 4
+_WITHOUT_DEPTH = 2
+"""Passes: keyframes and points have been adjusted before."""
 _FIRST_PX = 2.0
 """px: as if the tissue deformed by that, before it is known."""
 _SLACK = 5.0
@@ -55,40 +57,44 @@ class Noise:
 class Settled:
     """Views that agree with each other, in the order of their frames."""
 
+    lens: Camera
     views: tuple[View, ...]
     points: FloatArray
     """(L, 3) in world coordinates, the axes of the first view."""
     noise: Noise
 
 
-def settled(tracker: Tracker) -> Settled:
+def settled(rough: Rough) -> Settled:
     """Keyframes and points are adjusted together, then the other views to the points; four times.
 
     Noise is measured on the steadier half of the points. Points that stray from where they should
     be, over all views, count for little: they are on tissue that moves, or on a tool. First as if the
-    tissue deformed; where it turns out not to, again by places in the picture, which are the more exact.
+    tissue deformed; where it turns out not to, or without depth, which alone would tell, by places in the
+    picture, which are the more exact.
     """
-    noise, _ = _judged(tracker.lens, tracker.points.where, tuple(tracker.views))
-    start = Settled(tuple(tracker.views), tracker.points.where, noise)
-    soft = _settled(tracker, start, _FIRST_PX, _SLACK)
-    rigid = _settled(tracker, soft, _RIGID_SLACK * soft.noise.pixel, _RIGID_SLACK)
+    lens, views, points = rough.lens, rough.views, rough.points
+    start = Settled(lens, views, points, _judged(lens, points, views)[0])
+    if not any((view.seen.weights[:, 2] > 0).any() for view in views):
+        return _settled(rough, start, _RIGID_SLACK * start.noise.pixel, _RIGID_SLACK, _WITHOUT_DEPTH)
+    soft = _settled(rough, start, _FIRST_PX, _SLACK)
+    rigid = _settled(rough, soft, _RIGID_SLACK * soft.noise.pixel, _RIGID_SLACK)
     return rigid if rigid.noise.depth < _TAKEN_UP * soft.noise.depth else soft
 
 
-def _settled(tracker: Tracker, start: Settled, first: float, slack: float) -> Settled:
+def _settled(rough: Rough, start: Settled, first: float, slack: float, passes: int = _PASSES) -> Settled:
     """From views and points that nearly fit; places count as if they were off by `first` px to begin with."""
-    lens, views, points = tracker.lens, start.views, start.points
+    lens, views, points = start.lens, start.views, start.points
     noise, steady = _judged(lens, points, views)
     weighing = noise.beside(first, lens)
-    for _ in range(_PASSES):
+    for _ in range(passes):
         views = tuple(_weighed(lens, points, view, weighing, steady) for view in views)
-        bundle = adjusted(_bundle(tracker, views, points))
-        starts = _carried(tracker, views, bundle.poses)
-        points = bundle.points
+        bundle = adjusted(_bundle(rough, lens, views, points))
+        starts = _carried(rough.keys, views, bundle.poses)
+        lens, points = bundle.lens, bundle.points
         views = tuple(_again(lens, points, *each) for each in zip(views, starts, strict=True))
         noise, steady = _judged(lens, points, views)
         weighing = noise.beside(slack * noise.pixel, lens)
-    return Settled(views, points, noise)
+    return Settled(lens, views, points, noise)
 
 
 def apart(lens: Camera, points: FloatArray, view: View) -> FloatArray:
@@ -96,16 +102,17 @@ def apart(lens: Camera, points: FloatArray, view: View) -> FloatArray:
     return np.asarray(view.seen.measured - projected(lens, local(view.pose, points[view.ids])))
 
 
-def _bundle(tracker: Tracker, views: tuple[View, ...], points: FloatArray) -> Bundle:
-    keys = [views[place] for place in tracker.keys]
+def _bundle(rough: Rough, lens: Camera, views: tuple[View, ...], points: FloatArray) -> Bundle:
+    keys = [views[place] for place in rough.keys]
     measured, weights = ([getattr(view.seen, name) for view in keys] for name in ("measured", "weights"))
     return Bundle(
-        lens=tracker.lens,
+        lens=lens,
         poses=np.stack([view.pose for view in keys]),
         points=points,
         views=np.repeat(np.arange(len(keys)), [len(view.ids) for view in keys]),
         seen_points=np.concatenate([view.ids for view in keys]),
         seen=Seen(np.concatenate(measured), np.concatenate(weights)),
+        focal=rough.focal,
     )
 
 
@@ -150,10 +157,10 @@ def _weighed(lens: Camera, points: FloatArray, view: View, noise: Noise, steady:
     return replace(view, seen=Seen(view.seen.measured, np.where(view.seen.weights > 0, each * counts, 0.0)))
 
 
-def _carried(tracker: Tracker, views: tuple[View, ...], poses: FloatArray) -> list[FloatArray]:
+def _carried(keys: tuple[int, ...], views: tuple[View, ...], poses: FloatArray) -> list[FloatArray]:
     """Where the views are when each moves along with the keyframe before it."""
-    numbers = np.searchsorted(tracker.keys, np.arange(len(views)), side="right") - 1
-    backs = [inverse(views[key].pose) @ pose for key, pose in zip(tracker.keys, poses, strict=True)]
+    numbers = np.searchsorted(keys, np.arange(len(views)), side="right") - 1
+    backs = [inverse(views[key].pose) @ pose for key, pose in zip(keys, poses, strict=True)]
     return [view.pose @ backs[number] for view, number in zip(views, numbers, strict=True)]
 
 

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
-from renderer.clip import BoolImage, ByteImage
+from renderer.clip import ByteImage
 from renderer.poses.features import followed, found_features
-from renderer.poses.pictures import Picture, sampled_inverse
+from renderer.poses.parts import Lost
+from renderer.poses.pictures import Picture, at_usable, sampled_inverse
 from renderer.poses.resection import FEWEST, Resected, by_chance, resected
 from renderer.poses.rigid_motion import Seen, inverse, lifted, local, projected
+from renderer.poses.views import DEPTH_NOISE, PIXEL_NOISE, Rough, View
 
 IntArray = NDArray[np.int64]
-PIXEL_NOISE: Final = 0.5
-"""px: standard deviation of where a feature is found, before it is measured."""
-DEPTH_NOISE: Final = 0.02
-"""Of the inverse depth at the typical distance, before it is measured."""
 _FEATURES = 600
 _APART = 1 / 80
 """Of the width, between features."""
@@ -36,20 +33,6 @@ _OLD_KEYFRAMES = 6
 """In which lost points are looked up."""
 _ASTRAY = 1 / 20
 """Of the width, between a point found again and where the pose has it."""
-
-
-@dataclass(frozen=True, eq=False)
-class View:
-    """What one frame shows of the points."""
-
-    frame: int
-    pose: FloatArray
-    """(4, 4), camera from world, lengths in the search's unit."""
-    ids: IntArray
-    """(N,) which points."""
-    seen: Seen
-    inliers: BoolImage
-    """(N,)."""
 
 
 @dataclass(eq=False)
@@ -70,10 +53,6 @@ class _Points:
         return ids
 
 
-class Lost(Exception):
-    """A frame has no pose: the text says why."""
-
-
 class Tracker:
     """One part of a clip in which each frame follows from those before it."""
 
@@ -91,6 +70,14 @@ class Tracker:
         self._in_key = self._now = np.zeros((0, 2))
         self._of_key = 0
 
+    @property
+    def last(self) -> int:
+        return self.views[-1].frame
+
+    @property
+    def rough(self) -> Rough:
+        return Rough(self.lens, tuple(self.views), tuple(self.keys), self.points.where)
+
     def begin(self, picture: Picture) -> None:
         """Raises Lost: the frame shows too few points with depth."""
         self._open_keyframe(picture, np.eye(4), np.zeros(0, np.int64), np.zeros((0, 2)))
@@ -106,7 +93,7 @@ class Tracker:
         assert self._previous is not None
         there, certain = followed(self._previous, picture.grey, self._now, self._now, _WINDOW)
         there, firm = followed(self._greys[-1], picture.grey, self._in_key, there, _WINDOW, levels=1)
-        kept = np.flatnonzero(certain & firm & _at(picture.usable, there))
+        kept = np.flatnonzero(certain & firm & at_usable(picture, there))
         if len(kept) < FEWEST:
             raise Lost(f"{len(kept)} points followed")
         ids, in_key, now = self._ids[kept], self._in_key[kept], there[kept]
@@ -156,7 +143,7 @@ class Tracker:
         """Points that were lost on the way and are in view again: this keeps drift small."""
         places = local(pose, self.points.where)
         expected = projected(self.lens, places)
-        looked = _at(picture.usable, expected[:, :2]) & (places[:, 2] > 0)
+        looked = at_usable(picture, expected[:, :2]) & (places[:, 2] > 0)
         looked[known] = False
         per_key = np.bincount(self.points.key[looked], minlength=len(self._greys))
         found, where = [np.zeros(0, np.int64)], [np.zeros((0, 2))]
@@ -167,7 +154,7 @@ class Tracker:
                 self._greys[key], picture.grey, self.points.places[ids], guess, _WINDOW, levels=2
             )
             near = np.linalg.norm(there - guess, axis=1) < _ASTRAY * self.lens.width
-            good = certain & near & _at(picture.usable, there)
+            good = certain & near & at_usable(picture, there)
             found.append(ids[good])
             where.append(there[good])
         return np.concatenate(found), np.concatenate(where)
@@ -179,11 +166,3 @@ def observed(picture: Picture, places: FloatArray) -> Seen:
     pixel = np.full(len(places), 1 / PIXEL_NOISE)
     depth = np.where(nearness > 0, 1 / DEPTH_NOISE, 0.0)
     return Seen(np.c_[places, nearness], np.stack([pixel, pixel, depth], axis=1))
-
-
-def _at(usable: BoolImage, places: FloatArray) -> BoolImage:
-    """Whether (N, 2) px lie on usable tissue; not outside the picture."""
-    height, width = usable.shape
-    x, y = np.floor(np.clip(places, -1, max(height, width))).astype(np.int64).T
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    return np.asarray(inside & usable[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)])

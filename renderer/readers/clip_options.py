@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from renderer.clip import Split
 
-DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "off"]
+DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "motion", "off"]
 
 Deinterlacing = Literal["frame", "field", "off"]
 
@@ -51,8 +51,8 @@ class ClipOptions:
     """Horizontal field of view in degrees, for images and videos without calibration."""
     depth: DepthSource = "auto"
     """Where depth comes from: measured with the clip; matched between left and right images; or, without a
-    scale, read from monocular maps beside the images or estimated from brightness. Auto: the first of
-    these that the clip has, but never an estimate."""
+    scale, read from monocular maps beside the images, estimated from brightness, or found with the poses from
+    the motion of the camera. Auto: the first of these that the clip has, but never an estimate."""
     baseline: Annotated[float, Interval(ge=0.01, le=1000.0), Unit("mm")] | None = None
     """Distance between the left and right camera, for stereo depth. Auto: from the calibration; without one,
     lengths are in units of the baseline."""

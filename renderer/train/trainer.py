@@ -156,7 +156,7 @@ def train_window(
 def require_depth(clip: Clip) -> None:
     """Raises ClipError before any frame is read in vain."""
     if not clip.has_depth and clip.points is None:
-        way = "--depth brightness estimates it, without a scale"
+        way = "--depth brightness estimates it, motion finds it where the camera moves, both without a scale"
         if clip.why_no_depth:
             raise ClipError(f"reconstruction expects depth; {clip.why_no_depth} ({way})")
         raise ClipError(f"reconstruction expects depth, and this clip has none ({way}): {clip.path}")

@@ -28,6 +28,7 @@ BY: Final[Mapping[DepthOrigin, str]] = {
     "stereo": "Stereo with an unknown baseline",
     "monocular": "Guessed, from the maps beside the images",
     "brightness": "Guessed, from brightness",
+    "motion": "From the camera's motion",
 }
 READING: Final = "Reading the clip with this depth…"
 LOOKING: Final = "Looking at what this clip offers…"
@@ -55,7 +56,7 @@ def said(state: AppState) -> str:
 def why_no_depth(state: AppState) -> str:
     """What a reconstruction of the open clip has to start from is still to be chosen; empty: it is there."""
     clip = state.source.clip
-    if clip is None or clip.has_depth or clip.points is not None:
+    if clip is None or clip.has_depth or clip.points is not None or clip.depth_origin == "motion":
         return ""
     if not clip.has_one_size:
         return f"{capital(clip.why_no_depth)}."
@@ -68,7 +69,7 @@ def why_no_depth(state: AppState) -> str:
 def without_scale(state: AppState) -> str:
     """What that means, in a line, where lengths of the open clip have no scale; empty where they have."""
     clip = state.source.clip
-    if clip is None or not clip.has_depth or clip.unit != SCENE_UNITS:
+    if clip is None or way_of(clip) is None or clip.unit != SCENE_UNITS:
         return ""
     return f"{BY[clip.depth_origin]}: no scale, so no distances in mm."
 

@@ -32,12 +32,14 @@ INPUTS_TEXT: Final = (
 WAYS: Final[dict[DepthWay, str]] = {
     "measured": "Measured",
     "stereo": "Stereo",
+    "motion": "From motion (no scale)",
     "guessed": "Guessed (no scale)",
 }
 WAYS_TEXT: Final = "Where the shape starts from."
 WAY_TEXTS: Final[dict[DepthWay, str]] = {
     "measured": "Depth maps that come with the clip.",
     "stereo": "Matched between left and right images.",
+    "motion": "For a camera that moves and tissue that mostly rests; lengths have no scale.",
     "guessed": "Any video: shapes are coarse, and lengths have no scale.",
 }
 BASELINE_TEXT: Final = (

@@ -26,7 +26,7 @@ SHARE = 0.12
 SEGMENTS = 32
 """Of the scale."""
 
-NO_DISTANCE = "No distance: depth is guessed, without a scale"
+NO_DISTANCE = "No distance: depth has no scale"
 
 
 @dataclass(frozen=True)

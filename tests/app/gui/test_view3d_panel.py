@@ -185,7 +185,7 @@ def test_clicks_measure_and_drags_still_turn(
     shown: list[str] = []
     monkeypatch.setattr(scene_marks, "tag", lambda text, position, color: shown.append(text) or 0.0)
     ui.frame(draw)
-    assert shown == ["No distance: depth is guessed, without a scale"]
+    assert shown == ["No distance: depth has no scale"]
     camera_actions.toggle_measuring(opened)
     assert opened.scene.viewer.measurement.points == ()
 

@@ -11,7 +11,8 @@ import pytest
 
 from renderer.clip import Clip, Frame
 from renderer.phantom import Phantom, PhantomParams
-from renderer.poses.search import MOST_BRIDGED, PosesError, find_poses
+from renderer.poses.parts import MOST_BRIDGED
+from renderer.poses.search import PosesError, find_poses
 
 COUNT = 24
 

@@ -1,0 +1,64 @@
+"""Cameras and shape of a clip without depth, found from the motion of its camera, or refused in one line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from dataclasses import replace
+from functools import partial
+
+from app.runs.posing import Posed, through_found
+from app.runs.preparing import told_meanwhile
+from renderer.camera import Camera
+from renderer.clip import Clip, ClipError
+from renderer.poses.from_motion import FoundStructure, followed_features, structure_of
+from renderer.poses.search import PosesError
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.frames import is_seen_by_assumption
+from renderer.train.config import TrainConfig
+from renderer.train.events import Preparing
+
+FOLLOWING, PLACING = "following features", "finding camera and shape from motion"
+DIGITS = 2
+"""Of positions in run.json, in scene units of which the tissue is a hundred away."""
+
+
+def structured(clip: Clip, config: TrainConfig, options: ClipOptions) -> Generator[Preparing, None, Posed]:
+    """The longest part that holds, its cameras, and the points that Gaussians start between.
+
+    Raises ClipError: a frame cannot be read; the camera does not move from its place, or nothing can be
+    followed; or poses are refused.
+    """
+    if "poses" in config.leave_out:
+        raise ClipError(f"expected poses to be found for depth from motion, got them left out: {clip.path}")
+    is_known = not is_seen_by_assumption(clip) or options.field_of_view != DEFAULTS.field_of_view
+    features = yield from told_meanwhile(FOLLOWING, partial(followed_features, clip))
+    place = partial(structure_of, clip, features, focal_is_known=is_known)
+    try:
+        found = yield from told_meanwhile(PLACING, lambda tell: place(tell=tell))
+    except PosesError as error:
+        way = "--depth brightness estimates it, without a scale"
+        raise ClipError(f"no depth follows from the camera's motion: {error} ({way}): {clip.path}") from error
+    through = through_found(clip, found.poses)
+    assert through.poses is not None
+    structure = tuple(found.points.positions.round(DIGITS).ravel().tolist())
+    poses = replace(through.poses, structure=structure)
+    said = (*through.notices, *(() if is_known else (_focal(clip.cameras[0], found),)))
+    return replace(
+        through,
+        clip=replace(through.clip, points=poses.sparse_points),
+        poses=poses,
+        notices=said,
+    )
+
+
+def _focal(assumed: Camera, found: FoundStructure) -> str:
+    before, now = _degrees(assumed), _degrees(found.poses.cameras[0])
+    return (
+        f"the field of view is estimated along with the poses: {now:.0f} degrees, {before:.0f} were assumed "
+        "(--field-of-view states it, where it is known)"
+    )
+
+
+def _degrees(camera: Camera) -> float:
+    return math.degrees(2 * math.atan(camera.width / 2 / camera.fx))

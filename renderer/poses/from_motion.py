@@ -1,0 +1,208 @@
+"""Cameras and points of a clip without depth, up to scale, from features alone: structure from motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from renderer.camera import Camera, FloatArray
+from renderer.clip import Clip, SparsePoints
+from renderer.poses.bundle import FocalGuess
+from renderer.poses.growing import SEEN_BY, Growing
+from renderer.poses.lost_frame import LostFrame
+from renderer.poses.parts import MOST_BRIDGED, SHORTEST, Lost, parts_of, pictures_of
+from renderer.poses.pictures import small_lens
+from renderer.poses.rigid_motion import local
+from renderer.poses.search import FoundPoses, PosesError, found_poses
+from renderer.poses.settling import Settled, settled
+from renderer.poses.starting import started
+from renderer.poses.steadying import steadied
+from renderer.poses.tracks import Tracked, Tracks
+from renderer.poses.triangulation import triangulated
+from renderer.poses.views import Rough, View
+
+Tell = Callable[[int, int], None]
+MEDIAN_DEPTH: Final = 100.0
+"""Scene units, of the points: the scale of what has none."""
+FOCAL_SPREAD: Final = 0.25
+"""Of the logarithm of a focal length that is guessed: fields of view of 60 degrees may be 45 to 75."""
+_CERTAIN = math.radians(1.5)
+"""Between rays to a point that a shape begins from."""
+_LOOSE = 0.01
+"""Of the width, by which such a point may be off, as of tissue that moves."""
+_MOST_POINTS = 5000
+
+
+@dataclass(frozen=True, eq=False)
+class FoundStructure:
+    """The longest part of a clip that holds, in scene units."""
+
+    poses: FoundPoses
+    """Its cameras have the focal length that was found."""
+    points: SparsePoints
+
+
+def find_structure(clip: Clip, *, focal_is_known: bool) -> FoundStructure:
+    """Of a clip whose one camera is of all frames, without depth.
+
+    The world is the first camera of the part; the median depth of points is MEDIAN_DEPTH. A focal length
+    that is not known is sought along with the rest.
+
+    Raises:
+        PosesError: no part of SHORTEST frames tells distances, and why.
+        ClipError: a frame cannot be read.
+    """
+    return structure_of(clip, followed_features(clip), focal_is_known=focal_is_known)
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedFeatures:
+    """What frames show, before anything is known of where it is."""
+
+    parts: tuple[Tracked, ...]
+    lost: tuple[LostFrame, ...]
+    """Frames in none of them."""
+
+
+def followed_features(clip: Clip, tell: Tell = lambda done, total: None) -> FollowedFeatures:
+    """The first half of `find_structure`; `tell` is called with how many frames are done."""
+    lens = small_lens(clip.cameras[0])
+    bare = replace(clip, read_frame=lambda index: replace(clip.read_frame(index), depth=None))
+    parts, lost = parts_of(pictures_of(bare, lens, 1.0, tell), Tracks)
+    return FollowedFeatures(tuple(part.tracked for part in parts), tuple(lost))
+
+
+def structure_of(
+    clip: Clip, features: FollowedFeatures, *, focal_is_known: bool, tell: Tell = lambda done, total: None
+) -> FoundStructure:
+    """The second half; `tell` is called with how many keyframes are placed, of twice as many: placing what
+    lies between them and bringing all to agree takes about as long."""
+    lens = small_lens(clip.cameras[0])
+    focal = None if focal_is_known else FocalGuess(lens.fx, FOCAL_SPREAD)
+    try:
+        done, points, unplaced = solved(lens, features.parts, focal, tell)
+    except Lost as reason:
+        said = str(reason) if features.parts else _commonest([each.why for each in features.lost])
+        raise PosesError(said) from reason
+    each_lost = {each.frame: each for each in (*features.lost, *unplaced)}
+    lost = [each_lost[frame] for frame in sorted(each_lost)]
+    return FoundStructure(found_poses(clip, done, 1.0, lost), SparsePoints(points))
+
+
+def solved(
+    lens: Camera,
+    parts: Sequence[Tracked],
+    focal: FocalGuess | None,
+    tell: Tell = lambda done, total: None,
+) -> tuple[Settled, FloatArray, list[LostFrame]]:
+    """The views of the longest part that holds, in scene units; points (P, 3) in the axes of the first one,
+    of tissue that moves as well; and frames without a pose although features were followed.
+
+    Raises Lost: no part of SHORTEST frames tells distances, and why.
+    """
+    best: tuple[Rough, Tracked] | None = None
+    waiting, lost, why = list(parts), list[LostFrame](), list[str]()
+    while waiting:
+        waiting.sort(key=lambda part: len(part.sights))
+        part = waiting.pop()
+        if len(part.sights) < SHORTEST or (best is not None and len(part.sights) <= len(best[0].views)):
+            break
+        try:
+            growing = started(lens, part, focal)
+            ended = growing.grow(tell)
+            growing = steadied(growing)
+        except Lost as reason:
+            why.append(str(reason))
+            continue
+        rough, left = _all_views(growing, part, focal)
+        lost += [LostFrame(part.sights[part.keys[key]].frame, said) for key, said in ended.items()] + left
+        if best is None or len(rough.views) > len(best[0].views):
+            best = rough, part
+        waiting += _rest(part, growing)
+    if best is None or len(best[0].views) < SHORTEST:
+        raise Lost(_commonest([*why, *(each.why for each in lost)]))
+    rough, part = best
+    return *_shaped(settled(rough), rough.keys, part), lost
+
+
+def _commonest(why: Sequence[str]) -> str:
+    return max(why, key=why.count, default=f"features are followed through fewer than {SHORTEST} frames")
+
+
+def _rest(part: Tracked, growing: Growing) -> Iterator[Tracked]:
+    """What of a part holds on to nothing that has grown."""
+    first, last = min(growing.poses), max(growing.poses)
+    if first > 0:
+        yield part.between(0, first - 1)
+    if last + 1 < len(part.keys):
+        yield part.between(last + 1, len(part.keys) - 1)
+
+
+def _all_views(growing: Growing, part: Tracked, focal: FocalGuess | None) -> tuple[Rough, list[LostFrame]]:
+    """Of the frames between the keyframes that have grown, and those behind the last of all."""
+    first, last = min(growing.poses), max(growing.poses)
+    held = part.between(first, last)
+    keyed = {key: growing.poses[first + number] for number, key in enumerate(held.keys)
+             if first + number in growing.poses}  # fmt: skip
+    if last + 1 < len(part.keys):
+        held = replace(held, sights=held.sights[: held.keys[-1] + 1])
+    compact = np.full(len(growing.points), -1)
+    compact[growing.known] = np.arange(len(growing.known))
+    views, keys, lost = list[View](), list[int](), list[LostFrame]()
+    pose: FloatArray = growing.poses[first]
+    for place, sight in enumerate(held.sights):
+        ids, seen = growing.seen_by(sight)
+        try:
+            if place in keyed:
+                growing.require(ids)
+                keys.append(len(views))
+                pose, inliers = keyed[place], np.ones(len(ids), bool)
+            else:
+                found = growing.placed(sight, pose)
+                pose, inliers = found.pose, found.inliers
+        except Lost as reason:
+            lost.append(LostFrame(sight.frame, str(reason)))
+            continue
+        views.append(View(sight.frame, pose, compact[ids], seen, inliers))
+    rough = Rough(growing.lens, tuple(views), tuple(keys), growing.points[growing.known], focal)
+    return _unbroken(rough), lost
+
+
+def _unbroken(rough: Rough) -> Rough:
+    """The longest run of views without a gap that is too wide to go on behind; it begins with a keyframe."""
+    frames = [view.frame for view in rough.views]
+    gaps = [at + 1 for at, (one, two) in enumerate(pairwise(frames)) if two - one > MOST_BRIDGED + 1]
+    runs = list(pairwise([0, *gaps, len(frames)]))
+    start, end = max(runs, key=lambda run: run[1] - run[0])
+    start = min(key for key in (*rough.keys, end) if key >= start)
+    keys = tuple(key - start for key in rough.keys if start <= key < end)
+    return replace(rough, views=rough.views[start:end], keys=keys)
+
+
+def _shaped(done: Settled, keys: tuple[int, ...], part: Tracked) -> tuple[Settled, FloatArray]:
+    """The same in scene units, and all points (P, 3) that keyframes tell the distance of."""
+    sights = {sight.frame: sight for sight in part.sights}
+    shown = [sights[done.views[key].frame] for key in keys]
+    ids, places = (np.concatenate([getattr(sight, name) for sight in shown]) for name in ("ids", "places"))
+    each = np.stack([done.views[key].pose for key in keys])
+    poses = np.repeat(each, [len(sight.ids) for sight in shown], axis=0)
+    found = triangulated(done.lens, poses, ids, places, part.count)
+    often = np.bincount(ids, minlength=part.count) >= min(SEEN_BY, len(keys))
+    good = often & (found.misfit < _LOOSE * done.lens.width) & (found.angle > _CERTAIN)
+    if not good.any():
+        good = often & np.isfinite(found.misfit)
+    factor = MEDIAN_DEPTH / float(np.median(local(poses, found.where[ids])[good[ids], 2]))
+    views = tuple(replace(view, pose=_times(view.pose, factor)) for view in done.views)
+    points = local(views[0].pose, factor * found.where[good])
+    return replace(done, views=views, points=factor * done.points), points[:: -(-len(points) // _MOST_POINTS)]
+
+
+def _times(pose: FloatArray, factor: float) -> FloatArray:
+    scaled = pose.copy()
+    scaled[:3, 3] *= factor
+    return scaled

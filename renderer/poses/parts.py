@@ -1,0 +1,62 @@
+"""A clip walked through frame by frame, in parts that each hold on to what came before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Final, Protocol, TypeVar
+
+from renderer.camera import Camera
+from renderer.clip import Clip
+from renderer.poses.lost_frame import LostFrame
+from renderer.poses.pictures import Picture, picture_of
+
+MOST_BRIDGED: Final = 5
+"""Frames in a row without a pose, as of smoke or a wiped lens, that a part goes on behind."""
+SHORTEST: Final = 8
+"""Frames of a part that is worth a reconstruction."""
+
+
+class Lost(Exception):
+    """A frame does not follow from those before it: the text says why."""
+
+
+class Part(Protocol):
+    """Frames that follow from each other."""
+
+    @property
+    def last(self) -> int:
+        """The newest frame."""
+
+    def follow(self, picture: Picture) -> None:
+        """Raises Lost; the next frame may be tried."""
+
+
+Following = TypeVar("Following", bound=Part)
+
+
+def pictures_of(clip: Clip, lens: Camera, unit: float, tell: Callable[[int, int], None]) -> Iterator[Picture]:
+    """All frames; `tell` is called with how many are done, and of how many. Raises ClipError: one cannot be
+    read."""
+    for index in range(len(clip)):
+        tell(index, len(clip))
+        yield picture_of(clip.read_frame(index), lens, unit)
+
+
+def parts_of(
+    pictures: Iterable[Picture], begin: Callable[[Picture], Following]
+) -> tuple[list[Following], list[LostFrame]]:
+    """Every part that `begin`, which raises Lost, made of a frame; and the frames that are in none."""
+    parts, lost = list[Following](), list[LostFrame]()
+    now: Following | None = None
+    for picture in pictures:
+        try:
+            if now is not None and picture.index - now.last > MOST_BRIDGED + 1:
+                now = None
+            if now is None:
+                now = begin(picture)
+                parts.append(now)
+            else:
+                now.follow(picture)
+        except Lost as reason:
+            lost.append(LostFrame(picture.index, str(reason)))
+    return parts, lost

@@ -1,0 +1,49 @@
+"""What frames show of points, and from where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.camera import Camera, FloatArray
+from renderer.clip import BoolImage
+from renderer.poses.bundle import FocalGuess
+from renderer.poses.rigid_motion import Seen
+
+IntArray = NDArray[np.int64]
+PIXEL_NOISE: Final = 0.5
+"""px: standard deviation of where a feature is found, before it is measured."""
+DEPTH_NOISE: Final = 0.02
+"""Of the inverse depth at the typical distance, before it is measured."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What one frame shows of the points."""
+
+    frame: int
+    pose: FloatArray
+    """(4, 4), camera from world, lengths in the search's unit."""
+    ids: IntArray
+    """(N,) which points."""
+    seen: Seen
+    inliers: BoolImage
+    """(N,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rough:
+    """Views that nearly fit the points, before all are brought to agree."""
+
+    lens: Camera
+    views: tuple[View, ...]
+    """In the order of their frames."""
+    keys: tuple[int, ...]
+    """Of the views, which are keyframes."""
+    points: FloatArray
+    """(L, 3) in world coordinates."""
+    focal: FocalGuess | None = None
+    """Where the focal length of `lens` is sought, too."""

@@ -1,0 +1,82 @@
+"""Images alone are reconstructed from the motion of their camera, up to scale, or refused in one line."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.evaluation.evaluate import open_evaluation
+from app.runs.run_folder import RunFolder, run_clip
+from app.runs.train_run import TrainRequest, run_training
+from renderer.clip import ClipError
+from renderer.phantom import PhantomParams, write_phantom
+from renderer.readers.clip_options import ClipOptions
+from renderer.train.config import TrainConfig
+from renderer.train.events import Started, Warned
+
+CONFIG = TrainConfig(iterations=4, n_gaussians=500)
+MOTION = ClipOptions(depth="motion")
+
+
+@pytest.fixture(scope="module")
+def images(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Nothing else is left of a clip whose camera moves."""
+    path = tmp_path_factory.mktemp("moving")
+    params = PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
+    write_phantom(path / "clip", params)
+    shutil.copytree(path / "clip" / "images", path / "images")
+    return path / "images"
+
+
+def request_of(path: Path, run: Path, config: TrainConfig = CONFIG, resume: bool = False) -> TrainRequest:
+    return TrainRequest(clip_path=path, run_path=run, config=config, clip_options=MOTION, resume=resume)
+
+
+def test_poses_shape_and_what_is_guessed_are_recorded_and_a_run_resumes_with_them(
+    images: Path, tmp_path: Path
+) -> None:
+    events = run_training(request_of(images, tmp_path / "run"))
+    said = [next(event for event in events if isinstance(event, Started))]
+    said += [next(events), next(events), next(events)]
+    events.close()
+    told = [event.message for event in said if isinstance(event, Warned)]
+    assert any("lengths have no scale" in message for message in told)
+    assert any("field of view is estimated" in message for message in told)
+    before = RunFolder(tmp_path / "run").record()
+    poses = before.clip.poses
+    assert poses is not None
+    assert before.unit == "scene units"
+    assert max(each for each in poses.residuals if each is not None) < 1
+    assert len({camera.position.tobytes() for camera in before.cameras}) == before.clip.frames
+    clip = run_clip(before)
+    assert clip.points is not None
+    depths = clip.cameras[0].project(clip.points.positions)[1]
+    assert 60 < np.median(depths) < 160
+
+    list(run_training(request_of(images, tmp_path / "run", resume=True)))
+    assert RunFolder(tmp_path / "run").record() == before
+    frames = open_evaluation(tmp_path / "run")
+    assert frames.clip.points is not None
+    assert frames.clip.cameras == before.cameras
+
+
+def test_a_camera_that_keeps_its_place_is_refused_and_leaves_no_run(images: Path, tmp_path: Path) -> None:
+    first = sorted(images.iterdir())[0]
+    (tmp_path / "still").mkdir()
+    for index in range(9):
+        shutil.copy(first, tmp_path / "still" / f"{index}.png")
+    wanted = r"the camera does not move \(--depth brightness estimates it, without a scale\): .*still$"
+    with pytest.raises(ClipError, match=wanted):
+        list(run_training(request_of(tmp_path / "still", tmp_path / "run")))
+    assert not (tmp_path / "run").exists()
+
+
+def test_what_cannot_be_is_refused_before_frames_are_read(images: Path, tmp_path: Path) -> None:
+    with pytest.raises(ClipError, match="got one that has them"):
+        list(run_training(request_of(images.parent / "clip", tmp_path / "run")))
+    refused = TrainConfig(iterations=4, n_gaussians=500, leave_out=("poses",))
+    with pytest.raises(ClipError, match="got them left out"):
+        list(run_training(request_of(images, tmp_path / "run", refused)))

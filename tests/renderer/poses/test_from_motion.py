@@ -1,0 +1,155 @@
+"""Cameras and points without depth: exact where what is seen is exact; what tells none is refused by name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from renderer.camera import Camera
+from renderer.poses.bundle import Bundle, FocalGuess, adjusted, misfit
+from renderer.poses.from_motion import MEDIAN_DEPTH, solved
+from renderer.poses.growing import seen_at
+from renderer.poses.parts import Lost
+from renderer.poses.rigid_motion import local, moved, projected, zoomed
+from renderer.poses.tracks import Sight, Tracked
+from renderer.poses.triangulation import triangulated
+from renderer.poses.two_views import parallax, second_poses
+
+LENS = Camera.from_fov(60, 320, 256)
+STEP = np.array([0.05, -0.08, 0.03, 0.2, -0.12, 0.06])
+COUNT = 120
+
+
+def points(kind="solid"):
+    where = np.random.default_rng(3).uniform([-0.5, -0.4, 0.8], [0.5, 0.4, 1.3], (COUNT, 3))
+    if kind == "plane":
+        where[:, 2] = 1 + 0.2 * where[:, 0]
+    return where
+
+
+def path(count):
+    """A camera that swings to the side and turns back to what it looks at."""
+    shares = np.sin(np.linspace(0, 2, count))
+    return np.stack([moved(np.eye(4), share * STEP) for share in shares])
+
+
+def places_of(pose, where, lens=LENS):
+    return projected(lens, local(pose, where))[:, :2]
+
+
+def followed(poses, where=None, lens=LENS, shown=lambda frame: slice(None)):
+    """Exact tracks; every third frame is a keyframe."""
+    ids, sights = np.arange(COUNT), []
+    for frame, pose in enumerate(poses):
+        there = points() if where is None else where(frame)
+        sights.append(Sight(frame, ids[shown(frame)], places_of(pose, there, lens)[shown(frame)]))
+    return Tracked(tuple(sights), tuple(range(0, len(poses), 3)), COUNT)
+
+
+def shape_of(poses):
+    """Places of cameras from the first one, in units of the way between the first and the farthest."""
+    back = np.linalg.inv(poses[0])
+    places = np.stack([np.linalg.inv(pose @ back)[:3, 3] for pose in poses])
+    return places / np.linalg.norm(places, axis=1).max()
+
+
+@pytest.mark.parametrize("kind", ["solid", "plane"])
+def test_two_views_give_the_pose_but_for_its_length(kind):
+    """To what OpenCV's float32 holds."""
+    truth = moved(np.eye(4), STEP)
+    one, other = places_of(np.eye(4), points(kind)), places_of(truth, points(kind))
+    truth[:3, 3] /= np.linalg.norm(truth[:3, 3])
+    assert min(np.abs(pose - truth).max() for pose in second_poses(LENS, one, other)) < 1e-5
+
+
+def test_a_turn_has_no_parallax_whatever_the_focal_length_and_a_shift_has():
+    turned, shifted = moved(np.eye(4), STEP * [1, 1, 1, 0, 0, 0]), moved(np.eye(4), STEP)
+    one = places_of(np.eye(4), points())
+    assert parallax(LENS, one, places_of(turned, points()), True) < 1e-6
+    assert parallax(zoomed(LENS, 0.25), one, places_of(turned, points()), False) < 1e-6
+    assert parallax(LENS, one, places_of(shifted, points()), False) > 3
+
+
+def test_points_are_triangulated_exactly():
+    poses, ids = path(5), np.tile(np.arange(COUNT), 5)
+    places = np.concatenate([places_of(pose, points()) for pose in poses])
+    found = triangulated(LENS, np.repeat(poses, COUNT, axis=0), ids, places, COUNT)
+    np.testing.assert_allclose(found.where, points(), atol=1e-8)
+    assert found.misfit.max() < 1e-6
+    assert found.angle.min() > 0.05
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.15])
+def test_poses_points_and_a_focal_length_settle_on_exact_places_up_to_scale(factor):
+    rng, truth = np.random.default_rng(1), path(8)
+    off = [truth[0], *(moved(pose, 0.01 * rng.standard_normal(6)) for pose in truth[1:])]
+    bundle = Bundle(
+        lens=zoomed(LENS, np.log(factor)),
+        poses=np.stack(off),
+        points=points() + 0.01 * rng.standard_normal((COUNT, 3)),
+        views=np.repeat(np.arange(8), COUNT),
+        seen_points=np.tile(np.arange(COUNT), 8),
+        seen=seen_at(np.concatenate([places_of(pose, points()) for pose in truth]), 0.5),
+        focal=None if factor == 1 else FocalGuess(factor * LENS.fx, 1e4),
+    )
+    found = adjusted(adjusted(bundle))
+    assert np.abs(misfit(found)).max() < 1e-6
+    assert found.lens.fx == pytest.approx(LENS.fx, rel=1e-6)
+    np.testing.assert_allclose(shape_of(found.poses), shape_of(truth), atol=1e-6)
+    np.testing.assert_array_equal(found.poses[0], truth[0])
+
+
+def test_a_path_is_found_from_tracks_and_its_points_are_a_hundred_units_away():
+    truth = path(15)
+    done, where, lost = solved(LENS, [followed(truth)], None)
+    assert not lost
+    np.testing.assert_allclose(shape_of([view.pose for view in done.views]), shape_of(truth), atol=1e-6)
+    depths = np.concatenate([local(view.pose, done.points)[:, 2] for view in done.views])
+    assert np.median(depths) == pytest.approx(MEDIAN_DEPTH, rel=0.05)
+    assert len(where) == COUNT
+
+
+def test_a_third_that_moves_by_itself_does_not_pull_the_path():
+    alone = points()[:, 0] > np.quantile(points()[:, 0], 0.67)
+
+    def pulled(frame):
+        return points() + alone[:, None] * np.sin(frame / 5) * (0.03, 0.06, -0.05)
+
+    truth = path(15)
+    done, _, _ = solved(LENS, [followed(truth, pulled)], None)
+    np.testing.assert_allclose(shape_of([view.pose for view in done.views]), shape_of(truth), atol=1e-3)
+
+
+def test_where_a_clip_breaks_the_frame_is_named_and_the_longer_part_is_kept():
+    def shown(frame):
+        return slice(0, 65) if frame < 9 else slice(60, COUNT)
+
+    _, _, lost = broken = solved(LENS, [followed(path(24), shown=shown)], None)
+    assert [view.frame for view in broken[0].views] == list(range(9, 24))
+    assert lost[0].why == "5 points of known place"
+    assert lost[0].frame in (6, 9)
+
+
+@pytest.mark.parametrize(
+    ("step", "why"),
+    [(STEP * [1, 1, 1, 0, 0, 0], "the camera only turns"), (0 * STEP, "the camera does not move")],
+)
+def test_a_camera_that_keeps_its_place_tells_no_distances(step, why):
+    poses = [moved(np.eye(4), share * step) for share in np.linspace(0, 1, 15)]
+    for focal in (None, FocalGuess(LENS.fx, 0.25)):
+        with pytest.raises(Lost, match=why):
+            solved(LENS, [followed(poses)], focal)
+
+
+def test_too_few_frames_are_said():
+    with pytest.raises(Lost, match="fewer than 8 frames"):
+        solved(LENS, [followed(path(7))], None)
+
+
+def test_tracks_between_keyframes_keep_their_numbers():
+    tracked = followed(path(10))
+    part = tracked.between(1, 2)
+    assert ([sight.frame for sight in part.sights], part.keys) == ([3, 4, 5, 6, 7, 8], (0, 3))
+    assert replace(tracked, keys=(0, 3)).between(1, 1).sights[-1].frame == 9
