@@ -128,7 +128,8 @@ def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment],
             record = extended(Splats, scene.record, **when, sh_degree=degree, layout=layout)
             run_to_end(make(record, sources, staging / f"{moment.name}{suffix}"))
             report(done, moment.name)
-    sys.stdout.write(f"{folder}: {len(wanted)} splat files of {len(scene.model)} Gaussians\n")
+    of_each = "" if scene.split_by_time else f" of {len(scene.model)} Gaussians"
+    sys.stdout.write(f"{folder}: {len(wanted)} splat files{of_each}\n")
 
 
 def _check_usd(path: Path | None) -> None:
