@@ -56,7 +56,14 @@ def _edit(
 
 
 FAULTS: tuple[Fault, ...] = (
-    Fault("whole run", "other", "it always fails", ALL, replaced(f"{TRAINER}:train", _raises), quick=True),
+    Fault(
+        "whole run",
+        "other",
+        "it always fails",
+        ALL,
+        replaced("renderer.train.training:train", _raises),
+        quick=True,
+    ),
     # Gradients.
     _edit(
         "sign",
