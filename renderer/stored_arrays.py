@@ -77,13 +77,14 @@ class LazyArrays(Mapping[str, NDArray[Any]]):
 
 
 def stored_arrays(path: Path) -> LazyArrays:
-    """Those of a safetensors file, which stays open, and must stay as it is, while they are read.
+    """Those of a safetensors file, opened anew for each: while it is open, all that was read of it lies in
+    memory.
 
     Raises:
-        ValueError: it cannot be read, or is damaged.
+        ValueError: it cannot be read, or is damaged; so does reading one of them.
     """
-    file, names = _opened(path, lambda file: (file, list(file.keys())))
-    return LazyArrays(names, file.get_tensor)
+    names = _opened(path, lambda file: list(file.keys()))
+    return LazyArrays(names, lambda name: _opened(path, lambda file: file.get_tensor(name)))
 
 
 def stored_metadata(path: Path) -> dict[str, str]:
