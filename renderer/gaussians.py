@@ -15,7 +15,7 @@ from renderer.deformation.motion import Motion
 from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array, Splats
-from renderer.stored_arrays import LazyArrays, stored_arrays, write_arrays
+from renderer.stored_arrays import LazyArrays, read_arrays, stored_arrays, write_arrays
 
 NEEDED = ("means", "quats", "log_scales", "opacity_logits", "colors")
 
@@ -91,8 +91,9 @@ class DynamicGaussians:
     def load(cls, path: Path) -> Self:
         """Read what `save` wrote. Raises ValueError for a file that is no such model."""
         stored = stored_arrays(path)
+        in_windows = _motion_of(stored) is WindowedMotion
         try:
-            return cls.checked(stored if _motion_of(stored) is WindowedMotion else dict(stored))
+            return cls.checked(stored if in_windows else read_arrays(path)[0])
         except ValueError as error:
             raise ValueError(f"{error}: {path}") from error
 

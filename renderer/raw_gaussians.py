@@ -21,6 +21,12 @@ def sigmoid(logits: Float32Array) -> Float32Array:
     return values
 
 
+def logits(opacities: NDArray[np.floating[Any]]) -> Float32Array:
+    """log(a / (1 - a)) of opacities in [0, 1]; infinite at both ends."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.log(opacities) - np.log1p(-opacities), dtype=np.float32)
+
+
 @dataclass(frozen=True, eq=False)
 class RawGaussians:
     """N Gaussians; or, of the same shapes, gradients by their raw values. All arrays are float32.

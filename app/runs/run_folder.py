@@ -10,6 +10,7 @@ import re
 import shutil
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import fields, replace
+from itertools import chain
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -210,8 +211,8 @@ class RunFolder:
 
     @property
     def has_checkpoint(self) -> bool:
-        places = (self.path, *(self.path / WINDOWS).glob("*"))
-        return any(True for place in places for _ in place.glob("*.safetensors"))
+        left = chain(self.path.glob("checkpoint-*.safetensors"), self.path.glob(f"{WINDOWS}/*/*.safetensors"))
+        return any(left)
 
     def require_vacant(self) -> None:
         """Raises UserError: something is here that a new run could harm."""

@@ -95,6 +95,11 @@ class Scene:
         motion = self.model.motion
         return f"a model in {len(motion)} windows" if isinstance(motion, WindowedMotion) else ""
 
+    def require_one_model(self) -> None:
+        """Raises UserError: its Gaussians are others at other times."""
+        if self.split_by_time:
+            raise UserError(f"expected one model that moves, got {self.split_by_time}: {self.name}")
+
     def time(self, index: int) -> float:
         """Of frame `index`, in [0, 1)."""
         return index / len(self.cameras)

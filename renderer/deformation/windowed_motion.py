@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from renderer.deformation.kinds import motion_among
 from renderer.deformation.motion import Motion
-from renderer.raw_gaussians import RawGaussians, sigmoid
-from renderer.splats import Float32Array
+from renderer.harmonics import BANDS
+from renderer.raw_gaussians import RawGaussians, logits, sigmoid
 from renderer.stored_arrays import LazyArrays, Stored, check
 
 IntArray = NDArray[np.int64]
@@ -131,8 +131,7 @@ class WindowedMotion:
     @classmethod
     def check(cls, arrays: Mapping[str, NDArray[Any]], count: int) -> None:
         """See Motion."""
-        lengths: dict[str, int] = {}
-        check(arrays, {name: LAYOUT[name] for name in LAYOUT}, lengths)
+        check(arrays, LAYOUT, {})
         rows, frames = arrays["window_rows"], arrays["window_frames"]
         n_frames = int(arrays["window_clip"][0])
         if len(rows) != len(frames) + 1 or rows[0] != 0 or rows[-1] != count or (np.diff(rows) < 0).any():
@@ -174,19 +173,13 @@ def faded(raw: RawGaussians, share: float) -> RawGaussians:
     if share >= 1:
         return raw
     opacities = np.clip(share * sigmoid(raw.opacity_logits), np.float32(FAINTEST), None)
-    logits: Float32Array = np.log(opacities / (1 - opacities))
-    return replace(raw, opacity_logits=logits)
+    return replace(raw, opacity_logits=logits(opacities))
 
 
 def joined_rows(parts: Sequence[RawGaussians]) -> RawGaussians:
     """One after the other; colours depend on the direction to the highest degree of them."""
-    bands = max(part.harmonics.shape[1] for part in parts)
-    padded = [
-        replace(
-            part, harmonics=np.pad(part.harmonics, ((0, 0), (0, bands - part.harmonics.shape[1]), (0, 0)))
-        )
-        for part in parts
-    ]
+    degree = max(BANDS.index(part.harmonics.shape[1]) for part in parts)
+    padded = [part.of_degree(degree) for part in parts]
     names = padded[0].arrays()
     return RawGaussians(**{name: np.concatenate([part.arrays()[name] for part in padded]) for name in names})
 

@@ -15,7 +15,7 @@ from renderer.clip import Clip, SparsePoints
 from renderer.poses.bundle import FocalGuess
 from renderer.poses.growing import SEEN_BY, Growing
 from renderer.poses.lost_frame import LostFrame
-from renderer.poses.parts import MOST_BRIDGED, SHORTEST, Lost, parts_of, pictures_of
+from renderer.poses.parts import MOST_BRIDGED, SHORTEST, Lost, commonest, parts_of, pictures_of
 from renderer.poses.pictures import small_lens
 from renderer.poses.rigid_motion import local
 from renderer.poses.search import FoundPoses, PosesError, found_poses
@@ -36,6 +36,7 @@ _CERTAIN = math.radians(1.5)
 _LOOSE = 0.01
 """Of the width, by which such a point may be off, as of tissue that moves."""
 _MOST_POINTS = 5000
+_TOO_FEW = f"features are followed through fewer than {SHORTEST} frames"
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +88,7 @@ def structure_of(
     try:
         done, points, unplaced = solved(lens, features.parts, focal, tell)
     except Lost as reason:
-        said = str(reason) if features.parts else _commonest([each.why for each in features.lost])
+        said = str(reason) if features.parts else commonest([each.why for each in features.lost], _TOO_FEW)
         raise PosesError(said) from reason
     each_lost = {each.frame: each for each in (*features.lost, *unplaced)}
     lost = [each_lost[frame] for frame in sorted(each_lost)]
@@ -125,13 +126,9 @@ def solved(
             best = rough, part
         waiting += _rest(part, growing)
     if best is None or len(best[0].views) < SHORTEST:
-        raise Lost(_commonest([*why, *(each.why for each in lost)]))
+        raise Lost(commonest([*why, *(each.why for each in lost)], _TOO_FEW))
     rough, part = best
     return *_shaped(settled(rough), rough.keys, part), lost
-
-
-def _commonest(why: Sequence[str]) -> str:
-    return max(why, key=why.count, default=f"features are followed through fewer than {SHORTEST} frames")
 
 
 def _rest(part: Tracked, growing: Growing) -> Iterator[Tracked]:

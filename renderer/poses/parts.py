@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Final, Protocol, TypeVar
 
 from renderer.camera import Camera
@@ -29,6 +29,11 @@ class Part(Protocol):
 
     def follow(self, picture: Picture) -> None:
         """Raises Lost; the next frame may be tried."""
+
+
+def commonest(why: Sequence[str], otherwise: str = "") -> str:
+    """Of reasons why frames are lost, the first of those given most often."""
+    return max(why, key=why.count, default=otherwise)
 
 
 Following = TypeVar("Following", bound=Part)

@@ -12,7 +12,7 @@ from renderer.camera import Camera, FloatArray
 from renderer.clip import Clip, Frame
 from renderer.poses.between import between
 from renderer.poses.lost_frame import LostFrame
-from renderer.poses.parts import SHORTEST, parts_of, pictures_of
+from renderer.poses.parts import SHORTEST, commonest, parts_of, pictures_of
 from renderer.poses.pictures import Picture, small_lens
 from renderer.poses.rigid_motion import inverse
 from renderer.poses.settling import Settled, apart, settled
@@ -59,7 +59,7 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
     parts, lost = parts_of(pictures_of(clip, lens, unit, tell), partial(_begun, lens))
     whole = max(parts, key=lambda part: part.views[-1].frame - part.views[0].frame, default=None)
     if whole is None or whole.views[-1].frame - whole.views[0].frame + 1 < SHORTEST:
-        why = max((each.why for each in lost), key=[each.why for each in lost].count, default="")
+        why = commonest([each.why for each in lost])
         raise PosesError(f"the camera could not be followed through {SHORTEST} frames{why and ': ' + why}")
     return found_poses(clip, settled(whole.rough), unit, lost)
 

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from renderer.budget import budget
 from renderer.harmonics import BANDS
-from renderer.raw_gaussians import RawGaussians
+from renderer.raw_gaussians import RawGaussians, logits
 from renderer.splat_files.other_kinds import CONVERT
-from renderer.splat_files.splat_file import SplatFile, SplatFileError, logits, repaired
+from renderer.splat_files.splat_file import SplatFile, SplatFileError, repaired
 
 HEAD: Final = struct.Struct("<BBxxIIIIHxx12xff")
 HEAD_SIZE: Final = 4096

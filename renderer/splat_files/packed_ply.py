@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.ply_elements import Element, Ply
-from renderer.raw_gaussians import RawGaussians
+from renderer.raw_gaussians import RawGaussians, logits
 from renderer.splat_files.inria_ply import columns, harmonics_of, mode_of
-from renderer.splat_files.splat_file import SplatFile, SplatFileError, logits, repaired
+from renderer.splat_files.splat_file import SplatFile, SplatFileError, repaired
 
 CHUNK = 256
 WORDS = ("packed_position", "packed_rotation", "packed_scale", "packed_color")

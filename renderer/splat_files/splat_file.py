@@ -80,9 +80,3 @@ def repaired(raw: RawGaussians, mode: RenderMode = "default") -> SplatFile:
     if count := int(np.count_nonzero(lost & good)):
         notices.append(f"{count} of {len(raw)} splats have no rotation and are read as unrotated")
     return SplatFile(raw if good.all() else raw.rows(np.flatnonzero(good)), mode, tuple(notices))
-
-
-def logits(opacities: NDArray[np.float64]) -> NDArray[np.float32]:
-    """log(a / (1 - a)) of opacities in [0, 1]; infinite at both ends."""
-    with np.errstate(divide="ignore"):
-        return np.asarray(np.log(opacities) - np.log1p(-opacities), dtype=np.float32)

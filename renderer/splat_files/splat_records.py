@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from renderer.raw_gaussians import RawGaussians
-from renderer.splat_files.splat_file import SplatFile, SplatFileError, logits, repaired
+from renderer.raw_gaussians import RawGaussians, logits
+from renderer.splat_files.splat_file import SplatFile, SplatFileError, repaired
 
 RECORD = np.dtype([("mean", "<f4", 3), ("scale", "<f4", 3), ("color", "u1", 4), ("quat", "u1", 4)])
 

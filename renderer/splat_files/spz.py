@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from renderer.budget import budget
 from renderer.harmonics import BANDS
-from renderer.raw_gaussians import RawGaussians
+from renderer.raw_gaussians import RawGaussians, logits
 from renderer.splat_files.other_kinds import CONVERT
 from renderer.splat_files.packed_ply import smallest_three
-from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, logits, repaired
+from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, repaired
 from renderer.splat_files.y_up import FLIPS
 
 GZIP: Final = b"\x1f\x8b"

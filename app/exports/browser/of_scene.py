@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from app.errors import UserError
 from app.exports.records import BrowserModel
 from app.files.records import extended
 from app.scenes.scene import Scene
@@ -11,8 +10,7 @@ from renderer.camera import Camera
 
 def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> BrowserModel:
     """All of its time, as `camera` sees it first. Raises UserError: its Gaussians change over time."""
-    if scene.split_by_time:
-        raise UserError(f"expected one model that moves, got {scene.split_by_time}: {scene.name}")
+    scene.require_one_model()
     clip, frames = scene.record.clip, len(scene.cameras)
     return extended(
         BrowserModel,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from app.errors import UserError
 from app.exports.records import SurfaceMesh
 from app.files.records import extended
 from app.scenes.scene import Scene
@@ -19,8 +18,7 @@ def surface_mesh(
     faces: int | None = None,
 ) -> SurfaceMesh:
     """At `time` in [0, 1], or through the clip. Raises UserError: its Gaussians are others at other times."""
-    if scene.split_by_time:
-        raise UserError(f"expected one model that moves, got {scene.split_by_time}: {scene.name}")
+    scene.require_one_model()
     clip = scene.record.clip
     return extended(
         SurfaceMesh,

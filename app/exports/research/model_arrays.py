@@ -82,8 +82,7 @@ def write_model_arrays(
         UserError: no moment, cameras of several sizes, or Gaussians that are others at every moment.
     """
     moments = record.moments
-    if scene.split_by_time:
-        raise UserError(f"expected one model that moves, got {scene.split_by_time}: {scene.name}")
+    scene.require_one_model()
     if not moments:
         raise UserError(f"expected a moment at least, got none: {scene.name}")
     sizes = {(one.camera.height, one.camera.width) for one in moments}

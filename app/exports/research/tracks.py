@@ -41,8 +41,7 @@ def write_tracks(record: Tracks, scene: Scene, target: Path) -> Generator[int, N
     Raises:
         UserError: a pixel where there is no surface, or Gaussians that are others at every moment.
     """
-    if scene.split_by_time:
-        raise UserError(f"expected one model that moves, got {scene.split_by_time}: {scene.name}")
+    scene.require_one_model()
     if not record.points or not record.moments:
         raise UserError(f"expected a point and a moment at least: {scene.name}")
     follower = _follower(record, scene)

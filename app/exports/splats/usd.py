@@ -43,8 +43,7 @@ def write_moving(record: MovingSplats, scene: Scene, target: Path) -> Generator[
     _require_schema()
     from pxr import Usd, UsdVol
 
-    if scene.split_by_time:
-        raise UserError(f"expected one model that moves, got {scene.split_by_time}: {scene.name}")
+    scene.require_one_model()
     frames, raw = len(scene.cameras), scene.model.raw
     with new_stage(target, scene.unit, frames, record.seconds, record.signed) as stage:
         field = UsdVol.ParticleField3DGaussianSplat.Define(stage, SPLATS)

@@ -69,6 +69,7 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
         clip, read_frame=lambda index: frames[read[index]] if index in read else clip.read_frame(index)
     )
     moves = camera_motion(at_hand)
+    cut = windows.windows_of(at_hand, config)
 
     @cache
     def seen(keep: tuple[Part, ...]) -> tuple[ClipPart, FrameStore[Frame]]:
@@ -81,7 +82,7 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
         asked = replace(config, keep=keep)
         needed = decide(clip, bare, asked)
         before = (*left_out_of(part)[0], *left_out(clip, asked, moves))
-        return (*before, *needed.omitted, *windows.left_out(windows.windows_of(clip, asked), asked))
+        return (*before, *needed.omitted, *windows.left_out(cut, asked))
 
     kept = (
         each
