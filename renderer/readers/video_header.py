@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from renderer.clip import ClipError
 from renderer.pyav_presence import has_pyav
 from renderer.readers.clip_options import StereoLayout
 from renderer.readers.dicom.header import DicomHeader, read_header
 from renderer.readers.dicom.opening import is_dicom
+
+if TYPE_CHECKING:
+    from av.container import InputContainer
+    from av.video.stream import VideoStream
 
 
 @dataclass(frozen=True)
@@ -20,6 +25,7 @@ class VideoHeader:
     """Width and height in pixels of a picture that stands upright."""
     frames: int | None
     frames_per_second: float | None
+    """On average where some are left out, as in a video of variable rate."""
     seconds: float | None = None
     codec: str | None = None
     """As FFmpeg calls it, or DICOM; None where PyAV is not installed, which tells it and what follows."""
@@ -60,18 +66,31 @@ def _by_pyav(path: Path) -> VideoHeader:
         if first is None:
             raise ClipError(f"expected a video, got a file without a frame that decodes: {path}")
         lies = quarter_turns(first) % 2 == 1
-        rate, sounds = rate_of(stream), container.streams.audio
+        rate, seconds = rate_of(stream), _seconds(stream, container)
+        sounds = container.streams.audio
         return VideoHeader(
             size=(first.height, first.width) if lies else (first.width, first.height),
             frames=stream.frames or None,
-            frames_per_second=None if rate is None else float(rate),
-            seconds=container.duration / 1e6 if container.duration else None,
+            frames_per_second=None if rate is None else _kept_rate(float(rate), stream.frames, seconds),
+            seconds=seconds,
             codec=stream.codec_context.codec.canonical_name,
             sound=sounds[0].codec_context.codec.canonical_name if sounds else None,
             is_interlaced=first.interlaced_frame,
             pixel_aspect=float(pixel_aspect(stream, first)),
             stereo=told_layout(first),
         )
+
+
+def _seconds(stream: VideoStream, container: InputContainer) -> float | None:
+    """Of the pictures where the file says it; sound may last longer."""
+    if stream.duration and stream.time_base:
+        return float(stream.duration * stream.time_base)
+    return container.duration / 1e6 if container.duration else None
+
+
+def _kept_rate(rate: float, frames: int, seconds: float | None) -> float:
+    """The mean where the file holds fewer frames than its rate makes in that time, but for rounding."""
+    return frames / seconds if frames and seconds and frames < rate * seconds - 1.5 else rate
 
 
 def _by_opencv(path: Path) -> VideoHeader:

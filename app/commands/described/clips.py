@@ -62,7 +62,7 @@ def of_video(path: Path) -> tuple[Fact, ...]:
     return (
         Fact("what", "clip: video", "video"),
         Fact("frames", f"{frames or 'unknown number'}, as the file states{length}", {"count": frames}),
-        Fact("frame rate", f"{rate:g} a second" if rate else "unknown", {"frames_per_second": rate}),
+        Fact("frame rate", f"{rate:.4g} a second" if rate else "unknown", {"frames_per_second": rate}),
         Fact("size", f"{width}x{height}", [width, height]),
         Fact("pixels", shape, header.pixel_aspect),
         Fact("codec", header.codec or "unknown", header.codec),
