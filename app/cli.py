@@ -28,6 +28,7 @@ COMMANDS = {
     "sweep": "every clip with every setting, measured, on this machine or a cluster; one table",
     "protocol": "the field's comparison of methods on clips, beside published figures",
     "report": "report of error against run time, contrast against noise, stability and omissions",
+    "summary": "saved images with their measures and notes on one page to print",
     "replay": "reproduce an exported file from its provenance and compare",
     "phantom": "write a synthetic clip with exact ground truth",
     "prepare": "compile once what the first use of each feature would wait for; after installing",

@@ -9,9 +9,14 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Final, Literal
 
+from pydantic import ValidationError
+
+from app.console.flags import problem
+from app.errors import UserError
 from app.exports.make import make
 from app.exports.records import (
     BrowserModel,
+    CaseSummary,
     MeasuresTable,
     ModelArrays,
     MovingSplats,
@@ -20,6 +25,7 @@ from app.exports.records import (
     PanesVideo,
     SpanRecord,
     Splats,
+    SummaryPicture,
     SurfaceMesh,
     ViewVideo,
 )
@@ -61,6 +67,29 @@ class SplatFolder:
     """By name."""
 
 
+@dataclass(frozen=True)
+class Summary:
+    """Saved pictures on a page to print. What is typed here becomes what the file says."""
+
+    title: str
+    day: str
+    notes: str
+    pictures: tuple[tuple[Path, str], ...]
+    """Each with a note."""
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        return tuple(path for path, _ in self.pictures)
+
+    def record(self) -> CaseSummary:
+        """Reads each file for its digest. Raises OSError; UserError: a text is too long."""
+        try:
+            told = tuple(SummaryPicture(picture=Source.of(path), note=note) for path, note in self.pictures)
+            return CaseSummary(title=self.title, day=self.day, notes=self.notes, pictures=told)
+        except ValidationError as error:
+            raise UserError(problem(error)) from error
+
+
 Exported = (
     PanesPicture
     | PanesVideo
@@ -72,6 +101,7 @@ Exported = (
     | MovingSplats
     | ModelArrays
     | SplatFolder
+    | Summary
     | Cameras
 )
 
@@ -114,6 +144,8 @@ class ExportRequest:
                 return ".json"
             case Splats():
                 return self.splats
+            case Summary():
+                return ".html"
             case record:
                 return SUFFIXES.get(record.kind, self.image)
 
@@ -148,6 +180,9 @@ def _made(request: ExportRequest, target: Path) -> Iterator[Step]:
         write_bytes(target, record.content)
         return
     assert not isinstance(record, SplatFolder)
+    if isinstance(record, Summary):
+        yield from map_steps(make(record.record(), request.sources, target), Step)
+        return
     if isinstance(record, PanesRecord) and record.panes and clip is not None:
         record = replace(record, source=Source.of(_kept(clip, request.folder)))
     if request.screen is not None and isinstance(record, PanesPicture):

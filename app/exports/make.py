@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Generator, Iterable, Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 from app.enhancement.contact_sheet import contact_sheet, tile
 from app.enhancement.dicom_files import is_dicom_name, write_dicom_film, write_enhanced_still
 from app.enhancement.enhance_files import Made, enhanced, write_enhanced_video
 from app.enhancement.methods import METHODS, MethodEnhancer
-from app.enhancement.parameter_grid import DEFINITIONS, Setting, measured, tried
+from app.enhancement.parameter_grid import Setting, tried
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.enhancement.settable import drawn
 from app.errors import UserError
 from app.exports.browser.page import browser_page
 from app.exports.browser.tracks import tracks_of
+from app.exports.measures import Row, measures_at, rows_at, write_measures
 from app.exports.meshes.writing import write_surface
 from app.exports.page import Panel, sheet
 from app.exports.panes import PaneMaker, arranged
 from app.exports.records import (
     BrowserModel,
+    CaseSummary,
     Depth,
     Export,
     MeasuresTable,
@@ -42,10 +41,10 @@ from app.exports.records import (
 )
 from app.exports.research.model_arrays import write_model_arrays
 from app.exports.research.tracks import write_tracks
-from app.exports.sizing import Sizing
 from app.exports.sources import Sources
 from app.exports.splats.usd import write_moving
 from app.exports.splats.writing import write_moment
+from app.exports.summary.writing import write_summary
 from app.files.atomic import together, write_bytes
 from app.files.dicom.choices import DEIDENTIFIED
 from app.files.image_files import write_image
@@ -63,7 +62,6 @@ from app.scenes.drawer import Drawer
 from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
-from enhance.ridges import field_of_view, vessel_mask
 from enhance.surround import inside
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -114,6 +112,8 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
             yield from write_surface(record, sources.scene(record), target)
         case BrowserModel():
             _browser_model(record, sources, target)
+        case CaseSummary():
+            write_summary(record, sources, target)
         case PanesPicture(kind="panes"):
             _page(record, sources, target)
         case PanesPicture():
@@ -314,11 +314,15 @@ def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
     """Panes, the 3D view, or both."""
     panels: list[Panel] = []
     if record.panes:
-        made = PaneMaker(record, sources).made(record.frame.index)
+        maker, frame = PaneMaker(record, sources), record.frame.index
+        made = maker.made(frame)
         panels += arranged([one.panel for one in made], record.arrangement)
         pairs = zip(record.panes, made, strict=True)
-        said = tuple(replace(pane, statistics=one.statistics) for pane, one in pairs)
-        record = replace(record, panes=said)
+        said = [replace(pane, statistics=one.statistics) for pane, one in pairs]
+        if record.measures:
+            rows = measures_at(frame, record.measures, maker)
+            said = [replace(pane, measured=row) for pane, row in zip(said, rows, strict=True)]
+        record = replace(record, panes=tuple(said))
     views: list[ViewRecord] = []
     for one in record.views:
         drawer = sources.drawer(one.renderer)
@@ -355,37 +359,3 @@ def _spanning(record: SpanRecord, sources: Sources) -> PaneMaker:
         got = f"{record.first_frame} to {record.last_frame}"
         raise UserError(f"expected frames from 0 to {count - 1}, got {got}")
     return maker
-
-
-Row = dict[str, Any]
-
-
-def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
-    """At a frame a row a pane, of its picture in its own size. Raises ClipError or ImageError."""
-    original, label = maker.clip.read_image(frame), maker.clip.labels[frame]
-    view = field_of_view(original)
-    vessels = vessel_mask(original, tissue_mask=view)
-    rows = []
-    for pane, one in zip(record.panes, maker.made(frame, Sizing()), strict=True):
-        found = asdict(measured(one.panel.image, original, vessels, view, 0.0))
-        chosen = {name: found[name] for name in record.measures}
-        rows.append({"frame": frame, "label": label, "pane": pane.title} | chosen)
-    return rows
-
-
-def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
-    """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and record."""
-    definitions = {name: text for name, text in DEFINITIONS.items() if name in record.measures}
-    with together(path) as place:
-        write_bytes(place, _table(rows, record.measures))
-        write_sidecar(place, record.signed | {"definitions": definitions, "frames": rows})
-
-
-def _table(rows: list[Row], measures: Sequence[str]) -> bytes:
-    """CSV; an empty field is what could not be measured."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, ["frame", "label", "pane", *measures])
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({name: "" if value != value else value for name, value in row.items()})
-    return text.getvalue().encode()

@@ -12,7 +12,15 @@ from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import RecordedSettings
 from app.enhancement.parameter_grid import METRICS
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
-from app.enhancement.settable import Pixels, Scope, one_of, renamed
+from app.enhancement.settable import (
+    LONGEST_NAME,
+    LONGEST_NOTES,
+    Pixels,
+    Scope,
+    at_most,
+    one_of,
+    renamed,
+)
 from app.exports.sizing import LEAST_WIDTH, MOST_SCALE, MOST_WIDTH
 from app.files.records import LENIENT, Record, Source, Told
 from app.files.video import Written
@@ -24,6 +32,11 @@ from renderer.surface.fineness import VERTICES
 MOST_COARSE, MOST_FINE = 100, 2_000_000
 """Vertices of a surface."""
 LEAST_FACES: Final = 50
+MEASURES_BEFORE: Final = ("dv", "bv", "dv_bv", "vessel_contrast", "noise_gain", "saturated_share")
+"""Of tables that do not say which they hold."""
+MEASURES: Final = tuple(name for name in METRICS if name != "milliseconds")
+"""All but the time, which no picture that is made again has taken."""
+Measure = Annotated[str, one_of(MEASURES)]
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
@@ -166,6 +179,8 @@ class PaneRecord(Record):
     method: str | None = None
     view: ViewRecord | None = None
     statistics: Annotated[Statistics | None, Told] = None
+    measured: Annotated[dict[str, float | None] | None, Told] = None
+    """What the picture's `measures` are of it; None where one cannot be measured."""
     words: Literal["interface"] | None = None
     """In which its caption tells the settings; None: in the paper's letters, as before 0.2.0."""
 
@@ -201,6 +216,8 @@ class PanesPicture(PanesRecord):
     views: tuple[ViewRecord, ...] = ()
     quality: Annotated[int, Interval(ge=1, le=100)] | None = None
     """Of a JPEG, which then keeps all of its colour's resolution."""
+    measures: tuple[Measure, ...] | None = None
+    """That the file tells of each pane."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
@@ -225,13 +242,6 @@ class PanesVideo(SpanRecord):
     video: Annotated[Written | None, Told] = None
 
 
-MEASURES_BEFORE: Final = ("dv", "bv", "dv_bv", "vessel_contrast", "noise_gain", "saturated_share")
-"""Of tables that do not say which they hold."""
-MEASURES: Final = tuple(name for name in METRICS if name != "milliseconds")
-"""All but the time, which no picture that is made again has taken."""
-Measure = Annotated[str, one_of(MEASURES)]
-
-
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
 class MeasuresTable(SpanRecord):
     """Measures of panes at every frame."""
@@ -252,6 +262,27 @@ class ViewVideo(Record):
     video: Annotated[Written | None, Told] = None
 
 
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class SummaryPicture(Record):
+    """A picture on a page, by the file that it was saved as."""
+
+    picture: Source
+    note: Annotated[str, at_most(LONGEST_NOTES)] = ""
+
+
+@dataclass(frozen=True, kw_only=True, config=LENIENT)
+class CaseSummary(Record):
+    """A page to print: pictures that were saved before, with what they are, their measures and notes."""
+
+    kind: Literal["case summary"] = "case summary"
+    title: Annotated[str, at_most(LONGEST_NAME)]
+    day: str
+    """On which it was made, ISO 8601."""
+    notes: Annotated[str, at_most(LONGEST_NOTES)] = ""
+    """On all of it."""
+    pictures: tuple[SummaryPicture, ...]
+
+
 Export = (
     EnhancedPicture
     | EnhancedVideo
@@ -269,6 +300,7 @@ Export = (
     | PanesVideo
     | MeasuresTable
     | ViewVideo
+    | CaseSummary
 )
 """What makes a file."""
 EXPORT: TypeAdapter[Export] = TypeAdapter(Annotated[Export, Discriminator("kind")])

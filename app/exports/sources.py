@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Protocol
 
 from app.enhancement.clip_statistics import ClipStatistics, OfClip, StatisticsRequest
 from app.errors import UserError
 from app.files.image_series import Series
+from app.files.provenance import digest
 from app.files.records import Source
 from app.scenes.drawer import Drawer
 from app.scenes.records import SceneRecord
@@ -26,6 +28,9 @@ class Sources(Protocol):
         """The pictures of a file or a folder."""
 
     def clip(self, source: Source, options: ClipOptions) -> Clip: ...
+
+    def saved(self, source: Source) -> Path:
+        """Where a file with these bytes lies."""
 
     def scene(self, record: SceneRecord) -> Scene:
         """A model with the edits that the record tells of."""
@@ -55,6 +60,8 @@ class Opened:
     pen: Drawer = field(default_factory=Drawer)
     measured: ClipStatistics | None = None
     """Of the clip, as it is shown."""
+    files: tuple[Path, ...] = ()
+    """Of pictures that were saved."""
 
     def series(self, source: Source, options: ClipOptions) -> Series:
         raise UserError(f"expected panes or views, got a record of images of {source.name}")
@@ -63,6 +70,13 @@ class Opened:
         if self.own is None:
             raise UserError(f"expected the clip {source.name} to be open")
         return self.own
+
+    def saved(self, source: Source) -> Path:
+        found = (path for path in self.files if path.name == source.name and digest(path) == source.sha256)
+        path = next(found, None)
+        if path is None:
+            raise UserError(f"expected the image {source.name}, which is gone or has changed")
+        return path
 
     def scene(self, record: SceneRecord) -> Scene:
         wanted = record.scene

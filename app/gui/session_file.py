@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from dataclasses import field, fields
+from dataclasses import field, fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
@@ -58,6 +58,8 @@ SUFFIX: Final = ".vesselsplat"
 AUTOSAVE: Final = "autosave"
 MOST_STEPS = 50
 """Of undo that are kept."""
+MOST_ITEMS: Final = 200
+"""Pictures of a case summary."""
 MOST_VARIED: Final = 1e6
 """What a parameter that is tuned goes to; each has a range of its own within."""
 PARAMETERS: Final = ("", *(item.name for kind in (EnhanceParams, VesselParams) for item in fields(kind)))
@@ -129,6 +131,29 @@ class UnsavedEdits:
     hidden: MaskText
 
 
+@dataclass(frozen=True, config=ConfigDict(extra="ignore"))
+class SummaryPicture:
+    """A saved picture of the case summary."""
+
+    file: SessionSource
+    note: Notes = ""
+
+
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="ignore"))
+class SummaryDraft:
+    """The case summary as it is put together."""
+
+    title: Name = ""
+    notes: Notes = ""
+    pictures: Annotated[tuple[SummaryPicture, ...], at_most(MOST_ITEMS)] = ()
+
+    @property
+    def substance(self) -> SummaryDraft:
+        """Without folders."""
+        bare = (SummaryPicture(SessionSource(Path(one.file.path).name), one.note) for one in self.pictures)
+        return replace(self, pictures=tuple(bare))
+
+
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
 class Session:
     """Everything of a session that another start can take up."""
@@ -184,12 +209,14 @@ class Session:
     tuning_shown: bool = False
     sort: Annotated[str, one_of(("", *METRICS))] = ""
     notes: Notes = ""
+    summary: SummaryDraft = SummaryDraft()
 
     @property
     def substance(self) -> Session:
         """What a person would miss: without where one looks, steps of undo, and the folders of sources."""
         kept = {name: getattr(self, name) for name in SUBSTANCE}
-        return Session(run=_named(self.run), second=_named(self.second), **kept)
+        run, second = _named(self.run), _named(self.second)
+        return Session(run=run, second=second, summary=self.summary.substance, **kept)
 
 
 def _named(source: SessionSource | None) -> SessionSource | None:

@@ -58,6 +58,7 @@ from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
 from app.gui.panels.run_questions import draw_run_question
 from app.gui.panels.runs import draw_runs
+from app.gui.panels.summary import draw_summary
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
@@ -350,6 +351,7 @@ class Window:
         overlays.draw_notice(self.state)
         draw_export(self.state)
         draw_batches(self.state)
+        draw_summary(self.state, self._texture)
         self._draw_textured(draw_guide)
         draw_about(self.state, imgui.set_clipboard_text)
         self._draw_textured(draw_live_choice)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import gzip
-import re
 from collections.abc import Mapping
 from html import escape
 from importlib.resources import files
@@ -15,14 +14,14 @@ from numpy.typing import NDArray
 
 from app.errors import UserError
 from app.exports.browser.tracks import Tracks
-from app.files.provenance import NOTICE, ascii_json
+from app.exports.html_file import PROVENANCE, filled_in, found, in_script
+from app.files.provenance import NOTICE
 from renderer.camera import Camera
 from renderer.json_files import parsed
 from renderer.splats import RenderMode
 
 LEVEL: Final = 9
 """Of the compression."""
-_PART = r'<script type="{kind}" id="{name}">(.*?)</script>'
 
 
 def browser_page(
@@ -62,35 +61,23 @@ def browser_page(
         "ABOUT": escape(about),
         "NOTICE": escape(NOTICE),
         "STYLE": _own("viewer.css"),
-        "SCENE": _in_script(scene),
-        "PROVENANCE": _in_script(facts),
+        "SCENE": in_script(scene),
+        "PROVENANCE": in_script(facts),
         "CONTENT": content,
         "CODE": _own("viewer.js"),
     }
-    return re.sub(r"\{\{(\w+)\}\}", lambda hit: parts[hit[1]], _own("viewer.html")).encode()
+    return filled_in(_own("viewer.html"), parts)
 
 
 def read_page(text: str) -> tuple[dict[str, Any], dict[str, Any], NDArray[np.uint8]]:
     """Provenance, scene and content of a page. Raises UserError: it is none of ours, or damaged."""
     try:
-        facts, scene = (_found(text, "application/json", name) for name in ("provenance", "scene"))
-        packed = base64.b64decode(_found(text, "application/octet-stream", "content"), validate=True)
+        facts, scene = (found(text, "application/json", name) for name in (PROVENANCE, "scene"))
+        packed = base64.b64decode(found(text, "application/octet-stream", "content"), validate=True)
         return parsed(facts), parsed(scene), np.frombuffer(gzip.decompress(packed), np.uint8)
     except (ValueError, OSError, EOFError) as error:
         raise UserError(f"expected an HTML file written by VesselSplat ({error})") from error
 
 
-def _found(text: str, kind: str, name: str) -> str:
-    hit = re.search(_PART.format(kind=re.escape(kind), name=name), text, re.DOTALL)
-    if hit is None:
-        raise ValueError(f"no {name} in it")
-    return hit[1]
-
-
 def _own(name: str) -> str:
     return files("app.exports.browser").joinpath(name).read_text(encoding="utf-8")
-
-
-def _in_script(value: object) -> str:
-    """JSON that cannot end the element it stands in."""
-    return ascii_json(value).replace("<", "\\u003c")

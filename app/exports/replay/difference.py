@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from app.errors import UserError
 from app.exports.browser.page import read_page
 from app.exports.gltf import read_glb
+from app.exports.html_file import PROVENANCE, facts_in, found
 from app.exports.meshes.mesh_text import obj_rows
+from app.exports.records import CaseSummary
 from app.exports.research.npz import read_members
 from app.exports.usd_file import read_usd
 from app.files.image_files import read_image
@@ -92,7 +94,7 @@ def arrays(path: Path) -> Iterator[Array]:
     if suffix == ".npz":
         return read_members(path)
     if suffix == ".html":
-        return _tracks(path)
+        return _of_page(path)
     if suffix == ".csv":
         return _columns(path)
     return _frames(path) if moves(path) else iter((read_image(path),))
@@ -107,9 +109,18 @@ def _elements(content: bytes) -> Iterator[Array]:
         yield np.frombuffer(lists, np.uint8)
 
 
-def _tracks(path: Path) -> Iterator[Array]:
+def _of_page(path: Path) -> Iterator[Array]:
+    """Of a model, or of a summary: all of it but how it was made."""
+    text = read_whole(path).decode(errors="replace")
+    if facts_in(text).get("kind") == CaseSummary.kind:
+        yield np.frombuffer(text.replace(found(text, "application/json", PROVENANCE), "").encode(), np.uint8)
+    else:
+        yield from _tracks(text)
+
+
+def _tracks(text: str) -> Iterator[Array]:
     """Of a page for browsers: bounds and values of each."""
-    _, scene, content = read_page(read_whole(path).decode(errors="replace"))
+    _, scene, content = read_page(text)
     for track in scene["tracks"]:
         yield np.array([*track["low"], *track["high"]])
         shape = track["count"], track["moments"], track["channels"]

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from app.errors import UserError
-from app.exports.browser.page import read_page
 from app.exports.gltf import read_glb
+from app.exports.html_file import facts_in
 from app.exports.meshes.mesh_text import obj_comments
 from app.exports.research.npz import PROVENANCE, read_text
 from app.exports.usd_file import read_usd
@@ -46,7 +46,7 @@ def recorded(path: Path) -> Facts:
     if is_dicom(path):
         return _in_dicom(path)
     if suffix == ".html":
-        return read_page(read_whole(path).decode(errors="replace"))[0]
+        return facts_in(read_whole(path).decode(errors="replace"))
     # Before 0.2.0, JPEG and TIFF had it beside them.
     inside = carried(read_whole(path)) if suffix in CARRIERS else None
     return _beside(path) if inside is None else facts_of(inside, path)

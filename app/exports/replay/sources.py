@@ -44,6 +44,9 @@ class Found:
         case = open_case(found, options)
         return with_chosen_depth(case, options) if case.has_one_size else case
 
+    def saved(self, source: Source) -> Path:
+        return self.find(source)
+
     def scene(self, record: SceneRecord) -> Scene:
         """Without the edits of the run, whatever has been edited since, and with those of the record."""
         key = record.run, record.splats, record.edits

@@ -14,6 +14,7 @@ from app.gui.actions import (
     export_actions,
     guide_actions,
     presenting,
+    summary_actions,
     tuning_actions,
     window_actions,
 )
@@ -26,6 +27,7 @@ INNERMOST_FIRST: tuple[Open, ...] = (
     (lambda s: s.guide.shown, guide_actions.toggle_guide),
     (lambda s: s.window.help_open, lambda s: actions.show_help(s, False)),
     (lambda s: s.exports.shown, export_actions.toggle_export),
+    (lambda s: s.summary.shown, summary_actions.toggle_summary),
     (lambda s: s.batches.shown, batch_actions.toggle_batches),
     (lambda s: bool(s.picture.mask_tool), clip_actions.stop_mask),
     (lambda s: bool(s.editing.stroke), edit_actions.drop_stroke),

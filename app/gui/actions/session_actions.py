@@ -18,6 +18,8 @@ from app.gui.session_file import (
     SUFFIX,
     Session,
     SessionSource,
+    SummaryDraft,
+    SummaryPicture,
     UnsavedEdits,
     autosave_path,
     recoverable,
@@ -67,7 +69,16 @@ def snapshot(state: AppState, folder: Path) -> Session:
         tuning_shown=state.tuning.shown,
         sort=state.tuning.sort,
         notes=state.session.notes,
+        summary=_summary(state, folder),
     )
+
+
+def _summary(state: AppState, folder: Path) -> SummaryDraft:
+    """As seen from a folder."""
+    pictures = (
+        SummaryPicture(SessionSource.of(item.path, folder), item.note) for item in state.summary.items
+    )
+    return SummaryDraft(title=state.summary.title, notes=state.summary.notes, pictures=tuple(pictures))
 
 
 def _second(state: AppState) -> Path | None:

@@ -17,6 +17,7 @@ from app.gui.actions import (
     live_actions,
     picture_actions,
     session_actions,
+    summary_actions,
     tuning_actions,
 )
 from app.gui.commands import export_commands, recent_commands
@@ -124,6 +125,12 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         Command("Export…", export_actions.toggle_export, ("Ctrl+Shift+E",),
                 text="export images, videos, measures and 3D models", applies=has_something,
                 synonyms=("mp4", "video", "movie", "record", "share", "csv", "table", "png", "jpeg", "tiff")),
+        Command("Add to the case summary", summary_actions.add_shown, ("Shift+A",),
+                text="save what is shown with its measures, for a page to print", applies=has_something,
+                synonyms=("report", "pdf", "html", "print", "collect")),
+        Command("Case summary…", summary_actions.toggle_summary, ("Ctrl+Shift+A",),
+                text="saved images with settings, measures and notes on one page to print",
+                synonyms=("report", "pdf", "html", "print", "document", "notes")),
         Command("Enhance files and folders…", batch_actions.toggle_batches, ("Ctrl+Shift+B",),
                 text="enhance many images, videos and folders with the current settings",
                 synonyms=("batch", "convert", "many", "process")),

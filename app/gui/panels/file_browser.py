@@ -10,6 +10,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import legible
 from app.gui.actions import browse_actions
+from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing, Column
 from app.gui.style import theme
@@ -181,18 +182,9 @@ def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, tex
 def _draw_picture(
     browsing: Browsing, entry: Entry, low: ImVec2, texture: Callable[[ByteImage], imgui.ImTextureRef]
 ) -> None:
-    """The thumbnail in the middle of its room, or an icon there."""
-    room, draw = ImVec2(em(PICTURE), em(ROW)), imgui.get_window_draw_list()
-    image = browsing.thumbnails.get(entry.path)
-    if image is None:
-        icon = icons.ICON_FA_FOLDER if entry.kind == "folder" else icons.ICON_FA_FILE
-        size = imgui.calc_text_size(icon)
-        draw.add_text(low + (room - size) * 0.5, imgui.get_color_u32(theme.now().muted), icon)
-        return
-    factor = min(room.x / image.shape[1], room.y / image.shape[0])
-    size = ImVec2(factor * image.shape[1], factor * image.shape[0])
-    corner = low + (room - size) * 0.5
-    draw.add_image(texture(image), corner, corner + size)
+    """The thumbnail, or an icon."""
+    icon = icons.ICON_FA_FOLDER if entry.kind == "folder" else icons.ICON_FA_FILE
+    draw_small(browsing.thumbnails.get(entry.path), icon, low, ImVec2(em(PICTURE), em(ROW)), texture)
 
 
 def _sized(entry: Entry) -> str:

@@ -21,6 +21,7 @@ from app.gui.state.scene import ShownScene
 from app.gui.state.session import KeptSession
 from app.gui.state.shipped import ShownAbout, ShownGuide, Welcome
 from app.gui.state.source import Reports, Source, Timeline
+from app.gui.state.summary import CaseSummary
 from app.gui.state.tuning import Tuning
 from app.gui.state.window import WindowFrame
 from app.gui.work.measuring import Measured
@@ -61,6 +62,7 @@ class AppState:
     tuning: Tuning = field(default_factory=Tuning)
     exports: Exports = field(default_factory=Exports)
     batches: Batches = field(default_factory=Batches)
+    summary: CaseSummary = field(default_factory=CaseSummary)
     session: KeptSession = field(default_factory=KeptSession)
     reports: Reports = field(default_factory=Reports)
     welcome: Welcome = field(default_factory=Welcome)

@@ -14,7 +14,9 @@ from renderer.splat_files import SUFFIXES as SPLATS
 
 Kind = Literal["folder", "file", "save"]
 """An existing folder, an existing file, or a file to be written."""
-Purpose = Literal["folder", "file", "run", "splats", "views", "inputs", "results", "export", "session"]
+Purpose = Literal[
+    "folder", "file", "run", "splats", "views", "inputs", "results", "export", "session", "picture"
+]
 """Each remembers its own folder."""
 
 
@@ -48,6 +50,7 @@ IMAGES: Final = Filter("Images", (*sorted(SUFFIXES), ".npy"))
 VIDEO: Final = Filter("Videos", tuple(sorted(VIDEOS | DICOM)))
 PICTURED: Final = Filter("Images and videos", (*IMAGES.suffixes, *sorted(VIDEOS)))
 MODELS: Final = Filter("Splat files", SPLATS)
+SAVED: Final = Filter("Saved images", (".png", ".jpg", ".jpeg"))
 SESSIONS: Final = Filter("Sessions", (SUFFIX,))
 VIEWS: Final = Filter("Views and cameras", (".json", ".txt"))
 OPENED: Final = Filter(
@@ -63,6 +66,7 @@ QUESTIONS: Final[dict[Purpose, Question]] = {
     "inputs": Question("Add to the list", (PICTURED, IMAGES, VIDEO, ALL)),
     "results": Question("Choose a folder for the results", keeps_itself=True),
     "export": Question("Choose a folder for exports", keeps_itself=True),
+    "picture": Question("Add a saved image", (SAVED, ALL)),
     "session": Question("Save the session", (SESSIONS, ALL)),
 }
 

@@ -30,6 +30,7 @@ from app.gui.actions import (
     run_actions,
     second_actions,
     session_actions,
+    summary_actions,
     sweep_actions,
     tuning_actions,
 )
@@ -155,6 +156,7 @@ class Channels:
         self.about = Channel(read_about)
         self.kept = Channel(keep)
         self.listing, self.small_files = NewestChannel(list_folder), NewestChannel(thumbnail_of)
+        self.summary_pictures = NewestChannel(thumbnail_of)
         self.names, self.encoders = NewestChannel(name_of), Channel(encoder_of)
         self.reveals = Channel(reveal, depth=4)
         self.devices = NewestChannel(find_devices)
@@ -223,7 +225,9 @@ class Channels:
             Row(self.about, told("the versions cannot be listed", about_actions.take_about),
                 lambda s: s.scene.drawn_by if s.about.shown else None, SECOND, forgets=False),
             Row(self.clearing, taking.take_nothing, lambda s: s.places, SECOND),
-            Row(self.saving, export_actions.take_saved),
+            Row(self.saving, summary_actions.take_saved),
+            Row(self.summary_pictures, summary_actions.take_thumbnail, summary_actions.thumbnail_wish,
+                "apart"),
             Row(self.sessions, session_actions.take_written),
             Row(self.exports, export_actions.take_step, lambda s: s.exports.under_way),
             Row(self.batches, batch_actions.take_progress, lambda s: s.batches.under_way),

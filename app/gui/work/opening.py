@@ -82,6 +82,8 @@ class Opened:
     """To take up, of a session file."""
     second: Path | None = None
     """Of a session file: what its second 3D view showed, where that is still there."""
+    pictures: tuple[Path | None, ...] = ()
+    """Of a session file: where those of its case summary are; None: no longer there."""
     path: Path | None = None
     """What was opened: of a session file, its source."""
     report: Reported | None = None
@@ -224,7 +226,9 @@ def _open_session(path: Path) -> Opened:
         notices = (*notices, f"{place.name} has changed since the session was saved")
     warning = damage or opened.warning
     second = session.second.found(path) if session.second else None
-    return replace(opened, session=session, second=second, path=place, notices=notices, warning=warning)
+    pictures = tuple(one.file.found(path) for one in session.summary.pictures)
+    opened = replace(opened, session=session, second=second, pictures=pictures)
+    return replace(opened, path=place, notices=notices, warning=warning)
 
 
 def _open_splats(scene: Scene) -> Opened:

@@ -47,6 +47,8 @@ def make(folder: Path) -> None:
     list(run_training(TrainRequest(clip_path=clip, run_path=mip, config=replace(CONFIG, render_mode="mip"))))
     _by_commands(folder, clip, run, mip)
     _by_window(folder, run, mip)
+    pictures = (folder / name for name in ("panes.png", "panes-wipe.png", "render-color.png", "enhanced.png"))
+    command("summary", folder / "summary.html", *pictures, "--title", "A case", "--note", "two panes")
     for path in (run, mip):
         _without_the_place(path)
     for name in ("config", "pictures"):

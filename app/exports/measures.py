@@ -1,0 +1,59 @@
+"""Measures of panes: in a table over frames, or of one picture."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from app.enhancement.parameter_grid import DEFINITIONS, measured
+from app.exports.panes import PaneMaker
+from app.exports.records import MeasuresTable
+from app.exports.sizing import Sizing
+from app.files.atomic import together, write_bytes
+from app.files.provenance import write_sidecar
+from enhance.ridges import field_of_view, vessel_mask
+
+Row = dict[str, Any]
+
+
+def measures_at(frame: int, names: Sequence[str], maker: PaneMaker) -> list[Row]:
+    """Those of these names, of each pane's picture in its own size; NaN: it cannot be measured.
+
+    Raises ClipError or ImageError.
+    """
+    original = maker.clip.read_image(frame)
+    view = field_of_view(original)
+    vessels = vessel_mask(original, tissue_mask=view)
+    found = (
+        asdict(measured(one.panel.image, original, vessels, view, 0.0)) for one in maker.made(frame, Sizing())
+    )
+    return [{name: one[name] for name in names} for one in found]
+
+
+def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
+    """At a frame a row a pane. Raises ClipError or ImageError."""
+    label, rows = maker.clip.labels[frame], measures_at(frame, record.measures, maker)
+    told = zip(record.panes, rows, strict=True)
+    return [{"frame": frame, "label": label, "pane": pane.title} | row for pane, row in told]
+
+
+def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
+    """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and record."""
+    definitions = {name: text for name, text in DEFINITIONS.items() if name in record.measures}
+    with together(path) as place:
+        write_bytes(place, _table(rows, record.measures))
+        write_sidecar(place, record.signed | {"definitions": definitions, "frames": rows})
+
+
+def _table(rows: list[Row], measures: Sequence[str]) -> bytes:
+    """CSV; an empty field is what could not be measured."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, ["frame", "label", "pane", *measures])
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({name: "" if value != value else value for name, value in row.items()})
+    return text.getvalue().encode()

@@ -1,0 +1,110 @@
+"""A picture that was saved before, as a summary shows it: its bytes, and what its provenance says of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import ValidationError
+
+from app.enhancement.methods import EnhancementSettings
+from app.enhancement.records import EnhancedPicture
+from app.enhancement.setting_words import worded
+from app.errors import UserError
+from app.exports.records import EXPORT, PaneRecord, PanesPicture, Render
+from app.files.embedded import JPEG_START, PNG_SIGNATURE, carried
+from app.files.legible import named
+from app.files.provenance import facts_of
+from app.scenes.records import ViewRecord
+from enhance import Statistics
+from renderer.regular_files import read_whole
+
+KINDS: Final = {PNG_SIGNATURE: "image/png", JPEG_START: "image/jpeg"}
+"""By their first bytes, those that browsers show."""
+Measured = dict[str, float | None]
+
+
+@dataclass(frozen=True)
+class Part:
+    """One line about a picture: something that is in it."""
+
+    shows: str
+    settings: str = ""
+    measured: Measured | None = None
+
+
+@dataclass(frozen=True)
+class SavedPicture:
+    """Its content and what it shows."""
+
+    name: str
+    content: bytes
+    title: str
+    parts: tuple[Part, ...]
+
+    @property
+    def media_type(self) -> str:
+        """As browsers call it."""
+        return _media_type(self.content)
+
+
+def read_picture(path: Path) -> SavedPicture:
+    """Raises OSError; UserError: it is no PNG or JPEG, or not one of ours."""
+    content = read_whole(path)
+    if not _media_type(content):
+        raise UserError(f"expected an image that browsers show, PNG or JPEG, got another file: {path}")
+    text = carried(content)
+    if text is None:
+        raise UserError(f"expected an image saved by VesselSplat, found no provenance in it: {path}")
+    facts = facts_of(text, path)
+    return SavedPicture(path.name, content, _title(facts) or path.stem, tuple(_parts(facts)))
+
+
+def _media_type(content: bytes) -> str:
+    return next((kind for start, kind in KINDS.items() if content.startswith(start)), "")
+
+
+def _title(facts: dict[str, Any]) -> str:
+    """The clip or the run, and the frame; empty where neither is told."""
+    views = facts.get("views") or [{}]
+    sources = facts.get("source"), *(facts.get(kind, views[0].get(kind)) for kind in ("run", "splats"))
+    name = next((str(one["name"]) for one in sources if isinstance(one, dict) and one.get("name")), "")
+    frame = facts.get("frame", views[0].get("frame"))
+    index = frame.get("index") if isinstance(frame, dict) else frame
+    return f"{name}, frame {index + 1}" if name and isinstance(index, int) else name
+
+
+def _parts(facts: dict[str, Any]) -> Iterator[Part]:
+    """Of a kind that this version does not know, its name alone."""
+    try:
+        record = EXPORT.validate_python(facts)
+    except ValidationError:
+        yield Part(str(facts.get("kind", "image")).capitalize())
+        return
+    match record:
+        case PanesPicture():
+            yield from map(_of_pane, record.panes)
+            yield from map(_of_scene, record.views)
+        case Render():
+            yield _of_scene(record)
+        case EnhancedPicture():
+            settings = _settings(record.params, record.statistics)
+            yield Part("Enhanced", settings or named(record.method))
+        case _:
+            yield Part(record.kind.capitalize())
+
+
+def _of_pane(pane: PaneRecord) -> Part:
+    frames = f"from {pane.view.trained_on}" if pane.view is not None and pane.view.trained_on else ""
+    return Part(pane.title.split("   ")[0], _settings(pane.params, pane.statistics) or frames, pane.measured)
+
+
+def _of_scene(view: ViewRecord) -> Part:
+    seen = "3D view" if view.view == "color" else f"3D view, {view.view}"
+    return Part(seen, f"from {view.trained_on}" if view.trained_on else "")
+
+
+def _settings(params: EnhancementSettings | None, used: Statistics | None) -> str:
+    return worded(params, used) if params is not None else ""

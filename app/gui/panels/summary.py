@@ -1,0 +1,138 @@
+"""The case summary: which pictures are on its page, in which order, with which notes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import icons_fontawesome_4 as icons
+
+from app.files.legible import legible, located
+from app.gui.actions import actions, export_actions, summary_actions
+from app.gui.panels.small_picture import draw_small
+from app.gui.state.app_state import AppState
+from app.gui.state.summary import Item
+from app.gui.style import theme
+from app.gui.style.widgets import FLAT, button, em, explain, floating, muted, note, row
+from renderer.clip import ByteImage
+
+TEXT = (
+    "Images on one page with their settings, measures and your notes, to print or to send. Any browser "
+    "opens it, and saves it as PDF when printing."
+)
+TITLE_TEXT = "The heading of the page, and the name of its file. Write no patient's name on what you send."
+NOTES_TEXT = "Above the images. Kept with the session."
+SHOWN_TEXT = "Save what is shown now as an image, and add it."
+FILE_TEXT = "A PNG or JPEG image that VesselSplat saved before."
+REMOVE_TEXT = "Remove from the page; the file stays."
+WIDTH, HEIGHT = 8.5, 5.2
+"""Text heights across and down, for a thumbnail."""
+LISTED = 3
+"""Pictures before the list scrolls."""
+Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
+
+
+def draw_summary(state: AppState, texture: Texture) -> None:
+    """A window of its own."""
+    if not state.summary.shown:
+        return
+    with imgui_ctx.begin("Case summary", True, floating(40)) as window:
+        summary_actions.show_summary(state, bool(window.opened))
+        if not window:
+            return
+        note(TEXT)
+        imgui.spacing()
+        _draw_texts(state)
+        imgui.spacing()
+        _draw_adding(state)
+        _draw_items(state, texture)
+        imgui.spacing()
+        _draw_writing(state)
+
+
+def _draw_texts(state: AppState) -> None:
+    row("Title", TITLE_TEXT)
+    changed, title = imgui.input_text_with_hint("##title", summary_actions.TITLE, state.summary.title)
+    explain(TITLE_TEXT)
+    if changed:
+        summary_actions.type_title(state, title)
+    row("Notes", NOTES_TEXT)
+    changed, notes = imgui.input_text_multiline("##notes", state.summary.notes, ImVec2(-0.1, em(3.4)))
+    explain(NOTES_TEXT)
+    if changed:
+        summary_actions.type_notes(state, notes)
+
+
+def _draw_adding(state: AppState) -> None:
+    reason, plus = summary_actions.why_not_add(state), icons.ICON_FA_PLUS
+    add = partial(summary_actions.add_shown, state)
+    button(f"{plus}  What is shown###add shown", add, SHOWN_TEXT, reason=reason, width=11)
+    imgui.same_line()
+    choose = partial(actions.choose_path, state, "file", summary_actions.add_file, "picture")
+    button(f"{plus}  Saved image…###add file", choose, FILE_TEXT, width=11)
+    if state.summary.awaited:
+        imgui.same_line()
+        imgui.align_text_to_frame_padding()
+        muted("Saving the image…")
+
+
+def _draw_items(state: AppState, texture: Texture) -> None:
+    items = state.summary.items
+    lines = min(max(len(items), 1), LISTED)
+    height = lines * (em(HEIGHT) + 2 * imgui.get_style().item_spacing.y) + em(1)
+    with imgui_ctx.begin_child("pictures", ImVec2(0, height), imgui.ChildFlags_.borders | FLAT):
+        if not items:
+            muted("No image yet.")
+        for place, item in enumerate(items):
+            with imgui_ctx.push_id(str(item.path)):
+                _draw_item(state, place, item, texture)
+            imgui.spacing()
+
+
+def _draw_item(state: AppState, place: int, item: Item, texture: Texture) -> None:
+    low = imgui.get_cursor_screen_pos()
+    image, room = state.summary.thumbnails.get(item.path), ImVec2(em(WIDTH), em(HEIGHT))
+    draw_small(image, icons.ICON_FA_FILE, low, room, partial(texture, f"summary {place}"))
+    imgui.dummy(room)
+    explain(legible(str(item.path)))
+    imgui.same_line()
+    with imgui_ctx.begin_group():
+        imgui.align_text_to_frame_padding()
+        imgui.text_unformatted(f"{place + 1}.  {legible(item.path.name)}")
+        _draw_moving(state, place)
+        size = ImVec2(-0.1, em(HEIGHT) - imgui.get_frame_height_with_spacing())
+        changed, text = imgui.input_text_multiline("##note", item.note, size)
+        explain("A note below this image.")
+        if changed:
+            summary_actions.type_note(state, place, text)
+
+
+def _draw_moving(state: AppState, place: int) -> None:
+    """At the right end of the line."""
+    last = len(state.summary.items) - 1
+    buttons = (
+        (f"{icons.ICON_FA_ARROW_UP}###up", partial(summary_actions.move, state, place, -1), "Up.", place > 0),
+        (f"{icons.ICON_FA_ARROW_DOWN}###down", partial(summary_actions.move, state, place, 1), "Down.",
+         place < last),
+        (f"{icons.ICON_FA_TRASH}###remove", partial(summary_actions.remove, state, place), REMOVE_TEXT, True),
+    )  # fmt: skip
+    imgui.same_line(imgui.get_content_region_avail().x - em(5.6))
+    for label, act, text, enabled in buttons:
+        button(label, act, text, enabled=enabled, width=1.7)
+        imgui.same_line(0, em(0.25))
+    imgui.new_line()
+
+
+def _draw_writing(state: AppState) -> None:
+    if state.exports.under_way is not None:
+        button("Cancel", partial(export_actions.cancelled, state), "No file is left incomplete.", width=10)
+        imgui.same_line()
+        muted("Saving the page…")
+        return
+    reason, color = summary_actions.why_not_write(state), theme.now().lit
+    write = partial(summary_actions.write_page, state)
+    button("Save page###write", write, reason=reason, color=color, width=10)
+    imgui.same_line()
+    imgui.align_text_to_frame_padding()
+    muted(reason or f"into {legible(located(state.export_folder)).rstrip('/') or 'the home folder'}")

@@ -1,0 +1,135 @@
+"""The page to print: it holds the images as they are, says what they are, and comes again."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Callable
+from html import unescape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.exports.exporting import ExportRequest, Summary, export
+from app.exports.html_file import facts_in
+from app.exports.make import make
+from app.exports.records import CaseSummary
+from app.exports.replay import replay
+from app.exports.sources import Opened
+from app.exports.summary.saved_picture import read_picture
+from app.files.provenance import NOTICE, provenance, write_png
+from app.files.stepping import run_to_end
+from tests.app.apart import Call
+
+BEFORE = Path(__file__).with_name("before")
+NAMES = ("panes.png", "render-color.png", "enhanced.png", "tuning-sheet.png")
+PICTURES = tuple(BEFORE / name for name in NAMES)
+Vesselsplat = Callable[..., Call]
+
+
+def page_of(path: Path, *pictures: tuple[Path, str], title: str = "A case", notes: str = "") -> str:
+    wanted = Summary(title, "2026-01-31", notes, pictures)
+    run_to_end(make(wanted.record(), Opened(files=wanted.files), path))
+    return path.read_text()
+
+
+def test_it_holds_every_image_byte_by_byte_each_with_the_notice(tmp_path: Path) -> None:
+    page = page_of(tmp_path / "page.html", *((path, "") for path in PICTURES))
+    held = [base64.b64decode(text) for text in re.findall(r'src="data:image/png;base64,([^"]+)"', page)]
+    assert held == [path.read_bytes() for path in PICTURES]
+    assert page.count(f"<figcaption>{NOTICE}</figcaption>") == len(PICTURES)
+    assert "http" not in re.sub(r"base64,[^\"]+", "", page), "nothing comes over a network"
+
+
+def test_it_says_what_is_in_each(tmp_path: Path) -> None:
+    page = page_of(tmp_path / "page.html", *((path, f"note {path.stem}") for path in PICTURES))
+    heads = re.findall(r"<h2>(.*?)</h2>", page)
+    assert heads == ["1. clip, frame 4", "2. run, frame 4", "3. frame-000002.color.png", "4. photo.png"]
+    assert re.findall(r'<p class="note">(.*?)</p>', page) == [f"note {path.stem}" for path in PICTURES]
+    assert "<td>Enhanced</td><td>Brightness auto 0.29" in page
+    assert "from frames enhanced by Brightness" in page
+
+
+def test_what_is_typed_is_text_and_nothing_else(tmp_path: Path) -> None:
+    typed = '</p></script><script>alert("&")</script>'
+    page = page_of(tmp_path / "page.html", (PICTURES[0], typed), title=typed[:90], notes=typed)
+    assert "<script>alert" not in page
+    assert unescape(re.findall(r'<p class="note">(.*?)</p>', page)[0]) == typed
+    facts = facts_in(page)
+    assert (facts["title"], facts["notes"], facts["pictures"][0]["note"]) == (typed[:90], typed, typed)
+
+
+def test_the_page_comes_again_and_not_of_other_images(tmp_path: Path) -> None:
+    copies = [tmp_path / name for name in NAMES]
+    for copy, path in zip(copies, PICTURES, strict=True):
+        copy.write_bytes(path.read_bytes())
+    page = tmp_path / "page.html"
+    page_of(page, *((path, "") for path in copies))
+    assert replay(page, (), tmp_path / "again.html").difference.is_none
+    copies[1].write_bytes(PICTURES[2].read_bytes())
+    with pytest.raises(Exception, match=r"has changed since page\.html was made"):
+        replay(page, (), tmp_path / "other.html")
+    assert not (tmp_path / "other.html").exists()
+
+
+def test_an_image_of_a_kind_that_is_not_known_is_shown_by_its_name(tmp_path: Path) -> None:
+    path = tmp_path / "next.png"
+    write_png(path, np.zeros((4, 5, 3), np.uint8), provenance(kind="hologram", source={"name": "a.mp4"}))
+    found = read_picture(path)
+    assert (found.title, [part.shows for part in found.parts]) == ("a.mp4", ["Hologram"])
+
+
+def test_a_record_of_the_page_is_read_back(tmp_path: Path) -> None:
+    page_of(tmp_path / "page.html", (PICTURES[0], "a\nb"), notes="c")
+    facts: dict[str, Any] = facts_in((tmp_path / "page.html").read_text())
+    told = CaseSummary(**{name: facts[name] for name in ("title", "day", "notes", "pictures")})
+    assert (told.notes, told.pictures[0].note, told.pictures[0].picture.name) == ("c", "a\nb", "panes.png")
+
+
+def test_the_command_writes_it(vesselsplat: Vesselsplat, tmp_path: Path) -> None:
+    page = tmp_path / "out" / "case.html"
+    call = vesselsplat("summary", page, *PICTURES[:2], "--title", "Two", "--note", "first", "--notes", "both")
+    assert (call.code, call.out) == (0, f"{page}\n")
+    facts = facts_in(page.read_text())
+    assert [one["note"] for one in facts["pictures"]] == ["first", ""]
+    assert (facts["title"], facts["notes"]) == ("Two", "both")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("page.txt", PICTURES[0]), r"expected the name of an \.html file, got page\.txt"),
+        (("page.html", BEFORE / "photo.png"), "expected an image saved by VesselSplat, found no provenance"),
+        (("page.html", BEFORE / "depth.npy"), "expected an image that browsers show, PNG or JPEG"),
+        (("page.html", BEFORE / "none.png"), "No such file"),
+        (("page.html", PICTURES[0], "--note", "a", "--note", "b"), "at most a --note per image, got 2 for 1"),
+        (("page.html", PICTURES[0], "--title", "x" * 101), "length of at most 100, got 101"),
+    ],
+)
+def test_a_mistake_is_one_line_and_writes_nothing(
+    arguments: tuple[object, ...], said: str, vesselsplat: Vesselsplat, tmp_path: Path
+) -> None:
+    call = vesselsplat("summary", tmp_path / str(arguments[0]), *arguments[1:])
+    assert call.code == 2
+    assert re.search(said, call.error)
+    assert call.error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_image_that_goes_while_the_page_is_made_stops_it(tmp_path: Path) -> None:
+    gone = tmp_path / "gone.png"
+    wanted = Summary("A", "2026-01-31", "", ((gone, ""),))
+    request = ExportRequest(tmp_path, "page", wanted, Opened(files=wanted.files))
+    with pytest.raises(OSError, match="gone"):
+        list(export(request))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_json_of_the_record_is_json(tmp_path: Path) -> None:
+    """Nothing in it ends the element that it stands in."""
+    page = page_of(tmp_path / "page.html", (PICTURES[0], "</script>"))
+    text = re.findall(r'id="provenance">(.*?)</script>', page, re.DOTALL)[0]
+    assert json.loads(text)["pictures"][0]["note"] == "</script>"

@@ -1,0 +1,160 @@
+"""The case summary in the window: what is shown is added, ordered, noted, kept with the session, written."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from app.enhancement.parameter_grid import measured
+from app.exports.html_file import facts_in
+from app.exports.replay import replay
+from app.exports.summary.page import COLUMNS
+from app.files.provenance import read_provenance
+from app.gui.actions import actions, leaving, session_actions, summary_actions
+from app.gui.commands.keys import chord
+from app.gui.panels.summary import draw_summary
+from app.gui.session_file import MOST_ITEMS, mended_session, write_session
+from app.gui.state.app_state import AppState
+from app.gui.state.summary import Item
+from app.gui.work.background import Failure
+from app.gui.work.settings import Places, Settings
+from enhance.ridges import field_of_view, vessel_mask
+from tests.app.gui.exporting import Exporter
+from tests.app.gui.ui import Ui, no_thumbnail
+
+
+def add(window: Exporter) -> None:
+    summary_actions.add_shown(window.state)
+    window.turn(20)
+
+
+def test_what_is_shown_is_saved_and_added_and_the_page_is_written(run: Exporter) -> None:
+    state = run.state
+    add(run)
+    actions.seek(state, 3)
+    run.turn(8)
+    add(run)
+    first, second = state.summary.items
+    assert first.path.parent == state.export_folder
+    assert first.path != second.path
+    summary_actions.type_note(state, 1, "a vessel")
+    summary_actions.type_title(state, "Case: 7")  # No name of a file.
+    summary_actions.move(state, 1, -1)
+    summary_actions.move(state, 0, -1)
+    assert [item.note for item in state.summary.items] == ["a vessel", ""]
+    summary_actions.write_page(state)
+    run.turn(20)
+    assert state.window.banner is None
+    path = state.exports.last
+    assert path is not None
+    assert path.name == "case-summary.html"
+    facts = facts_in(path.read_text())
+    told = [(one["picture"]["name"], one["note"]) for one in facts["pictures"]]
+    assert told == [(second.path.name, "a vessel"), (first.path.name, "")]
+    assert facts["title"] == "Case: 7"
+    assert replay(path, (), path.with_name("again.html")).difference.is_none
+
+
+def test_the_measures_are_those_of_the_panes(run: Exporter) -> None:
+    """By what they are defined by, of the frame and of the enhanced one that the window shows."""
+    run.rest()
+    add(run)
+    (item,) = run.state.summary.items
+    told = read_provenance(item.path)["panes"]
+    original, pictures = run.state.source.clip.read_image(0), run.state.picture.pictures  # type: ignore[union-attr]
+    assert pictures is not None
+    view = field_of_view(original)
+    vessels = vessel_mask(original, tissue_mask=view)
+    for pane, image in zip(told, (pictures.original, pictures.enhanced), strict=True):
+        wanted = asdict(measured(image, original, vessels, view, 0.0))
+        for name, value in pane["measured"].items():
+            # JSON has no NaN.
+            assert np.isclose(np.nan if value is None else value, wanted[name], equal_nan=True), name
+    summary_actions.write_page(run.state)
+    run.turn(20)
+    assert run.state.exports.last is not None
+    page = run.state.exports.last.read_text()
+    numbers = [(told[1]["measured"][name], form) for name, _, form in COLUMNS]
+    assert all(value is None or f">{value:{form}}<" in page for value, form in numbers)
+
+
+def test_a_page_has_the_name_of_its_title_where_that_can_be_one(run: Exporter) -> None:
+    add(run)
+    summary_actions.type_title(run.state, "Colon")
+    summary_actions.write_page(run.state)
+    run.turn(20)
+    assert run.state.exports.last == run.state.export_folder / "Colon.html"
+
+
+def test_an_image_is_added_once_and_only_of_a_kind_that_browsers_show(
+    state: AppState, tmp_path: Path
+) -> None:
+    for name in ("a.png", "a.png", "b.JPG", "c.tiff", "d.npy"):
+        summary_actions.add_file(state, tmp_path / name)
+    assert [item.path.name for item in state.summary.items] == ["a.png", "b.JPG"]
+    assert state.window.banner is not None
+    assert "expected a PNG or JPEG image that VesselSplat saved, got d.npy" in state.window.banner.message
+
+
+def test_what_cannot_be_saved_is_not_waited_for(state: AppState) -> None:
+    summary_actions.add_shown(state)
+    (request,) = state.summary.awaited
+    assert summary_actions.why_not_write(state) == "An image is still being saved."
+    summary_actions.take_saved(state, request, Failure("the disk is full"))
+    assert state.summary.awaited == ()
+    assert state.summary.items == ()
+    assert state.window.banner is not None
+    assert "the disk is full" in state.window.banner.message
+
+
+def test_there_is_a_reason_wherever_nothing_can_be_done(places: Places, state: AppState) -> None:
+    empty = AppState(places, Settings(acknowledged=True))
+    assert summary_actions.why_not_add(empty) == "Open a clip, an image or a run first."
+    assert summary_actions.why_not_write(empty) == "Add an image first."
+    summary_actions.write_page(empty)
+    assert empty.exports.under_way is None
+    state.summary.items = tuple(Item(Path(f"{number}.png")) for number in range(MOST_ITEMS))
+    assert str(MOST_ITEMS) in summary_actions.why_not_add(state)
+
+
+def test_the_session_keeps_it(run: Exporter, tmp_path: Path) -> None:
+    state = run.state
+    add(run)
+    summary_actions.type_note(state, 0, "here")
+    summary_actions.type_notes(state, "on all")
+    lost = state.export_folder / "lost.png"
+    summary_actions.add_file(state, lost)
+    path = tmp_path / "kept" / "a.vesselsplat"
+    path.parent.mkdir()
+    write_session(path, session_actions.snapshot(state, path.parent))
+    session, damage = mended_session(path)
+    assert damage == ""
+    other = Exporter(state.places, path)
+    assert other.state.summary.items == (Item(state.summary.items[0].path, "here"),)
+    assert other.state.summary.notes == "on all"
+    assert any(
+        "1 of 2 images of the case summary are no longer there" in line for line in other.state.window.log
+    )
+    assert session.substance == session_actions.snapshot(state, tmp_path).substance
+    summary_actions.type_note(state, 0, "there")
+    assert session.substance != session_actions.snapshot(state, tmp_path).substance
+
+
+@pytest.mark.parametrize("texts", [False, True])
+def test_the_panel_opens_by_its_key_is_drawn_and_left(ui: Ui, run: Exporter, texts: bool) -> None:
+    state = run.state
+    assert chord("Ctrl+Shift+A") is not None
+    summary_actions.toggle_summary(state)
+    if texts:
+        add(run)
+        run.turn(20)
+        assert state.summary.thumbnails[state.summary.items[0].path] is not None
+    for _ in range(3):
+        ui.frame(lambda: draw_summary(state, no_thumbnail))
+    assert imgui.get_io().want_capture_mouse is not None
+    assert leaving.leave_innermost(state)
+    assert not state.summary.shown
