@@ -32,9 +32,10 @@ def find_ways(request: WaysRequest) -> Iterator[Ways]:
     yield Ways(request, depth_ways(request.bare, request.options))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DepthRequest:
-    """The clip with the depth, and where its files state none with the field of view, of other options."""
+    """The clip with the depth, and where its files state none with the field of view, of other options. A
+    second wish for the same is another request."""
 
     bare: Clip
     options: ClipOptions

@@ -126,6 +126,17 @@ def test_a_clip_is_shown_before_the_depth_that_was_chosen_for_it_is_read(
     assert depth_actions.chosen_way(state) == "guessed"
 
 
+def test_a_depth_that_is_chosen_again_while_it_is_read_arrives(places: Places, tmp_path: Path) -> None:
+    state, channels = opened(places, write_video(tmp_path / "video"))
+    depth_actions.choose_source(state, "brightness")
+    update(state, channels, state.window.now + 0.01)
+    depth_actions.choose_source(state, "brightness")
+    turn(state, channels)
+    assert state.source.depth_wish is None
+    assert state.source.clip is not None
+    assert state.source.clip.depth_origin == "brightness"
+
+
 def test_why_there_is_no_depth_names_no_path(places: Places, tmp_path: Path) -> None:
     state, _ = opened(places, write_video(tmp_path / "video"))
     assert state.source.clip is not None
