@@ -147,7 +147,7 @@ def test_the_session_keeps_it(run: Exporter, tmp_path: Path) -> None:
 @pytest.mark.parametrize("texts", [False, True])
 def test_the_panel_opens_by_its_key_is_drawn_and_left(ui: Ui, run: Exporter, texts: bool) -> None:
     state = run.state
-    assert chord("Ctrl+Shift+A") is not None
+    assert chord("Ctrl+Shift+J") is not None
     summary_actions.toggle_summary(state)
     if texts:
         add(run)
