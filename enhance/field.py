@@ -109,7 +109,7 @@ def _fill_polygon(corners: NDArray[np.float64], width: int, spans: Spans) -> Non
         _fill_row(left[row], right[row], width, spans[row])
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _fill_row(left: float, right: float, width: int, span: NDArray[np.int32]) -> None:
     """Columns whose middles lie between these ends; none where they lie the other way round."""
     first = min(max(np.ceil(left - 0.5), 0.0), width)

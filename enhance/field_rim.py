@@ -86,7 +86,7 @@ def _distances(middle: Points, outline: Points) -> Points:
     return far
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _begin(far: float, reach: float) -> float:
     """Of a ray's samples, which are a pixel apart: where the first one lies."""
     return float(np.floor(far - reach) + 0.5)

@@ -85,7 +85,7 @@ def first_pass(
             )
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np.float32]) -> None:
     """Of each column of a block: its first V, and the sum and the squares of what the others differ by.
 
@@ -104,7 +104,7 @@ def _gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np
             spread[i] += apart * apart
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _tally(
     chunk: NDArray[np.float32], levels: NDArray[np.uint16], counts: NDArray[np.int32], count: int
 ) -> None:
@@ -141,7 +141,7 @@ def _shrink(
         _shrink_by(lines, subsample, unit, mean, variance)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _shrink_by(
     lines: NDArray[np.float32],
     subsample: int,

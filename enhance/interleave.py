@@ -68,7 +68,7 @@ def _put_16(typing_context: Any, planes: Any, at: Any, stride: Any, pixels: Any,
     return types.void(planes, types.intp, types.intp, pixels, types.intp), codegen
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def deinterleave(pixels: NDArray[Any], planes: NDArray[Any]) -> None:
     """(n, 3) pixels to the first n of the first three rows of `planes`; both C-contiguous, of one type."""
     width = planes.shape[1]
@@ -80,7 +80,7 @@ def deinterleave(pixels: NDArray[Any], planes: NDArray[Any]) -> None:
             planes[color, i] = pixels[i, color]
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def interleave(planes: NDArray[Any], pixels: NDArray[Any]) -> None:
     """The other way round."""
     width = planes.shape[1]

@@ -3,6 +3,8 @@
 Its constant number of pixels, held in one local block whose planes cannot overlap, float32 alone, and selects
 instead of branches let LLVM turn each loop into straight vector code. Lanes past the end of a row hold what
 came before; nobody counts or reads them.
+
+Parts of kernels are inlined by LLVM (`forceinline`): to inline them itself, numba takes minutes to compile.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ LEAST = np.float32(1e-30)
 RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, KEEP, PLANES = range(13)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) -> None:
     """Colours, their largest and smallest, as they come; taken apart in their own, narrow type."""
     deinterleave(pixels, apart)
@@ -46,7 +48,7 @@ def load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) 
             chunk[plane, i] = np.float32(apart[plane, i])
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def load_keep(keep: NDArray[np.uint8], y: int, x0: int, count: int, chunk: NDArray[np.float32]) -> None:
     """1 where a pixel counts, 0 elsewhere; an empty `keep` keeps all."""
     if keep.shape[0] == 0:
@@ -59,7 +61,7 @@ def load_keep(keep: NDArray[np.uint8], y: int, x0: int, count: int, chunk: NDArr
             chunk[KEEP, i] = np.float32(keep[y, x0 + i])
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def keep_within(first: int, end: int, x0: int, chunk: NDArray[np.float32]) -> None:
     """Only columns from `first` on and before `end` count."""
     for i in range(CHUNK):

@@ -69,7 +69,7 @@ def _binade(typing_context: Any, value: Any) -> Any:
     return types.float32(types.float32), codegen
 
 
-@njit(inline="always", error_model="numpy")
+@njit(forceinline=True, error_model="numpy")
 def exp2(x: np.float32) -> np.float32:
     """2**x for float32 x <= 127, as 2**-126 below that; relative error below 2e-7, exactly 1 at 0."""
     x = x if x > LEAST_EXPONENT else LEAST_EXPONENT
@@ -80,7 +80,7 @@ def exp2(x: np.float32) -> np.float32:
     return result
 
 
-@njit(inline="always", error_model="numpy")
+@njit(forceinline=True, error_model="numpy")
 def log2(x: np.float32) -> np.float32:
     """log2(x) for float32 x >= 0; error below 2e-7 (|log2 x| + 1), exactly 0 at 1; of 0, LOG2_ZERO."""
     whole: np.float32 = _binade(x)  # type: ignore[call-arg]

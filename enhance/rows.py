@@ -31,13 +31,13 @@ def sums_of(image: NDArray[Any]) -> NDArray[Any]:
     return np.empty(0, np.uint16 if image.dtype == np.uint8 else np.float32)
 
 
-@njit(inline="always", error_model="numpy")
+@njit(forceinline=True, error_model="numpy")
 def held_width(columns: int) -> int:
     """Of the rows that are held: whole chunks, and what is read beside the last."""
     return (columns + CHUNK - 1) // CHUNK * CHUNK + READ - CHUNK
 
 
-@njit(inline="always", error_model="numpy")
+@njit(forceinline=True, error_model="numpy")
 def reflected(at: int, size: int) -> int:
     """The place in [0, size) that stands for one outside."""
     while size > 1 and not 0 <= at < size:

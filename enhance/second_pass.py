@@ -143,7 +143,7 @@ def render(
             sums[block, scale, 1] = totals[scale, 1].sum()
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def filter_row(lines: NDArray[np.float32], x0: int, weight: np.float32, chunk: NDArray[np.float32]) -> None:
     """Q of Eq 6, into SLOPE, between two rows of a and b."""
     a, a_odd = lines[0, 0, x0 : x0 + CHUNK], lines[1, 0, x0 : x0 + CHUNK]
@@ -154,7 +154,7 @@ def filter_row(lines: NDArray[np.float32], x0: int, weight: np.float32, chunk: N
         chunk[SLOPE, i] = slope * chunk[VALUE, i] + offset
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _brighten(
     chunk: NDArray[np.float32], apart: NDArray[Any], curve: NDArray[np.float32], z: np.float32
 ) -> None:
@@ -179,7 +179,7 @@ def _brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
         chunk[LOG, i] = log2(HALF * (root + np.float32(0.4) * (ONE - z) * (ONE - value) + power))
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _add_moments(
     chunk: NDArray[np.float32], pivot: np.float32, drift: NDArray[np.float32], spread: NDArray[np.float32]
 ) -> None:
@@ -189,7 +189,7 @@ def _add_moments(
         spread[i] += apart * apart
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def add_scale(
     chunk: NDArray[np.float32],
     p: np.float32,
@@ -206,7 +206,7 @@ def add_scale(
             chunk[TOTAL, i] += exp2(power * chunk[LOG, i])
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _add_by_root(chunk: NDArray[np.float32]) -> None:
     """Vn^E of Eq 8 from Q for P = 1/2, nearly every image's, in one go; onto TOTAL."""
     for i in range(CHUNK):
@@ -214,7 +214,7 @@ def _add_by_root(chunk: NDArray[np.float32]) -> None:
         chunk[TOTAL, i] += exp2(np.sqrt(ratio) * chunk[LOG, i])
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _raise(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[np.float32]) -> None:
     """E of Eq 7 from Q, or as far as needed from what is kept of an earlier pass; into SLOPE."""
     if stage in (FROM_LOGARITHM, FROM_POWER):
@@ -240,7 +240,7 @@ def _raise(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[
             kept[i] = chunk[SLOPE, i]
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
     """V* of Eq 10: of the scales added up, and of Vn for each that is left out, or alone if there is none."""
     left_out = 0
@@ -258,7 +258,7 @@ def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
         chunk[TOTAL, i] *= share
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _recolor(chunk: NDArray[np.float32], pull: np.float32, color: np.float32, full: np.float32) -> None:
     """Colours of V* and S* (Eqs 11, 12) with the old hue: c becomes V* (1 - S* (M - c) / D), one division."""
     if pull >= ZERO:
@@ -283,7 +283,7 @@ def _recolor(chunk: NDArray[np.float32], pull: np.float32, color: np.float32, fu
         chunk[BLUE, i] = value - fall * (most - chunk[BLUE, i])
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _is_dark(chunk: NDArray[np.float32]) -> bool:
     """Whether any pixel is below V = 24/255; whole numbers, as minima of floats are not reordered."""
     darkest = np.int32(BINS)
@@ -292,7 +292,7 @@ def _is_dark(chunk: NDArray[np.float32]) -> bool:
     return bool(darkest < 24)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def faded_to_black(value: np.float32) -> np.float32:
     """`keep_black`: a smoothstep of V that is 0 at V = 0 and 1 from V = 24/255 on."""
     t = value * (ONE / BLACK)
@@ -311,7 +311,7 @@ def _fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
             chunk[plane, i] = weight * chunk[plane, i] + (ONE - weight) * np.float32(apart[plane, i])
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pixels: NDArray[Any]) -> None:
     if full > ONE:
         for plane in range(3):

@@ -48,7 +48,7 @@ def _widen(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> No
         _widen_by(row, grid, line)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _widen_by(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
     """Where `grid` is a constant, this becomes vector code."""
     last = len(row) - 1
@@ -58,7 +58,7 @@ def _widen_by(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) ->
     _spread(row[max(last - 1, 0)], row[last], row[last], grid, last * grid, line)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _spread(
     left: np.float32, middle: np.float32, right: np.float32, grid: int, at: int, line: NDArray[np.float32]
 ) -> None:

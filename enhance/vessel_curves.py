@@ -42,7 +42,7 @@ def _fitted(values: NDArray[np.float64]) -> NDArray[np.float32]:
     return np.asarray(FROM_VALUES @ values, np.float32)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def value_of(terms: tuple[np.float32, ...], place: np.float32) -> np.float32:
     """Of a polynomial, by Horner's scheme."""
     a, b, c, d, e, f, g, h, i, j, k = terms
@@ -50,7 +50,7 @@ def value_of(terms: tuple[np.float32, ...], place: np.float32) -> np.float32:
     return ((((high * place + g) * place + h) * place + i) * place + j) * place + k
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def unpacked(terms: NDArray[np.float32]) -> tuple[np.float32, ...]:
     """As a tuple, which loops keep in registers."""
     low = terms[5], terms[6], terms[7], terms[8], terms[9], terms[10]

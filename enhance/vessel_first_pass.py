@@ -135,7 +135,7 @@ def first_pass(
             )
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def calm(
     pixels: NDArray[Any],  # (count, 3) of row y, from column x0 on
     across: NDArray[Any],
@@ -175,7 +175,7 @@ def calm(
         chunk[LEAST_COLOR, i] = least if least < blue else blue
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _tally(chunk: NDArray[np.float32], levels: NDArray[np.uint16]) -> None:
     """Add S to its sums; the levels of V, one more than there are of what does not count."""
     for i in range(CHUNK):
@@ -186,7 +186,7 @@ def _tally(chunk: NDArray[np.float32], levels: NDArray[np.uint16]) -> None:
         levels[i] = np.int32(level if chunk[KEEP, i] > ZERO else LEVELS + ONE)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _shrink(
     chunk: NDArray[np.float32],
     alone: bool,
@@ -208,7 +208,7 @@ def _shrink(
         blocks[0, i], blocks[1, i] = mean, (a * a + b * b + (c * c + d * d)) * QUARTER
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _absorb(
     across: NDArray[Any],
     y: int,
@@ -229,7 +229,7 @@ def _absorb(
         chunk[SLOPE, i] = LN_2 * (shading * log2(red + FLOOR) - log2(green + FLOOR))
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _pile_up(
     chunk: NDArray[np.float32],
     y: int,
@@ -259,7 +259,7 @@ def _pile_up(
             _fold(chunk[INVERSE], step, count, small)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _fold(sums: NDArray[np.float32], step: int, count: int, small: NDArray[np.float32]) -> None:
     for x in range((count + step - 1) // step):
         total = ZERO

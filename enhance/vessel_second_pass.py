@@ -133,7 +133,7 @@ def second_pass(
             moments[task, scale, 1] = totals[scale, 1].sum()
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _faded(value: np.float32) -> np.float32:
     """Smoothstep of V between DIM and LIT."""
     t = (value - DIM) * (ONE / (LIT - DIM))
@@ -142,7 +142,7 @@ def _faded(value: np.float32) -> np.float32:
     return t * t * (THREE - TWO * t)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _brighten(chunk: NDArray[np.float32], logarithms: NDArray[np.float32]) -> None:
     """log2 of Vn of Eq 1."""
     terms = unpacked(logarithms)
@@ -151,7 +151,7 @@ def _brighten(chunk: NDArray[np.float32], logarithms: NDArray[np.float32]) -> No
         chunk[LOG, i] = value_of(terms, (log if log > LOWEST else LOWEST) * (-TWO / LOWEST) + ONE)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _deepen(chunk: NDArray[np.float32], powers: NDArray[np.float32], share: np.float32) -> None:
     """V* of the sum over scales in TOTAL, black kept, and `gamma` where it is not dark; into TOTAL."""
     terms = unpacked(powers)
@@ -164,7 +164,7 @@ def _deepen(chunk: NDArray[np.float32], powers: NDArray[np.float32], share: np.f
         chunk[TOTAL, i] = bright + _faded(bright) * (deep - bright)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _color(chunk: NDArray[np.float32], pull: np.float32, most_color: np.float32) -> None:
     """Colours of V in TOTAL, with the gain of S between 1 and its bound; the hue stays.
 
@@ -185,7 +185,7 @@ def _color(chunk: NDArray[np.float32], pull: np.float32, most_color: np.float32)
         chunk[BLUE, i] = value - fall * (most - chunk[BLUE, i])
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _find(
     chunk: NDArray[np.float32],
     even: NDArray[np.float32],
@@ -205,7 +205,7 @@ def _find(
         chunk[SLOPE, i] = strength * _faded(chunk[VALUE, i]) * BOUND * (ONE - TWO / (grown + ONE))
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _attenuate(chunk: NDArray[np.float32], shares: NDArray[np.float32], full: np.float32) -> None:
     """R, G and B less what the density takes, times the value that means 1.0."""
     for color in range(3):

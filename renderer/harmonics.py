@@ -37,7 +37,7 @@ def seen_colors(
     return seen
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _direction(mean: Float32Array, center: NDArray[np.float64]) -> tuple[Any, Any, Any, Any]:
     """Unit vector from the centre to the mean and 1 / distance; all 0 where the two coincide."""
     x, y, z = mean[0] - center[0], mean[1] - center[1], mean[2] - center[2]
@@ -46,7 +46,7 @@ def _direction(mean: Float32Array, center: NDArray[np.float64]) -> tuple[Any, An
     return F(x * nearness), F(y * nearness), F(z * nearness), F(nearness)
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _evaluate(x: Any, y: Any, z: Any, count: int, out: Float32Array) -> None:
     """The functions at a unit vector (x, y, z)."""
     xx, yy, zz = x * x, y * y, z * z
@@ -62,7 +62,7 @@ def _evaluate(x: Any, y: Any, z: Any, count: int, out: Float32Array) -> None:
         out[11] = _F0 * z * (F(2) * zz - F(3) * (xx + yy))
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _slope(x: Any, y: Any, z: Any, g: Float32Array) -> tuple[Any, Any, Any]:
     """Gradient by (x, y, z) of sum_b g_b Y_b, the functions read as the polynomials of `_evaluate`."""
     xx, yy, zz = x * x, y * y, z * z

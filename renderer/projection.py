@@ -50,7 +50,7 @@ def camera_vector(camera: Camera, near: float) -> FloatArray:
     return np.array([*head, *camera.camera_from_world[:3].ravel()])
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _rotation(quat: NDArray[np.float32], out: FloatArray) -> None:
     """Rotation matrix of a wxyz quaternion of any length; the zero quaternion is the identity."""
     w, x, y, z = np.float64(quat[0]), np.float64(quat[1]), np.float64(quat[2]), np.float64(quat[3])
@@ -63,14 +63,14 @@ def _rotation(quat: NDArray[np.float32], out: FloatArray) -> None:
     out[2, 0], out[2, 1], out[2, 2] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _to_camera(mean: NDArray[np.float32], view: FloatArray, out: FloatArray) -> None:
     for i in range(3):
         row = 9 + 4 * i
         out[i] = view[row] * mean[0] + view[row + 1] * mean[1] + view[row + 2] * mean[2] + view[row + 3]
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _screen_axes(
     local: FloatArray, view: FloatArray, rotation: FloatArray, scale: NDArray[np.float32], out: FloatArray
 ) -> None:
@@ -88,7 +88,7 @@ def _screen_axes(
         out[1, j] = view[1] / z * (y - down * depth) * scale[j]
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _minors(axes: FloatArray) -> tuple[float, float, float]:
     """The three of axes: the squares add up to the determinant of axes axes^T (Cauchy-Binet), which would
     cancel as xx yy - xy^2."""
@@ -99,7 +99,7 @@ def _minors(axes: FloatArray) -> tuple[float, float, float]:
     )
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _sharp_determinant(axes: FloatArray) -> float:
     """Determinant of axes axes^T."""
     first, second, third = _minors(axes)
@@ -107,7 +107,7 @@ def _sharp_determinant(axes: FloatArray) -> float:
     return determinant
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _covariance(axes: FloatArray) -> tuple[float, float, float, float]:
     """xx, xy, yy of axes axes^T + LOW_PASS I, and its determinant, a sum of squares."""
     xx = axes[0, 0] ** 2 + axes[0, 1] ** 2 + axes[0, 2] ** 2 + LOW_PASS
@@ -164,7 +164,7 @@ def project(
         visible[n] = record[HALF_WIDTH] < np.inf and record[HALF_HEIGHT] < np.inf
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _conic_gradient(
     sums: NDArray[np.float32], xx: float, xy: float, yy: float, determinant: float, out: FloatArray
 ) -> None:
@@ -178,7 +178,7 @@ def _conic_gradient(
     out[2] = -(right_a * b + right_b * c)
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _add_compensation_gradient(
     axes: FloatArray, xx: float, xy: float, yy: float, determinant: float, by_log: float, out: FloatArray
 ) -> None:
@@ -201,7 +201,7 @@ def _add_compensation_gradient(
         out[1, j] += by_log * (lower[j] / sharp - (xx * axes[1, j] - xy * axes[0, j]) / determinant)
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _quaternion_gradient(
     quat: NDArray[np.float32], by_rotation: FloatArray, out: NDArray[np.float32]
 ) -> None:
@@ -228,7 +228,7 @@ def _quaternion_gradient(
     out[2], out[3] = (gy - along * y) / length, (gz - along * z) / length
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _axes_gradient(
     local: FloatArray,
     view: FloatArray,

@@ -114,7 +114,7 @@ def add_bumps(
                     out[n, c] += bumps[j, n, WEIGHT, c] * exp2(max(-LOG2_E * u * u, FAINTEST))
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def measure_span(bumps: NDArray[np.float32], spans: NDArray[np.float32], j: int, n: int) -> None:
     """Of one function of one Gaussian: where u <= MAX_U in any channel."""
     first, last = np.float32(np.inf), np.float32(-np.inf)

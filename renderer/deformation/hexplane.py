@@ -91,7 +91,7 @@ class _Place(NamedTuple):
     z1: np.float32
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _corner(share: np.float32, count: int) -> tuple[int, np.float32, np.float32]:
     """Cell before a point of [0, 1] between `count` cells, and the weights of it and the next."""
     position = share * np.float32(count - 1)
@@ -100,7 +100,7 @@ def _corner(share: np.float32, count: int) -> tuple[int, np.float32, np.float32]
     return first, ONE - after, after
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _place(
     point: Float32Array, counts: NDArray[np.int64], planes: NDArray[np.int64], lines: NDArray[np.int64]
 ) -> _Place:
@@ -115,7 +115,7 @@ def _place(
     )  # fmt: skip
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _values(cells: Float32Array, lines: Float32Array, at: _Place, c: int) -> tuple[np.float32, ...]:
     """Channel c of xy, xz, yz, xt, yt and zt at a point."""
     a, b, d = at.xy, at.xz, at.yz
@@ -155,13 +155,13 @@ def sample(
                 features[n, column + c] = (xy * xz * yz) * (xt * yt * zt)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _add(to: Float32Array, cell: int, weight: np.float32, values: Float32Array, row: int) -> None:
     for c in range(LANES):
         to[cell, c] += weight * values[row, c]
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _add_plane(
     to: Float32Array, cell: int, stride: int,
     a0: np.float32, a1: np.float32, b0: np.float32, b1: np.float32, values: Float32Array, row: int,
@@ -172,7 +172,7 @@ def _add_plane(
     _add(to, cell + stride + 1, a1 * b1, values, row)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _add_line(
     to: Float32Array, cell: int, a0: np.float32, a1: np.float32, values: Float32Array, row: int
 ) -> None:
@@ -230,7 +230,7 @@ def sample_backward(
                 marks[cell] = marks[cell + 1] = True
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _clear(cells: Float32Array, first: int, end: int) -> None:
     for cell in range(first, end):
         for c in range(LANES):

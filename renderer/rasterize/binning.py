@@ -87,7 +87,7 @@ def count_entries(
     return int(slot_starts[len(visible)])
 
 
-@njit(inline="always")
+@njit(forceinline=True)
 def _tile_at(pixel: float, tiles: int) -> int:
     """Tile of a pixel coordinate of any size; -1 before the first tile, `tiles` behind the last."""
     return int(min(max(pixel, -1.0), tiles * float(TILE)) // TILE)

@@ -72,7 +72,7 @@ BATCH = 16
 """Records fetched together, which hides their way from memory; then a look at whether all have stopped."""
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _blocks(center: np.float32, half: np.float32) -> tuple[int, int]:
     """First and last block, of the tile's four, that center +- half reaches; in pixels of the tile."""
     first = max(0, math.ceil(center - half))
@@ -80,7 +80,7 @@ def _blocks(center: np.float32, half: np.float32) -> tuple[int, int]:
     return first // BLOCK, last // BLOCK
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _alpha(exponent: np.float32, light: np.float32) -> np.float32:
     """2**exponent, capped, and 0 below the cut or where a pixel has stopped."""
     alpha = exp2(max(exponent, LOWEST))
@@ -89,7 +89,7 @@ def _alpha(exponent: np.float32, light: np.float32) -> np.float32:
     return alpha if light >= STOP else ZERO
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _set_lanes(across: NDArray[np.float32], down: NDArray[np.float32]) -> None:
     """Each lane's pixel within a block."""
     for lane in range(LANES):
@@ -97,7 +97,7 @@ def _set_lanes(across: NDArray[np.float32], down: NDArray[np.float32]) -> None:
         down[lane] = np.float32(lane // BLOCK)
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _set_bend(
     a: np.float32,
     b: np.float32,
@@ -112,7 +112,7 @@ def _set_bend(
         bend[lane] = x * (a * x + b * y) + c * y * y
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _fetch(records: NDArray[np.float32], splats: NDArray[np.int32], batch: NDArray[np.float32]) -> None:
     """Copy the records of at most BATCH splats."""
     for i in range(len(splats)):
@@ -207,7 +207,7 @@ def blend(
         )
 
 
-@njit(inline="always")
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _stopped(state: NDArray[np.float32]) -> bool:
     most = ZERO
     for block in range(BLOCKS):

@@ -19,7 +19,7 @@ def corrected_rate(rate: float, steps: int) -> float:
     return float(rate * np.sqrt(1.0 - BETA_2**steps) / (1.0 - BETA_1**steps))
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _update(
     value: np.float32, gradient: np.float32, first: np.float32, second: np.float32, rate: np.float32
 ) -> tuple[np.float32, np.float32, np.float32]:

@@ -109,7 +109,7 @@ def update_bumps(
                     measure_span(bumps, spans, j, n)
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _update_bump(
     bumps: NDArray[np.float32],
     first: NDArray[np.float32],

@@ -51,7 +51,7 @@ def _sweep(
         squares[n] = total / np.float32(wanted)
 
 
-@njit(inline="always")
+@njit(forceinline=True)
 def _square(points: NDArray[np.float32], a: int, b: int) -> np.float32:
     total = np.float32(0.0)
     for c in range(3):
@@ -59,7 +59,7 @@ def _square(points: NDArray[np.float32], a: int, b: int) -> np.float32:
     return total
 
 
-@njit(inline="always")
+@njit(forceinline=True)
 def _insert(nearest: NDArray[np.float32], value: np.float32) -> None:
     """Into an ascending list, whose largest drops out."""
     for k in range(NEIGHBOURS):

@@ -43,12 +43,12 @@ def _invert(planes: NDArray[np.float32], out: NDArray[np.float32]) -> None:
             out[y, x] = weight / depth if weight > HALF and depth > ZERO else ZERO
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _sign(value: np.float32) -> np.float32:
     return ONE if value > ZERO else (-ONE if value < ZERO else ZERO)
 
 
-@njit(inline="always")
+@njit(forceinline=True, error_model="numpy")
 def _apart(near: np.float32, other: np.float32) -> np.float32:
     """Their difference, if both are drawn."""
     return near - other if other > ZERO else ZERO
