@@ -21,9 +21,9 @@ app: $(VENV)/.prepared
 
 LINT = $(BIN)/ruff format --check . && $(BIN)/ruff check . && $(BIN)/mypy && $(BIN)/lint-imports
 
-# Both at once: the suite leaves a core idle for most of the time.
+# On two cores: kernels are compiled beside the linters, once for both processes of the suite.
 test: $(VENV)/.installed-test
-	($(LINT)) & $(BIN)/python -m pytest && wait $$!
+	($(LINT)) & $(BIN)/vesselsplat prepare && $(BIN)/python -m pytest -n 2 --dist worksteal && wait $$!
 
 lint: $(VENV)/.installed-test
 	$(LINT)
