@@ -12,7 +12,8 @@ import signal
 import sys
 import threading
 import time
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import Final
@@ -21,7 +22,7 @@ import psutil
 
 from app.console.startup import rest_while_waiting
 from app.enhancement.methods import VESSEL, Preset
-from app.kernels.progress import Preparation, tasks
+from app.kernels.progress import Kind, Preparation, tasks
 
 SECONDS_TO_END: Final = 2.0
 NICE: Final = 5
@@ -68,12 +69,43 @@ class Preparer:
                 self._process.join(SECONDS_TO_END)
 
 
-def work(pipe: Connection, first: Preset) -> None:
-    """In the process: prepare, and say how far it is before each step."""
+@contextmanager
+def taken_beside(kinds: Sequence[Kind]) -> Iterator[Callable[[], None]]:
+    """A second process takes the steps of these kinds meanwhile; what is yielded waits until it has."""
+    context = multiprocessing.get_context("spawn")
+    pipe, far_end = context.Pipe()
+    process = context.Process(target=take, args=(far_end, kinds), daemon=True)
+    process.start()
+    far_end.close()
+    try:
+        yield process.join
+    finally:
+        pipe.close()
+        process.terminate()
+        process.join(SECONDS_TO_END)
+
+
+def take(pipe: Connection, kinds: Sequence[Kind]) -> None:
+    """In the second process."""
+    _begin(pipe)
+    from app.kernels.steps import use
+
+    for task in tasks():
+        if task.kind in kinds:
+            use(task)
+
+
+def _begin(pipe: Connection) -> None:
+    """In a process that compiles: it ends with the one that started it, and by nothing else."""
     rest_while_waiting()
     for name in {"SIGINT", "SIGHUP"} & vars(signal).keys():
         signal.signal(getattr(signal, name), signal.SIG_IGN)
     threading.Thread(target=_end_with, args=(pipe,), daemon=True).start()
+
+
+def work(pipe: Connection, first: Preset) -> None:
+    """In the process: prepare, and say how far it is before each step."""
+    _begin(pipe)
     # Loaded in this process only.
     from app.kernels.steps import prepare
 

@@ -49,5 +49,6 @@ def test_kernels_are_compiled_before_the_app_starts(tmp_path: Path, target: str)
     assert lines.index("prepare") == len(lines) - 3  # Noted, and then the app itself.
 
 
-def test_the_tests_compile_what_they_need(tmp_path: Path) -> None:
-    assert not any("prepare" in line for line in planned(tmp_path, "test"))
+def test_kernels_are_compiled_once_before_the_tests_run_on_two_processes(tmp_path: Path) -> None:
+    (line,) = [line for line in planned(tmp_path, "test") if "-m pytest" in line]
+    assert line.index("prepare") < line.index("-m pytest -n 2")

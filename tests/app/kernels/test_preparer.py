@@ -19,7 +19,8 @@ from app.gui.update.preparing import COMPLETE, ENDED, follow_preparation
 from app.gui.work.settings import Places
 from app.kernels import preparer, stamp
 from app.kernels.preparer import Preparer
-from app.kernels.progress import OVER, Preparation, paced, tasks, worded
+from app.kernels.progress import OVER, Preparation, Task, paced, tasks, worded
+from tests.benchmarks.soak_health import children
 
 SECONDS = 60.0
 
@@ -190,3 +191,22 @@ def test_a_step_that_takes_longer_than_it_should_tells_of_all_that_follow() -> N
     assert slow.seconds_until(todo[0].kind) == OVER * slow.seconds
     rest = sum(task.seconds for task in todo[1:])
     assert slow.seconds_left == pytest.approx(OVER * slow.seconds + 3 * rest)
+
+
+def test_a_second_process_takes_the_steps_of_its_kinds(monkeypatch: pytest.MonkeyPatch) -> None:
+    taken: list[Task] = []
+    monkeypatch.setattr(preparer, "_begin", lambda pipe: None)
+    monkeypatch.setattr("app.kernels.steps.use", taken.append)
+    preparer.take(None, ("training", "3D view"))  # type: ignore[arg-type]
+    assert taken == [task for task in tasks() if task.kind in ("training", "3D view")]
+
+
+def test_a_second_process_is_waited_for_and_leaves_nothing() -> None:
+    before = set(children())
+    with preparer.taken_beside(()) as wait:
+        (process,) = set(children()) - before
+        wait()
+        assert not process.is_running()
+    with preparer.taken_beside(("training",)):
+        (process,) = set(children()) - before
+    assert not process.is_running()
