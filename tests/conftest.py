@@ -11,10 +11,15 @@ from hypothesis import settings
 
 from app.console.startup import has_display
 from renderer.draw.context import OpenGLUnavailable, standalone_context
+from tests.heeding import heed_signals
 
 # The first example of a test may compile kernels, which has nothing to do with what it asserts.
 settings.register_profile("compiling", deadline=None)
 settings.load_profile("compiling")
+
+
+def pytest_configure() -> None:
+    heed_signals()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 import tempfile
 import time
@@ -22,6 +21,7 @@ from tests.benchmarks.attack.seeds import make_seeds
 from tests.benchmarks.attack.sessions import attack_sessions
 from tests.benchmarks.attack.starts import attack_starts
 from tests.benchmarks.attack.window_kills import attack_window
+from tests.heeding import heed_signals
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def main() -> int:
     given = parser.parse_args()
     parts = PARTS | {"files": replace(PARTS["files"], attack=partial(read_damaged, only=tuple(given.only)))}
     failed = False
-    _heed_signals()
+    heed_signals()
     with tempfile.TemporaryDirectory() as scratch:
         seeds = given.seeds or Path(scratch) / "seeds"
         if not seeds.exists():
@@ -71,13 +71,6 @@ def main() -> int:
             tell(failures)
             failed = failed or bool(failures)
     return int(failed)
-
-
-def _heed_signals() -> None:
-    """A shell in the background has them ignored, which every process that is attacked would take over."""
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)
 
 
 def tell(failures: Sequence[Failure]) -> None:
