@@ -9,7 +9,7 @@ from datetime import date
 from pathlib import Path
 
 from app.errors import UserError
-from app.exports.exporting import Summary
+from app.exports.exporting import UNTITLED, Summary
 from app.exports.make import make
 from app.exports.sources import Opened
 from app.files.atomic import filled
@@ -21,7 +21,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "images", metavar="IMAGE", type=Path, nargs="+", help="PNG or JPEG files that VesselSplat saved"
     )
-    parser.add_argument("--title", default="Case summary", help="the heading (default: Case summary)")
+    parser.add_argument("--title", default=UNTITLED, help=f"the heading (default: {UNTITLED})")
     parser.add_argument("--notes", default="", metavar="TEXT", help="above the images")
     parser.add_argument(
         "--note",

@@ -67,6 +67,9 @@ class SplatFolder:
     """By name."""
 
 
+UNTITLED: Final = "Case summary"
+
+
 @dataclass(frozen=True)
 class Summary:
     """Saved pictures on a page to print. What is typed here becomes what the file says."""

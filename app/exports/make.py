@@ -41,6 +41,7 @@ from app.exports.records import (
 )
 from app.exports.research.model_arrays import write_model_arrays
 from app.exports.research.tracks import write_tracks
+from app.exports.sizing import Sizing
 from app.exports.sources import Sources
 from app.exports.splats.usd import write_moving
 from app.exports.splats.writing import write_moment
@@ -320,7 +321,8 @@ def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
         pairs = zip(record.panes, made, strict=True)
         said = [replace(pane, statistics=one.statistics) for pane, one in pairs]
         if record.measures:
-            rows = measures_at(frame, record.measures, maker)
+            own = made if Sizing(record.scale, record.width) == Sizing() else maker.made(frame, Sizing())
+            rows = measures_at(frame, record.measures, maker, own)
             said = [replace(pane, measured=row) for pane, row in zip(said, rows, strict=True)]
         record = replace(record, panes=tuple(said))
     views: list[ViewRecord] = []

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from app.enhancement.parameter_grid import DEFINITIONS, measured
-from app.exports.panes import PaneMaker
+from app.exports.panes import Made, PaneMaker
 from app.exports.records import MeasuresTable
 from app.exports.sizing import Sizing
 from app.files.atomic import together, write_bytes
@@ -20,23 +20,22 @@ from enhance.ridges import field_of_view, vessel_mask
 Row = dict[str, Any]
 
 
-def measures_at(frame: int, names: Sequence[str], maker: PaneMaker) -> list[Row]:
-    """Those of these names, of each pane's picture in its own size; NaN: it cannot be measured.
+def measures_at(frame: int, names: Sequence[str], maker: PaneMaker, made: Sequence[Made]) -> list[Row]:
+    """Those of these names, of each pane's picture, `made` in its own size; NaN: it cannot be measured.
 
     Raises ClipError or ImageError.
     """
     original = maker.clip.read_image(frame)
     view = field_of_view(original)
     vessels = vessel_mask(original, tissue_mask=view)
-    found = (
-        asdict(measured(one.panel.image, original, vessels, view, 0.0)) for one in maker.made(frame, Sizing())
-    )
+    found = (asdict(measured(one.panel.image, original, vessels, view, 0.0)) for one in made)
     return [{name: one[name] for name in names} for one in found]
 
 
 def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
     """At a frame a row a pane. Raises ClipError or ImageError."""
-    label, rows = maker.clip.labels[frame], measures_at(frame, record.measures, maker)
+    label, made = maker.clip.labels[frame], maker.made(frame, Sizing())
+    rows = measures_at(frame, record.measures, maker, made)
     told = zip(record.panes, rows, strict=True)
     return [{"frame": frame, "label": label, "pane": pane.title} | row for pane, row in told]
 

@@ -83,6 +83,11 @@ class SessionSource:
         except ValueError:
             return cls(path.absolute().as_posix())
 
+    @property
+    def bare(self) -> SessionSource:
+        """Without its folder and its bytes."""
+        return SessionSource(Path(self.path).name)
+
     def found(self, session: Path) -> Path | None:
         """Where it lies now: at its place, or moved along with the session file; None: nowhere."""
         folder = session.absolute().parent
@@ -150,7 +155,7 @@ class SummaryDraft:
     @property
     def substance(self) -> SummaryDraft:
         """Without folders."""
-        bare = (SummaryPicture(SessionSource(Path(one.file.path).name), one.note) for one in self.pictures)
+        bare = (SummaryPicture(one.file.bare, one.note) for one in self.pictures)
         return replace(self, pictures=tuple(bare))
 
 
@@ -215,13 +220,8 @@ class Session:
     def substance(self) -> Session:
         """What a person would miss: without where one looks, steps of undo, and the folders of sources."""
         kept = {name: getattr(self, name) for name in SUBSTANCE}
-        run, second = _named(self.run), _named(self.second)
+        run, second = (one and one.bare for one in (self.run, self.second))
         return Session(run=run, second=second, summary=self.summary.substance, **kept)
-
-
-def _named(source: SessionSource | None) -> SessionSource | None:
-    """Without its folder and its bytes."""
-    return None if source is None else SessionSource(Path(source.path).name)
 
 
 SUBSTANCE: Final = (

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from typing import Final
 
 import psutil
@@ -63,10 +64,8 @@ class Preparer:
         """End the process; what it has compiled stays. At most a few seconds."""
         self._pipe.close()
         self._far_end.close()
-        for end in (self._process.terminate, self._process.kill):
-            if self._process.pid is not None and self._process.is_alive():
-                end()
-                self._process.join(SECONDS_TO_END)
+        if self._process.pid is not None:
+            _end(self._process)
 
 
 @contextmanager
@@ -81,8 +80,14 @@ def taken_beside(kinds: Sequence[Kind]) -> Iterator[Callable[[], None]]:
         yield process.join
     finally:
         pipe.close()
-        process.terminate()
-        process.join(SECONDS_TO_END)
+        _end(process)
+
+
+def _end(process: BaseProcess) -> None:
+    for end in (process.terminate, process.kill):
+        if process.is_alive():
+            end()
+            process.join(SECONDS_TO_END)
 
 
 def take(pipe: Connection, kinds: Sequence[Kind]) -> None:

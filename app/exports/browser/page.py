@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from app.errors import UserError
 from app.exports.browser.tracks import Tracks
-from app.exports.html_file import PROVENANCE, filled_in, found, in_script
+from app.exports.html_file import facts_in, filled_in, found, in_script
 from app.files.provenance import NOTICE
 from renderer.camera import Camera
 from renderer.json_files import parsed
@@ -72,9 +72,9 @@ def browser_page(
 def read_page(text: str) -> tuple[dict[str, Any], dict[str, Any], NDArray[np.uint8]]:
     """Provenance, scene and content of a page. Raises UserError: it is none of ours, or damaged."""
     try:
-        facts, scene = (found(text, "application/json", name) for name in (PROVENANCE, "scene"))
+        scene = found(text, "application/json", "scene")
         packed = base64.b64decode(found(text, "application/octet-stream", "content"), validate=True)
-        return parsed(facts), parsed(scene), np.frombuffer(gzip.decompress(packed), np.uint8)
+        return facts_in(text), parsed(scene), np.frombuffer(gzip.decompress(packed), np.uint8)
     except (ValueError, OSError, EOFError) as error:
         raise UserError(f"expected an HTML file written by VesselSplat ({error})") from error
 

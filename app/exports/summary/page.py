@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Sequence
-from hashlib import sha256
 from html import escape
 from importlib.resources import files
 from typing import Final
@@ -49,7 +48,7 @@ def summary_page(record: CaseSummary, pictures: Sequence[SavedPicture]) -> bytes
 
 def _section(number: int, picture: SavedPicture, told: SummaryPicture) -> str:
     source = f"data:{picture.media_type};base64,{base64.b64encode(picture.content).decode()}"
-    origin = f"{picture.name} · SHA-256 {sha256(picture.content).hexdigest()[:16]}…"
+    origin = f"{told.picture.name} · SHA-256 {told.picture.sha256[:16]}…"
     return (
         f"<section>\n<h2>{number}. {_text(picture.title)}</h2>\n"
         f'<figure><img src="{source}" alt="{_text(picture.title)}"/>\n'

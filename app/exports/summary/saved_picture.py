@@ -39,7 +39,6 @@ class Part:
 class SavedPicture:
     """Its content and what it shows."""
 
-    name: str
     content: bytes
     title: str
     parts: tuple[Part, ...]
@@ -59,7 +58,7 @@ def read_picture(path: Path) -> SavedPicture:
     if text is None:
         raise UserError(f"expected an image saved by VesselSplat, found no provenance in it: {path}")
     facts = facts_of(text, path)
-    return SavedPicture(path.name, content, _title(facts) or path.stem, tuple(_parts(facts)))
+    return SavedPicture(content, _title(facts) or path.stem, tuple(_parts(facts)))
 
 
 def _media_type(content: bytes) -> str:

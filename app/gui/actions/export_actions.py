@@ -137,9 +137,14 @@ def export_request(state: AppState, what: What, stem: str = "") -> ExportRequest
     return request
 
 
+def why_not_save(state: AppState) -> str:
+    """What an image of all that is shown lacks, in a sentence; empty when it can be saved."""
+    return _lacks(state, OFFERS["panes and 3D view"])
+
+
 def save_picture(state: AppState) -> None:
     """A PNG of what is shown, written in the background beside whatever is exported."""
-    if reason := _lacks(state, OFFERS["panes and 3D view"]):
+    if reason := why_not_save(state):
         actions.fail(state, f"the image was not saved: {reason}")
     elif (request := shown_request(state)) is not None:
         state.window.wishes += (request,)

@@ -7,20 +7,19 @@ from datetime import date
 from pathlib import Path
 
 from app.enhancement.settable import LONGEST_NAME
-from app.exports.exporting import ExportRequest, Step, Summary
+from app.exports.exporting import UNTITLED, ExportRequest, Step, Summary
 from app.exports.records import MEASURES, PanesPicture
 from app.exports.sources import Opened
-from app.files.embedded import CARRIERS
 from app.gui.actions import actions, export_actions
 from app.gui.actions.export_names import why_not_name
 from app.gui.session_file import MOST_ITEMS, SummaryDraft
 from app.gui.state.app_state import AppState
+from app.gui.state.choosing import SAVED
 from app.gui.state.pace import Pace
 from app.gui.state.summary import Item
 from app.gui.work.background import Failure
 from renderer.clip import ByteImage
 
-TITLE = "Case summary"
 STEM = "case-summary"
 
 
@@ -37,8 +36,9 @@ def why_not_add(state: AppState) -> str:
     """What is lacking, in a sentence; empty when what is shown can be added."""
     if len(state.summary.items) + len(state.summary.awaited) >= MOST_ITEMS:
         return f"There are {MOST_ITEMS} images already."
-    has_something = state.source.clip is not None or state.plain_view_request is not None
-    return "" if has_something else "Open a clip, an image or a run first."
+    if state.source.clip is None and state.plain_view_request is None:
+        return "Open a clip, an image or a run first."
+    return export_actions.why_not_save(state)
 
 
 def add_shown(state: AppState) -> None:
@@ -69,7 +69,7 @@ def add_file(state: AppState, path: Path) -> None:
     path = path.absolute()
     if any(item.path == path for item in state.summary.items):
         actions.announce(state, f"{path.name} is in the case summary already")
-    elif path.suffix.lower() not in CARRIERS or path.suffix.lower().startswith(".tif"):
+    elif path.suffix.lower() not in SAVED.suffixes:
         actions.fail(state, f"expected a PNG or JPEG image that VesselSplat saved, got {path.name}")
     else:
         state.summary.items += (Item(path),)
@@ -120,7 +120,7 @@ def write_page(state: AppState) -> None:
     if why_not_write(state):
         return
     chosen = state.summary
-    title = chosen.title.strip() or TITLE
+    title = chosen.title.strip() or UNTITLED
     pictures = tuple((item.path, item.note) for item in chosen.items)
     wanted = Summary(title, date.today().isoformat(), chosen.notes, pictures)
     stem = title if not why_not_name(title) and chosen.title.strip() else STEM

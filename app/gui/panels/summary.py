@@ -8,6 +8,7 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
+from app.exports.exporting import UNTITLED
 from app.files.legible import legible, located
 from app.gui.actions import actions, export_actions, summary_actions
 from app.gui.panels.small_picture import draw_small
@@ -53,7 +54,7 @@ def draw_summary(state: AppState, texture: Texture) -> None:
 
 def _draw_texts(state: AppState) -> None:
     row("Title", TITLE_TEXT)
-    changed, title = imgui.input_text_with_hint("##title", summary_actions.TITLE, state.summary.title)
+    changed, title = imgui.input_text_with_hint("##title", UNTITLED, state.summary.title)
     explain(TITLE_TEXT)
     if changed:
         summary_actions.type_title(state, title)

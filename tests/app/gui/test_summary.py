@@ -12,6 +12,7 @@ from imgui_bundle import imgui
 from app.enhancement.parameter_grid import measured
 from app.exports.html_file import facts_in
 from app.exports.replay import replay
+from app.exports.sizing import Sizing
 from app.exports.summary.page import COLUMNS
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, leaving, session_actions, summary_actions
@@ -80,6 +81,23 @@ def test_the_measures_are_those_of_the_panes(run: Exporter) -> None:
     page = run.state.exports.last.read_text()
     numbers = [(told[1]["measured"][name], form) for name, _, form in COLUMNS]
     assert all(value is None or f">{value:{form}}<" in page for value, form in numbers)
+
+
+def test_the_measures_are_those_of_the_pixels_whatever_the_size_of_the_file(run: Exporter) -> None:
+    run.rest()
+    add(run)
+    run.state.exports.sizing = Sizing(2)
+    add(run)
+    once, twice = (read_provenance(item.path)["panes"] for item in run.state.summary.items)
+    assert [pane["measured"] for pane in once] == [pane["measured"] for pane in twice]
+
+
+def test_what_is_too_large_to_be_drawn_is_not_added(run: Exporter) -> None:
+    run.state.exports.view_size, run.state.exports.supersampling = (3840, 2160), 4
+    summary_actions.add_shown(run.state)
+    assert run.state.summary.awaited == ()
+    assert run.state.window.banner is not None
+    assert "million pixels" in run.state.window.banner.message
 
 
 def test_a_page_has_the_name_of_its_title_where_that_can_be_one(run: Exporter) -> None:
