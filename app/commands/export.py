@@ -14,8 +14,8 @@ from app.exports.browser.of_scene import browser_model
 from app.exports.make import make
 from app.exports.records import MovingSplats, RenderVideo, Splats
 from app.exports.sources import Opened
-from app.exports.splats.writing import COMPRESSED, layout_of
-from app.exports.usd_file import require_usd
+from app.exports.splats import fourdgs
+from app.exports.splats.writing import COMPRESSED, MOVING, layout_of
 from app.files.atomic import filled
 from app.files.records import extended
 from app.files.stepping import run_to_end
@@ -64,6 +64,13 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="the Gaussians through the clip as one .usdc file: USD's 3D Gaussian splats, time-sampled",
     )
     parser.add_argument(
+        "--4dgs",
+        type=Path,
+        metavar="FILE",
+        dest="fourdgs",
+        help="the same as one .4dgs file, half as large, rounded (needs the extra 4dgs); a JSON file beside it",
+    )
+    parser.add_argument(
         "--sh-degree",
         type=int,
         choices=range(len(BANDS)),
@@ -90,17 +97,28 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 def run(flags: argparse.Namespace) -> None:
     splats = {".ply": flags.ply, ".spz": flags.spz, ".sog": flags.sog, ".glb": flags.glb}
     splats[COMPRESSED] = flags.compressed_ply
-    others = (flags.video, flags.html, flags.mesh, flags.usd, flags.npz, flags.tracks, flags.cameras)
+    others = (
+        flags.video,
+        flags.html,
+        flags.mesh,
+        flags.usd,
+        flags.fourdgs,
+        flags.npz,
+        flags.tracks,
+        flags.cameras,
+    )
     if not any((*splats.values(), *others)):
         raise UserError(
             "expected what to export: --ply DIR, --compressed-ply DIR, --spz DIR, --sog DIR, --glb DIR, "
-            "--usd FILE, --mesh FILE.glb|DIR, --video FILE, --html FILE, --npz FILE, --tracks FILE "
-            "or --cameras FILE"
+            "--usd FILE, --4dgs FILE, --mesh FILE.glb|DIR, --video FILE, --html FILE, --npz FILE, "
+            "--tracks FILE or --cameras FILE"
         )
     if flags.sh_degree is not None and not any(splats.values()):
         raise UserError("--sh-degree: expected --ply or another kind of splat files, to which it applies")
     mesh_export.check(flags)
-    _check_usd(flags.usd)
+    moving = {"--usd": (flags.usd, ".usdc"), "--4dgs": (flags.fourdgs, fourdgs.SUFFIX)}
+    for flag, (path, suffix) in moving.items():
+        _check_moving(flag, path, suffix)
     research_export.check(flags)
     scene, wanted = view_selection.chosen(flags)
     for suffix, folder in splats.items():
@@ -110,8 +128,9 @@ def run(flags: argparse.Namespace) -> None:
         _write_video(flags, scene, wanted)
     if flags.html:
         _write_page(flags.html, scene, wanted, flags.frames_per_second)
-    if flags.usd:
-        _write_usd(flags.usd, scene, flags.frames_per_second)
+    for path, _ in moving.values():
+        if path:
+            _write_moving(path, scene, flags.frames_per_second)
     if flags.mesh:
         mesh_export.write(flags, scene, wanted)
     research_export.write(flags, scene, wanted)
@@ -132,22 +151,25 @@ def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment],
     sys.stdout.write(f"{folder}: {len(wanted)} splat files{of_each}\n")
 
 
-def _check_usd(path: Path | None) -> None:
-    """Raises UserError: another suffix, or no usd-core."""
+def _check_moving(flag: str, path: Path | None, suffix: str) -> None:
+    """Raises UserError: another suffix, or no package for it."""
     if path is None:
         return
-    if path.suffix.lower() != ".usdc":
-        raise UserError(f"--usd: expected the name of a .usdc file, got {path.name}")
-    require_usd()
+    if path.suffix.lower() != suffix:
+        raise UserError(f"{flag}: expected the name of a {suffix} file, got {path.name}")
+    require, _ = MOVING[suffix]
+    require()
 
 
-def _write_usd(path: Path, scene: Scene, speed: float) -> None:
+def _write_moving(path: Path, scene: Scene, speed: float) -> None:
     """All of the clip."""
     record = extended(MovingSplats, scene.record, seconds=len(scene.cameras) / speed)
     with progress("export", len(scene.cameras)) as report:
         for done in make(record, Opened(model=scene), path):
             report(done, path.name)
     said = f"{len(scene.model)} Gaussians at {len(scene.cameras)} moments"
+    if path.suffix.lower() == fourdgs.SUFFIX and scene.model.raw.harmonics.shape[1]:
+        sys.stderr.write(f"colours by direction are left out of the file: {path}\n")
     sys.stdout.write(f"{path}: {said}, {path.stat().st_size / 1e6:.1f} MB\n")
 
 

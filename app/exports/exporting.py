@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import chain, count
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final
 
 from pydantic import ValidationError
 
@@ -37,19 +37,6 @@ from app.files.records import Source
 from app.files.stepping import map_steps, run_to_end
 from app.live.picture import FRAME, LIVE
 from renderer.clip import ByteImage, Clip
-
-ImageSuffix = Literal[".png", ".jpg", ".tiff"]
-SplatSuffix = Literal[".ply", ".compressed.ply", ".spz", ".sog", ".glb"]
-SUFFIXES: Final = {
-    "panes video": ".mp4",
-    "view video": ".mp4",
-    "measures": ".csv",
-    "moving splats": ".usdc",
-    "model arrays": ".npz",
-    "browser model": ".html",
-    "surface mesh": ".glb",
-}
-"""Of all that is neither a picture nor splats of a moment."""
 
 
 @dataclass(frozen=True)
@@ -116,15 +103,13 @@ class ExportRequest:
     folder: Path
     stem: str
     """Of the name; where that is taken, a number follows it, and what is there stays."""
+    suffix: str
+    """Which says the format; empty for a folder."""
     record: Exported
     """Its clip without a digest, which takes longer than the window can wait."""
     sources: Opened = Opened()  # noqa: RUF009
     screen: ByteImage | None = None
     """(H, W, 3): the whole window as it was read, which nothing else makes; `record` says what was in it."""
-    image: ImageSuffix = ".png"
-    """The format of a picture."""
-    splats: SplatSuffix = ".ply"
-    """The format of splats of a moment."""
 
     @property
     def steps(self) -> int:
@@ -136,21 +121,6 @@ class ExportRequest:
         if isinstance(self.record, SurfaceMesh | MovingSplats) and self.sources.model is not None:
             return len(self.sources.model.cameras)
         return len(self.record.frames) if isinstance(self.record, SpanRecord) else 1
-
-    @property
-    def suffix(self) -> str:
-        """Empty for a folder."""
-        match self.record:
-            case SplatFolder():
-                return ""
-            case Cameras():
-                return ".json"
-            case Splats():
-                return self.splats
-            case Summary():
-                return ".html"
-            case record:
-                return SUFFIXES.get(record.kind, self.image)
 
 
 @dataclass(frozen=True)

@@ -43,8 +43,7 @@ from app.exports.research.model_arrays import write_model_arrays
 from app.exports.research.tracks import write_tracks
 from app.exports.sizing import Sizing
 from app.exports.sources import Sources
-from app.exports.splats.usd import write_moving
-from app.exports.splats.writing import write_moment
+from app.exports.splats.writing import write_moment, write_moving
 from app.exports.summary.writing import write_summary
 from app.files.atomic import together, write_bytes
 from app.files.dicom.choices import DEIDENTIFIED

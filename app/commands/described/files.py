@@ -30,7 +30,7 @@ from renderer.splat_files.splat_records import RECORD
 
 READ_WHOLE = 64 << 20
 """Bytes: a larger file of splats is told by its header."""
-FOR_OTHERS = (".glb", ".usdc", ".obj", ".npz", ".csv", ".html")
+FOR_OTHERS = (".glb", ".usdc", ".4dgs", ".obj", ".npz", ".csv", ".html")
 Facts = tuple[Fact, ...]
 
 

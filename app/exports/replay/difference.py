@@ -21,6 +21,7 @@ from app.exports.html_file import PROVENANCE, facts_in, found
 from app.exports.meshes.mesh_text import obj_rows
 from app.exports.records import CaseSummary
 from app.exports.research.npz import read_members
+from app.exports.splats import fourdgs
 from app.exports.usd_file import read_usd
 from app.files.image_files import read_image
 from renderer.json_files import read_json
@@ -87,6 +88,8 @@ def arrays(path: Path) -> Iterator[Array]:
         return iter(read_glb(path)[1])
     if suffix == ".usdc":
         return iter(read_usd(path)[1])
+    if suffix == fourdgs.SUFFIX:
+        return fourdgs.read_fourdgs(path)
     if suffix == ".obj":
         return iter((obj_rows(read_whole(path)),))
     if suffix in (".spz", ".sog"):

@@ -34,13 +34,13 @@ VALUES: Final[Mapping[str, tuple[tuple[str, ...], Callable[[RawGaussians], Float
 """By attribute: the raw values that it follows from, and how."""
 
 
-def write_moving(record: MovingSplats, scene: Scene, target: Path) -> Generator[int, None, None]:
+def write_usd(record: MovingSplats, scene: Scene, target: Path) -> Generator[int, None, None]:
     """What does not move has one value, all else one a frame; yields frames done.
 
     Raises:
         UserError: no usd-core or one of before 26.3, or Gaussians that are others at every moment.
     """
-    _require_schema()
+    require_splats_in_usd()
     from pxr import Usd, UsdVol
 
     scene.require_one_model()
@@ -62,7 +62,8 @@ def write_moving(record: MovingSplats, scene: Scene, target: Path) -> Generator[
         del stage, field
 
 
-def _require_schema() -> None:
+def require_splats_in_usd() -> None:
+    """Raises UserError: no usd-core, or one of before 26.3."""
     require_usd()
     from pxr import UsdVol
 

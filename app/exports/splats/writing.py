@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Generator, Mapping
 from pathlib import Path
 from typing import Final, Literal
 
 from app.errors import UserError
-from app.exports.records import Splats
+from app.exports.records import MovingSplats, Splats
+from app.exports.splats import fourdgs, usd
 from app.exports.splats.glb import splats_glb
 from app.files.atomic import together, write_bytes
 from app.files.provenance import comments, write_sidecar
@@ -16,6 +18,12 @@ from renderer.splat_files.inria_ply import ply_bytes
 from renderer.splat_files.packed_writing import packed_ply_bytes
 
 COMPRESSED: Final = ".compressed.ply"
+Moving = Callable[[MovingSplats, Scene, Path], Generator[int, None, None]]
+MOVING: Final[Mapping[str, tuple[Callable[[], None], Moving]]] = {
+    ".usdc": (usd.require_splats_in_usd, usd.write_usd),
+    fourdgs.SUFFIX: (fourdgs.require_fourdgs, fourdgs.write_fourdgs),
+}
+"""Of files that hold the whole clip: what raises UserError where a package is lacking, and the writer."""
 
 
 def layout_of(ending: str) -> Literal["compressed"] | None:
@@ -51,3 +59,16 @@ def write_moment(record: Splats, scene: Scene, target: Path) -> None:
         except ValueError as error:
             raise UserError(f"{error}: {target}") from error
         write_sidecar(place, record.signed)
+
+
+def write_moving(record: MovingSplats, scene: Scene, target: Path) -> Generator[int, None, None]:
+    """The whole clip; yields frames done.
+
+    Raises:
+        UserError: no such format, no package for it, or Gaussians that are others at every moment.
+    """
+    suffix = target.suffix.lower()
+    if suffix not in MOVING:
+        raise UserError(f"expected a clip as {', '.join(MOVING)}, got {target.name}")
+    _, write = MOVING[suffix]
+    yield from write(record, scene, target)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Final
 
-from app.exports.exporting import SUFFIXES, ExportRequest, ImageSuffix, SplatSuffix, Step
+from app.exports.exporting import ExportRequest, Step
 from app.exports.sizing import Sizing
+from app.exports.splats import fourdgs
 from app.exports.usd_file import NO_USD, has_usd
 from app.files.legible import located
 from app.files.video_encoder import VideoEncoder
 from app.gui.actions import actions
 from app.gui.actions.export_names import default_name, why_not_name
-from app.gui.actions.export_offers import OF_MODEL, OF_MOVING, OFFERS, Offer
-from app.gui.actions.export_records import request_of, sized
+from app.gui.actions.export_offers import FOLDERS, OF_MODEL, OF_MOVING, OFFERS, Form, Offer
+from app.gui.actions.export_records import format_of, request_of, sized
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.state.pace import Pace
@@ -25,6 +27,8 @@ MOST_DRAWN = 2**25
 """Pixels of the 3D view drawn at once: 3840 × 2160 at 2×, some 0.7 GB while they are averaged."""
 SETTLING = 3
 """Frames after which the menu or the panel that was clicked has gone."""
+PACKAGES: Final = {".usdc": (has_usd, NO_USD), fourdgs.SUFFIX: (fourdgs.has_fourdgs, fourdgs.NO_FOURDGS)}
+"""Of formats that need one: whether it is there, and what to say where it is not."""
 
 
 def toggle_export(state: AppState) -> None:
@@ -89,8 +93,9 @@ def _lacks_model(state: AppState, offer: Offer) -> str:
         return "There is no 3D model yet: reconstruct the clip or open a run."
     if offer.form != "cameras" and state.scene.model.live:
         return "The reconstruction is not finished: wait for it or continue it."
-    if offer.form == "moving splats" and not has_usd():
-        return f"{NO_USD[0].upper()}{NO_USD[1:]}."
+    is_there, lacking = PACKAGES.get(format_of(state, offer.form), (None, ""))
+    if is_there is not None and not is_there():
+        return f"{lacking[0].upper()}{lacking[1:]}."
     if (split := state.scene.model.split_by_time) and offer.form in OF_MOVING:
         return f"This is {split}, not one model that moves."
     if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
@@ -106,11 +111,7 @@ def stem_of(state: AppState) -> str:
 def suffix_of(state: AppState) -> str:
     """Of what is chosen in the panel; empty for a folder."""
     form = OFFERS[state.exports.what].form
-    if form == "splats":
-        return state.exports.splats
-    if form in ("splat folder", "surface folder", "cameras"):
-        return ".json" if form == "cameras" else ""
-    return SUFFIXES.get(form, state.exports.image)
+    return "" if form in FOLDERS else format_of(state, form)
 
 
 def why_not_start(state: AppState) -> str:
@@ -160,7 +161,7 @@ def shown_request(state: AppState) -> ExportRequest | None:
     what: What = "panes and 3D view"
     if state.source.clip is None and state.plain_view_request is None:
         return None
-    return request_of(state, what, default_name(state, what), image=".png")
+    return request_of(state, what, default_name(state, what), ".png")
 
 
 def name_wish(state: AppState) -> NameRequest | None:
@@ -265,14 +266,9 @@ def type_name(state: AppState, name: str) -> None:
     state.exports.name = name.removesuffix(suffix_of(state)) if suffix_of(state) else name
 
 
-def choose_image(state: AppState, image: ImageSuffix) -> None:
-    """The format of images."""
-    state.exports.image = image
-
-
-def choose_splats(state: AppState, splats: SplatSuffix) -> None:
-    """The format of splat files."""
-    state.exports.splats = splats
+def choose_format(state: AppState, form: Form, suffix: str) -> None:
+    """One of its FORMATS."""
+    state.exports.formats[form] = suffix
 
 
 def choose_quality(state: AppState, quality: int) -> None:

@@ -108,8 +108,8 @@ OFFERS: Final[dict[What, Offer]] = {
         "A folder with a file of Gaussian splats per frame, as PLY, SPZ, SOG or glTF.", "splats",
     ),
     "splats through time": Offer(
-        "Splats that move (USD)", "moving splats",
-        "The reconstruction through the clip as one USD file of Gaussian splats, exact at every frame.",
+        "Splats that move", "moving splats",
+        "The reconstruction through the clip as one file of Gaussian splats: USD, or 4DGS.",
         "moving-splats",
     ),
     "page for browsers": Offer(
@@ -118,13 +118,14 @@ OFFERS: Final[dict[What, Offer]] = {
         "others. It begins at the clip's camera.", "model",
     ),
     "surface through time": Offer(
-        "Surface that moves (GLB)", "surface mesh",
-        "The tissue surface through time as glTF, which 3D programs play: one mesh that moves, in metres.",
+        "Surface that moves", "surface mesh",
+        "The tissue surface through time as glTF or USD, which 3D programs play: one mesh that moves.",
         "surface",
     ),
     "surface of all frames": Offer(
-        "Surfaces, all frames (PLY)", "surface folder",
-        "A folder with a PLY mesh of the tissue surface per frame, in the clip's unit.", "surfaces",
+        "Surfaces, all frames", "surface folder",
+        "A folder with a mesh of the tissue surface per frame, as PLY or OBJ, in the clip's unit.",
+        "surfaces",
     ),
     "arrays of all frames": Offer(
         "Arrays for research (NPZ)", "model arrays",
@@ -143,3 +144,27 @@ GROUPS: Final[tuple[tuple[str, tuple[Form, ...]], ...]] = (
     ("Image", ("picture",)), ("Video", VIDEOS), ("Measures", ("measures",)),
     ("3D model", OF_MODEL),
 )  # fmt: skip
+SPLATS: Final = {
+    ".ply": "PLY, exact",
+    ".compressed.ply": "Compressed PLY (PlayCanvas)",
+    ".spz": "SPZ (Niantic)",
+    ".sog": "SOG (PlayCanvas)",
+    ".glb": "glTF (Khronos), in metres",
+}
+FORMATS: Final[dict[Form, dict[str, str]]] = {
+    "picture": {".png": "PNG, lossless", ".tiff": "TIFF, lossless", ".jpg": "JPEG"},
+    "panes video": {".mp4": "MP4"},
+    "view video": {".mp4": "MP4"},
+    "measures": {".csv": "CSV"},
+    "splats": SPLATS,
+    "splat folder": SPLATS,
+    "moving splats": {".usdc": "USD, exact", ".4dgs": "4DGS, half as large"},
+    "browser model": {".html": "HTML"},
+    "surface mesh": {".glb": "glTF, in metres", ".usdc": "USD, in the clip's unit"},
+    "surface folder": {".ply": "PLY", ".obj": "OBJ"},
+    "model arrays": {".npz": "NPZ"},
+    "cameras": {".json": "JSON"},
+}
+"""By suffix, in words; the first unless another is chosen."""
+FOLDERS: Final[tuple[Form, ...]] = ("splat folder", "surface folder")
+"""Of which each file has that suffix."""

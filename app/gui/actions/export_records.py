@@ -8,7 +8,7 @@ from dataclasses import replace
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.settable import ENHANCED
 from app.exports.browser.of_scene import browser_model
-from app.exports.exporting import Cameras, Exported, ExportRequest, ImageSuffix, SplatFolder
+from app.exports.exporting import Cameras, Exported, ExportRequest, SplatFolder
 from app.exports.make import Views
 from app.exports.meshes.of_scene import surface_mesh
 from app.exports.panes import pane_record
@@ -30,7 +30,7 @@ from app.exports.sources import Opened
 from app.exports.splats.writing import layout_of
 from app.files.records import extended
 from app.gui.actions import path_actions
-from app.gui.actions.export_offers import OF_MODEL, OFFERS, Offer
+from app.gui.actions.export_offers import FOLDERS, FORMATS, OF_MODEL, OFFERS, Form, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.state.panes import other_request, shown_mode
@@ -41,37 +41,47 @@ from app.scenes.view_request import FrameRequest, ViewRequest, drawn_record, mom
 from app.scenes.view_selection import FRAMES_PER_SECOND
 
 
-def request_of(state: AppState, what: What, stem: str, image: ImageSuffix | None = None) -> ExportRequest:
-    """Into the chosen folder, by a name that begins with `stem`; nothing that it needs is lacking."""
+def format_of(state: AppState, form: Form) -> str:
+    """The suffix that is chosen for it."""
+    return state.exports.formats.get(form, next(iter(FORMATS[form])))
+
+
+def request_of(state: AppState, what: What, stem: str, suffix: str = "") -> ExportRequest:
+    """Into the chosen folder, by a name that begins with `stem`; nothing that it needs is lacking.
+
+    In the format of `suffix`, or the chosen one.
+    """
     folder, offer, model = state.export_folder, OFFERS[what], state.scene.model
+    suffix = suffix or format_of(state, offer.form)
     if offer.form in OF_MODEL:
         assert model is not None
-        record = _of_model(state, what, model)
-        return ExportRequest(folder, stem, record, Opened(model=model), splats=state.exports.splats)
+        record = _of_model(state, what, model, suffix)
+        return ExportRequest(
+            folder, stem, "" if offer.form in FOLDERS else suffix, record, Opened(model=model)
+        )
     clip, moments = state.source.clip, _moments(state, offer)
     views = tuple(view for views in moments for view in views)
     panes = _panes(state, offer)
     rate = FRAMES_PER_SECOND if clip is None or offer.sees == "path" else clip.frames_per_second
-    image = image or state.exports.image
     record = _record(offer, panes, moments, state.source.span, rate or FRAMES_PER_SECOND)
-    if isinstance(record, PanesPicture) and image == ".jpg":
+    if isinstance(record, PanesPicture) and suffix == ".jpg":
         record = replace(record, quality=state.exports.quality)
     opened = Opened(views, clip, model, measured=state.picture.of_clip)
-    return ExportRequest(folder, stem, record, opened, image=image)
+    return ExportRequest(folder, stem, suffix, record, opened)
 
 
-def _of_model(state: AppState, what: What, model: Scene) -> Exported:
+def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exported:
     """What other programs are to read."""
 
     def splats(frame: int, time: float) -> Splats:
-        degree, layout = state.exports.sh_degree, layout_of(state.exports.splats)
+        degree, layout = state.exports.sh_degree, layout_of(suffix)
         return extended(Splats, model.record, frame=frame, time=time, sh_degree=degree, layout=layout)
 
     if what == "splats of this moment":
         return splats(model.frame_at(state.time), state.time)
     if what == "splats of all frames":
-        frames, end = range(len(model.cameras)), state.exports.splats
-        return SplatFolder(tuple((f"frame-{at:06d}{end}", splats(at, model.time(at))) for at in frames))
+        frames = range(len(model.cameras))
+        return SplatFolder(tuple((f"frame-{at:06d}{suffix}", splats(at, model.time(at))) for at in frames))
     if what == "arrays of all frames":
         return _arrays(model)
     clip = state.source.clip
@@ -85,7 +95,7 @@ def _of_model(state: AppState, what: What, model: Scene) -> Exported:
     if what == "surface of all frames":
         times = enumerate(map(model.time, range(len(model.cameras))))
         return SplatFolder(
-            tuple((f"frame-{at:06d}.ply", surface_mesh(model, speed, at, time)) for at, time in times)
+            tuple((f"frame-{at:06d}{suffix}", surface_mesh(model, speed, at, time)) for at, time in times)
         )
     of_clip = what == "cameras of the clip"
     return Cameras(path_actions.clip_cameras(state) if of_clip else path_actions.path_cameras(state))

@@ -124,7 +124,7 @@ def write_page(state: AppState) -> None:
     pictures = tuple((item.path, item.note) for item in chosen.items)
     wanted = Summary(title, date.today().isoformat(), chosen.notes, pictures)
     stem = title if not why_not_name(title) and chosen.title.strip() else STEM
-    request = ExportRequest(state.export_folder, stem, wanted, Opened(files=wanted.files))
+    request = ExportRequest(state.export_folder, stem, ".html", wanted, Opened(files=wanted.files))
     state.exports.under_way, state.exports.pace = request, Pace()
 
 

@@ -9,6 +9,7 @@ from app.exports.records import PanesPicture
 from app.exports.sources import Opened
 from app.gui.actions import export_actions, presenting
 from app.gui.actions.export_names import default_name
+from app.gui.actions.export_records import format_of
 from app.gui.state.app_state import AppState
 from renderer.clip import ByteImage
 
@@ -40,11 +41,12 @@ def window_request(state: AppState, image: ByteImage) -> ExportRequest:
     if shown is not None and isinstance(shown.record, PanesPicture):
         record, sources = shown.record, shown.sources
     exports = state.exports
-    quality = exports.quality if exports.image == ".jpg" else None
+    suffix = format_of(state, "picture")
+    quality = exports.quality if suffix == ".jpg" else None
     chosen = exports.shown and exports.what == "window"
     stem = export_actions.stem_of(state) if chosen else default_name(state, "window")
     said = replace(record, kind="window", quality=quality)
-    return ExportRequest(state.export_folder, stem, said, sources, image, exports.image)
+    return ExportRequest(state.export_folder, stem, suffix, said, sources, image)
 
 
 def note_layout(state: AppState) -> None:

@@ -7,11 +7,11 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.exports.exporting import ImageSuffix, SplatSuffix
 from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.files.legible import legible, located
 from app.gui.actions import actions, export_actions
-from app.gui.actions.export_offers import GROUPS, OFFERS, VIDEOS, Offer
+from app.gui.actions.export_offers import FORMATS, GROUPS, OFFERS, VIDEOS, Form, Offer
+from app.gui.actions.export_records import format_of
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.style import theme
@@ -33,17 +33,17 @@ FACTOR_TEXT = (
     "Supersampling: rendered with this many times the pixels along each axis, then averaged. "
     "Smoother edges, slower."
 )
-FORMATS: dict[ImageSuffix, str] = {".png": "PNG, lossless", ".tiff": "TIFF, lossless", ".jpg": "JPEG"}
-FORMAT_TEXT = "Each format holds how the image was made. JPEG files are smaller, and lose detail."
-QUALITY_TEXT = "Of 100: higher keeps more detail, in larger files."
-SPLATS: dict[SplatSuffix, str] = {
-    ".ply": "PLY, exact",
-    ".compressed.ply": "Compressed PLY (PlayCanvas)",
-    ".spz": "SPZ (Niantic)",
-    ".sog": "SOG (PlayCanvas)",
-    ".glb": "glTF (Khronos), in metres",
-}
 SPLATS_TEXT = "What the viewer reads. All but PLY and glTF are a third as large or less, and rounded."
+QUALITY_TEXT = "Of 100: higher keeps more detail, in larger files."
+FORMAT_TEXTS: dict[Form, str] = {
+    "picture": "Each format holds how the image was made. JPEG files are smaller, and lose detail.",
+    "splats": SPLATS_TEXT,
+    "splat folder": SPLATS_TEXT,
+    "moving splats": "USD holds the model as it is. 4DGS rounds it, and leaves out colours by direction.",
+    "surface mesh": "Both hold one mesh that moves.",
+    "surface folder": "PLY holds colours as bytes, OBJ is text.",
+}
+"""Of what has more than one."""
 DEGREES = {None: "As the model has", 3: "3, for the original viewer"}
 DEGREE_TEXT = (
     "Degree of the spherical harmonics, filled up with zeros: the original viewer of 3D Gaussian Splatting "
@@ -116,15 +116,13 @@ def _draw_chosen(state: AppState) -> None:
     imgui.spacing()
     _draw_name(state)
     _draw_folder(state)
-    if offer.form == "picture":
-        _draw_format(state)
+    if offer.form in FORMAT_TEXTS:
+        _draw_format(state, offer.form)
     if offer.sides and offer.form != "measures":
         _draw_picture_size(state)
     if offer.sees != "no" and offer.form != "cameras" and state.scene.model is not None:
         _draw_view_size(state)
     if offer.form in ("splats", "splat folder"):
-        splats = choose_row("Format", state.exports.splats, SPLATS, SPLATS_TEXT, 14)
-        export_actions.choose_splats(state, splats)
         degree = choose_row("Harmonics", state.exports.sh_degree, DEGREES, DEGREE_TEXT, 14)
         export_actions.choose_degree(state, degree)
     if offer.form in VIDEOS:
@@ -171,10 +169,10 @@ def _fitting(path: str, room: float) -> str:
     return next((end for end in ends if imgui.calc_text_size(end).x <= room), "…")
 
 
-def _draw_format(state: AppState) -> None:
-    image = choose_row("Format", state.exports.image, FORMATS, FORMAT_TEXT, 8)
-    export_actions.choose_image(state, image)
-    if image == ".jpg":
+def _draw_format(state: AppState, form: Form) -> None:
+    suffix = choose_row("Format", format_of(state, form), FORMATS[form], FORMAT_TEXTS[form], 14)
+    export_actions.choose_format(state, form, suffix)
+    if suffix == ".jpg":
         imgui.same_line()
         imgui.set_next_item_width(em(8))
         _, quality = imgui.slider_int("##quality", state.exports.quality, 50, 100, "quality %d")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
-from app.exports.exporting import ExportRequest, ImageSuffix, SplatSuffix
+from app.exports.exporting import ExportRequest
 from app.exports.sizing import Sizing
 from app.files.video_encoder import VideoEncoder
 from app.gui.state.pace import Pace
@@ -49,11 +49,10 @@ class Exports:
     what: What = "panes and 3D view"
     name: str = ""
     """As a person has typed it, without suffix; empty: what it is of says it."""
-    image: ImageSuffix = ".png"
+    formats: dict[str, str] = field(default_factory=dict)
+    """Suffixes that were chosen, by the form of an offer; the first of its formats otherwise."""
     quality: int = 95
     """Of JPEG images, 1 to 100."""
-    splats: SplatSuffix = ".ply"
-    """The format of splat files."""
     sh_degree: int | None = None
     """To which colours by direction are filled up in splat files; None: as the model has them."""
     sizing: Sizing = field(default_factory=Sizing)

@@ -60,7 +60,7 @@ def _by_commands(folder: Path, clip: Path, run: Path, mip: Path) -> None:
     _keep(folder / "pooled", {"frame-000002.color.png": "enhanced.png"})
     command("export", run, "--html", folder / "model.html")
     command("export", run, "--mesh", folder / "surface.glb", "--vertices", "300")
-    command("export", run, "--usd", folder / "splats.usdc")
+    command("export", run, "--usd", folder / "splats.usdc", "--4dgs", folder / "splats.4dgs")
     for form in ("ply", "obj"):
         flags = ("--mesh-format", form, "--vertices", "300", "--frames", "2")
         command("export", run, "--mesh", folder / form, *flags)

@@ -18,7 +18,7 @@ FILES = sorted(
     path.name
     for path in BEFORE.iterdir()
     if path.suffix
-    in (".png", ".npy", ".tiff", ".mp4", ".ply", ".csv", ".html", ".glb", ".obj", ".npz", ".usdc")
+    in (".png", ".npy", ".tiff", ".mp4", ".ply", ".csv", ".html", ".glb", ".obj", ".npz", ".usdc", ".4dgs")
     and path.name not in ("photo.png", "window.png")
 )
 SOURCES = tuple(BEFORE / name for name in ("clip", "clip/images", "run", "mip", "photo.png", "splats.ply"))

@@ -13,7 +13,7 @@ from pxr import Usd, UsdGeom, UsdVol
 
 from app.errors import UserError
 from app.exports.records import MovingSplats
-from app.exports.splats.usd import write_moving
+from app.exports.splats.usd import write_usd
 from app.exports.usd_file import read_usd
 from app.files.records import extended
 from app.files.stepping import run_to_end
@@ -96,7 +96,7 @@ def test_colours_by_direction_are_turned_with_the_axes(
     raw = gaussians(50, bands)
     scene: Scene = replace(open_scene(runs["original"]), model=DynamicGaussians(raw, Still()))
     path = tmp_path / "a.usdc"
-    run_to_end(write_moving(extended(MovingSplats, scene.record, seconds=2.0), scene, path))
+    run_to_end(write_usd(extended(MovingSplats, scene.record, seconds=2.0), scene, path))
     stage = Usd.Stage.Open(str(path))
     same(at(stage, 3), raw.splats())
 

@@ -122,7 +122,7 @@ def test_a_mistake_is_one_line_and_writes_nothing(
 def test_an_image_that_goes_while_the_page_is_made_stops_it(tmp_path: Path) -> None:
     gone = tmp_path / "gone.png"
     wanted = Summary("A", "2026-01-31", "", ((gone, ""),))
-    request = ExportRequest(tmp_path, "page", wanted, Opened(files=wanted.files))
+    request = ExportRequest(tmp_path, "page", ".html", wanted, Opened(files=wanted.files))
     with pytest.raises(OSError, match="gone"):
         list(export(request))
     assert list(tmp_path.iterdir()) == []

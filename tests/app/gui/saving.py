@@ -25,7 +25,7 @@ def asked(folder: Path, wanted: PictureRequest | None, view: ViewRequest | None 
         record = replace(record, frame=frame, panes=panes)
     stem = wanted.clip.path.stem if wanted is not None else "view"
     opened = Opened(() if view is None else (view,), wanted.clip if wanted is not None else None)
-    return ExportRequest(folder, stem, record, opened)
+    return ExportRequest(folder, stem, ".png", record, opened)
 
 
 def saved(folder: Path, wanted: PictureRequest | None, view: ViewRequest | None = None) -> Path:

@@ -12,7 +12,7 @@ from imgui_bundle import imgui
 
 from app.exports.browser.page import read_page
 from app.exports.browser.tracks import tracks_of
-from app.exports.exporting import ExportRequest, ImageSuffix, SplatSuffix, free_name
+from app.exports.exporting import ExportRequest, free_name
 from app.exports.replay import replay
 from app.files.image_files import read_image, write_image
 from app.files.provenance import read_provenance
@@ -149,12 +149,12 @@ def test_the_folder_is_of_all_exports(run: Exporter, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("image", [".png", ".tiff", ".jpg"])
 def test_an_image_of_each_format_says_how_it_was_made_and_comes_again(
-    run: Exporter, clip_path: Path, image: ImageSuffix
+    run: Exporter, clip_path: Path, image: str
 ) -> None:
     run_path = run.state.runs.reconstruction.run_path
     assert run_path is not None
     plain = read_image(exported(run, "panes and 3D view"))
-    export_actions.choose_image(run.state, image)
+    export_actions.choose_format(run.state, "picture", image)
     export_actions.choose_quality(run.state, 90)
     path = exported(run, "panes and 3D view")
     assert path.suffix == image
@@ -167,7 +167,7 @@ def test_an_image_of_each_format_says_how_it_was_made_and_comes_again(
 
 
 def test_a_jpeg_of_another_quality_is_found_out(run: Exporter, clip_path: Path, tmp_path: Path) -> None:
-    export_actions.choose_image(run.state, ".jpg")
+    export_actions.choose_format(run.state, "picture", ".jpg")
     path = exported(run, "left pane")
     record = export_actions.export_request(run.state, "left pane")
     assert record is not None
@@ -182,7 +182,7 @@ def test_a_jpeg_of_another_quality_is_found_out(run: Exporter, clip_path: Path, 
 
 
 def test_s_saves_png_whatever_is_chosen_for_exports(run: Exporter) -> None:
-    export_actions.choose_image(run.state, ".jpg")
+    export_actions.choose_format(run.state, "picture", ".jpg")
     export_actions.save_picture(run.state)
     (request,) = run.state.window.wishes
     assert isinstance(request, ExportRequest)
@@ -210,9 +210,10 @@ def test_splats_of_a_moment_and_of_all_frames_come_again(run: Exporter, runs: di
 
 @pytest.mark.parametrize("suffix", [".compressed.ply", ".spz", ".sog", ".glb"])
 def test_splats_in_the_format_that_is_chosen_come_again(
-    run: Exporter, runs: dict[str, Path], suffix: SplatSuffix
+    run: Exporter, runs: dict[str, Path], suffix: str
 ) -> None:
-    export_actions.choose_splats(run.state, suffix)
+    for form in ("splats", "splat folder"):
+        export_actions.choose_format(run.state, form, suffix)
     paths = [exported(run, "splats of this moment") for _ in range(2)]
     names = [f"original-frame-1-splats{end}{suffix}" for end in ("", "-2")]
     assert [path.name for path in paths] == names
@@ -225,6 +226,8 @@ def test_splats_in_the_format_that_is_chosen_come_again(
     ("what", "name"),
     [
         ("splats through time", "original-moving-splats.usdc"),
+        ("splats through time", "original-moving-splats.4dgs"),
+        ("surface through time", "original-surface.usdc"),
         ("arrays of all frames", "original-arrays.npz"),
     ],
 )
@@ -232,6 +235,7 @@ def test_the_model_through_time_comes_again(
     run: Exporter, runs: dict[str, Path], what: What, name: str
 ) -> None:
     export_actions.choose_what(run.state, what)
+    export_actions.choose_format(run.state, OFFERS[what].form, Path(name).suffix)
     assert export_actions.suffix_of(run.state) == Path(name).suffix
     path = exported(run, what)
     assert path.name == name
