@@ -68,7 +68,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         dest="fourdgs",
-        help="the same as one .4dgs file, half as large, rounded (needs the extra 4dgs); a JSON file beside it",
+        help="the same as one .4dgs file, half as large, rounded (extra 4dgs); a JSON file beside it",
     )
     parser.add_argument(
         "--sh-degree",

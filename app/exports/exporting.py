@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from app.console.flags import problem
 from app.errors import UserError
+from app.exports.camera_set import CameraSet, form_of, write_cameras
 from app.exports.make import make
 from app.exports.records import (
     BrowserModel,
@@ -27,23 +28,17 @@ from app.exports.records import (
     Splats,
     SummaryPicture,
     SurfaceMesh,
+    Tracks,
     ViewVideo,
 )
 from app.exports.sources import Opened
-from app.files.atomic import filled, write_bytes
+from app.files.atomic import filled
 from app.files.image_files import write_image
 from app.files.provenance import provenance, write_png
 from app.files.records import Source
 from app.files.stepping import map_steps, run_to_end
 from app.live.picture import FRAME, LIVE
 from renderer.clip import ByteImage, Clip
-
-
-@dataclass(frozen=True)
-class Cameras:
-    """A file that other programs read, and that is made already."""
-
-    content: bytes
 
 
 @dataclass(frozen=True)
@@ -92,7 +87,8 @@ Exported = (
     | ModelArrays
     | SplatFolder
     | Summary
-    | Cameras
+    | CameraSet
+    | Tracks
 )
 
 
@@ -114,7 +110,7 @@ class ExportRequest:
     @property
     def steps(self) -> int:
         """How often it comes up for air."""
-        if isinstance(self.record, ViewVideo | ModelArrays):
+        if isinstance(self.record, ViewVideo | ModelArrays | Tracks):
             return len(self.record.moments)
         if isinstance(self.record, SplatFolder):
             return len(self.record.files)
@@ -134,12 +130,14 @@ class Step:
 
 def export(request: ExportRequest) -> Iterator[Step]:
     """Raises OSError, UserError, ClipError or ImageError; what it had begun to write vanishes."""
+    path = request.folder / free_name(request.folder, request.stem)
     if isinstance(request.record, SplatFolder):
-        path = request.folder / free_name(request.folder, request.stem)
         with filled(path) as staging:
             for done, (name, record) in enumerate(request.record.files, start=1):
                 run_to_end(make(record, request.sources, staging / name))
                 yield Step(done)
+    elif not request.suffix and isinstance(request.record, CameraSet):
+        write_cameras(path, request.record, "colmap")
     else:
         with filled(request.folder) as staging:
             yield from _made(request, staging / f"{request.stem}{request.suffix}")
@@ -149,8 +147,8 @@ def export(request: ExportRequest) -> Iterator[Step]:
 
 def _made(request: ExportRequest, target: Path) -> Iterator[Step]:
     record, clip = request.record, request.sources.own
-    if isinstance(record, Cameras):
-        write_bytes(target, record.content)
+    if isinstance(record, CameraSet):
+        write_cameras(target, record, form_of(request.suffix))
         return
     assert not isinstance(record, SplatFolder)
     if isinstance(record, Summary):

@@ -143,8 +143,10 @@ class Tracks(SceneRecord):
     """Where points of the surface are at several moments, as a table."""
 
     kind: Literal["tracks"] = "tracks"
-    points: tuple[tuple[int, int], ...]
+    points: tuple[tuple[int, int], ...] = ()
     """Columns and rows of pixels, from 0, in which they are seen at the start."""
+    places: tuple[tuple[float, float, float], ...] = ()
+    """Of more points, in the world at the start."""
     start: MomentRecord
     moments: tuple[MomentRecord, ...]
 

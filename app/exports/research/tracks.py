@@ -26,7 +26,7 @@ from renderer.surface.mesh import Mesh
 
 COLUMNS: Final = ("point", "frame", "time", "x", "y", "z", "column", "row", "seen")
 DEFINITIONS: Final = {
-    "point": "its place in the list that was asked for, from 0",
+    "point": "its place in the lists that were asked for, pixels before places, from 0",
     "frame": "of the run, from 0; empty: a moment that is none of its frames",
     "time": "in [0, 1] over the clip",
     "x, y, z": "in the world, in {unit}; x right, y down, z forward",
@@ -42,7 +42,7 @@ def write_tracks(record: Tracks, scene: Scene, target: Path) -> Generator[int, N
         UserError: a pixel where there is no surface, or Gaussians that are others at every moment.
     """
     scene.require_one_model()
-    if not record.points or not record.moments:
+    if not (record.points or record.places) or not record.moments:
         raise UserError(f"expected a point and a moment at least: {scene.name}")
     follower = _follower(record, scene)
     text = io.StringIO()
@@ -52,8 +52,8 @@ def write_tracks(record: Tracks, scene: Scene, target: Path) -> Generator[int, N
     for done, moment in enumerate(record.moments, start=1):
         rows.append(_rows(follower.at(moment.time).vertices, moment, scene))
         yield done
-    for point in range(len(record.points)):
-        table.writerows(of_moment[point] for of_moment in rows)
+    for of_point in zip(*rows, strict=True):
+        table.writerows(of_point)
     told = {name: meaning.format(unit=scene.unit) for name, meaning in DEFINITIONS.items()}
     with together(target) as place:
         write_bytes(place, text.getvalue().encode())
@@ -63,7 +63,8 @@ def write_tracks(record: Tracks, scene: Scene, target: Path) -> Generator[int, N
 def _follower(record: Tracks, scene: Scene) -> Follower:
     """Of the points alone, seen through the camera that they were chosen in."""
     start = record.start
-    points = np.array([_lifted(pixel, start, scene) for pixel in record.points], np.float32)
+    lifted = [_lifted(pixel, start, scene) for pixel in record.points]
+    points = np.array([*lifted, *record.places], np.float32)
     return Follower(
         model=scene.model,
         cameras=(start.camera,),

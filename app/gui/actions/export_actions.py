@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+from app.exports.camera_set import ENDINGS, CameraSet
 from app.exports.exporting import ExportRequest, Step
 from app.exports.sizing import Sizing
 from app.exports.splats import fourdgs
@@ -22,6 +23,7 @@ from app.gui.state.panes import why_not
 from app.gui.work.background import Failure
 from app.gui.work.naming import NameRequest
 from app.gui.work.revealing import RevealRequest
+from renderer.camera_files import off_center
 
 MOST_DRAWN = 2**25
 """Pixels of the 3D view drawn at once: 3840 × 2160 at 2×, some 0.7 GB while they are averaged."""
@@ -98,9 +100,17 @@ def _lacks_model(state: AppState, offer: Offer) -> str:
         return f"{lacking[0].upper()}{lacking[1:]}."
     if (split := state.scene.model.split_by_time) and offer.form in OF_MOVING:
         return f"This is {split}, not one model that moves."
+    if offer.form == "tracks" and not _is_measured(state):
+        return "Nothing is measured yet: press M and click the tissue in the 3D view."
     if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
         return "There is no camera path yet: create one in the Cameras panel."
     return ""
+
+
+def _is_measured(state: AppState) -> bool:
+    """A point of the model that is open."""
+    model, measured = state.scene.model, state.scene.viewer.measurement
+    return model is not None and bool(measured.points) and measured.of == model.name
 
 
 def stem_of(state: AppState) -> str:
@@ -135,7 +145,17 @@ def export_request(state: AppState, what: What, stem: str = "") -> ExportRequest
         return None
     request = request_of(state, what, stem or default_name(state, what))
     state.exports.under_way, state.exports.pace = request, Pace()
+    _say_what_shifts(state, request)
     return request
+
+
+def _say_what_shifts(state: AppState, request: ExportRequest) -> None:
+    """Of cameras whose principal point some programs do not read."""
+    cameras = request.record
+    if not isinstance(cameras, CameraSet) or request.suffix != ENDINGS["splatting"]:
+        return
+    if notice := off_center(cameras.named):
+        actions.say(state, notice)
 
 
 def why_not_save(state: AppState) -> str:

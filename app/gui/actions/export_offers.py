@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final, Literal
 
+from app.exports.camera_set import ENDINGS
 from app.gui.state.exports import What
 from app.gui.views.comparison import SIDES, Side
 
 Form = Literal[
     "picture", "panes video", "view video", "measures", "splats", "splat folder", "moving splats",
-    "browser model", "surface mesh", "surface folder", "model arrays", "cameras",
+    "browser model", "surface mesh", "surface folder", "model arrays", "tracks", "cameras",
 ]  # fmt: skip
 OF_MODEL: Final[tuple[Form, ...]] = (
     "splats",
@@ -20,6 +21,7 @@ OF_MODEL: Final[tuple[Form, ...]] = (
     "surface mesh",
     "surface folder",
     "model arrays",
+    "tracks",
     "cameras",
 )
 """Of the reconstruction alone."""
@@ -29,6 +31,7 @@ OF_MOVING: Final[tuple[Form, ...]] = (
     "surface mesh",
     "surface folder",
     "model arrays",
+    "tracks",
 )
 """Of one whose Gaussians are the same at every moment."""
 VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video")
@@ -131,12 +134,20 @@ OFFERS: Final[dict[What, Offer]] = {
         "Arrays for research (NPZ)", "model arrays",
         "Gaussians, depth and cameras of every frame as numpy arrays, with a README inside.", "arrays",
     ),
+    "tracks of the measured points": Offer(
+        "Tracks of measured points", "tracks",
+        "Where the points of the measurement (M) go through the clip, by the model's motion: CSV, a row for "
+        "each point and frame.",
+        "tracks",
+    ),
     "cameras of the clip": Offer(
-        "Cameras of the clip", "cameras", "The camera of each frame as cameras.json, for other programs.",
+        "Cameras of the clip", "cameras",
+        "The camera of each frame for other programs: cameras.json, transforms.json or COLMAP's text model.",
         "cameras",
     ),
     "cameras of the path": Offer(
-        "Cameras of the path", "cameras", "The cameras along the camera path as cameras.json.",
+        "Cameras of the path", "cameras",
+        "The cameras along the camera path for other programs, in the same formats.",
         "path-cameras", sees="path",
     ),
 }  # fmt: skip
@@ -163,7 +174,12 @@ FORMATS: Final[dict[Form, dict[str, str]]] = {
     "surface mesh": {".glb": "glTF, in metres", ".usdc": "USD, in the clip's unit"},
     "surface folder": {".ply": "PLY", ".obj": "OBJ"},
     "model arrays": {".npz": "NPZ"},
-    "cameras": {".json": "JSON"},
+    "tracks": {".csv": "CSV"},
+    "cameras": {
+        ENDINGS["splatting"]: "cameras.json (3D Gaussian Splatting)",
+        ENDINGS["transforms"]: "transforms.json (NeRF), with times",
+        ENDINGS["colmap"]: "COLMAP, a folder",
+    },
 }
 """By suffix, in words; the first unless another is chosen."""
 FOLDERS: Final[tuple[Form, ...]] = ("splat folder", "surface folder")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.settable import ENHANCED
 from app.exports.browser.of_scene import browser_model
-from app.exports.exporting import Cameras, Exported, ExportRequest, SplatFolder
+from app.exports.exporting import Exported, ExportRequest, SplatFolder
 from app.exports.make import Views
 from app.exports.meshes.of_scene import surface_mesh
 from app.exports.panes import pane_record
@@ -24,6 +24,7 @@ from app.exports.records import (
     PanesRecord,
     PanesVideo,
     Splats,
+    Tracks,
     ViewVideo,
 )
 from app.exports.sources import Opened
@@ -36,6 +37,7 @@ from app.gui.state.exports import What
 from app.gui.state.panes import other_request, shown_mode
 from app.gui.views.comparison import Side, label_of
 from app.scenes.cpu_rendering import ON_CPU
+from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene
 from app.scenes.view_request import FrameRequest, ViewRequest, drawn_record, moment_record, view_record
 from app.scenes.view_selection import FRAMES_PER_SECOND
@@ -83,7 +85,7 @@ def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exporte
         frames = range(len(model.cameras))
         return SplatFolder(tuple((f"frame-{at:06d}{suffix}", splats(at, model.time(at))) for at in frames))
     if what == "arrays of all frames":
-        return _arrays(model)
+        return extended(ModelArrays, model.record, renderer=ON_CPU, moments=_frames(model))
     clip = state.source.clip
     speed = (clip.frames_per_second if clip is not None and state.has_frames else None) or FRAMES_PER_SECOND
     if what == "page for browsers":
@@ -97,17 +99,21 @@ def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exporte
         return SplatFolder(
             tuple((f"frame-{at:06d}{suffix}", surface_mesh(model, speed, at, time)) for at, time in times)
         )
-    of_clip = what == "cameras of the clip"
-    return Cameras(path_actions.clip_cameras(state) if of_clip else path_actions.path_cameras(state))
+    if what == "tracks of the measured points":
+        measured = state.scene.viewer.measurement
+        start = MomentRecord(time=measured.time, camera=model.camera_at(measured.time), near=model.near)
+        return extended(Tracks, model.record, places=measured.points, start=start, moments=_frames(model))
+    if what == "cameras of the clip":
+        return path_actions.clip_cameras(model)
+    return path_actions.path_cameras(model, state.scene.cameras.views.path)
 
 
-def _arrays(model: Scene) -> ModelArrays:
-    """Of every frame, as the clip's camera sees it."""
+def _frames(model: Scene) -> tuple[MomentRecord, ...]:
+    """Every frame, as the clip's camera sees it."""
     views = (ViewRequest.of_frame(model, frame) for frame in range(len(model.cameras)))
-    moments = tuple(
+    return tuple(
         replace(moment_record(view), frame=frame, near=model.near) for frame, view in enumerate(views)
     )
-    return extended(ModelArrays, model.record, renderer=ON_CPU, moments=moments)
 
 
 def _record(

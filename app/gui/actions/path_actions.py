@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from app.exports.camera_set import CameraSet
 from app.files.provenance import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.writing import WriteRequest
 from app.scenes.free_camera import FreeView
+from app.scenes.scene import Scene
 from renderer.camera import Camera
-from renderer.camera_files import NamedCamera, off_center, splatting_json
+from renderer.camera_files import NamedCamera
 from renderer.camera_path import CameraPath, Keyframe
 from renderer.view_files import LONGEST, Views, views_json
 
@@ -205,23 +206,18 @@ def save_views(state: AppState) -> None:
     _write(state, OUR_FORMAT, views_json(state.scene.cameras.views))
 
 
-def clip_cameras(state: AppState) -> bytes:
-    """Those of the clip as cameras.json, for other programs."""
-    cameras = state.scene.model.cameras if state.scene.model is not None else ()
-    return _cameras_json(state, [NamedCamera(f"frame-{at:06d}", one) for at, one in enumerate(cameras)])
+def clip_cameras(model: Scene) -> CameraSet:
+    """That of each frame, for other programs."""
+    named = tuple(NamedCamera(f"frame-{at:06d}", one) for at, one in enumerate(model.cameras))
+    times = tuple(map(model.time, range(len(named))))
+    return CameraSet(named, times, model.model.at(times[0]))
 
 
-def path_cameras(state: AppState) -> bytes:
-    """Those along the path, in the same way."""
-    path = state.scene.cameras.views.path
-    keys = path.moments(EXPORT_RATE) if path.keyframes else ()
-    return _cameras_json(state, [NamedCamera(f"path-{at:06d}", key.camera) for at, key in enumerate(keys)])
-
-
-def _cameras_json(state: AppState, named: Sequence[NamedCamera]) -> bytes:
-    if notice := off_center(named):
-        actions.say(state, notice)
-    return splatting_json(named)
+def path_cameras(model: Scene, path: CameraPath) -> CameraSet:
+    """Those along a path that has keyframes, in the same way."""
+    keys = path.moments(EXPORT_RATE)
+    named = tuple(NamedCamera(f"path-{at:06d}", key.camera) for at, key in enumerate(keys))
+    return CameraSet(named, tuple(key.time for key in keys), model.model.at(keys[0].time))
 
 
 def _write(state: AppState, kind: str, content: bytes) -> None:

@@ -41,6 +41,7 @@ FORMAT_TEXTS: dict[Form, str] = {
     "splat folder": SPLATS_TEXT,
     "moving splats": "USD holds the model as it is. 4DGS rounds it, and leaves out colours by direction.",
     "surface mesh": "Both hold one mesh that moves.",
+    "cameras": "For whichever program reads it next.",
     "surface folder": "PLY holds colours as bytes, OBJ is text.",
 }
 """Of what has more than one."""

@@ -35,6 +35,7 @@ What = Literal[
     "surface through time",
     "surface of all frames",
     "arrays of all frames",
+    "tracks of the measured points",
     "cameras of the clip",
     "cameras of the path",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,11 +27,13 @@ from app.gui.commands.keys import chord
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
+from app.gui.views.measurement import Located, Measurement
 from app.gui.work.naming import NameRequest
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from renderer.camera_files import read_cameras
 from renderer.camera_path import CameraPath, Keyframe
+from renderer.picking import surface_point
 from renderer.splat_files import read_splats
 from tests.app.gui.conftest import outside
 from tests.app.gui.exporting import Exporter, exported, same
@@ -283,6 +286,52 @@ def test_cameras_are_exported_for_other_programs(run: Exporter) -> None:
     keys = tuple(Keyframe(at, at / 2, state.scene.model.camera_at(0.0)) for at in (0.0, 1.0))
     state.scene.cameras.views = replace(state.scene.cameras.views, path=CameraPath(keys))
     assert len(read_cameras(exported(run, "cameras of the path"))) == 16
+
+
+@pytest.mark.parametrize("suffix", [".transforms.json", ""])
+def test_cameras_in_other_formats_are_those_of_the_clip(run: Exporter, suffix: str) -> None:
+    model = run.state.scene.model
+    assert model is not None
+    export_actions.choose_format(run.state, "cameras", suffix)
+    export_actions.choose_what(run.state, "cameras of the clip")
+    assert export_actions.suffix_of(run.state) == suffix
+    paths = [exported(run, "cameras of the clip") for _ in range(2)]
+    assert [path.name for path in paths] == [f"original-cameras{suffix}", f"original-cameras-2{suffix}"]
+    cameras = read_cameras(paths[1])
+    assert [one.camera.fx for one in cameras] == pytest.approx([one.fx for one in model.cameras])
+    assert np.allclose(cameras[3].camera.camera_from_world, model.cameras[3].camera_from_world, atol=1e-6)
+
+
+def test_measured_points_are_followed_through_the_clip(run: Exporter, runs: dict[str, Path]) -> None:
+    state, what = run.state, "tracks of the measured points"
+    model = state.scene.model
+    assert model is not None
+    assert "press M" in export_actions.why_not_export(state, what)
+    time = model.time(4)
+    points = [
+        surface_point(model.model.at(time), model.camera_at(time), at, model.near)
+        for at in ((30, 20), (12, 40))
+    ]
+    measured = Measurement()
+    for point in points:
+        assert point is not None
+        x, y, z = point.point
+        measured = measured.with_point(Located((float(x), float(y), float(z))), time, model.name)
+    state.scene.viewer = replace(state.scene.viewer, measurement=measured)
+    path = exported(run, what)
+    assert path.name == "original-tracks.csv"
+    table = list(csv.DictReader(path.read_text().splitlines()))
+    assert len(table) == 2 * len(model.cameras)
+    starts = [row for row in table if row["frame"] == "4"]
+    for row, point in zip(starts, measured.points, strict=True):
+        assert [float(row[axis]) for axis in "xyz"] == pytest.approx(point, rel=0.005)
+        assert row["seen"] == "1"
+    pixel = [float(starts[0][name]) for name in ("column", "row")]
+    assert pixel == pytest.approx([30.5, 20.5], abs=0.1)
+    assert len({row["z"] for row in table if row["point"] == "1"}) > 5  # The tissue moves.
+    assert same(path, runs["original"])
+    state.scene.viewer = replace(state.scene.viewer, measurement=replace(measured, of="another"))
+    assert "press M" in export_actions.why_not_export(state, what)
 
 
 @pytest.mark.parametrize("words", ["export ply", "export jpeg", "export video path", "export cameras"])
