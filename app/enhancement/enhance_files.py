@@ -24,6 +24,7 @@ from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.image_files import ArrayImage, is_image, write_image
 from app.files.image_series import Series
 from app.files.provenance import write_sidecar
+from app.files.records import Source
 from app.files.stepping import ahead
 from app.files.timing import Timing
 from app.files.video import write_frames
@@ -197,21 +198,47 @@ def pooled_statistics(
         raise UserError(f"{error}: {series.sources[0].parent}") from error
 
 
+def enhance_frame_into(output: Path, series: Series, index: int, setting: Setting) -> EnhancedPicture:
+    """Write one of the pictures as a DICOM still; what was used for it.
+
+    Raises:
+        UserError, ClipError: no such picture, or one that cannot be enhanced or written.
+    """
+    if not 0 <= index < len(series):
+        raise UserError(f"expected one of {len(series)} frames, got {index}")
+    pooled = pooled_statistics(series, setting, []) if setting.pools(series) else None
+    record = _record(series, index, Source.of(series.sources[index]), setting, pooled)
+    try:
+        image, made = enhanced(record, series.read(index), MethodEnhancer())
+    except ImageError as error:
+        raise UserError(f"{error}: {series.sources[index]}") from error
+    return write_enhanced_still(output, image, made, series.sources)
+
+
+def _record(
+    series: Series, index: int, source: Source, setting: Setting, pooled: Statistics | None
+) -> EnhancedPicture:
+    """What is to be made of a picture."""
+    return EnhancedPicture(
+        source=source,
+        picture=series.names[index],
+        frame=series.frame(index),
+        deinterlacing=setting.clip_options.deinterlacing,
+        stereo=setting.clip_options.stereo,
+        method=setting.method,
+        params=setting.params,
+        pixels="all" if setting.params is None else setting.pixels,
+        statistics=pooled,
+        dicom=setting.dicom if setting.dicom != DEIDENTIFIED else None,
+    )
+
+
 def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statistics | None) -> Stream:
     origins, enhancer = enumerate(series.origins()), MethodEnhancer()
     try:
         for index, image in images:
-            record = EnhancedPicture(
-                source=next(origin for number, origin in origins if number == index),
-                picture=series.names[index],
-                frame=series.frame(index),
-                deinterlacing=setting.clip_options.deinterlacing,
-                stereo=setting.clip_options.stereo,
-                method=setting.method,
-                params=setting.params,
-                pixels="all" if setting.params is None else setting.pixels,
-                statistics=pooled,
-            )
+            origin = next(origin for number, origin in origins if number == index)
+            record = _record(series, index, origin, setting, pooled)
             try:
                 made = enhanced(record, image, enhancer)
             except (ImageError, UserError) as error:

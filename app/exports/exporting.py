@@ -12,6 +12,7 @@ from typing import Final
 from pydantic import ValidationError
 
 from app.console.flags import problem
+from app.enhancement.enhance_files import Setting, enhance_frame_into, enhance_into
 from app.errors import UserError
 from app.exports.camera_set import CameraSet, form_of, write_cameras
 from app.exports.make import make
@@ -34,6 +35,7 @@ from app.exports.records import (
 from app.exports.sources import Opened
 from app.files.atomic import filled
 from app.files.image_files import write_image
+from app.files.image_series import open_series
 from app.files.provenance import provenance, write_png
 from app.files.records import Source
 from app.files.stepping import map_steps, run_to_end
@@ -75,6 +77,25 @@ class Summary:
             raise UserError(problem(error)) from error
 
 
+@dataclass(frozen=True)
+class Enhanced:
+    """What is open, enhanced as a DICOM object: one frame as a still, or all of a clip as a video."""
+
+    path: Path
+    setting: Setting
+    frame: int | None
+    count: int
+    """Frames that there are."""
+
+    def written(self, target: Path) -> Iterator[int]:
+        """Frames done. Raises UserError or ClipError."""
+        series = open_series(self.path, self.setting.clip_options)
+        if self.frame is None:
+            yield from enhance_into(target, series, self.setting)
+        else:
+            enhance_frame_into(target, series, self.frame, self.setting)
+
+
 Exported = (
     PanesPicture
     | PanesVideo
@@ -89,6 +110,7 @@ Exported = (
     | Summary
     | CameraSet
     | Tracks
+    | Enhanced
 )
 
 
@@ -112,6 +134,8 @@ class ExportRequest:
         """How often it comes up for air."""
         if isinstance(self.record, ViewVideo | ModelArrays | Tracks):
             return len(self.record.moments)
+        if isinstance(self.record, Enhanced):
+            return self.record.count if self.record.frame is None else 1
         if isinstance(self.record, SplatFolder):
             return len(self.record.files)
         if isinstance(self.record, SurfaceMesh | MovingSplats) and self.sources.model is not None:
@@ -149,6 +173,9 @@ def _made(request: ExportRequest, target: Path) -> Iterator[Step]:
     record, clip = request.record, request.sources.own
     if isinstance(record, CameraSet):
         write_cameras(target, record, form_of(request.suffix))
+        return
+    if isinstance(record, Enhanced):
+        yield from map(Step, record.written(target))
         return
     assert not isinstance(record, SplatFolder)
     if isinstance(record, Summary):

@@ -70,6 +70,13 @@ def summary(state: AppState) -> str:
     return f"{worded(chosen.params)} · {SCOPES_SAID[chosen.scope]} · {PIXELS_SAID[chosen.pixels]}"
 
 
+def present_setting(state: AppState) -> Setting:
+    """How files are enhanced: as the Enhancement panel says."""
+    chosen = state.enhancement
+    pooled = POOLED_FRAMES if chosen.scope == "clip" else None
+    return Setting(preset_of(chosen.params), chosen.params, chosen.scope, chosen.pixels, pooled)
+
+
 def why_not_start(state: AppState) -> str:
     """What a batch still lacks, in a sentence; empty when it can start."""
     if state.batches.under_way is not None:
@@ -81,14 +88,8 @@ def batch_request(state: AppState) -> BatchRequest | None:
     """The batch by the present setting, which is then under way; None where `why_not_start` says why."""
     if why_not_start(state):
         return None
-    setting = Setting(
-        preset_of(state.enhancement.params),
-        state.enhancement.params,
-        state.enhancement.scope,
-        state.enhancement.pixels,
-        POOLED_FRAMES if state.enhancement.scope == "clip" else None,
-    )
-    request = BatchRequest(state.batches.inputs, results_folder(state) / f"enhanced-{stamp()}", setting)
+    target = results_folder(state) / f"enhanced-{stamp()}"
+    request = BatchRequest(state.batches.inputs, target, present_setting(state))
     state.batches.under_way, state.batches.progressed = request, None
     return request
 

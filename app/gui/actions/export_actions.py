@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Final
 
@@ -10,11 +12,12 @@ from app.exports.exporting import ExportRequest, Step
 from app.exports.sizing import Sizing
 from app.exports.splats import fourdgs
 from app.exports.usd_file import NO_USD, has_usd
+from app.files.dicom.choices import DicomChoices
 from app.files.legible import located
 from app.files.video_encoder import VideoEncoder
 from app.gui.actions import actions
 from app.gui.actions.export_names import default_name, why_not_name
-from app.gui.actions.export_offers import FOLDERS, OF_MODEL, OF_MOVING, OFFERS, Form, Offer
+from app.gui.actions.export_offers import DICOM, FOLDERS, OF_MODEL, OF_MOVING, OFFERS, Form, Offer
 from app.gui.actions.export_records import format_of, request_of, sized
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
@@ -23,13 +26,19 @@ from app.gui.state.panes import why_not
 from app.gui.work.background import Failure
 from app.gui.work.naming import NameRequest
 from app.gui.work.revealing import RevealRequest
+from app.live.picture import LIVE
 from renderer.camera_files import off_center
+from renderer.readers.dicom.opening import NO_PYDICOM, has_pydicom, is_dicom
 
 MOST_DRAWN = 2**25
 """Pixels of the 3D view drawn at once: 3840 × 2160 at 2×, some 0.7 GB while they are averaged."""
 SETTLING = 3
 """Frames after which the menu or the panel that was clicked has gone."""
-PACKAGES: Final = {".usdc": (has_usd, NO_USD), fourdgs.SUFFIX: (fourdgs.has_fourdgs, fourdgs.NO_FOURDGS)}
+PACKAGES: Final[Mapping[str, tuple[Callable[[], bool], str]]] = {
+    ".usdc": (has_usd, NO_USD),
+    fourdgs.SUFFIX: (fourdgs.has_fourdgs, fourdgs.NO_FOURDGS),
+    ".dcm": (has_pydicom, NO_PYDICOM),
+}
 """Of formats that need one: whether it is there, and what to say where it is not."""
 
 
@@ -54,6 +63,8 @@ def why_not_export(state: AppState, what: What) -> str:
 def _lacks(state: AppState, offer: Offer) -> str:
     if offer.form in OF_MODEL:
         return _lacks_model(state, offer)
+    if offer.form in DICOM:
+        return _lacks_dicom(state, offer)
     needs_view = offer.sees != "no" and not (offer.sides and state.source.clip is not None)
     if needs_view and state.plain_view_request is None:
         return "There is no 3D view yet."
@@ -78,6 +89,34 @@ def _lacks(state: AppState, offer: Offer) -> str:
     return next((reason for reason in reasons if reason), "")
 
 
+def _lacks_dicom(state: AppState, offer: Offer) -> str:
+    clip = state.source.clip
+    if clip is None:
+        return "Open an image or a clip first."
+    if reason := _lacks_package(format_of(state, offer.form)):
+        return reason
+    if clip.format == LIVE:
+        return "A live frame is in no file yet: save the image, then open it."
+    if offer.form == "DICOM video" and len(clip) == 1:
+        return "One image is no video: export the enhanced frame."
+    if offer.form == "DICOM video" and not clip.has_one_size:
+        return "The images differ in size: no video can show them."
+    if state.exports.dicom.keep_identity and not is_of_dicom(clip.path):
+        return "The source is not DICOM: there is no patient to keep."
+    return ""
+
+
+@lru_cache(maxsize=8)
+def is_of_dicom(path: Path) -> bool:
+    """Asked at every frame of the panel, and read once."""
+    return is_dicom(path)
+
+
+def _lacks_package(suffix: str) -> str:
+    is_there, lacking = PACKAGES.get(suffix, (lambda: True, ""))
+    return "" if is_there() else f"{lacking[0].upper()}{lacking[1:]}."
+
+
 def _too_large(state: AppState) -> str:
     """What cannot be drawn at once, of the 3D view as large and as fine as chosen; empty when it can."""
     if state.plain_view_request is None:
@@ -95,9 +134,8 @@ def _lacks_model(state: AppState, offer: Offer) -> str:
         return "There is no 3D model yet: reconstruct the clip or open a run."
     if offer.form != "cameras" and state.scene.model.live:
         return "The reconstruction is not finished: wait for it or continue it."
-    is_there, lacking = PACKAGES.get(format_of(state, offer.form), (None, ""))
-    if is_there is not None and not is_there():
-        return f"{lacking[0].upper()}{lacking[1:]}."
+    if reason := _lacks_package(format_of(state, offer.form)):
+        return reason
     if (split := state.scene.model.split_by_time) and offer.form in OF_MOVING:
         return f"This is {split}, not one model that moves."
     if offer.form == "tracks" and not _is_measured(state):
@@ -289,6 +327,11 @@ def type_name(state: AppState, name: str) -> None:
 def choose_format(state: AppState, form: Form, suffix: str) -> None:
     """One of its FORMATS."""
     state.exports.formats[form] = suffix
+
+
+def choose_dicom(state: AppState, choices: DicomChoices) -> None:
+    """Of DICOM files."""
+    state.exports.dicom = choices
 
 
 def choose_quality(state: AppState, quality: int) -> None:

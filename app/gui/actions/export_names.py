@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import Final
 
-from app.gui.actions.export_offers import OF_MODEL, OFFERS, Offer
+from app.gui.actions.export_offers import DICOM, OF_MODEL, OFFERS, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 
@@ -19,6 +19,9 @@ REFUSED: Final = re.compile(r'[\x00-\x1f\x7f/\\\\:*?"<>|]')
 def default_name(state: AppState, what: What) -> str:
     """Without suffix: "liver-frame-12-left", "liver-frames-1-40-measures", "still-shown"."""
     offer = OFFERS[what]
+    if offer.form in DICOM:
+        # Files are often named after patients.
+        return "-".join(filter(None, (offer.name, _when(state, offer))))
     told = "-".join(filter(None, (_when(state, offer), offer.name, _seen(state, offer))))
     # Not by the very name of the still that is open.
     return f"{_of(state, offer)}-{told or 'shown'}"
@@ -51,7 +54,7 @@ def _when(state: AppState, offer: Offer) -> str:
         return f"frames-{first + 1}-{last + 1}"
     if offer.form == "splats" and model is not None:
         return f"frame-{model.number_at(state.time):g}" if len(model.cameras) > 1 else ""
-    if offer.form == "picture" and clip is not None and len(clip) > 1:
+    if offer.form in ("picture", "DICOM still") and clip is not None and len(clip) > 1:
         return f"frame-{state.timeline.shown_index + 1}"
     return ""
 

@@ -10,8 +10,9 @@ from app.gui.state.exports import What
 from app.gui.views.comparison import SIDES, Side
 
 Form = Literal[
-    "picture", "panes video", "view video", "measures", "splats", "splat folder", "moving splats",
-    "browser model", "surface mesh", "surface folder", "model arrays", "tracks", "cameras",
+    "picture", "DICOM still", "panes video", "view video", "DICOM video", "measures", "splats",
+    "splat folder", "moving splats", "browser model", "surface mesh", "surface folder", "model arrays",
+    "tracks", "cameras",
 ]  # fmt: skip
 OF_MODEL: Final[tuple[Form, ...]] = (
     "splats",
@@ -34,7 +35,9 @@ OF_MOVING: Final[tuple[Form, ...]] = (
     "tracks",
 )
 """Of one whose Gaussians are the same at every moment."""
-VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video")
+DICOM: Final[tuple[Form, ...]] = ("DICOM still", "DICOM video")
+"""Of the enhanced frames alone."""
+VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video", "DICOM video")
 
 
 @dataclass(frozen=True)
@@ -76,6 +79,12 @@ OFFERS: Final[dict[What, Offer]] = {
         "Whole window", "picture",
         "The window as it is on screen, without this panel: also by F12. It cannot be replayed.", "window",
     ),
+    "enhanced frame": Offer(
+        "Enhanced frame (DICOM)", "DICOM still",
+        "The frame as the Enhancement panel sets it, at its own size, as a VL Endoscopic Image for archives "
+        "(PACS). Nothing in it tells who the patient is unless chosen so.",
+        "enhanced",
+    ),
     "video of the panes": Offer(
         "Panes as shown", "panes video", "Every frame from In to Out, compared as on screen.", "panes",
         SIDES, True,
@@ -86,6 +95,12 @@ OFFERS: Final[dict[What, Offer]] = {
     ),
     "video of both panes": Offer(
         "Both panes", "panes video", "Every frame from In to Out, side by side.", "both", SIDES
+    ),
+    "enhanced clip": Offer(
+        "Enhanced clip (DICOM)", "DICOM video",
+        "All frames as the Enhancement panel sets them, as a Video Endoscopic Image for archives (PACS). "
+        "Nothing in it tells who the patient is unless chosen so.",
+        "enhanced",
     ),
     "video through time": Offer(
         "3D through time", "view video", "The 3D view as shown, and the second one, through the clip.",
@@ -152,7 +167,7 @@ OFFERS: Final[dict[What, Offer]] = {
     ),
 }  # fmt: skip
 GROUPS: Final[tuple[tuple[str, tuple[Form, ...]], ...]] = (
-    ("Image", ("picture",)), ("Video", VIDEOS), ("Measures", ("measures",)),
+    ("Image", ("picture", "DICOM still")), ("Video", VIDEOS), ("Measures", ("measures",)),
     ("3D model", OF_MODEL),
 )  # fmt: skip
 SPLATS: Final = {
@@ -164,6 +179,8 @@ SPLATS: Final = {
 }
 FORMATS: Final[dict[Form, dict[str, str]]] = {
     "picture": {".png": "PNG, lossless", ".tiff": "TIFF, lossless", ".jpg": "JPEG"},
+    "DICOM still": {".dcm": "DICOM"},
+    "DICOM video": {".dcm": "DICOM"},
     "panes video": {".mp4": "MP4"},
     "view video": {".mp4": "MP4"},
     "measures": {".csv": "CSV"},

@@ -8,7 +8,7 @@ from dataclasses import replace
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.settable import ENHANCED
 from app.exports.browser.of_scene import browser_model
-from app.exports.exporting import Exported, ExportRequest, SplatFolder
+from app.exports.exporting import Enhanced, Exported, ExportRequest, SplatFolder
 from app.exports.make import Views
 from app.exports.meshes.of_scene import surface_mesh
 from app.exports.panes import pane_record
@@ -30,8 +30,8 @@ from app.exports.records import (
 from app.exports.sources import Opened
 from app.exports.splats.writing import layout_of
 from app.files.records import extended
-from app.gui.actions import path_actions
-from app.gui.actions.export_offers import FOLDERS, FORMATS, OF_MODEL, OFFERS, Form, Offer
+from app.gui.actions import batch_actions, path_actions
+from app.gui.actions.export_offers import DICOM, FOLDERS, FORMATS, OF_MODEL, OFFERS, Form, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.state.panes import other_request, shown_mode
@@ -61,6 +61,8 @@ def request_of(state: AppState, what: What, stem: str, suffix: str = "") -> Expo
         return ExportRequest(
             folder, stem, "" if offer.form in FOLDERS else suffix, record, Opened(model=model)
         )
+    if offer.form in DICOM:
+        return ExportRequest(folder, stem, suffix, _enhanced(state, offer), Opened())
     clip, moments = state.source.clip, _moments(state, offer)
     views = tuple(view for views in moments for view in views)
     panes = _panes(state, offer)
@@ -70,6 +72,14 @@ def request_of(state: AppState, what: What, stem: str, suffix: str = "") -> Expo
         record = replace(record, quality=state.exports.quality)
     opened = Opened(views, clip, model, measured=state.picture.of_clip)
     return ExportRequest(folder, stem, suffix, record, opened)
+
+
+def _enhanced(state: AppState, offer: Offer) -> Enhanced:
+    clip, setting = state.source.clip, batch_actions.present_setting(state)
+    assert clip is not None
+    chosen = replace(setting, clip_options=state.source.options, dicom=state.exports.dicom)
+    frame = state.timeline.shown_index if offer.form == "DICOM still" else None
+    return Enhanced(clip.path, chosen, frame, len(clip))
 
 
 def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exported:

@@ -8,9 +8,10 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
+from app.files.dicom.choices import DicomChoices
 from app.files.legible import legible, located
 from app.gui.actions import actions, export_actions
-from app.gui.actions.export_offers import FORMATS, GROUPS, OFFERS, VIDEOS, Form, Offer
+from app.gui.actions.export_offers import DICOM, FORMATS, GROUPS, OFFERS, VIDEOS, Form, Offer
 from app.gui.actions.export_records import format_of
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
@@ -50,6 +51,14 @@ DEGREE_TEXT = (
     "Degree of the spherical harmonics, filled up with zeros: the original viewer of 3D Gaussian Splatting "
     "reads degree 3 only."
 )
+IDENTITIES = {False: "Left out", True: "As in the source"}
+IDENTITY_TEXT = "Patient, study and sound. As in the source: for DICOM files alone, to be sorted beside them."
+BURNED_IN: dict[bool | None, str] = {
+    None: "As the source says, or may be there",
+    True: "May tell who the patient is",
+    False: "Tells nothing about the patient",
+}
+BURNED_IN_TEXT = "Names or dates in the image itself are not looked for: say whether there are any."
 NAME_TEXT = "Name of the file; an existing file is never replaced."
 FOLDER_TEXT = "Choose another folder; it is remembered."
 SHOW_TEXT = "Show the file in the system's file manager."
@@ -126,6 +135,8 @@ def _draw_chosen(state: AppState) -> None:
     if offer.form in ("splats", "splat folder"):
         degree = choose_row("Harmonics", state.exports.sh_degree, DEGREES, DEGREE_TEXT, 14)
         export_actions.choose_degree(state, degree)
+    if offer.form in DICOM:
+        _draw_dicom(state)
     if offer.form in VIDEOS:
         _draw_encoder(state)
     imgui.spacing()
@@ -220,6 +231,13 @@ def _pixels(label: str, value: int, text: str) -> int:
     _, typed = imgui.input_int(label, value, 0, 0)
     explain(text)
     return min(max(typed, LEAST_WIDTH), MOST_WIDTH)
+
+
+def _draw_dicom(state: AppState) -> None:
+    choices = state.exports.dicom
+    keep = choose_row("Patient", choices.keep_identity, IDENTITIES, IDENTITY_TEXT, 14)
+    burned_in = choose_row("Text in it", choices.burned_in, BURNED_IN, BURNED_IN_TEXT, 14)
+    export_actions.choose_dicom(state, DicomChoices(keep_identity=keep, burned_in=burned_in))
 
 
 def _draw_encoder(state: AppState) -> None:

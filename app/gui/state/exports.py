@@ -9,6 +9,7 @@ from typing import Literal
 
 from app.exports.exporting import ExportRequest
 from app.exports.sizing import Sizing
+from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.video_encoder import VideoEncoder
 from app.gui.state.pace import Pace
 from app.gui.work.batching import BatchRequest, Progressed
@@ -22,9 +23,11 @@ What = Literal[
     "both panes",
     "3D view",
     "window",
+    "enhanced frame",
     "video of the panes",
     "video of the right pane",
     "video of both panes",
+    "enhanced clip",
     "video through time",
     "video along the path",
     "measures of both panes",
@@ -52,6 +55,8 @@ class Exports:
     """As a person has typed it, without suffix; empty: what it is of says it."""
     formats: dict[str, str] = field(default_factory=dict)
     """Suffixes that were chosen, by the form of an offer; the first of its formats otherwise."""
+    dicom: DicomChoices = DEIDENTIFIED
+    """Of DICOM files."""
     quality: int = 95
     """Of JPEG images, 1 to 100."""
     sh_degree: int | None = None
