@@ -17,11 +17,13 @@ from app.enhancement.enhance_files import VIDEO, Setting, Stream, enhance_into
 from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
 from app.enhancement.settable import PIXELS
 from app.errors import UserError
+from app.files.codecs import WEBM, ending_of
 from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.image_files import is_image
 from app.files.image_series import Series, open_series
 from app.files.provenance import provenance, strict_json
 from app.files.stepping import ahead, run_to_end
+from app.files.video_encoder import codec_for
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
@@ -31,7 +33,7 @@ FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit
 VESSEL_FIELDS = ("radius", "shading", "coring", "lift", "gamma", "most_color")
 OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "strength", "d_factor"}}
 PICTURES = frozenset({".avif", ".exr", ".gif", ".heic", ".jp2", ".jxl", ".psd", ".svg"})
-NOT_WRITTEN = (VIDEOS | PICTURES) - {VIDEO}
+NOT_WRITTEN = (VIDEOS | PICTURES) - {VIDEO, WEBM}
 """Formats that are not written; any other name, such as 2024.05.01, is that of a folder."""
 
 
@@ -43,8 +45,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "output",
         metavar="OUTPUT",
         type=Path,
-        help="image, folder, .mp4 video or .dcm (DICOM, a still or a video) to write; with several inputs, "
-        "the folder for all results",
+        help="image, folder, video (.mp4 as H.264, .hevc.mp4, .webm as VP9) or .dcm (DICOM, a still or a "
+        "video) to write; with several inputs, the folder for all results",
     )
     parser.add_argument(
         "--recursive",
@@ -160,11 +162,13 @@ def _check_output(given: Path, output: Path, series: Series, choices: DicomChoic
     if is_dicom_name(output):
         require_dicom(series.sources, choices)
     elif is_image(output) and len(series) > 1:
-        raise UserError(f"expected a folder, {VIDEO} or .dcm for {len(series)} images, got {output}")
-    if (output.suffix.lower() == VIDEO or is_dicom_name(output)) and given.is_dir():
+        raise UserError(f"expected a folder, {VIDEO}, {WEBM} or .dcm for {len(series)} images, got {output}")
+    if ending_of(output):
+        codec_for(output)
+    if (ending_of(output) or is_dicom_name(output)) and given.is_dir():
         common_size(path for path in files if is_picture(path))
     if output.suffix.lower() in NOT_WRITTEN and not output.is_dir():
-        raise UserError(f"expected an image, a folder, {VIDEO} or .dcm to write, got {output}")
+        raise UserError(f"expected an image, a folder, {VIDEO}, {WEBM} or .dcm to write, got {output}")
 
 
 def _watched(stage: str, series: Series, items: Stream) -> Stream:

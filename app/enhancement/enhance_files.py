@@ -20,6 +20,7 @@ from app.enhancement.records import EnhancedPicture, EnhancedVideo
 from app.enhancement.settable import Pixels, drawn
 from app.errors import UserError, sentence
 from app.files.atomic import filled, together
+from app.files.codecs import MP4, ending_of
 from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.image_files import ArrayImage, is_image, write_image
 from app.files.image_series import Series
@@ -34,7 +35,7 @@ from enhance.surround import inside
 from renderer.clip import ClipError
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
-VIDEO = ".mp4"
+VIDEO = MP4
 STEADY_FRAMES = 16
 """Evenly spread pictures that tell the surround of all, or the statistics of a video."""
 
@@ -252,7 +253,7 @@ def _write(
     output: Path, series: Series, pictures: Iterator[Made], notices: list[str]
 ) -> Generator[int, None, tuple[EnhancedPicture, ...]]:
     """Write all pictures or none; what was used for each."""
-    if output.suffix.lower() == VIDEO:
+    if ending_of(output):
         with together(output) as place:
             video = yield from write_enhanced_video(place, pictures, series.timing, notices)
         return video.pictures

@@ -13,7 +13,7 @@ from app.files.image_files import ArrayImage
 from app.files.timing import Timing, losses
 
 QUALITY = {"libx264": ("-crf", "16", "-preset", "veryfast", "-x264-params", "mbtree=0")}
-"""As `h264_video` has it."""
+"""As `codecs` has it."""
 PATIENCE = 10
 """Seconds in which it ends after it has stopped reading."""
 BITS_PER_PIXEL = 0.25

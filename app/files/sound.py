@@ -1,14 +1,15 @@
-"""The sound of a video that is rewritten: copied, or re-encoded where .mp4 cannot hold it."""
+"""The sound of a video that is rewritten: copied, or re-encoded where the new one cannot hold it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import av
 
+from app.files.codecs import Codec
 from app.files.timing import Timing
 from renderer.readers.video_index import open_container, start_of
 
@@ -17,14 +18,12 @@ if TYPE_CHECKING:
     from av.container import InputContainer, OutputContainer
     from av.packet import Packet
 
-COPIED = frozenset({"aac", "ac3", "alac", "eac3", "flac", "mp3", "opus"})
-"""Codecs that .mp4 holds and players know."""
-
+OPUS_RATE = 48_000
 LAYOUTS = {1: "mono", 2: "stereo"}
 """By the number of channels."""
 
 
-def sound_of(timing: Timing, output: OutputContainer) -> Sound | None:
+def sound_of(timing: Timing, output: OutputContainer, codec: Codec) -> Sound | None:
     """The first sound track of the video that frames come from, with a track for it in `output`, if any."""
     if timing.like is None or not timing.has_sound:
         return None
@@ -32,18 +31,20 @@ def sound_of(timing: Timing, output: OutputContainer) -> Sound | None:
     if not source.streams.audio:
         source.close()
         return None
-    return Sound(source, output, start_of(timing.like) + Fraction(timing.start))
+    return Sound(source, output, codec, start_of(timing.like) + Fraction(timing.start))
 
 
 class Sound:
     """Feeds the output in step with its frames, so that players find both close to each other."""
 
-    def __init__(self, source: InputContainer, output: OutputContainer, start: Fraction) -> None:
+    def __init__(
+        self, source: InputContainer, output: OutputContainer, made_by: Codec, start: Fraction
+    ) -> None:
         # Times count from the first frame that is written: sound before it has no picture.
-        self._source, self._output, self._start = source, output, start
+        self._source, self._output, self._made_by, self._start = source, output, made_by, start
         self._track = source.streams.audio[0]
         self._extra = len(source.streams.audio) - 1
-        self._is_copied = self._track.codec_context.codec.canonical_name in COPIED
+        self._is_copied = self._track.codec_context.codec.canonical_name in made_by.sounds
         self._written = self._add_track()
         packets = self._copied() if self._is_copied else self._encoded()
         self._packets: Iterator[tuple[float, Packet[AudioStream]]] = packets
@@ -66,7 +67,7 @@ class Sound:
                 f"the sound ({codec}) is kept up to the point where it cannot be decoded: {self._failure}"
             )
         elif not self._is_copied:
-            said.append(f"the sound was re-encoded from {codec} to AAC")
+            said.append(f"the sound was re-encoded from {codec} to {self._made_by.sound_name}")
         if self._extra:
             said.append(f"only the first of {self._extra + 1} sound tracks is kept")
         return tuple(said)
@@ -80,7 +81,10 @@ class Sound:
         channels = self._track.codec_context.channels
         # Some files tell the number of channels alone, which the encoder does not take.
         layout = LAYOUTS.get(channels, self._track.layout.name)
-        return self._output.add_stream("aac", rate=self._track.rate, layout=layout)
+        # Opus knows few rates, of which this one is in every file.
+        rate = OPUS_RATE if self._made_by.sound == "libopus" else self._track.rate
+        added = self._output.add_stream(self._made_by.sound, rate=rate, layout=layout)
+        return cast("AudioStream", added)
 
     def _next(self) -> tuple[float, Packet[AudioStream]] | None:
         try:

@@ -1,4 +1,5 @@
-"""Video files as .mp4: H.264 by PyAV or FFmpeg, as all players show, or else MPEG-4 part 2 by OpenCV."""
+"""Video files: as .mp4 H.264 by PyAV or FFmpeg, as all players show, or else MPEG-4 part 2 by OpenCV; other
+codecs by PyAV alone."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ from app.files.image_files import ArrayImage
 from app.files.legible import require_utf8
 from app.files.stepping import run_to_end
 from app.files.timing import Timing
-from app.files.video_encoder import video_encoder
+from app.files.video_encoder import codec_for, video_encoder
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def write_frames(path: Path, frames: Iterator[ArrayImage], timing: Timing) -> Ge
 
     Raises:
         UserError: frames of another type, of different sizes or smaller than 2x2 pixels, a path that is not
-            UTF-8, or no encoder on this machine.
+            UTF-8, or no encoder of its ending on this machine.
     """
     require_utf8(path)
     stored = (_stored(frame, path) for frame in frames)
@@ -99,11 +100,11 @@ def _stored(frame: ArrayImage, path: Path) -> ArrayImage:
 
 def _writer(path: Path, place: Path, size: tuple[int, int], timing: Timing) -> Writer:
     """Raises UserError, naming `path`, when nothing on this machine can write a video."""
-    encoder = video_encoder()
+    codec, encoder = codec_for(path), video_encoder()
     if encoder.program == "PyAV":
-        from app.files.h264_video import H264Writer
+        from app.files.pyav_writing import PyavWriter
 
-        return H264Writer(place, size, timing)
+        return PyavWriter(place, size, timing, codec)
     if encoder.program == "ffmpeg":
         from app.files.ffmpeg_video import FfmpegWriter
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 import subprocess
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 from shutil import which
 from typing import Final, Literal
 
+from app.errors import UserError
+from app.files.codecs import CODECS, MP4, Codec, ending_of
 from renderer.pyav_presence import has_pyav, why_not_pyav
 
 H264: Final = ("libx264", "libopenh264", "h264_videotoolbox", "h264_mf")
 """Encoders of FFmpeg that need no graphics card, the best one first."""
+NO_ENCODER: Final = "VP9 and HEVC need PyAV with their encoders: pip install av"
 SECONDS: Final = 20
 """That FFmpeg may take to say what it can do."""
 
@@ -78,3 +82,19 @@ def _ffmpeg_encoders() -> set[str]:
         return set()
     lines = (line.split() for line in told.stdout.decode(errors="replace").splitlines())
     return {words[1] for words in lines if len(words) > 1}
+
+
+def codec_for(path: Path) -> Codec:
+    """By the ending of the name.
+
+    Raises UserError: it needs an encoder that is not there.
+    """
+    ending = ending_of(path) or MP4
+    if not is_encoded(ending):
+        raise UserError(f"{NO_ENCODER}, or a name that ends in {MP4}: {path}")
+    return CODECS[ending]
+
+
+def is_encoded(ending: str) -> bool:
+    """Whether videos of that ending of CODECS can be written: of any other than MP4, by PyAV alone."""
+    return ending == MP4 or (has_pyav() and _pyav_has(CODECS[ending].encoder))

@@ -9,8 +9,8 @@ from typing import Any, Final
 
 import av
 
-from app.files.h264_video import BT709, MATRICES, TICKS, encodable
 from app.files.provenance import strict_json
+from app.files.pyav_writing import BT709, MATRICES, TICKS, encodable
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import StereoLayout
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Final
 
@@ -12,9 +12,10 @@ from app.exports.exporting import ExportRequest, Step
 from app.exports.sizing import Sizing
 from app.exports.splats import fourdgs
 from app.exports.usd_file import NO_USD, has_usd
+from app.files.codecs import HEVC, WEBM
 from app.files.dicom.choices import DicomChoices
 from app.files.legible import located
-from app.files.video_encoder import VideoEncoder
+from app.files.video_encoder import NO_ENCODER, VideoEncoder, is_encoded
 from app.gui.actions import actions
 from app.gui.actions.export_names import default_name, why_not_name
 from app.gui.actions.export_offers import DICOM, FOLDERS, OF_MODEL, OF_MOVING, OFFERS, Form, Offer
@@ -38,6 +39,8 @@ PACKAGES: Final[Mapping[str, tuple[Callable[[], bool], str]]] = {
     ".usdc": (has_usd, NO_USD),
     fourdgs.SUFFIX: (fourdgs.has_fourdgs, fourdgs.NO_FOURDGS),
     ".dcm": (has_pydicom, NO_PYDICOM),
+    WEBM: (partial(is_encoded, WEBM), NO_ENCODER),
+    HEVC: (partial(is_encoded, HEVC), NO_ENCODER),
 }
 """Of formats that need one: whether it is there, and what to say where it is not."""
 
@@ -70,6 +73,8 @@ def _lacks(state: AppState, offer: Offer) -> str:
         return "There is no 3D view yet."
     if offer.sees != "no" and (reason := _too_large(state)):
         return reason
+    if offer.form == "view video" and (reason := _lacks_package(format_of(state, offer.form))):
+        return reason
     if offer.form == "view video" and state.scene.model is not None and state.scene.model.live:
         return "The reconstruction is not finished: wait for it or continue it."
     if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
@@ -81,6 +86,8 @@ def _lacks(state: AppState, offer: Offer) -> str:
         return ""
     if state.source.clip is None:
         return "Open a clip first."
+    if reason := _lacks_package(format_of(state, offer.form)):
+        return reason
     if offer.form == "panes video" and not state.source.clip.has_one_size:
         return "The images differ in size: no video can show them."
     if offer.as_shown:

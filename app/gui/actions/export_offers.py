@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from app.exports.camera_set import ENDINGS
+from app.files.codecs import HEVC, MP4, WEBM
 from app.gui.state.exports import What
 from app.gui.views.comparison import SIDES, Side
 
@@ -177,12 +178,13 @@ SPLATS: Final = {
     ".sog": "SOG (PlayCanvas)",
     ".glb": "glTF (Khronos), in metres",
 }
+CODED: Final = {MP4: "MP4, H.264", WEBM: "WebM, VP9", HEVC: "MP4, HEVC"}
 FORMATS: Final[dict[Form, dict[str, str]]] = {
     "picture": {".png": "PNG, lossless", ".tiff": "TIFF, lossless", ".jpg": "JPEG"},
     "DICOM still": {".dcm": "DICOM"},
     "DICOM video": {".dcm": "DICOM"},
-    "panes video": {".mp4": "MP4"},
-    "view video": {".mp4": "MP4"},
+    "panes video": CODED,
+    "view video": CODED,
     "measures": {".csv": "CSV"},
     "splats": SPLATS,
     "splat folder": SPLATS,

@@ -8,6 +8,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
+from app.files.codecs import HEVC, WEBM
 from app.files.dicom.choices import DicomChoices
 from app.files.legible import legible, located
 from app.gui.actions import actions, export_actions
@@ -36,11 +37,14 @@ FACTOR_TEXT = (
 )
 SPLATS_TEXT = "What the viewer reads. All but PLY and glTF are a third as large or less, and rounded."
 QUALITY_TEXT = "Of 100: higher keeps more detail, in larger files."
+VIDEO_TEXT = "Which programs play the video, and how large it is."
 FORMAT_TEXTS: dict[Form, str] = {
     "picture": "Each format holds how the image was made. JPEG files are smaller, and lose detail.",
     "splats": SPLATS_TEXT,
     "splat folder": SPLATS_TEXT,
     "moving splats": "USD holds the model as it is. 4DGS rounds it, and leaves out colours by direction.",
+    "panes video": VIDEO_TEXT,
+    "view video": VIDEO_TEXT,
     "surface mesh": "Both hold one mesh that moves.",
     "cameras": "For whichever program reads it next.",
     "surface folder": "PLY holds colours as bytes, OBJ is text.",
@@ -59,6 +63,10 @@ BURNED_IN: dict[bool | None, str] = {
     False: "Tells nothing about the patient",
 }
 BURNED_IN_TEXT = "Names or dates in the image itself are not looked for: say whether there are any."
+ENCODED = {
+    WEBM: "Plays in browsers and needs no licence; some programs for slides do not show it.",
+    HEVC: "The smallest files, for newer devices; slow to encode.",
+}
 NAME_TEXT = "Name of the file; an existing file is never replaced."
 FOLDER_TEXT = "Choose another folder; it is remembered."
 SHOW_TEXT = "Show the file in the system's file manager."
@@ -242,7 +250,11 @@ def _draw_dicom(state: AppState) -> None:
 
 def _draw_encoder(state: AppState) -> None:
     """Before a video is made: who can play it, and what helps."""
-    encoder = state.exports.encoder
+    encoder, suffix = state.exports.encoder, format_of(state, OFFERS[state.exports.what].form)
+    if suffix in ENCODED:
+        row("Video", "What this format is for.")
+        note(ENCODED[suffix])
+        return
     if encoder is None:
         note("Looking for a video encoder…")
         return

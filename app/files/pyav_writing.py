@@ -1,15 +1,16 @@
-"""H.264 in .mp4 by PyAV: frames at their own times, with the colour tags and the sound of their source."""
+"""Videos by PyAV: frames at their own times, with the colour tags and the sound of their source."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import av
 from av.video.reformatter import Interpolation
 
+from app.files.codecs import Codec
 from app.files.image_files import ArrayImage
 from app.files.sound import Sound, sound_of
 from app.files.timing import Timing
@@ -25,9 +26,6 @@ MATRICES = {BT709: "ITU709", 4: "FCC", BT470BG: "ITU601", BT601: "ITU601", 7: "S
 """Of these codes, as swscale calls them."""
 TICKS = 90_000
 """Units of a second for frames that do not come evenly, as in broadcasting."""
-# Macroblock-tree rate control reads stray memory in x264 165 (its AVX code, where the blocks in a row are no
-# multiple of 16): one video would not become the same bytes twice.
-QUALITY = {"crf": "16", "preset": "veryfast", "x264-params": "mbtree=0"}
 # Without these, swscale rounds down: whole pictures become darker by a grey level.
 EXACT = (
     Interpolation.BICUBIC
@@ -47,31 +45,36 @@ class _Tags:
     pixel_aspect: Fraction | None = None
 
 
-class H264Writer:
+class PyavWriter:
     """One frame after another, then the rest of the sound."""
 
-    def __init__(self, path: Path, size: tuple[int, int], timing: Timing) -> None:
+    def __init__(self, path: Path, size: tuple[int, int], timing: Timing, codec: Codec) -> None:
         self.notices: tuple[str, ...] = ()
         tags = _Tags() if timing.like is None else _tags(timing.like)
         # As a plain file: a name with a colon is no address. With the index first, browsers start at once.
+        # WebM has names by chance, but for this flag: one video would not become the same bytes twice.
+        options = {"movflags": "+faststart"} if codec.container == "mp4" else {"fflags": "+bitexact"}
         self._container = av.open(
-            f"file:{path.absolute()}", "w", container_options={"movflags": "+faststart"}
+            f"file:{path.absolute()}", "w", format=codec.container, container_options=options
         )
         self._rate = Fraction(timing.frames_per_second).limit_denominator(1001)
         self._unit = 1 / self._rate if timing.frame_times is None else Fraction(1, TICKS)
-        self._stream = self._video_stream(size, tags)
+        self._stream = self._video_stream(size, tags, codec)
         self._matrix = MATRICES.get(tags.matrix) or usual_matrix(size[1])
-        self._sound: Sound | None = sound_of(timing, self._container)
+        self._sound: Sound | None = sound_of(timing, self._container, codec)
         self._count, self._end = 0, 0.0
-        self.encoding = f"H.264, colour tags {tags.primaries}/{tags.transfer}/{tags.matrix}"
+        self.encoding = f"{codec.name}, colour tags {tags.primaries}/{tags.transfer}/{tags.matrix}"
 
-    def _video_stream(self, size: tuple[int, int], tags: _Tags) -> VideoStream:
-        stream = self._container.add_stream("libx264", rate=self._rate, options=QUALITY)
+    def _video_stream(self, size: tuple[int, int], tags: _Tags, made_by: Codec) -> VideoStream:
+        added = self._container.add_stream(made_by.encoder, rate=self._rate, options=dict(made_by.options))
+        stream = cast("VideoStream", added)
         stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
         codec = stream.codec_context
         codec.time_base = self._unit
         codec.color_primaries, codec.color_trc, codec.colorspace = tags.primaries, tags.transfer, tags.matrix
         codec.color_range = 1
+        if made_by.tag is not None:
+            codec.codec_tag = made_by.tag
         if tags.pixel_aspect is not None:
             codec.sample_aspect_ratio = tags.pixel_aspect
         return stream
