@@ -36,6 +36,19 @@ class Point:
     is_default: bool = False
 
 
+@dataclass(frozen=True)
+class TimeUnit:
+    """What run times are counted in."""
+
+    name: str
+    of_a_second: float
+    """How many a second has."""
+
+
+SECONDS: Final = TimeUnit("s", 1.0)
+MILLISECONDS: Final = TimeUnit("ms", 1e3)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Diagram:
     """Points of one measure."""
@@ -45,6 +58,12 @@ class Diagram:
     points: tuple[Point, ...]
     more_is_better: bool = False
     """A measure on a linear axis, such as PSNR; else an error, on a logarithmic one."""
+
+    @property
+    def unit(self) -> TimeUnit:
+        """In which the run times are read best."""
+        finite = [point.seconds for point in self.points if math.isfinite(point.error)]
+        return SECONDS if max(finite, default=0.0) >= 1 else MILLISECONDS
 
 
 def pareto_front(diagram: Diagram) -> tuple[Point, ...]:

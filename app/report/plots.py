@@ -80,17 +80,18 @@ def _draw_growth(axes: Axes, growth: Growth) -> None:
 def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
     finite = [point for point in diagram.points if math.isfinite(point.error)]
     front = pareto_front(diagram)
-    unit, name = (1e3, "ms") if max(point.seconds for point in finite) < 1 else (1.0, "s")
-    floor = _floor(diagram, finite)
+    unit, floor = diagram.unit, _floor(diagram, finite)
     # Limits follow from all points at once: those of a single one are no range.
     axes.set_autoscale_on(False)
     axes.set_xscale("log")
     if not diagram.more_is_better:
         axes.set_yscale("log")
-    axes.set(xlabel=name, ylabel=diagram.measure)
+    axes.set(xlabel=unit.name, ylabel=diagram.measure)
 
     def place(points: Sequence[Point]) -> tuple[list[float], list[float]]:
-        return [unit * point.seconds for point in points], [max(point.error, floor) for point in points]
+        return [unit.of_a_second * point.seconds for point in points], [
+            max(point.error, floor) for point in points
+        ]
 
     axes.plot(
         *place(front), color="#555555", linewidth=1, drawstyle="steps-post", label="Pareto front", zorder=1
@@ -99,7 +100,7 @@ def _draw(axes: Axes, diagram: Diagram, series: Sequence[str]) -> None:
         own = [point for point in finite if point.series == one]
         color, mark = COLORS[index % len(COLORS)], MARKS[index % len(MARKS)]
         axes.scatter(*place(own), s=30, color=color, marker=mark, label=one, zorder=2)
-        spreads = [min(unit * point.spread, 0.9 * unit * point.seconds) for point in own]
+        spreads = [unit.of_a_second * min(point.spread, 0.9 * point.seconds) for point in own]
         axes.errorbar(*place(own), xerr=spreads, fmt="none", ecolor=color, elinewidth=0.8, zorder=2)
     default = [point for point in finite if point.is_default]
     axes.scatter(*place(default), s=130, facecolors="none", edgecolors="black", label="default", zorder=3)

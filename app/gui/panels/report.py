@@ -10,7 +10,7 @@ from app.gui.panels.swept import MARKERS, NEAR, draw_swept
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import centered, choose, em, muted
-from app.gui.work.reported import Chart, Scale, current, plain
+from app.gui.work.reported import Chart, Scale, current
 from app.gui.work.reported_tables import ReportPart, ShownTable
 from app.report.diagrams import Point
 
@@ -61,7 +61,7 @@ def _draw_chart(state: AppState, chart: Chart) -> None:
         implot.end_plot()
     # Also while the diagram is scrolled out of sight: the height of the page stays.
     if now is not None:
-        text = f"Now: {now.setting}, {plain(now.error)} in {plain(1e3 * now.seconds)} ms"
+        text = f"Now: {now.setting}, {chart.told(now)}"
         imgui.text_colored(theme.now().accent, f"{text}, the default" if now.is_default else text)
     elif chart.part == "enhancement":
         muted("The current settings are not among those measured.")
@@ -119,8 +119,7 @@ def _explain_nearest(chart: Chart) -> None:
         place = implot.plot_to_pixels(*chart.place(point))
         if (place.x - mouse.x) ** 2 + (place.y - mouse.y) ** 2 < em(NEAR) ** 2:
             default = " (default)" if point.is_default else ""
-            measured = f"{plain(point.error, 4)} in {plain(1e3 * point.seconds, 4)} ms"
-            imgui.set_tooltip(f"{point.series}: {point.setting}{default}\n{measured}")
+            imgui.set_tooltip(f"{point.series}: {point.setting}{default}\n{chart.told(point, 4)}")
             return
 
 

@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from app.gui.work.reported_tables import ReportPart, part_of
 from app.gui.work.swept import Swept, swept_jobs
 from app.report.diagrams import (
+    MILLISECONDS,
     Diagram,
     Gain,
     GainDiagram,
     Growth,
     Point,
+    TimeUnit,
     gain_front,
     of_a_decade,
     pareto_front,
@@ -90,6 +92,8 @@ class Chart:
     front: Line | None = None
     fits: tuple[Line, ...] = ()
     """Drawn as lines: power laws or settings of a method, each called as its series; a front."""
+    unit: TimeUnit = MILLISECONDS
+    """Of run times."""
 
     @property
     def name(self) -> str:
@@ -109,7 +113,13 @@ class Chart:
 
     def place(self, point: Point) -> tuple[float, float]:
         """On the axes."""
-        return 1e3 * point.seconds, max(point.error, LEAST) if self.logarithmic else point.error
+        up = max(point.error, LEAST) if self.logarithmic else point.error
+        return self.unit.of_a_second * point.seconds, up
+
+    def told(self, point: Point, digits: int = 3) -> str:
+        """What was measured, in words."""
+        time = plain(self.unit.of_a_second * point.seconds, digits)
+        return f"{plain(point.error, digits)} in {time} {self.unit.name}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,14 +179,15 @@ def _chart(part: str, title: str, diagram: Diagram) -> Chart:
 
     def line(name: str, points: list[Point]) -> Line:
         errors = np.array([point.error for point in points], np.float64)
-        times = 1e3 * np.array([point.seconds for point in points], np.float64)
+        times = diagram.unit.of_a_second * np.array([point.seconds for point in points], np.float64)
         return Line(name, times, np.maximum(errors, LEAST) if logarithmic else errors)
 
     whole = line("", list(diagram.points))
     return Chart(
         part=part,
         title=title,
-        against="ms",
+        against=diagram.unit.name,
+        unit=diagram.unit,
         measure=diagram.measure,
         logarithmic=logarithmic,
         points=diagram.points,

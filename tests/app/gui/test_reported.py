@@ -16,7 +16,7 @@ from app.gui.actions import actions
 from app.gui.panels.report import draw_report
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest, open_path
-from app.gui.work.reported import LEAST, Scale, current, read
+from app.gui.work.reported import LEAST, Scale, charts_of, current, read
 from app.report.diagrams import Curve, Diagram, Gain, GainDiagram, Growth, Point
 from app.report.section import Plate, Section
 from enhance import EnhanceParams
@@ -62,6 +62,20 @@ def path(tmp_path: Path) -> Path:
     file = tmp_path / "report.json"
     file.write_text(strict_json(facts))
     return file
+
+
+def test_long_run_times_are_counted_in_seconds() -> None:
+    slow = tuple(replace(point, seconds=1e4 * point.seconds) for point in POINTS)
+    plates = tuple(
+        Plate(title=title, diagrams=(Diagram(measure="m", points=points),))
+        for title, points in (("fast", POINTS), ("slow", slow))
+    )
+    fast, late = charts_of({"t": Section(title="T", plates=plates)})
+    assert (fast.against, late.against) == ("ms", "s")
+    assert fast.series[0].across.tolist() == pytest.approx([2, 6])
+    assert late.series[0].across.tolist() == pytest.approx([20, 60])
+    assert late.place(slow[0]) == (pytest.approx(20), 0.01)
+    assert (fast.told(POINTS[0]), late.told(slow[0])) == ("0.01 in 2 ms", "0.01 in 20 s")
 
 
 def test_charts_are_ready_to_draw(path: Path) -> None:
