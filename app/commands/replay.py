@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from app.errors import UserError
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.files.atomic import filled
 from app.files.provenance import provenance, strict_json
 

@@ -15,13 +15,11 @@ from app.console.progress import progress
 from app.errors import UserError
 from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import digest, provenance, strict_json
+from app.sweeps.folder import SWEEP, is_sweep
 from app.sweeps.jobs import Job, JobFolder
 from app.sweeps.settings import TaskName
 from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for
 from renderer.json_files import read_text
-
-SWEEP: Final = "sweep.json"
-"""In a sweep's folder: which jobs it has, in order."""
 
 
 @dataclass(frozen=True)
@@ -87,10 +85,6 @@ def recorded(plan: Plan, folder: Path) -> None:
     keys = [job.key for job in plan.jobs]
     facts = provenance(task=plan.spec.task, varied=plan.spec.varied, jobs=keys, spec=plan.spec)
     write_bytes(folder / SWEEP, strict_json(facts).encode())
-
-
-def is_sweep(path: Path) -> bool:
-    return (path / SWEEP).is_file()
 
 
 def read_sweep(folder: Path) -> SweepRecord:

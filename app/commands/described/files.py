@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -21,8 +20,6 @@ from app.report.section import holds_report, read_report
 from app.runs.run_folder import PosesRecord, RunFolder
 from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all
-from app.sweeps.plan import SWEEP, read_sweep
-from app.sweeps.table import rows
 from renderer.json_files import read_json, read_text
 from renderer.readers.clip_files import files_in
 from renderer.splat_files import SplatFileError, read_splats, whole
@@ -202,25 +199,10 @@ def of_report(path: Path) -> Facts:
     )
 
 
-def of_sweep(folder: Path) -> Facts:
-    """Raises UserError: it is damaged."""
-    record = read_sweep(folder)
-    states = Counter(row.state for row in rows(record, folder))
-    jobs = ", ".join(f"{states[name]} {name}" for name in ("finished", "failed", "left") if states[name])
-    return (
-        Fact("what", f"sweep: {record.task}", {"kind": "sweep", "task": record.task}),
-        Fact("jobs", f"{len(record.jobs)}: {jobs}", dict(states)),
-        Fact("varied", ", ".join(record.varied) or "nothing", list(record.varied)),
-        next_steps(folder, ("sweep", "PATH", "--table"), ("gui", "PATH")),
-    )
-
-
 def of_json(path: Path) -> Facts:
     """A report, or what lies beside an exported file. Raises UserError: neither."""
     if holds_report(path):
         return of_report(path)
-    if path.name == SWEEP:
-        return of_sweep(path.parent)
     export = path.with_suffix("")
     try:
         facts = read_json(path)

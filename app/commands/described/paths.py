@@ -16,13 +16,12 @@ from app.commands.described.files import (
     of_series,
     of_session,
     of_splats,
-    of_sweep,
 )
 from app.errors import UserError
 from app.exports.replay.recorded import recorded
 from app.gui.session_file import SUFFIX
 from app.runs.run_folder import RunFolder
-from app.sweeps.plan import is_sweep
+from app.sweeps.folder import SWEEP, is_sweep
 from renderer.layouts import layout_of
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import frame_folder
@@ -59,6 +58,8 @@ def _file(path: Path) -> tuple[Fact, ...]:
         return *of_export(path), next_steps(path, ("replay", "PATH"))
     if is_named_as_splats(path):
         return of_splats(path)
+    if path.name == SWEEP and is_sweep(path.parent):
+        return _sweep(path.parent)
     if path.suffix == ".json":
         return of_json(path)
     own = of_clip(path) if layout_of(path).name == "image" else of_video(path)
@@ -77,7 +78,7 @@ def _folder(path: Path) -> tuple[Fact, ...]:
     if RunFolder(path).is_run:
         return of_run(path)
     if is_sweep(path):
-        return of_sweep(path)
+        return _sweep(path)
     if is_named_as_splats(path):
         return of_splats(path)
     if files := series_files(path):
@@ -85,6 +86,12 @@ def _folder(path: Path) -> tuple[Fact, ...]:
     known = layout_of(path).name != "images"
     pictures = any(is_frame(entry) for entry in frame_folder(path).iterdir())
     return of_clip(path) if known or pictures else _other(path)
+
+
+def _sweep(folder: Path) -> tuple[Fact, ...]:
+    from app.commands.described.sweeps import of_sweep
+
+    return of_sweep(folder)
 
 
 def _other(path: Path) -> tuple[Fact, ...]:

@@ -18,7 +18,7 @@ from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
 from app.scenes.scene import Scene, Training, finished_scene, run_scene, series_scene, splat_scene
-from app.sweeps.plan import SWEEP, is_sweep
+from app.sweeps.folder import SWEEP, is_sweep
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
 from renderer.readers.clip_options import DEFAULTS, ClipOptions

@@ -17,7 +17,7 @@ from app.files.atomic import write_bytes
 from app.gui.session_file import SUFFIX, mended_session
 from app.gui.work.opening import VIEW_SUFFIXES
 from app.runs.run_folder import RunFolder
-from app.sweeps.plan import is_sweep
+from app.sweeps.folder import is_sweep
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import DEFAULTS
 from renderer.regular_files import read_whole

@@ -13,7 +13,7 @@ import pytest
 from app.enhancement.batch import enhance_batch, items_in
 from app.enhancement.enhance_files import Setting
 from app.errors import UserError
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
 from enhance import EnhanceParams, enhance

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.errors import UserError
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.exports.replay.difference import Array, arrays
 
 BEFORE = Path(__file__).with_name("before")

@@ -9,7 +9,7 @@ import pytest
 
 from app.errors import UserError
 from app.exports.records import EXPORT, KINDS
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.exports.replay.recorded import recorded
 from app.files.image_files import read_image
 from app.files.provenance import SCHEMA, plain, write_png

@@ -14,7 +14,7 @@ import pytest
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.settable import Scope
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.exports.replay.difference import difference
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png, write_sidecar

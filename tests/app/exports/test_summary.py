@@ -17,7 +17,7 @@ from app.exports.exporting import ExportRequest, Summary, export
 from app.exports.html_file import facts_in
 from app.exports.make import make
 from app.exports.records import CaseSummary
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.exports.sources import Opened
 from app.exports.summary.saved_picture import read_picture
 from app.files.provenance import NOTICE, provenance, write_png

@@ -8,7 +8,7 @@ from typing import Any
 
 import cv2
 
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.gui.actions import actions, export_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, batch_actions, queue_actions

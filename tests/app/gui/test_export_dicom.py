@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pydicom import dcmread
 
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.files.dicom.choices import DicomChoices
 from app.files.image_files import read_image
 from app.gui.actions import actions, export_actions

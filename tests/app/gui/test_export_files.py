@@ -14,7 +14,7 @@ from imgui_bundle import imgui
 from app.exports.browser.page import read_page
 from app.exports.browser.tracks import tracks_of
 from app.exports.exporting import ExportRequest, free_name
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.files.image_files import read_image, write_image
 from app.files.provenance import read_provenance
 from app.files.video_encoder import VideoEncoder

@@ -11,7 +11,7 @@ from imgui_bundle import imgui
 
 from app.enhancement.parameter_grid import measured
 from app.exports.html_file import facts_in
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.exports.sizing import Sizing
 from app.exports.summary.page import COLUMNS
 from app.files.provenance import read_provenance

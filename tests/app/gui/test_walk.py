@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from imgui_bundle.immapp import testing
 
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState

@@ -13,7 +13,7 @@ import cv2
 
 from app.errors import UserError
 from app.exports.records import EXPORT, EnhancedVideo, Export, MeasuresTable, PanesVideo, ViewVideo
-from app.exports.replay import replay
+from app.exports.replay.again import replay
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
 from app.gui.session_file import SUFFIX, mended_session
