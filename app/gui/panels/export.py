@@ -58,11 +58,13 @@ DEGREE_TEXT = (
 IDENTITIES = {False: "Left out", True: "As in the source"}
 IDENTITY_TEXT = "Patient, study and sound. As in the source: for DICOM files alone, to be sorted beside them."
 BURNED_IN: dict[bool | None, str] = {
-    None: "As the source says, or may be there",
+    None: "As the source says, else maybe",
     True: "May tell who the patient is",
     False: "Tells nothing about the patient",
 }
-BURNED_IN_TEXT = "Names or dates in the image itself are not looked for: say whether there are any."
+BURNED_IN_TEXT = (
+    "Burned-in text: names or dates in the image itself are not looked for: say whether there are any."
+)
 ENCODED = {
     WEBM: "Plays in browsers and needs no licence; some programs for slides do not show it.",
     HEVC: "The smallest files, for newer devices; slow to encode.",
@@ -244,7 +246,7 @@ def _pixels(label: str, value: int, text: str) -> int:
 def _draw_dicom(state: AppState) -> None:
     choices = state.exports.dicom
     keep = choose_row("Patient", choices.keep_identity, IDENTITIES, IDENTITY_TEXT, 14)
-    burned_in = choose_row("Text in it", choices.burned_in, BURNED_IN, BURNED_IN_TEXT, 14)
+    burned_in = choose_row("Burned-in", choices.burned_in, BURNED_IN, BURNED_IN_TEXT, 14)
     export_actions.choose_dicom(state, DicomChoices(keep_identity=keep, burned_in=burned_in))
 
 
