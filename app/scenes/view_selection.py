@@ -38,7 +38,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "scene",
         metavar="RUN|SPLATFILE",
         type=Path,
-        help="finished run, or .ply, .splat, .ksplat, .spz or .sog file",
+        help="finished run, or .ply, .splat, .ksplat, .spz, .sog or .glb file",
     )
     parser.add_argument("--as-trained", action="store_true", help="ignore edits made in the app")
     parser.add_argument(

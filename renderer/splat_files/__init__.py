@@ -14,7 +14,7 @@ from renderer.ply_elements import MAGIC, PlyError, read_ply
 from renderer.raw_gaussians import RawGaussians
 from renderer.regular_files import read_whole
 from renderer.sog_list import LIST, is_list, is_sog_list, is_unpacked_sog
-from renderer.splat_files import inria_ply, other_kinds, packed_ply, sog_members
+from renderer.splat_files import gltf, inria_ply, other_kinds, packed_ply, sog_members
 from renderer.splat_files.ksplat import read_ksplat
 from renderer.splat_files.packed_writing import packed_ply_bytes
 from renderer.splat_files.sog import read_sog
@@ -26,7 +26,7 @@ from renderer.splat_files.spz_streams import read_spz_streams
 from renderer.splat_files.spz_writing import spz_bytes
 from renderer.splats import RenderMode
 
-SUFFIXES = (".ply", ".splat", ".spz", ".sog", ".ksplat")
+SUFFIXES = (".ply", ".splat", ".spz", ".sog", ".ksplat", ".glb")
 WRITERS: Final[Mapping[str, Callable[[RawGaussians, RenderMode], bytes]]] = MappingProxyType(
     {
         ".compressed.ply": packed_ply_bytes,
@@ -36,7 +36,7 @@ WRITERS: Final[Mapping[str, Callable[[RawGaussians, RenderMode], bytes]]] = Mapp
     }
 )
 """By how names end, of several that fit the first."""
-KINDS = "a PLY, SPZ, SOG, .splat or .ksplat file"
+KINDS = "a PLY, SPZ, SOG, .splat, .ksplat or .glb file"
 __all__ = [
     "SUFFIXES",
     "WRITERS",
@@ -50,8 +50,8 @@ __all__ = [
 
 
 def read_splats(path: Path) -> SplatFile:
-    """The Gaussians of a PLY file, plain or packed, of an .spz, .splat, .ksplat or .sog file, or of a
-    SOG's folder.
+    """The Gaussians of a PLY file, plain or packed, of an .spz, .splat, .ksplat, .sog or .glb file, or
+    of a SOG's folder.
 
     Args:
         path: of an unpacked SOG its folder, or the list in it (meta.json).
@@ -153,6 +153,8 @@ def _read(content: bytes, path: Path) -> SplatFile:
         return read_spz(content)
     if content.startswith(MAGIC_BYTES):
         return read_spz_streams(content)
+    if content.startswith(gltf.MAGIC):
+        return gltf.read_glb_splats(content)
     if content.startswith(other_kinds.ZIP) and (members := sog_members.archived(content)):
         return read_sog(members)
     if is_list(content, path.name):

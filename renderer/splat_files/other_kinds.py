@@ -21,7 +21,6 @@ STARTS: Final = MappingProxyType(
         b"\x89PNG\r\n\x1a\n": "a PNG image",
         b"\xff\xd8\xff": "a JPEG image",
         b"\x28\xb5\x2f\xfd": "a zstd file: decompress it first",
-        b"glTF": f"a glTF file: {CONVERT}",
     }
 )
 """First bytes of kinds that come with the wrong name."""

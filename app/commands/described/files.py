@@ -239,6 +239,8 @@ def is_for_others(path: Path) -> bool:
         kind = recorded(path).get("kind")
     except UserError:
         return False
+    if suffix == ".glb":
+        return kind != "splats"
     return suffix in FOR_OTHERS or kind == "surface mesh"
 
 

@@ -128,6 +128,7 @@ _FILES: dict[str, Read] = {
     "export.splat": lambda folder: read_splats(folder / "export.splat"),
     "export.sog": lambda folder: read_splats(folder / "export.sog"),
     "export.ksplat": lambda folder: read_splats(folder / "export.ksplat"),
+    "export.glb": lambda folder: (recorded(folder / "export.glb"), read_splats(folder / "export.glb")),
     "export-4.spz": lambda folder: read_splats(folder / "export-4.spz"),
     "export.mp4": lambda folder: _clip(folder / "export.mp4"),
     "export.mp4.json": lambda folder: (recorded(folder / "export.mp4"), described(folder)),

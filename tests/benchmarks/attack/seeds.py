@@ -165,6 +165,9 @@ def _exports(folder: Path, run: RunFolder) -> None:
     main(["export", str(run.path), "--video", str(folder / "export.mp4"), "--with", "cpu"])
     for path in (folder / "ply").glob("*.ply"):
         path.replace(folder / "export.ply")
+    main(["export", str(run.path), "--glb", str(folder / "glb"), "--frames", "0"])
+    for path in (folder / "glb").glob("*.glb"):
+        path.replace(folder / "export.glb")
     _spz(folder / "export.spz")
     (folder / "export.splat").write_bytes(np.random.default_rng(1).bytes(32 * 40))
     (folder / "export.sog").write_bytes(bundled(sog(gaussians(40, 3))))

@@ -1,0 +1,252 @@
+"""`.glb`: glTF 2.0 with splats by KHR_gaussian_splatting of Khronos, plain or as SPZ within it.
+
+Axes are right, up, back, lengths in metres; those that this program has written are read in the unit of their
+scene again.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.budget import OverBudget, budget
+from renderer.harmonics import BANDS
+from renderer.json_files import parsed
+from renderer.raw_gaussians import RawGaussians, logits
+from renderer.rotations import matrix, quaternion
+from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, repaired
+from renderer.splat_files.spz import read_spz
+from renderer.splat_files.y_up import y_up
+from renderer.splats import RenderMode
+
+MAGIC: Final = b"glTF"
+HEAD: Final = struct.Struct("<4sII")
+CHUNK: Final = struct.Struct("<I4s")
+EXTENSION: Final = "KHR_gaussian_splatting"
+SPZ: Final = ("KHR_gaussian_splatting_compression_spz_2", "KHR_gaussian_splatting_compression_spz")
+TYPES: Final[Mapping[int, tuple[type, float]]] = {
+    5120: (np.int8, 127.0), 5121: (np.uint8, 255.0), 5122: (np.int16, 32767.0), 5123: (np.uint16, 65535.0),
+    5126: (np.float32, 1.0),
+}  # fmt: skip
+"""Of components, with the number that means 1 in normalised ones."""
+WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+DEEPEST: Final = 64
+"""Levels of nodes within each other."""
+MOST_NODES: Final = 10_000
+LEAST_SCALE: Final = 1e-30
+BROKEN: Final = (ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError, struct.error)
+"""By which damaged files show."""
+Pose = NDArray[np.float64]
+
+
+def read_glb_splats(content: bytes) -> SplatFile:
+    """The Gaussians of the file's scene, all as one.
+
+    Raises:
+        SplatFileError: no splats in it, a kind of them that is not read, or a damaged file.
+    """
+    try:
+        document, binary = _chunks(content)
+        # Values out of their range are repaired, or left out, at the end.
+        with np.errstate(all="ignore"):
+            parts = [_placed(part, pose) for part, pose in _parts(document, binary)]
+        extras = _extras(document)
+        mode: RenderMode = "mip" if extras.get("render_mode") == "mip" else "default"
+        metres = float(extras.get("metres_per_unit", 1.0))
+    except (SplatFileError, OverBudget):
+        raise
+    except BROKEN as error:
+        raise SplatFileError("expected a glTF splat file, got a damaged one") from error
+    if not parts:
+        raise SplatFileError("expected Gaussian splats in the glTF file, got one without any")
+    if not 0 < metres < np.inf:
+        raise SplatFileError("expected a glTF splat file, got a damaged one")
+    raw = _joined(parts)
+    with np.errstate(all="ignore"):
+        means = (raw.means / metres).astype(np.float32)
+        log_scales = (raw.log_scales - np.log(metres)).astype(np.float32)
+    return repaired(replace(raw, means=means, log_scales=log_scales), mode)
+
+
+def _chunks(content: bytes) -> tuple[Any, bytes]:
+    """The JSON and the bytes behind it."""
+    magic, version, length = HEAD.unpack_from(content)
+    if version != 2:
+        raise SplatFileError(f"expected binary glTF 2.0, got version {version}")
+    if magic != MAGIC or length > len(content):
+        raise ValueError("cut off")
+    size, kind = CHUNK.unpack_from(content, HEAD.size)
+    start = HEAD.size + CHUNK.size
+    if kind != b"JSON":
+        raise ValueError("no JSON")
+    document, start = parsed(content[start : start + size].decode()), start + size
+    if start + CHUNK.size > len(content):
+        return document, b""
+    size, kind = CHUNK.unpack_from(content, start)
+    start += CHUNK.size
+    return document, content[start : start + size] if kind == b"BIN\0" else b""
+
+
+def _extras(document: Any) -> Mapping[str, Any]:
+    """What this program says of its own files."""
+    asset = document["asset"]
+    extras = asset.get("extras")
+    return extras if asset.get("generator") == "VesselSplat" and isinstance(extras, dict) else {}
+
+
+def _parts(document: Any, binary: bytes) -> Iterator[tuple[RawGaussians, Pose]]:
+    """Of each primitive of splats, itself and where its node places it."""
+    for node, pose in _nodes(document):
+        if "mesh" not in node:
+            continue
+        for primitive in document["meshes"][_index(node["mesh"])]["primitives"]:
+            told = primitive.get("extensions", {}).get(EXTENSION)
+            if told is not None:
+                yield _splats(document, primitive, told, binary), pose
+
+
+def _nodes(document: Any) -> Iterator[tuple[Any, Pose]]:
+    """Of the scene that is shown, each with its place in the world."""
+    nodes, scenes = document.get("nodes", []), document.get("scenes", [])
+    roots = scenes[_index(document.get("scene", 0))]["nodes"] if scenes else range(len(nodes))
+    waiting: list[tuple[int, Pose, int]] = [(_index(root), np.eye(4), 0) for root in roots]
+    for _ in range(MOST_NODES):
+        if not waiting:
+            return
+        number, above, level = waiting.pop()
+        node = nodes[number]
+        pose = above @ _pose(node)
+        yield node, pose
+        if level < DEEPEST:
+            waiting += [(_index(child), pose, level + 1) for child in node.get("children", ())]
+    raise ValueError("too many nodes")
+
+
+def _pose(node: Any) -> Pose:
+    if "matrix" in node:
+        return np.array(node["matrix"], np.float64).reshape(4, 4).T
+    pose = np.eye(4)
+    x, y, z, w = (float(value) for value in node.get("rotation", (0, 0, 0, 1)))
+    turn = matrix(np.array([w, x, y, z]))
+    pose[:3, :3] = turn * np.array(node.get("scale", (1, 1, 1)), np.float64).reshape(3)
+    pose[:3, 3] = np.array(node.get("translation", (0, 0, 0)), np.float64).reshape(3)
+    return pose
+
+
+def _splats(document: Any, primitive: Any, told: Any, binary: bytes) -> RawGaussians:
+    """In right, up, back, as the file has them."""
+    within = told.get("extensions", {})
+    packed = next((within[name] for name in SPZ if name in within), None)
+    if packed is not None:
+        blob = _view(document, packed["bufferView"], binary)
+        return y_up(read_spz(bytes(blob)).raw)
+    if within:
+        raise SplatFileError(f"expected plain splats or SPZ in the glTF file, got {', '.join(within)[:80]}")
+    if told.get("kernel", "ellipse") != "ellipse":
+        raise SplatFileError(f"expected ellipses in the glTF file, got {str(told['kernel'])[:40]}")
+    attributes = primitive["attributes"]
+
+    def values(name: str, width: int) -> NDArray[np.float32]:
+        return _array(document, attributes[name], binary, width)
+
+    means = values("POSITION", 3)
+    degrees = [degree for degree in (1, 2, 3) if f"{EXTENSION}:SH_DEGREE_{degree}_COEF_0" in attributes]
+    harmonics = [
+        values(f"{EXTENSION}:SH_DEGREE_{degree}_COEF_{place}", 3)
+        for degree in degrees
+        for place in range(2 * degree + 1)
+    ]
+    if len(harmonics) not in BANDS:
+        raise ValueError("a degree of harmonics is missing")
+    scales = np.maximum(values(f"{EXTENSION}:SCALE", 3), np.float32(LEAST_SCALE))
+    raw = RawGaussians(
+        means=means,
+        quats=values(f"{EXTENSION}:ROTATION", 4)[:, [3, 0, 1, 2]],
+        log_scales=np.log(scales),
+        opacity_logits=logits(values(f"{EXTENSION}:OPACITY", 1)[:, 0].astype(np.float64).clip(0, 1)),
+        colors=np.float32(0.5) + np.float32(PER_COLOR) * values(f"{EXTENSION}:SH_DEGREE_0_COEF_0", 3),
+        harmonics=np.stack(harmonics, axis=1) if harmonics else np.zeros((len(means), 0, 3), np.float32),
+    )
+    if {len(value) for value in raw.arrays().values()} != {len(means)}:
+        raise ValueError("attributes of different lengths")
+    return raw
+
+
+def _array(document: Any, number: Any, binary: bytes, width: int) -> NDArray[np.float32]:
+    """(N, width) of an accessor."""
+    accessor = document["accessors"][_index(number)]
+    if "sparse" in accessor:
+        raise SplatFileError("expected plain arrays in the glTF file, got sparse ones")
+    kind, full = TYPES[accessor["componentType"]]
+    columns, count = WIDTHS[accessor["type"]], _index(accessor["count"])
+    if width != columns:
+        raise ValueError("an attribute of another width")
+    budget().require(splats=count)
+    view = document["bufferViews"][_index(accessor["bufferView"])]
+    item = columns * np.dtype(kind).itemsize
+    stride, start = _index(view.get("byteStride", 0)) or item, _index(accessor.get("byteOffset", 0))
+    content = _view(document, accessor["bufferView"], binary)
+    if stride < item or (count and start + (count - 1) * stride + item > len(content)):
+        raise ValueError("an array beyond its place")
+    found = np.ndarray((count, columns), kind, content, start, (stride, np.dtype(kind).itemsize))
+    plain = found.astype(np.float32)
+    return plain / np.float32(full) if full > 1 and accessor.get("normalized") is True else plain
+
+
+def _view(document: Any, number: Any, binary: bytes) -> memoryview:
+    view = document["bufferViews"][_index(number)]
+    if "uri" in document["buffers"][_index(view["buffer"])]:
+        raise SplatFileError("expected a glTF file with all its bytes, got one that names other files")
+    start, size = _index(view.get("byteOffset", 0)), _index(view["byteLength"])
+    if start + size > len(binary):
+        raise ValueError("a place beyond the file")
+    return memoryview(binary)[start : start + size]
+
+
+def _index(value: Any) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        raise ValueError("a whole number is expected")
+    return value
+
+
+def _placed(raw: RawGaussians, pose: Pose) -> RawGaussians:
+    """Where its node has it, then in the axes of this program.
+
+    Raises SplatFileError: a node that skews, or turns colours by direction.
+    """
+    linear, size = pose[:3, :3], float(np.cbrt(abs(np.linalg.det(pose[:3, :3]))))
+    if not np.isfinite(pose).all() or size < LEAST_SCALE:
+        raise ValueError("a node of no size")
+    turn = linear / size
+    if np.linalg.det(turn) < 0 or np.abs(turn @ turn.T - np.eye(3)).max() > 1e-3:
+        raise SplatFileError("expected nodes that move, turn and scale evenly, got one that skews or mirrors")
+    if raw.harmonics.shape[1] and np.abs(turn - np.eye(3)).max() > 1e-6:
+        raise SplatFileError("expected splats with colours by direction in a node that does not turn them")
+    return y_up(
+        replace(
+            raw,
+            means=(raw.means @ linear.T + pose[:3, 3]).astype(np.float32),
+            quats=_turned(quaternion(turn), raw.quats),
+            log_scales=(raw.log_scales + np.log(size)).astype(np.float32),
+        )
+    )
+
+
+def _turned(turn: NDArray[np.float64], quats: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(N, 4) first each of the `quats`, then the turn."""
+    w, x, y, z = turn
+    after = np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
+    return np.asarray(quats @ after.T, np.float32)
+
+
+def _joined(parts: list[RawGaussians]) -> RawGaussians:
+    """With as many harmonics as the part that has most."""
+    bands = max(part.harmonics.shape[1] for part in parts)
+    degree = BANDS.index(bands)
+    arrays = [part.of_degree(degree).arrays() for part in parts]
+    return RawGaussians(**{name: np.concatenate([each[name] for each in arrays]) for name in arrays[0]})
