@@ -1,9 +1,10 @@
-"""The tissue surface of a scene, worked out once and remembered while the scene is looked at."""
+"""The tissue surface of a scene, worked out once and remembered as long as the scene is."""
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+from weakref import WeakKeyDictionary
 
 from app.errors import UserError
 from app.scenes.cpu_rendering import Draw, Drawn
@@ -17,9 +18,32 @@ if TYPE_CHECKING:
     from renderer.surface.following import Follower
 
 
-@lru_cache(maxsize=2)
+MOST_MESHES: Final = 256
+"""Moments of a scene whose surface is kept: half a megabyte each."""
+
+
+@dataclass
+class _Known:
+    """What has been worked out of a scene."""
+
+    followers: dict[Fineness, Follower] = field(default_factory=dict)
+    meshes: dict[float, Mesh] = field(default_factory=dict)
+    """By time, the oldest first."""
+
+
+_known: Final[WeakKeyDictionary[Scene, _Known]] = WeakKeyDictionary()
+"""It goes with its scene: a window opens many."""
+
+
 def surface(scene: Scene, fineness: Fineness = AS_IT_COMES) -> Follower:
     """Takes a second or less. Raises UserError: there is none, or it cannot be simplified here."""
+    followers = _known.setdefault(scene, _Known()).followers
+    if fineness not in followers:
+        followers[fineness] = _made(scene, fineness)
+    return followers[fineness]
+
+
+def _made(scene: Scene, fineness: Fineness) -> Follower:
     # Its kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.surface.of_model import surface_of
 
@@ -32,10 +56,14 @@ def surface(scene: Scene, fineness: Fineness = AS_IT_COMES) -> Follower:
     return follower
 
 
-@lru_cache(maxsize=256)
 def surface_at(scene: Scene, time: float) -> Mesh:
     """At a time in [0, 1]. Raises UserError as `surface`."""
-    return surface(scene).at(time)
+    follower, meshes = surface(scene), _known[scene].meshes
+    if time not in meshes:
+        if len(meshes) == MOST_MESHES:
+            del meshes[next(iter(meshes))]
+        meshes[time] = follower.at(time)
+    return meshes[time]
 
 
 def drawing_surface(scene: Scene, time: float) -> Draw:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +16,7 @@ from app.gui.update import wishes
 from app.gui.views.measurement import Located, Measurement
 from app.gui.work.selecting import PickRequest, pick
 from app.gui.work.settings import Places
+from app.scenes import surfaces
 from app.scenes.drawer import draw_view
 from app.scenes.records import SceneRecord
 from app.scenes.scene import Scene
@@ -60,6 +64,20 @@ def test_the_hole_is_seen_and_the_view_is_remembered(scene: Scene) -> None:
     radius = np.sqrt((first.image.sum(axis=2) == 0).sum() / np.pi)
     assert radius == pytest.approx(HOLE * 120 / 51, rel=0.2)
     assert surface(scene) is surface(scene)
+
+
+def test_what_is_remembered_goes_with_its_scene(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(surfaces, "MOST_MESHES", 2)
+    own = replace(scene)
+    kept = [weakref.ref(surfaces.surface_at(own, time)) for time in (0.1, 0.2, 0.3)]
+    follower = weakref.ref(surface(own))
+    gc.collect()
+    assert [one() is None for one in kept] == [True, False, False]
+    again = surfaces.surface_at(own, 0.3)
+    assert again is kept[2]()
+    del own, again
+    gc.collect()
+    assert [one() for one in (*kept, follower)] == [None] * 4
 
 
 def test_the_processor_draws_it_though_there_is_a_card(runs: dict[str, Path], tmp_path: Path) -> None:
