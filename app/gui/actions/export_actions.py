@@ -99,7 +99,7 @@ def _lacks(state: AppState, offer: Offer) -> str:
 def _lacks_dicom(state: AppState, offer: Offer) -> str:
     clip = state.source.clip
     if clip is None:
-        return "Open an image or a clip first."
+        return "Open a clip first."
     if reason := _lacks_package(format_of(state, offer.form)):
         return reason
     if clip.format == LIVE:
