@@ -4,7 +4,9 @@ PYTHON ?= python3
 VENV := .venv
 BUNDLE := $(VENV)-bundle
 BIN := $(VENV)/bin
-INSTALL := $(BIN)/python -m pip install
+# What is imported is compiled then: a tenth of what is installed.
+PIP := pip install --no-compile
+INSTALL := $(BIN)/python -m $(PIP)
 ifeq ($(TORCH),no)
 # pip cannot leave out a dependency.
 INSTALL := $(INSTALL) --quiet --constraint constraints.txt uv && \
@@ -62,6 +64,8 @@ $(VENV)/.prepared: $(VENV)/.installed
 	$(BIN)/vesselsplat prepare
 	touch $@
 
-$(VENV)/.installed-test: $(VENV)/.installed
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[test]'
-	touch $@
+# In one go with what all targets need.
+$(VENV)/.installed-test: pyproject.toml constraints.txt | system
+	test -x $(BIN)/pip || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m $(PIP) --quiet --constraint constraints.txt --editable '.[test]'
+	touch $(VENV)/.installed $@

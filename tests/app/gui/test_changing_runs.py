@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,14 +31,18 @@ from tests.app.gui.test_window import Driver, is_settled, wait
 CONFIG = TrainConfig(iterations=2, n_gaussians=300)
 
 
-def trained(runs: Path, *names: str) -> None:
-    for name in names:
-        list(run_training(TrainRequest(clip_path=phantom_path(), run_path=runs / name, config=CONFIG)))
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run, to be copied."""
+    path = tmp_path_factory.mktemp("trained") / "run"
+    list(run_training(TrainRequest(clip_path=phantom_path(), run_path=path, config=CONFIG)))
+    return path
 
 
 @pytest.fixture
-def listed(state: AppState, tmp_path: Path) -> AppState:
-    trained(tmp_path / "runs", "one", "two")
+def listed(state: AppState, tmp_path: Path, trained: Path) -> AppState:
+    for name in ("one", "two"):
+        shutil.copytree(trained, tmp_path / "runs" / name)
     state.places = replace(state.places, runs=tmp_path / "runs")
     state.source.clip = open_clip(phantom_path())
     return state
@@ -138,8 +143,10 @@ def test_a_folder_is_said_in_words() -> None:
 
 @pytest.mark.display
 @pytest.mark.usefixtures("bin_files")
-def test_the_run_that_is_shown_is_renamed_and_deleted_by_mouse_and_keyboard(places: Places) -> None:
-    trained(places.runs, "first")
+def test_the_run_that_is_shown_is_renamed_and_deleted_by_mouse_and_keyboard(
+    places: Places, trained: Path
+) -> None:
+    shutil.copytree(trained, places.runs / "first")
     jobs: list[FakeJob] = []
     driver = Driver(places, Settings(acknowledged=True), jobs)
     state = driver.state

@@ -94,7 +94,9 @@ def test_a_real_training_knows_at_half_way_when_it_ends(
     for module in (meter, importlib.import_module("renderer.train.trainer")):
         monkeypatch.setattr(module, "time", OwnTime())
     clip = Path(shutil.copytree(phantom_path(), tmp_path / "phantom"))
-    request = TrainRequest(clip_path=clip, run_path=tmp_path / "run", config=TrainConfig(iterations=400))
+    request = TrainRequest(
+        clip_path=clip, run_path=tmp_path / "run", config=TrainConfig(iterations=400, n_gaussians=8000)
+    )
     told: list[tuple[float, float]] = []
     for event in run_training(request):
         if isinstance(event, Progress) and event.iteration >= 200:
