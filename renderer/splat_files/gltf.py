@@ -35,6 +35,8 @@ TYPES: Final[Mapping[int, tuple[type, float]]] = {
 }  # fmt: skip
 """Of components, with the number that means 1 in normalised ones."""
 WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+DISPLAYED: Final = "srgb_rec709_display"
+LINEAR: Final = "colours are to be blended as light, and are drawn as they are displayed"
 DEEPEST: Final = 64
 """Levels of nodes within each other."""
 MOST_NODES: Final = 10_000
@@ -52,6 +54,7 @@ def read_glb_splats(content: bytes) -> SplatFile:
     """
     try:
         document, binary = _chunks(content)
+        spaces = {told.get("colorSpace", DISPLAYED) for _, told, _ in _primitives(document)}
         # Values out of their range are repaired, or left out, at the end.
         with np.errstate(all="ignore"):
             parts = [_placed(part, pose) for part, pose in _parts(document, binary)]
@@ -70,7 +73,8 @@ def read_glb_splats(content: bytes) -> SplatFile:
     with np.errstate(all="ignore"):
         means = (raw.means / metres).astype(np.float32)
         log_scales = (raw.log_scales - np.log(metres)).astype(np.float32)
-    return repaired(replace(raw, means=means, log_scales=log_scales), mode)
+    file = repaired(replace(raw, means=means, log_scales=log_scales), mode)
+    return file if spaces == {DISPLAYED} else replace(file, notices=(*file.notices, LINEAR))
 
 
 def _chunks(content: bytes) -> tuple[Any, bytes]:
@@ -101,13 +105,19 @@ def _extras(document: Any) -> Mapping[str, Any]:
 
 def _parts(document: Any, binary: bytes) -> Iterator[tuple[RawGaussians, Pose]]:
     """Of each primitive of splats, itself and where its node places it."""
+    for primitive, told, pose in _primitives(document):
+        yield _splats(document, primitive, told, binary), pose
+
+
+def _primitives(document: Any) -> Iterator[tuple[Any, Any, Pose]]:
+    """Those of splats: each with its extension, and where its node places it."""
     for node, pose in _nodes(document):
         if "mesh" not in node:
             continue
         for primitive in document["meshes"][_index(node["mesh"])]["primitives"]:
             told = primitive.get("extensions", {}).get(EXTENSION)
             if told is not None:
-                yield _splats(document, primitive, told, binary), pose
+                yield primitive, told, pose
 
 
 def _nodes(document: Any) -> Iterator[tuple[Any, Pose]]:

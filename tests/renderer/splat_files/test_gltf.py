@@ -196,6 +196,15 @@ def test_spz_within_is_unpacked(name: str) -> None:
     assert np.allclose(file.raw.log_scales, raw.log_scales, atol=1 / 16)
 
 
+def test_colours_of_another_space_are_told() -> None:
+    document, binary = plain(gaussians(5))
+    assert read_glb_splats(packed(document, binary)).notices == ()
+    told = document["meshes"][0]["primitives"][0]["extensions"][NAME]
+    told["colorSpace"] = "lin_rec709_display"
+    (said,) = read_glb_splats(packed(document, binary)).notices
+    assert "blended as light" in said
+
+
 Change = dict[str, Any]
 
 
