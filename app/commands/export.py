@@ -40,6 +40,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="the same as SPZ 3, a third as large or less: sizes to 3 %%; a JSON file beside each",
     )
     parser.add_argument(
+        "--spz4", type=Path, metavar="DIR", help="the same as SPZ 4, for newer programs, a little smaller"
+    )
+    parser.add_argument(
         "--sog",
         type=Path,
         metavar="DIR",
@@ -96,7 +99,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     splats = {".ply": flags.ply, ".spz": flags.spz, ".sog": flags.sog, ".glb": flags.glb}
-    splats[COMPRESSED] = flags.compressed_ply
+    splats |= {COMPRESSED: flags.compressed_ply, ".v4.spz": flags.spz4}
     others = (
         flags.video,
         flags.html,
@@ -109,7 +112,8 @@ def run(flags: argparse.Namespace) -> None:
     )
     if not any((*splats.values(), *others)):
         raise UserError(
-            "expected what to export: --ply DIR, --compressed-ply DIR, --spz DIR, --sog DIR, --glb DIR, "
+            "expected what to export: --ply DIR, --compressed-ply DIR, --spz DIR, --spz4 DIR, --sog DIR, "
+            "--glb DIR, "
             "--usd FILE, --4dgs FILE, --mesh FILE.glb|DIR, --video FILE, --html FILE, --npz FILE, "
             "--tracks FILE or --cameras FILE"
         )

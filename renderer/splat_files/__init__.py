@@ -23,7 +23,7 @@ from renderer.splat_files.splat_file import SplatFile, SplatFileError
 from renderer.splat_files.splat_records import read_records
 from renderer.splat_files.spz import GZIP, MAGIC_BYTES, read_spz
 from renderer.splat_files.spz_streams import read_spz_streams
-from renderer.splat_files.spz_writing import spz_bytes
+from renderer.splat_files.spz_writing import spz_bytes, spz_streams_bytes
 from renderer.splats import RenderMode
 
 SUFFIXES = (".ply", ".splat", ".spz", ".sog", ".ksplat", ".glb")
@@ -31,6 +31,7 @@ WRITERS: Final[Mapping[str, Callable[[RawGaussians, RenderMode], bytes]]] = Mapp
     {
         ".compressed.ply": packed_ply_bytes,
         ".ply": inria_ply.ply_bytes,
+        ".v4.spz": spz_streams_bytes,
         ".spz": spz_bytes,
         ".sog": sog_bytes,
     }
@@ -93,9 +94,9 @@ def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") ->
 
     A binary PLY file in the layout of 3D Gaussian Splatting (Kerbl et al., 2023), of which `read_splats`
     gives all values back bit for bit, colours to 1e-7; or, of a third of its size or less, an SPZ file of
-    version 3, or, with the splats in another order, PlayCanvas' compressed PLY or SOG of version 2
-    (`spz_writing.py`, `packed_writing.py` and `sog_writing.py` say what is rounded). Of a model at a moment:
-    `write_splats(path, model.motion.moved(model.raw, time))`.
+    version 3 (where it is named .v4.spz, of version 4), or, with the splats in another order, PlayCanvas'
+    compressed PLY or SOG of version 2 (`spz_writing.py`, `packed_writing.py` and `sog_writing.py` say
+    what is rounded). Of a model at a moment: `write_splats(path, model.motion.moved(model.raw, time))`.
 
     Args:
         path: ends in .compressed.ply, .ply, .spz or .sog; replaced where it exists.

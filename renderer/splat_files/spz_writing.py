@@ -1,4 +1,4 @@
-"""`.spz` of version 3, which every reader of the format opens; see spz.py for what the planes hold."""
+"""`.spz` of version 3, which every reader of the format opens, and 4; see spz.py for what the planes hold."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from renderer.harmonics import BANDS
 from renderer.raw_gaussians import RawGaussians, sigmoid
+from renderer.splat_files import spz_streams
 from renderer.splat_files.packed_ply import without_largest
 from renderer.splat_files.splat_file import PER_COLOR
 from renderer.splat_files.spz import ANTIALIASED, COLOR_SCALE, HEAD, MAGIC, MOST
@@ -17,6 +18,8 @@ from renderer.splat_files.y_up import y_up
 from renderer.splats import RenderMode
 
 VERSION: Final = 3
+LEVEL: Final = 12
+"""Of Zstandard, beyond which files hardly shrink."""
 FINEST: Final = 20
 """After the point of a position, and with them at most 23 in all."""
 Plane = NDArray[np.uint8]
@@ -29,6 +32,34 @@ def spz_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
     Raises:
         ValueError: more splats than the format takes, or one farther away than it can say.
     """
+    bits, planes = _planes(raw)
+    head = HEAD.pack(MAGIC, VERSION, len(raw), _degree(raw), bits, _flags(mode), 0)
+    # Without a time, so that one model gives one file.
+    return gzip.compress(head + b"".join(planes), mtime=0)
+
+
+def spz_streams_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
+    """The same of version 4: a stream a plane, each zipped with Zstandard; those without bytes are left out.
+
+    Raises:
+        ValueError: as `spz_bytes`.
+    """
+    import zstandard
+
+    bits, planes = _planes(raw)
+    told = [plane for plane in planes if plane]
+    streams = [zstandard.ZstdCompressor(LEVEL).compress(plane) for plane in told]
+    flags = _flags(mode)
+    head = spz_streams.HEAD.pack(
+        MAGIC, spz_streams.VERSION, len(raw), _degree(raw), bits, flags, len(told), spz_streams.HEAD.size
+    )
+    sizes = zip(streams, told, strict=True)
+    table = b"".join(spz_streams.SIZES.pack(len(stream), len(plane)) for stream, plane in sizes)
+    return head + table + b"".join(streams)
+
+
+def _planes(raw: RawGaussians) -> tuple[int, list[bytes]]:
+    """Bits after the point of positions, and what `spz.unpacked` takes apart."""
     farthest = float(np.abs(raw.means).max(initial=0))
     bits = int(min(FINEST, 22 - np.floor(np.log2(max(farthest, 1e-9)))))
     if len(raw) > MOST or bits < 0:
@@ -36,9 +67,6 @@ def spz_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
             f"expected up to {MOST} splats nearer than {1 << 23} for SPZ, "
             f"got {len(raw)} as far as {farthest:.3g}"
         )
-    bands = raw.harmonics.shape[1]
-    flags = ANTIALIASED if mode == "mip" else 0
-    head = HEAD.pack(MAGIC, VERSION, len(raw), BANDS.index(bands), bits, flags, 0)
     raw = y_up(raw)
     coefficients = (raw.colors.astype(np.float64) - 0.5) / PER_COLOR
     planes = (
@@ -49,8 +77,15 @@ def spz_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
         _rotations(raw.quats[:, [1, 2, 3, 0]]),
         _bytes(128 * (raw.harmonics.astype(np.float64) + 1)),
     )
-    # Without a time, so that one model gives one file.
-    return gzip.compress(head + b"".join(plane.tobytes() for plane in planes), mtime=0)
+    return bits, [plane.tobytes() for plane in planes]
+
+
+def _degree(raw: RawGaussians) -> int:
+    return BANDS.index(raw.harmonics.shape[1])
+
+
+def _flags(mode: RenderMode) -> int:
+    return ANTIALIASED if mode == "mip" else 0
 
 
 def _bytes(values: NDArray[Any]) -> Plane:

@@ -122,4 +122,4 @@ def test_a_changed_splat_file_is_found_out(runs: dict[str, Path], tmp_path: Path
 def test_what_to_export_is_asked_for(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
     call = vesselsplat("export", runs["original"])
     assert call.code == 2
-    assert "--spz DIR, --sog DIR, --glb DIR" in call.error
+    assert "--spz DIR, --spz4 DIR, --sog DIR, --glb DIR" in call.error

@@ -175,6 +175,7 @@ SPLATS: Final = {
     ".ply": "PLY, exact",
     ".compressed.ply": "Compressed PLY (PlayCanvas)",
     ".spz": "SPZ (Niantic)",
+    ".v4.spz": "SPZ 4 (Niantic), smaller",
     ".sog": "SOG (PlayCanvas)",
     ".glb": "glTF (Khronos), in metres",
 }

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import zstandard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
@@ -20,7 +21,7 @@ from renderer.splat_files import WRITERS, read_splats, write_splats
 from renderer.splat_files.grouping import grouped
 from renderer.splat_files.morton import morton_order
 from renderer.splat_files.sog_writing import sog_bytes
-from renderer.splat_files.spz_writing import spz_bytes
+from renderer.splat_files.spz_writing import spz_bytes, spz_streams_bytes
 from renderer.splats import RenderMode
 from tests.renderer.splat_files.files import gaussians
 
@@ -52,9 +53,16 @@ def turned_alike(one: RawGaussians, other: RawGaussians, atol: float) -> None:
     mode=st.sampled_from(["default", "mip"]),
     unit=st.sampled_from([0.01, 1.0, 1000.0]),
     seed=st.integers(0, 99),
+    ending=st.sampled_from([".spz", ".v4.spz"]),
 )
 def test_spz_comes_back_to_half_a_step(
-    tmp_path_factory: pytest.TempPathFactory, count: int, bands: int, mode: RenderMode, unit: float, seed: int
+    tmp_path_factory: pytest.TempPathFactory,
+    count: int,
+    bands: int,
+    mode: RenderMode,
+    unit: float,
+    seed: int,
+    ending: str,
 ) -> None:
     raw = gaussians(count, bands, seed)
     raw = replace(
@@ -63,7 +71,7 @@ def test_spz_comes_back_to_half_a_step(
         harmonics=np.clip(raw.harmonics, -0.99, 0.99),
         colors=np.clip(raw.colors, -0.4, 1.4),
     )
-    got = back(tmp_path_factory.mktemp("spz"), raw, ".spz", mode)
+    got = back(tmp_path_factory.mktemp("spz"), raw, ending, mode)
     assert np.allclose(got.means, raw.means, rtol=0, atol=np.abs(raw.means).max(initial=2) / 4e6 + 5e-7)
     assert np.allclose(got.log_scales, raw.log_scales, atol=0.51 / 16)
     assert np.allclose(sigmoid(got.opacity_logits), sigmoid(raw.opacity_logits), atol=0.51 / 255)
@@ -141,7 +149,7 @@ def test_packed_splats_that_are_near_share_narrow_chunks(tmp_path: Path) -> None
     assert np.abs(got.means - raw.means).max() < 1e-3
 
 
-@pytest.mark.parametrize("suffix", [".spz", ".sog"])
+@pytest.mark.parametrize("suffix", [".spz", ".v4.spz", ".sog"])
 def test_what_was_read_is_written_the_same_again(tmp_path: Path, suffix: str) -> None:
     """Nothing drifts, and a file holds no time."""
     raw = gaussians(200, 3)
@@ -163,6 +171,22 @@ def test_the_header_of_spz_is_that_of_version_3() -> None:
     assert tuple(np.frombuffer(content[4:12], "<u4")) == (3, 3)
     assert (content[12], content[14], content[15]) == (2, 1, 0)
     assert len(content) == 16 + 3 * (9 + 1 + 3 + 3 + 4 + 24)
+
+
+def test_spz_of_version_4_holds_the_planes_of_version_3() -> None:
+    raw = gaussians(40, 8)
+    content = spz_streams_bytes(raw, "mip")
+    assert tuple(np.frombuffer(content[4:12], "<u4")) == (4, 40)
+    assert (content[12], content[14]) == (2, 1)
+    count, place = content[15], int.from_bytes(content[16:20], "little")
+    sizes = np.frombuffer(content[place : place + 16 * count], "<u8").reshape(-1, 2)
+    planes, start = b"", place + 16 * count
+    for zipped, whole in sizes.tolist():
+        plane = zstandard.ZstdDecompressor().decompress(content[start : start + zipped])
+        assert len(plane) == whole
+        planes, start = planes + plane, start + zipped
+    assert start == len(content)
+    assert planes == gzip.decompress(spz_bytes(raw, "mip"))[16:]
 
 
 def test_the_list_of_sog_says_what_is_there() -> None:
@@ -223,7 +247,7 @@ def test_what_a_format_cannot_hold_is_one_line(tmp_path: Path) -> None:
     far.means[0, 1] = 1e9
     with pytest.raises(ValueError, match=r"nearer than 8388608 for SPZ, got 2 as far as 1e\+09"):
         write_splats(tmp_path / "a.spz", far)
-    with pytest.raises(ValueError, match=r"\.ply, \.spz, \.sog"):
+    with pytest.raises(ValueError, match=r"\.ply, \.v4\.spz, \.spz, \.sog"):
         write_splats(tmp_path / "a.splat", far)
     assert not list(tmp_path.iterdir())
 
