@@ -20,7 +20,7 @@ from renderer.readers.decoders import DECODERS
 from renderer.readers.deinterlacing import deinterlaced
 from renderer.readers.stereo_layout import told_layout
 from renderer.readers.video_index import decoded, index_of, nominal_rate, open_container, video_stream
-from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, quarter_turns, usual_matrix
+from renderer.readers.video_shape import UNSPECIFIED, bits_of, pixel_aspect, quarter_turns, usual_matrix
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -232,5 +232,7 @@ class PyAvVideo:
         if self.pixel_aspect != 1:
             ratio = f"{self.pixel_aspect:.3g}"
             yield f"pixels are {ratio} times as wide as high; exported images keep the stored pixels"
+        if (bits := bits_of(first)) > 8:
+            yield f"the video has {bits} bits a colour; it is read with 8"
         if transfer := HDR.get(first.color_trc):
             yield f"the video is HDR ({transfer}); it is read without tone mapping and looks flat"

@@ -29,6 +29,8 @@ class VideoHeader:
     seconds: float | None = None
     codec: str | None = None
     """As FFmpeg calls it, or DICOM; None where PyAV is not installed, which tells it and what follows."""
+    bits: int = 8
+    """Of a colour, of which 8 are read."""
     sound: str | None = None
     """Codec of the first sound track."""
     is_interlaced: bool = False
@@ -58,7 +60,7 @@ def _of_frames(told: DicomHeader) -> VideoHeader:
 def _by_pyav(path: Path) -> VideoHeader:
     from renderer.readers.stereo_layout import told_layout
     from renderer.readers.video_index import decoded, open_container, rate_of, video_stream
-    from renderer.readers.video_shape import pixel_aspect, quarter_turns
+    from renderer.readers.video_shape import bits_of, pixel_aspect, quarter_turns
 
     with open_container(path) as container:
         stream = video_stream(container, path)
@@ -74,6 +76,7 @@ def _by_pyav(path: Path) -> VideoHeader:
             frames_per_second=None if rate is None else _kept_rate(float(rate), stream.frames, seconds),
             seconds=seconds,
             codec=stream.codec_context.codec.canonical_name,
+            bits=bits_of(first),
             sound=sounds[0].codec_context.codec.canonical_name if sounds else None,
             is_interlaced=first.interlaced_frame,
             pixel_aspect=float(pixel_aspect(stream, first)),

@@ -29,3 +29,8 @@ def pixel_aspect(stream: VideoStream, frame: VideoFrame) -> Fraction:
     """Width of a pixel by its height, in the upright picture."""
     aspect = Fraction(stream.sample_aspect_ratio or 1)
     return 1 / aspect if quarter_turns(frame) % 2 else aspect
+
+
+def bits_of(frame: VideoFrame) -> int:
+    """Of a colour, as they are stored."""
+    return max(component.bits for component in frame.format.components)

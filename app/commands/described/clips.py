@@ -66,6 +66,7 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         Fact("size", f"{width}x{height}", [width, height]),
         Fact("pixels", shape, header.pixel_aspect),
         Fact("codec", header.codec or "unknown", header.codec),
+        *([Fact("bits", f"{header.bits} a colour, read with 8", header.bits)] if header.bits > 8 else []),
         Fact("fields", INTERLACED if header.is_interlaced else "none", header.is_interlaced),
         Fact("sound", header.sound or "none", header.sound),
         *_eyes(header.stereo),
