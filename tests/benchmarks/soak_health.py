@@ -29,6 +29,8 @@ class Reading:
     minute: float
     memory: float
     """Resident, MB, after collecting what Python no longer needs."""
+    live: float
+    """MB that the C library has given out and not got back; 0 where it does not say."""
     processor: float
     """Share of one core since the reading before."""
     files: int
@@ -40,8 +42,9 @@ class Reading:
     def __str__(self) -> str:
         held = " ".join(f"{name.lower()}s {n}" for name, n in zip(OBJECTS, self.objects, strict=True))
         return (
-            f"{self.minute:6.1f} min  {self.memory:6.1f} MB  {self.processor:4.0%} of a core  "
-            f"files {self.files}  threads {self.threads}  children {self.children}  {held}"
+            f"{self.minute:6.1f} min  {self.memory:6.1f} MB, {self.live:6.1f} live  "
+            f"{self.processor:4.0%} of a core  files {self.files}  "
+            f"threads {self.threads}  children {self.children}  {held}"
         )
 
 
@@ -99,6 +102,7 @@ class Health:
         reading = Reading(
             self.minutes,
             process.memory_info().rss / MEGABYTE,
+            _given_out() / MEGABYTE,
             self._share(),
             process.num_fds(),
             process.num_threads(),
@@ -138,6 +142,28 @@ class Health:
             for line in dict.fromkeys(lines):
                 print(f"  {line} ({lines.count(line)} times)")
         return not any(found.values()) and (growth is None or growth <= GROWTH)
+
+
+class _Mallinfo(ctypes.Structure):
+    """struct mallinfo2 of the GNU C library, in bytes."""
+
+    _fields_ = tuple(
+        (name, ctypes.c_size_t)
+        for name in (
+            "arena", "ordblks", "smblks", "hblks", "hblkhd", "usmblks", "fsmblks", "uordblks", "fordblks",
+            "keepcost",
+        )
+    )  # fmt: skip
+
+
+def _given_out() -> int:
+    """In all arenas, and what is mapped by itself."""
+    mallinfo = getattr(ctypes.CDLL(None), "mallinfo2", None) if sys.platform == "linux" else None
+    if mallinfo is None:
+        return 0
+    mallinfo.restype = _Mallinfo
+    told = mallinfo()
+    return int(told.uordblks + told.hblkhd)
 
 
 def children() -> list[psutil.Process]:
