@@ -31,10 +31,9 @@ def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> 
     path, form = flags.cameras, flags.cameras_format
     named = tuple(NamedCamera(moment.name, moment.camera) for moment in wanted)
     times = tuple(moment.time for moment in wanted)
-    try:
-        write_cameras(path, CameraSet(named, times, scene.model.at(times[0])), form)
-    except UserError as error:
-        raise UserError(f"--cameras: {error}") from error
+    if form == "colmap" and path.suffix and not path.is_dir():
+        raise UserError(f"--cameras: expected a folder for COLMAP, got {path.name}")
+    write_cameras(path, CameraSet(named, times, scene.model.at(times[0])), form)
     if form == "splatting" and (notice := off_center(named)):
         sys.stderr.write(f"{notice}: {path}\n")
     sys.stdout.write(f"{path}: {len(wanted)} cameras\n")

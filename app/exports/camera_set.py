@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
-from app.errors import UserError
 from app.files.atomic import filled, write_bytes
 from renderer.camera_files import NamedCamera, splatting_json, transforms_json
 from renderer.colmap_text import write_colmap
@@ -37,14 +36,10 @@ class CameraSet:
 def write_cameras(target: Path, cameras: CameraSet, form: CameraFormat) -> None:
     """cameras.json of 3D Gaussian Splatting, transforms.json of NeRF, or a folder with COLMAP's text model.
 
-    Raises:
-        UserError: a folder is wanted and a file's name is given.
-        OSError: it cannot be written.
+    Raises OSError: it cannot be written.
     """
     images = tuple(NamedCamera(f"{one.name}.png", one.camera) for one in cameras.named)
     if form == "colmap":
-        if target.suffix and not target.is_dir():
-            raise UserError(f"expected a folder for COLMAP, got {target.name}")
         with filled(target) as staging:
             write_colmap(staging, images, cameras.start)
     elif form == "transforms":

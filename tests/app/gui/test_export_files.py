@@ -300,6 +300,9 @@ def test_cameras_in_other_formats_are_those_of_the_clip(run: Exporter, suffix: s
     cameras = read_cameras(paths[1])
     assert [one.camera.fx for one in cameras] == pytest.approx([one.fx for one in model.cameras])
     assert np.allclose(cameras[3].camera.camera_from_world, model.cameras[3].camera_from_world, atol=1e-6)
+    export_actions.choose_what(run.state, "cameras of the clip")
+    export_actions.type_name(run.state, "case.1")
+    assert exported(run, "cameras of the clip").name == f"case.1{suffix}"
 
 
 def test_measured_points_are_followed_through_the_clip(run: Exporter, runs: dict[str, Path]) -> None:
