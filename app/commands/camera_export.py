@@ -33,7 +33,7 @@ def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> 
     times = tuple(moment.time for moment in wanted)
     if form == "colmap" and path.suffix and not path.is_dir():
         raise UserError(f"--cameras: expected a folder for COLMAP, got {path.name}")
-    write_cameras(path, CameraSet(named, times, scene.model.at(times[0])), form)
+    write_cameras(path, CameraSet(named, times, scene.model), form)
     if form == "splatting" and (notice := off_center(named)):
         sys.stderr.write(f"{notice}: {path}\n")
     sys.stdout.write(f"{path}: {len(wanted)} cameras\n")

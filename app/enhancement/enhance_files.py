@@ -279,7 +279,7 @@ def _write_dicom(
     """One object: a still of one picture, else a video."""
     if not series.is_video and len(series) == 1:
         ((image, record),) = pictures
-        record = write_enhanced_still(output, image, replace(record, dicom=choices), series.sources)
+        record = write_enhanced_still(output, image, record, series.sources)
         yield 1
         return (replace(record, output=output.name),)
     film = write_dicom_film(output, pictures, series.timing, notices, choices, series.sources)

@@ -10,7 +10,7 @@ from typing import Final, Literal
 from app.files.atomic import filled, write_bytes
 from renderer.camera_files import NamedCamera, splatting_json, transforms_json
 from renderer.colmap_text import write_colmap
-from renderer.splats import Splats
+from renderer.gaussians import DynamicGaussians
 
 CameraFormat = Literal["splatting", "transforms", "colmap"]
 ENDINGS: Final[Mapping[CameraFormat, str]] = {
@@ -29,8 +29,8 @@ class CameraSet:
     """After the images of them, without suffix."""
     times: tuple[float, ...]
     """In [0, 1] over the clip."""
-    start: Splats
-    """The model at the first."""
+    model: DynamicGaussians
+    """That is seen."""
 
 
 def write_cameras(target: Path, cameras: CameraSet, form: CameraFormat) -> None:
@@ -41,7 +41,7 @@ def write_cameras(target: Path, cameras: CameraSet, form: CameraFormat) -> None:
     images = tuple(NamedCamera(f"{one.name}.png", one.camera) for one in cameras.named)
     if form == "colmap":
         with filled(target) as staging:
-            write_colmap(staging, images, cameras.start)
+            write_colmap(staging, images, cameras.model.at(cameras.times[0]))
     elif form == "transforms":
         write_bytes(target, transforms_json(images, cameras.times))
     else:

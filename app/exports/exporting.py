@@ -154,19 +154,27 @@ class Step:
 
 def export(request: ExportRequest) -> Iterator[Step]:
     """Raises OSError, UserError, ClipError or ImageError; what it had begun to write vanishes."""
-    path = request.folder / free_name(request.folder, request.stem)
-    if isinstance(request.record, SplatFolder):
-        with filled(path) as staging:
-            for done, (name, record) in enumerate(request.record.files, start=1):
-                run_to_end(make(record, request.sources, staging / name))
-                yield Step(done)
-    elif not request.suffix and isinstance(request.record, CameraSet):
-        write_cameras(path, request.record, "colmap")
+    if not request.suffix:
+        path = request.folder / free_name(request.folder, request.stem)
+        yield from _made_folder(request, path)
     else:
         with filled(request.folder) as staging:
             yield from _made(request, staging / f"{request.stem}{request.suffix}")
             path = request.folder / _renamed(staging, request)
     yield Step(request.steps, path)
+
+
+def _made_folder(request: ExportRequest, path: Path) -> Iterator[Step]:
+    """Of several files, whole or not at all."""
+    record = request.record
+    if isinstance(record, CameraSet):
+        write_cameras(path, record, form_of(request.suffix))
+        return
+    assert isinstance(record, SplatFolder)
+    with filled(path) as staging:
+        for done, (name, one) in enumerate(record.files, start=1):
+            run_to_end(make(one, request.sources, staging / name))
+            yield Step(done)
 
 
 def _made(request: ExportRequest, target: Path) -> Iterator[Step]:

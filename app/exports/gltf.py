@@ -17,20 +17,16 @@ from numpy.typing import NDArray
 from app.errors import UserError
 from app.files.embedded import KEYWORD
 from app.files.provenance import NOTICE, ascii_json
-from renderer.json_files import parsed
+from renderer.glb import SHAPES, WIDTHS, glb, length_of, opened_glb
 from renderer.regular_files import read_whole
 from renderer.splats import Float32Array
 
-MAGIC, VERSION = b"glTF", 2
-JSON, BINARY = 0x4E4F534A, 0x004E4942
 FLOATS, INDICES, BYTES = 5126, 5125, 5121
 VERTICES, ELEMENTS = 34962, 34963
 METRES: Final[Mapping[str, float]] = {"mm": 1e-3}
 """By the unit of a scene; of one without a scale, its own unit stands for a metre."""
 TO_GLTF: Final = np.array([1, -1, -1], np.float32)
 """From x right, y down, z forward to x right, y up, z backward."""
-SHAPES: Final = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
-WIDTHS: Final = {shape: width for width, shape in SHAPES.items()}
 TYPES: Final = {FLOATS: np.float32, INDICES: np.uint32, BYTES: np.uint8}
 
 
@@ -85,10 +81,7 @@ def packed(document: Mapping[str, Any], buffer: Buffer) -> bytes:
         "bufferViews": buffer.views,
         "buffers": [{"byteLength": len(binary)}],
     }
-    text = ascii_json({**document, **arrays}).encode()
-    text += b" " * (-len(text) % 4)
-    chunks = struct.pack("<II", len(text), JSON) + text + struct.pack("<II", len(binary), BINARY) + binary
-    return struct.pack("<4sII", MAGIC, VERSION, 12 + len(chunks)) + chunks
+    return glb(ascii_json({**document, **arrays}).encode(), binary)
 
 
 def linear(colors: Float32Array) -> Float32Array:
@@ -101,24 +94,21 @@ def read_glb(path: Path) -> tuple[dict[str, Any], list[NDArray[Any]]]:
     """Provenance and arrays of a file of ours. Raises UserError: it is none, or damaged."""
     content = read_whole(path)
     try:
-        magic, version, length = struct.unpack_from("<4sII", content)
-        size, kind = struct.unpack_from("<II", content, 12)
-        if (magic, version, length, kind) != (MAGIC, VERSION, len(content), JSON):
-            raise ValueError("not one whole binary glTF 2.0")
-        document = parsed(content[20 : 20 + size].decode())
+        document, binary = opened_glb(content)
+        if length_of(content) != len(content):
+            raise ValueError("bytes behind its end")
         facts = document["asset"]["extras"][KEYWORD]
         if not isinstance(facts, dict):
             raise ValueError("no provenance in it")
-        start = 20 + size + 8
-        return facts, [_read_array(document, one, content, start) for one in document["accessors"]]
+        return facts, [_read_array(document, one, binary) for one in document["accessors"]]
     except (ValueError, TypeError, KeyError, IndexError, AttributeError, struct.error) as error:
         raise UserError(f"expected a GLB file written by VesselSplat ({error}): {path}") from error
 
 
-def _read_array(document: Any, accessor: Any, content: bytes, start: int) -> NDArray[Any]:
+def _read_array(document: Any, accessor: Any, binary: bytes) -> NDArray[Any]:
     view = document["bufferViews"][accessor["bufferView"]]
     width = WIDTHS[accessor["type"]]
     kind, count, offset = TYPES[accessor["componentType"]], accessor["count"] * width, view["byteOffset"]
     if not (isinstance(count, int) and isinstance(offset, int) and count >= 0 <= offset):
         raise ValueError("an array with a place of its own is expected")
-    return np.frombuffer(content, kind, count, start + offset).reshape(-1, width)
+    return np.frombuffer(binary, kind, count, offset).reshape(-1, width)

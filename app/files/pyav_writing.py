@@ -51,17 +51,15 @@ class PyavWriter:
     def __init__(self, path: Path, size: tuple[int, int], timing: Timing, codec: Codec) -> None:
         self.notices: tuple[str, ...] = ()
         tags = _Tags() if timing.like is None else _tags(timing.like)
-        # As a plain file: a name with a colon is no address. With the index first, browsers start at once.
-        # WebM has names by chance, but for this flag: one video would not become the same bytes twice.
-        options = {"movflags": "+faststart"} if codec.container == "mp4" else {"fflags": "+bitexact"}
-        self._container = av.open(
-            f"file:{path.absolute()}", "w", format=codec.container, container_options=options
-        )
+        within = codec.container
+        # As a plain file: a name with a colon is no address.
+        place, options = f"file:{path.absolute()}", dict(within.options)
+        self._container = av.open(place, "w", format=within.name, container_options=options)
         self._rate = Fraction(timing.frames_per_second).limit_denominator(1001)
         self._unit = 1 / self._rate if timing.frame_times is None else Fraction(1, TICKS)
         self._stream = self._video_stream(size, tags, codec)
         self._matrix = MATRICES.get(tags.matrix) or usual_matrix(size[1])
-        self._sound: Sound | None = sound_of(timing, self._container, codec)
+        self._sound: Sound | None = sound_of(timing, self._container, within)
         self._count, self._end = 0, 0.0
         self.encoding = f"{codec.name}, colour tags {tags.primaries}/{tags.transfer}/{tags.matrix}"
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 
 import av
 
-from app.files.codecs import Codec
+from app.files.codecs import Container
 from app.files.timing import Timing
 from renderer.readers.video_index import open_container, start_of
 
@@ -18,12 +18,11 @@ if TYPE_CHECKING:
     from av.container import InputContainer, OutputContainer
     from av.packet import Packet
 
-OPUS_RATE = 48_000
 LAYOUTS = {1: "mono", 2: "stereo"}
 """By the number of channels."""
 
 
-def sound_of(timing: Timing, output: OutputContainer, codec: Codec) -> Sound | None:
+def sound_of(timing: Timing, output: OutputContainer, within: Container) -> Sound | None:
     """The first sound track of the video that frames come from, with a track for it in `output`, if any."""
     if timing.like is None or not timing.has_sound:
         return None
@@ -31,20 +30,20 @@ def sound_of(timing: Timing, output: OutputContainer, codec: Codec) -> Sound | N
     if not source.streams.audio:
         source.close()
         return None
-    return Sound(source, output, codec, start_of(timing.like) + Fraction(timing.start))
+    return Sound(source, output, within, start_of(timing.like) + Fraction(timing.start))
 
 
 class Sound:
     """Feeds the output in step with its frames, so that players find both close to each other."""
 
     def __init__(
-        self, source: InputContainer, output: OutputContainer, made_by: Codec, start: Fraction
+        self, source: InputContainer, output: OutputContainer, within: Container, start: Fraction
     ) -> None:
         # Times count from the first frame that is written: sound before it has no picture.
-        self._source, self._output, self._made_by, self._start = source, output, made_by, start
+        self._source, self._output, self._within, self._start = source, output, within, start
         self._track = source.streams.audio[0]
         self._extra = len(source.streams.audio) - 1
-        self._is_copied = self._track.codec_context.codec.canonical_name in made_by.sounds
+        self._is_copied = self._track.codec_context.codec.canonical_name in within.sounds
         self._written = self._add_track()
         packets = self._copied() if self._is_copied else self._encoded()
         self._packets: Iterator[tuple[float, Packet[AudioStream]]] = packets
@@ -67,7 +66,7 @@ class Sound:
                 f"the sound ({codec}) is kept up to the point where it cannot be decoded: {self._failure}"
             )
         elif not self._is_copied:
-            said.append(f"the sound was re-encoded from {codec} to {self._made_by.sound_name}")
+            said.append(f"the sound was re-encoded from {codec} to {self._within.sound_name}")
         if self._extra:
             said.append(f"only the first of {self._extra + 1} sound tracks is kept")
         return tuple(said)
@@ -81,9 +80,8 @@ class Sound:
         channels = self._track.codec_context.channels
         # Some files tell the number of channels alone, which the encoder does not take.
         layout = LAYOUTS.get(channels, self._track.layout.name)
-        # Opus knows few rates, of which this one is in every file.
-        rate = OPUS_RATE if self._made_by.sound == "libopus" else self._track.rate
-        added = self._output.add_stream(self._made_by.sound, rate=rate, layout=layout)
+        rate = self._within.sound_rate or self._track.rate
+        added = self._output.add_stream(self._within.sound, rate=rate, layout=layout)
         return cast("AudioStream", added)
 
     def _next(self) -> tuple[float, Packet[AudioStream]] | None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from renderer import glb
 from renderer.atomic_files import written_atomically
 from renderer.budget import OverBudget
 from renderer.ply_elements import MAGIC, PlyError, read_ply
@@ -154,7 +155,7 @@ def _read(content: bytes, path: Path) -> SplatFile:
         return read_spz(content)
     if content.startswith(MAGIC_BYTES):
         return read_spz_streams(content)
-    if content.startswith(gltf.MAGIC):
+    if content.startswith(glb.MAGIC):
         return gltf.read_glb_splats(content)
     if content.startswith(other_kinds.ZIP) and (members := sog_members.archived(content)):
         return read_sog(members)

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.budget import OverBudget, budget
+from renderer.glb import SPLATS as EXTENSION
+from renderer.glb import WIDTHS, GlbError, opened_glb
 from renderer.harmonics import BANDS
-from renderer.json_files import parsed
 from renderer.raw_gaussians import RawGaussians, logits
 from renderer.rotations import matrix, quaternion
 from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, repaired
@@ -24,17 +25,12 @@ from renderer.splat_files.spz import read_spz
 from renderer.splat_files.y_up import y_up
 from renderer.splats import RenderMode
 
-MAGIC: Final = b"glTF"
-HEAD: Final = struct.Struct("<4sII")
-CHUNK: Final = struct.Struct("<I4s")
-EXTENSION: Final = "KHR_gaussian_splatting"
-SPZ: Final = ("KHR_gaussian_splatting_compression_spz_2", "KHR_gaussian_splatting_compression_spz")
+SPZ: Final = (f"{EXTENSION}_compression_spz_2", f"{EXTENSION}_compression_spz")
 TYPES: Final[Mapping[int, tuple[type, float]]] = {
     5120: (np.int8, 127.0), 5121: (np.uint8, 255.0), 5122: (np.int16, 32767.0), 5123: (np.uint16, 65535.0),
     5126: (np.float32, 1.0),
 }  # fmt: skip
 """Of components, with the number that means 1 in normalised ones."""
-WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 DISPLAYED: Final = "srgb_rec709_display"
 LINEAR: Final = "colours are to be blended as light, and are drawn as they are displayed"
 DEEPEST: Final = 64
@@ -53,7 +49,7 @@ def read_glb_splats(content: bytes) -> SplatFile:
         SplatFileError: no splats in it, a kind of them that is not read, or a damaged file.
     """
     try:
-        document, binary = _chunks(content)
+        document, binary = opened_glb(content)
         spaces = {told.get("colorSpace", DISPLAYED) for _, told, _ in _primitives(document)}
         # Values out of their range are repaired, or left out, at the end.
         with np.errstate(all="ignore"):
@@ -63,6 +59,8 @@ def read_glb_splats(content: bytes) -> SplatFile:
         metres = float(extras.get("metres_per_unit", 1.0))
     except (SplatFileError, OverBudget):
         raise
+    except GlbError as error:
+        raise SplatFileError(str(error)) from error
     except BROKEN as error:
         raise SplatFileError("expected a glTF splat file, got a damaged one") from error
     if not parts:
@@ -75,25 +73,6 @@ def read_glb_splats(content: bytes) -> SplatFile:
         log_scales = (raw.log_scales - np.log(metres)).astype(np.float32)
     file = repaired(replace(raw, means=means, log_scales=log_scales), mode)
     return file if spaces == {DISPLAYED} else replace(file, notices=(*file.notices, LINEAR))
-
-
-def _chunks(content: bytes) -> tuple[Any, bytes]:
-    """The JSON and the bytes behind it."""
-    magic, version, length = HEAD.unpack_from(content)
-    if version != 2:
-        raise SplatFileError(f"expected binary glTF 2.0, got version {version}")
-    if magic != MAGIC or length > len(content):
-        raise ValueError("cut off")
-    size, kind = CHUNK.unpack_from(content, HEAD.size)
-    start = HEAD.size + CHUNK.size
-    if kind != b"JSON":
-        raise ValueError("no JSON")
-    document, start = parsed(content[start : start + size].decode()), start + size
-    if start + CHUNK.size > len(content):
-        return document, b""
-    size, kind = CHUNK.unpack_from(content, start)
-    start += CHUNK.size
-    return document, content[start : start + size] if kind == b"BIN\0" else b""
 
 
 def _extras(document: Any) -> Mapping[str, Any]:

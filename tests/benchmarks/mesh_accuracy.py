@@ -22,7 +22,6 @@ from app.exports.meshes.of_scene import surface_mesh
 from app.exports.sources import Opened
 from app.files.stepping import run_to_end
 from app.scenes.scene import Scene, open_scene
-from app.scenes.surfaces import surface
 from renderer.measuring.surface_accuracy import SurfaceErrors, material, surface_errors
 from renderer.phantom import Phantom, PhantomParams
 from renderer.phantom.surface import Surface
@@ -83,7 +82,7 @@ def new(scene: Scene, time: float, fineness: Fineness) -> Mesh:
 
 def exported(scene: Scene, fineness: Fineness) -> tuple[float, int]:
     """Seconds and bytes of the whole clip as GLB."""
-    surface.cache_clear()
+    scene = replace(scene)  # Of which nothing is remembered.
     record = surface_mesh(scene, 15.0, vertices=fineness.vertices, faces=fineness.faces)
     with TemporaryDirectory() as folder:
         began, target = perf_counter(), Path(folder, "surface.glb")

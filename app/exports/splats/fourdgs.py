@@ -23,6 +23,7 @@ from app.files.provenance import write_sidecar
 from app.runs.memory import free_memory
 from app.scenes.scene import Scene
 from renderer.raw_gaussians import RawGaussians
+from renderer.regular_files import read_whole
 from renderer.rotations import unit_quats
 from renderer.splat_files.y_up import y_up
 from renderer.splats import Splats
@@ -80,7 +81,7 @@ def read_fourdgs(path: Path) -> Iterator[NDArray[Any]]:
     from fourdgs.keyframe_delta_file import decode_streamed
 
     try:
-        chunks = decode_streamed(path.read_bytes()).chunks
+        chunks = decode_streamed(read_whole(path)).chunks
     except FourdgsError as error:
         raise UserError(f"expected a .4dgs file of moving splats ({error}): {path}") from error
     for chunk in chunks:

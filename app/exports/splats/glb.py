@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from app.errors import UserError
 from app.exports.gltf import METRES, VERTICES, Buffer, asset, linear, packed
+from renderer.glb import SPLATS as EXTENSION
 from renderer.raw_gaussians import RawGaussians
 from renderer.rotations import unit_quats
 from renderer.splat_files.splat_file import PER_COLOR
 from renderer.splat_files.y_up import y_up
 from renderer.splats import Float32Array, RenderMode
 
-EXTENSION: Final = "KHR_gaussian_splatting"
 POINTS: Final = 0
 SRGB: Final = "srgb_rec709_display"
 """Colours are blended as they are displayed, as in training."""

@@ -64,6 +64,11 @@ def why_not_export(state: AppState, what: What) -> str:
 
 
 def _lacks(state: AppState, offer: Offer) -> str:
+    """What there is nothing to show for, then what nothing can write here."""
+    return _lacks_content(state, offer) or _lacks_package(format_of(state, offer.form))
+
+
+def _lacks_content(state: AppState, offer: Offer) -> str:
     if offer.form in OF_MODEL:
         return _lacks_model(state, offer)
     if offer.form in DICOM:
@@ -72,8 +77,6 @@ def _lacks(state: AppState, offer: Offer) -> str:
     if needs_view and state.plain_view_request is None:
         return "There is no 3D view yet."
     if offer.sees != "no" and (reason := _too_large(state)):
-        return reason
-    if offer.form == "view video" and (reason := _lacks_package(format_of(state, offer.form))):
         return reason
     if offer.form == "view video" and state.scene.model is not None and state.scene.model.live:
         return "The reconstruction is not finished: wait for it or continue it."
@@ -86,8 +89,6 @@ def _lacks(state: AppState, offer: Offer) -> str:
         return ""
     if state.source.clip is None:
         return "Open a clip first."
-    if reason := _lacks_package(format_of(state, offer.form)):
-        return reason
     if offer.form == "panes video" and not state.source.clip.has_one_size:
         return "The images differ in size: no video can show them."
     if offer.as_shown:
@@ -100,8 +101,6 @@ def _lacks_dicom(state: AppState, offer: Offer) -> str:
     clip = state.source.clip
     if clip is None:
         return "Open a clip first."
-    if reason := _lacks_package(format_of(state, offer.form)):
-        return reason
     if clip.format == LIVE:
         return "A live frame is in no file yet: save the image, then open it."
     if offer.form == "DICOM video" and len(clip) == 1:
@@ -141,8 +140,6 @@ def _lacks_model(state: AppState, offer: Offer) -> str:
         return "There is no 3D model yet: reconstruct the clip or open a run."
     if offer.form != "cameras" and state.scene.model.live:
         return "The reconstruction is not finished: wait for it or continue it."
-    if reason := _lacks_package(format_of(state, offer.form)):
-        return reason
     if (split := state.scene.model.split_by_time) and offer.form in OF_MOVING:
         return f"This is {split}, not one model that moves."
     if offer.form == "tracks" and not _is_measured(state):

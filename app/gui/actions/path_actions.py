@@ -209,15 +209,14 @@ def save_views(state: AppState) -> None:
 def clip_cameras(model: Scene) -> CameraSet:
     """That of each frame, for other programs."""
     named = tuple(NamedCamera(f"frame-{at:06d}", one) for at, one in enumerate(model.cameras))
-    times = tuple(map(model.time, range(len(named))))
-    return CameraSet(named, times, model.model.at(times[0]))
+    return CameraSet(named, tuple(map(model.time, range(len(named)))), model.model)
 
 
 def path_cameras(model: Scene, path: CameraPath) -> CameraSet:
     """Those along a path that has keyframes, in the same way."""
     keys = path.moments(EXPORT_RATE)
     named = tuple(NamedCamera(f"path-{at:06d}", key.camera) for at, key in enumerate(keys))
-    return CameraSet(named, tuple(key.time for key in keys), model.model.at(keys[0].time))
+    return CameraSet(named, tuple(key.time for key in keys), model.model)
 
 
 def _write(state: AppState, kind: str, content: bytes) -> None:

@@ -1,18 +1,13 @@
-"""Exports as files: names and folders, formats of images, models for other programs."""
+"""Exports as files: names and folders, formats of images, the panel."""
 
 from __future__ import annotations
 
-import csv
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 from imgui_bundle import imgui
 
-from app.exports.browser.page import read_page
-from app.exports.browser.tracks import tracks_of
 from app.exports.exporting import ExportRequest, free_name
 from app.exports.replay.again import replay
 from app.files.image_files import read_image, write_image
@@ -26,15 +21,9 @@ from app.gui.commands.finding import find
 from app.gui.commands.keys import chord
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
-from app.gui.state.exports import What
-from app.gui.views.measurement import Located, Measurement
 from app.gui.work.naming import NameRequest
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
-from renderer.camera_files import read_cameras
-from renderer.camera_path import CameraPath, Keyframe
-from renderer.picking import surface_point
-from renderer.splat_files import read_splats
 from tests.app.gui.conftest import outside
 from tests.app.gui.exporting import Exporter, exported, same
 from tests.app.gui.test_session import opened_state
@@ -191,150 +180,6 @@ def test_s_saves_png_whatever_is_chosen_for_exports(run: Exporter) -> None:
     assert isinstance(request, ExportRequest)
     assert request.suffix == ".png"
     assert getattr(request.record, "quality", None) is None
-
-
-# ---- models
-
-
-def test_splats_of_a_moment_and_of_all_frames_come_again(run: Exporter, runs: dict[str, Path]) -> None:
-    state, count = run.state, len(run.state.scene.model.cameras) if run.state.scene.model else 0
-    actions.seek(state, 4)
-    path = exported(run, "splats of this moment")
-    assert path.name == "original-frame-5-splats.ply"
-    assert same(path, runs["original"])
-    folder = exported(run, "splats of all frames")
-    files = sorted(folder.iterdir())
-    assert [file.name for file in files] == [f"frame-{at:06d}.ply" for at in range(count)]
-    assert files[4].read_bytes() == path.read_bytes()
-    assert same(files[7], runs["original"])
-    export_actions.choose_degree(state, 3)
-    assert read_splats(exported(run, "splats of this moment")).raw.harmonics.shape[1] == 15
-
-
-@pytest.mark.parametrize("suffix", [".compressed.ply", ".spz", ".sog", ".glb"])
-def test_splats_in_the_format_that_is_chosen_come_again(
-    run: Exporter, runs: dict[str, Path], suffix: str
-) -> None:
-    for form in ("splats", "splat folder"):
-        export_actions.choose_format(run.state, form, suffix)
-    paths = [exported(run, "splats of this moment") for _ in range(2)]
-    names = [f"original-frame-1-splats{end}{suffix}" for end in ("", "-2")]
-    assert [path.name for path in paths] == names
-    assert replay(paths[1], (runs["original"],), paths[1].with_name(f"again{suffix}")).difference.is_none
-    files = {path.name for path in exported(run, "splats of all frames").iterdir()}
-    assert f"frame-000009{suffix}" in files
-
-
-@pytest.mark.parametrize(
-    ("what", "name"),
-    [
-        ("splats through time", "original-moving-splats.usdc"),
-        ("splats through time", "original-moving-splats.4dgs"),
-        ("surface through time", "original-surface.usdc"),
-        ("arrays of all frames", "original-arrays.npz"),
-    ],
-)
-def test_the_model_through_time_comes_again(
-    run: Exporter, runs: dict[str, Path], what: What, name: str
-) -> None:
-    export_actions.choose_what(run.state, what)
-    export_actions.choose_format(run.state, OFFERS[what].form, Path(name).suffix)
-    assert export_actions.suffix_of(run.state) == Path(name).suffix
-    path = exported(run, what)
-    assert path.name == name
-    assert same(path, runs["original"])
-
-
-def test_the_page_for_browsers_holds_the_model_and_comes_again(run: Exporter, runs: dict[str, Path]) -> None:
-    export_actions.choose_what(run.state, "page for browsers")
-    assert export_actions.suffix_of(run.state) == ".html"
-    path = exported(run, "page for browsers")
-    assert path.name == "original-model.html"
-    facts, scene, content = read_page(path.read_text())
-    model = run.state.scene.model
-    assert model is not None
-    assert scene["tracks"][0]["count"] == len(model.model)
-    assert scene["frames"] == len(model.cameras)
-    assert content.tobytes() == tracks_of(model.model).content
-    assert facts["run"]
-    assert same(path, runs["original"])
-
-
-def test_the_surface_is_written_through_time_and_a_frame_a_file(run: Exporter, runs: dict[str, Path]) -> None:
-    export_actions.choose_what(run.state, "surface through time")
-    assert export_actions.suffix_of(run.state) == ".glb"
-    path = exported(run, "surface through time")
-    assert path.name == "original-surface.glb"
-    folder = exported(run, "surface of all frames")
-    assert folder.name == "original-surfaces"
-    (moving,), still = (
-        trimesh.load_scene(path).geometry.values(),
-        trimesh.load_mesh(folder / "frame-000000.ply"),
-    )
-    assert moving.faces.tolist() == still.faces.tolist()
-    assert len(list(folder.iterdir())) == 10
-    assert same(path, runs["original"])
-    assert same(folder / "frame-000007.ply", runs["original"])
-
-
-def test_cameras_are_exported_for_other_programs(run: Exporter) -> None:
-    state = run.state
-    assert state.scene.model is not None
-    cameras = read_cameras(exported(run, "cameras of the clip"))
-    assert len(cameras) == len(state.scene.model.cameras)
-    assert "Cameras panel" in export_actions.why_not_export(state, "cameras of the path")
-    keys = tuple(Keyframe(at, at / 2, state.scene.model.camera_at(0.0)) for at in (0.0, 1.0))
-    state.scene.cameras.views = replace(state.scene.cameras.views, path=CameraPath(keys))
-    assert len(read_cameras(exported(run, "cameras of the path"))) == 16
-
-
-@pytest.mark.parametrize("suffix", [".transforms.json", ""])
-def test_cameras_in_other_formats_are_those_of_the_clip(run: Exporter, suffix: str) -> None:
-    model = run.state.scene.model
-    assert model is not None
-    export_actions.choose_format(run.state, "cameras", suffix)
-    export_actions.choose_what(run.state, "cameras of the clip")
-    assert export_actions.suffix_of(run.state) == suffix
-    paths = [exported(run, "cameras of the clip") for _ in range(2)]
-    assert [path.name for path in paths] == [f"original-cameras{suffix}", f"original-cameras-2{suffix}"]
-    cameras = read_cameras(paths[1])
-    assert [one.camera.fx for one in cameras] == pytest.approx([one.fx for one in model.cameras])
-    assert np.allclose(cameras[3].camera.camera_from_world, model.cameras[3].camera_from_world, atol=1e-6)
-    export_actions.choose_what(run.state, "cameras of the clip")
-    export_actions.type_name(run.state, "case.1")
-    assert exported(run, "cameras of the clip").name == f"case.1{suffix}"
-
-
-def test_measured_points_are_followed_through_the_clip(run: Exporter, runs: dict[str, Path]) -> None:
-    state, what = run.state, "tracks of the measured points"
-    model = state.scene.model
-    assert model is not None
-    assert "press M" in export_actions.why_not_export(state, what)
-    time = model.time(4)
-    points = [
-        surface_point(model.model.at(time), model.camera_at(time), at, model.near)
-        for at in ((30, 20), (12, 40))
-    ]
-    measured = Measurement()
-    for point in points:
-        assert point is not None
-        x, y, z = point.point
-        measured = measured.with_point(Located((float(x), float(y), float(z))), time, model.name)
-    state.scene.viewer = replace(state.scene.viewer, measurement=measured)
-    path = exported(run, what)
-    assert path.name == "original-tracks.csv"
-    table = list(csv.DictReader(path.read_text().splitlines()))
-    assert len(table) == 2 * len(model.cameras)
-    starts = [row for row in table if row["frame"] == "4"]
-    for row, point in zip(starts, measured.points, strict=True):
-        assert [float(row[axis]) for axis in "xyz"] == pytest.approx(point, rel=0.005)
-        assert row["seen"] == "1"
-    pixel = [float(starts[0][name]) for name in ("column", "row")]
-    assert pixel == pytest.approx([30.5, 20.5], abs=0.1)
-    assert len({row["z"] for row in table if row["point"] == "1"}) > 5  # The tissue moves.
-    assert same(path, runs["original"])
-    state.scene.viewer = replace(state.scene.viewer, measurement=replace(measured, of="another"))
-    assert "press M" in export_actions.why_not_export(state, what)
 
 
 @pytest.mark.parametrize("words", ["export ply", "export jpeg", "export video path", "export cameras"])

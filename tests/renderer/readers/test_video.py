@@ -15,7 +15,6 @@ import cv2
 import numpy as np
 import pytest
 
-from app.commands.described.clips import of_video
 from renderer.clip import Clip, ClipError
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.video import open_video
@@ -388,18 +387,3 @@ def test_a_video_that_is_open_when_the_program_ends_says_nothing(video, monkeypa
             del frames
             gc.collect()
     assert troubles == []
-
-
-@pytest.mark.parametrize(("pixels", "bits"), [("yuv420p10le", 10), ("yuv420p", 8)])
-def test_more_than_8_bits_are_told_and_read_with_8(tmp_path: Path, pixels: str, bits: int) -> None:
-    path = encoded(tmp_path / "a.mp4", [np.full((48, 64, 3), 120, np.uint8)] * 3, pixels=pixels)
-    clip, header = open_clip(path), read_video_header(path)
-    assert header.bits == bits
-    assert [f"{bits} bits a colour; it is read with 8" in said for said in clip.notices] == [True] * (
-        bits > 8
-    )
-    assert clip.read_image(1).dtype == np.uint8
-    assert np.abs(clip.read_image(1).astype(int) - 120).max() <= 2
-    assert [fact.text for fact in of_video(path) if fact.name == "bits"] == (
-        [f"{bits} a colour, read with 8"] if bits > 8 else []
-    )
