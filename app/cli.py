@@ -20,6 +20,7 @@ COMMANDS = {
     "enhance": "enhance the vessels of an image, a folder of images or a video",
     "live": "a capture device or a stream, enhanced and recorded as it comes, with its delay measured",
     "tune": "try and measure a grid of settings on an image",
+    "masks": "mask the tools in a clip, by their colour or as learned from masks of some frames",
     "train": "reconstruct a clip as dynamic 3D Gaussians",
     "render": "render the frames of a finished run, or a splat file",
     "export": "export a finished run as splat files, a video or camera poses",

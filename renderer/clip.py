@@ -72,6 +72,8 @@ class Frame:
     """(H, W) along +z in the clip's unit; 0 = no measurement. None when the clip has no depth."""
     depth_is_guess: bool = False
     """Known up to scale and shift of its inverse at best: no depth is measured against it."""
+    tools_are_known: bool = False
+    """A mask of its own says where tools are: nobody looks for them."""
 
     @property
     def measured_depth(self) -> NDArray[np.float32] | None:
@@ -90,6 +92,11 @@ def within(frame: Frame, kept: BoolImage) -> Frame:
     """The same frame where only these pixels (H, W) are tissue, and evaluated."""
     tissue, evaluated = frame.tissue_mask & kept, frame.evaluation_mask & kept
     return replace(frame, tissue_mask=tissue, evaluation_mask=evaluated)
+
+
+def without(frame: Frame, tool: BoolImage) -> Frame:
+    """The same frame where these pixels (H, W) are no tissue, and not evaluated."""
+    return within(frame, ~tool)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,7 @@ from app.runs.clip_selection import ClipPart
 from app.runs.device import Asked, Device
 from app.runs.memory import told
 from app.runs.run_folder import RunFolder
+from app.runs.tool_masks import ToolMasks
 from app.runs.train_run import PRESETS, TrainRequest, device_of, run_training
 from app.runs.wall_clock import STEPS, WALL, in_all
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
@@ -77,6 +78,13 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         nargs=3,
         metavar=("X", "Y", "RADIUS"),
         help="pixels outside are left out, such as the surround of a round view",
+    )
+    parser.add_argument(
+        "--tool-masks",
+        type=Path,
+        metavar="DIR",
+        help="images that mask tools, not black = tool, named or numbered as the frames; the run keeps "
+        "copies, frames without one are searched (vesselsplat masks writes such a folder)",
     )
     parser.add_argument(
         "--device",
@@ -155,7 +163,9 @@ def _part(flags: argparse.Namespace) -> ClipPart:
         mask = PictureMask(text=text and tuple(text), view=view and tuple(view))
     except ValidationError as error:
         raise UserError(problem(error, {"text": "--text-box", "view": "--view-circle"})) from error
-    return ClipPart(trim=trim, mask=mask)
+    folder = flags.tool_masks
+    masks = None if folder is None else ToolMasks(folder=str(folder.absolute()))
+    return ClipPart(trim=trim, mask=mask, tool_masks=masks)
 
 
 def _kept(folder: RunFolder) -> str:

@@ -181,7 +181,7 @@ class Evaluation:
         }
         return {
             "run": self.run.path.absolute().name,
-            "clip": {"name": clip.name, "sha256": clip.sha256, "part": clip.part},
+            "clip": {"name": clip.name, "sha256": clip.sha256, "part": clip.part.of_anywhere},
             "method": config.method,
             "seed": config.seed,
             "input": self.record.input,

@@ -4,6 +4,7 @@ nor dark surround."""
 from __future__ import annotations
 
 from dataclasses import field, replace
+from pathlib import Path
 from typing import Final
 
 from pydantic import ConfigDict
@@ -12,10 +13,11 @@ from pydantic.dataclasses import dataclass
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.settable import FrameNumber
 from app.errors import UserError
+from app.runs.tool_masks import ToolMasks
 from app.runs.unmasked_tools import FoundTools
 from enhance.field import FieldOfView
 from renderer.clip import Clip, Frame, within
-from renderer.tool_search import without_tools
+from renderer.tools.search import without_tools
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
@@ -42,6 +44,8 @@ class ClipPart:
 
     tools: FoundTools | None = None
     """What training found of them; None: the clip has masks of its own, shows none, or nobody looked."""
+    tool_masks: ToolMasks | None = None
+    """Masks of them that were made for the clip; None: none but its own."""
 
     def of(self, clip: Clip) -> Clip:
         """These frames as a clip of their own, numbered and timed anew; what is masked is neither trained on
@@ -50,8 +54,10 @@ class ClipPart:
         Raises:
             UserError: the clip has no such frames, the mask leaves no pixel, or the field of view has another
                 size.
+            ClipError: the tool masks are not there, or belong to no frame.
         """
-        return self.lit(self._unmasked(self._trimmed(clip)))
+        masked = clip if self.tool_masks is None else self.tool_masks.of(clip)
+        return self.lit(self._unmasked(self._trimmed(masked)))
 
     def lit(self, clip: Clip) -> Clip:
         """The clip without its dark surround and the tools that were found, alone.
@@ -95,6 +101,15 @@ class ClipPart:
             )
         return clip if kept.all() else clip.within(kept)
 
+    @property
+    def of_anywhere(self) -> ClipPart:
+        """Without the folder of masks, for what leaves this computer."""
+        return self if self.tool_masks is None else replace(self, tool_masks=self.tool_masks.of_anywhere)
+
+    def kept_in(self, run: Path) -> ClipPart:
+        """With the copies of the masks that a run keeps in its folder."""
+        return self if self.tool_masks is None else replace(self, tool_masks=self.tool_masks.kept_in(run))
+
     def told(self, count: int | None = None) -> str:
         """In words, of a clip of `count` frames, None: not known; empty for all of it."""
         is_whole = self.trim is None or (count is not None and self.span(count) == (0, count - 1))
@@ -102,7 +117,7 @@ class ClipPart:
         of = f" of {count}" if frames and count is not None else ""
         masked = "without masked pixels" if self.mask != NO_MASK else ""
         lit = "without the dark surround" if self.field_of_view is not None else ""
-        bare = "without tools" if self.tools is not None else ""
+        bare = "without tools" if self.tools is not None or self.tool_masks is not None else ""
         return ", ".join(filter(None, (frames + of, masked, lit, bare)))
 
 

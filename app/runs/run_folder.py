@@ -232,9 +232,14 @@ class RunFolder:
         if not self.is_run:
             raise UserError(f"expected a run folder with run.json, found none in {self.path}")
         try:
-            return RECORD.validate_json(read_text(self.record_path))
+            return self._with_own_masks(RECORD.validate_json(read_text(self.record_path)))
         except ValidationError as error:
             raise UserError(f"{self.record_path}: {problem(error)}") from error
+
+    def _with_own_masks(self, record: RunRecord) -> RunRecord:
+        """Found wherever the folder lies now."""
+        part = record.clip.part.kept_in(self.path)
+        return replace(record, clip=replace(record.clip, part=part))
 
     def log(self, event: TrainEvent, **facts: Any) -> None:
         """Append one event to events.jsonl: its name and plain fields, without the model, and `facts`."""

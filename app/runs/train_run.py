@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from itertools import chain, tee
 from pathlib import Path
 from types import MappingProxyType
@@ -42,6 +43,7 @@ from app.runs.run_folder import (
 )
 from app.runs.run_lock import locked
 from app.runs.structuring import structured
+from app.runs.tool_masks import FOLDER, ToolMasks, keep_copies
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -108,12 +110,15 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     require_depth_source(request.clip_path, request.clip_options)
     record = run.record() if run.is_run else None
     part = request.part if record is None else replace(record.clip.part, field_of_view=None, tools=None)
-    clip = yield from told_meanwhile(
-        "opening the clip", lambda _: part.of(open_clip(request.clip_path, request.clip_options))
+    whole = yield from told_meanwhile(
+        "opening the clip", lambda _: open_clip(request.clip_path, request.clip_options)
     )
     if record is not None:
-        _check_same(request, record)
-    elif clip.depth_origin != "motion":
+        _check_same(request, record, whole)
+        if request.part.tool_masks is not None:
+            keep_copies(request.part.tool_masks, whole, run.path)
+    clip = part.of(whole)
+    if record is None and clip.depth_origin != "motion":
         require_depth(clip)
     if run.is_finished:
         yield _finished_before(run)
@@ -131,13 +136,14 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
         through = yield from posed(ahead.clip, request.config)
     if record is None:
         record = yield from told_meanwhile(
-            "recording the clip", lambda _: _new_record(request, through, device)
+            "recording the clip", lambda _: _new_record(request, through, device, whole)
         )
     ahead.hand_over()
     try:
         trained = input_clip(record.clip.part.lit(through.clip), record)
         through = replace(through, notices=(*clip.notices, *through.notices))
-        yield from _train(record, run, trained, pictures_on(device), through, clock)
+        begin = partial(_begin, run, record, request.part.tool_masks, whole)
+        yield from _train(record, run, trained, pictures_on(device), through, clock, begin)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
 
@@ -158,6 +164,7 @@ def _train(
     pictures: GradientBackend,
     posed: Posed,
     clock: WallClock,
+    begin: Callable[[], None],
 ) -> Generator[TrainEvent, None, None]:
     with ExitStack() as meanwhile:
         if run.is_run:
@@ -168,9 +175,16 @@ def _train(
         for event in chain((first,), events):
             # A clip that cannot be trained on has failed by now: nothing is left behind for it.
             if not run.is_run:
-                run.create(record)
+                begin()
                 meanwhile.enter_context(locked(run.path))
             yield from _told(event, run, posed, record.clip.part, clock)
+
+
+def _begin(run: RunFolder, record: RunRecord, masks: ToolMasks | None, whole: Clip) -> None:
+    """Its folder, with copies of the tool masks."""
+    run.create(record)
+    if masks is not None:
+        keep_copies(masks, whole, run.path)
 
 
 def _told(
@@ -214,13 +228,16 @@ def pooled(clip: Clip, params: EnhancementSettings, measured: Measured = "tissue
     return Enhancement(params=params, statistics=measure_for(params, images, masks))
 
 
-def _new_record(request: TrainRequest, posed: Posed, device: Device) -> RunRecord:
+def _new_record(request: TrainRequest, posed: Posed, device: Device, whole: Clip) -> RunRecord:
     clip = posed.clip
     cameras = clip.cameras[:1] if clip.camera_is_fixed else clip.cameras
     is_enhanced = request.input == "enhanced"
     asked, is_followed = within_whole(request.part, posed.part), posed.poses is not None
     part = with_found(asked, clip.read_frame, clip.train_indices, request.config.keep, is_followed)
     measured = part.lit(clip)
+    if part.tool_masks is not None:
+        own = ToolMasks(folder=FOLDER, sha256=part.tool_masks.digest(whole))
+        part = replace(part, tool_masks=own)
     return RunRecord(
         version=version(),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
@@ -256,7 +273,7 @@ def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
         raise UserError(f"expected a writable folder for the run, got one that is not: {there}")
 
 
-def _check_same(request: TrainRequest, record: RunRecord) -> None:
+def _check_same(request: TrainRequest, record: RunRecord, whole: Clip) -> None:
     """A run goes on as it began, or not at all: anything else would not be repeatable."""
     if not record.clip.is_of(request.clip_path):
         raise UserError(
@@ -269,9 +286,13 @@ def _check_same(request: TrainRequest, record: RunRecord) -> None:
         params = record.enhancement.params
         began |= {"preset": preset_of(params)} | vars(params)
         asked |= {"preset": preset_of(request.enhance_params)} | vars(request.enhance_params)
-    for found in ("field_of_view", "tools"):
+    for found in ("field_of_view", "tools", "tool_masks"):
         if asked[found] is None:  # Nobody asks for it.
             del began[found]
+    if "tool_masks" in began and began["tool_masks"] is not None:
+        began["tool_masks"], asked["tool_masks"] = (
+            f"of digest {each.digest(whole)[:12]}" for each in (began["tool_masks"], asked["tool_masks"])
+        )
     if record.clip.poses is not None and request.part.trim == record.clip.asked:
         del began["trim"]
     for name, value in began.items():

@@ -9,7 +9,7 @@ from typing import Annotated
 from annotated_types import Ge, Interval
 
 from renderer.clip import BoolImage, Frame
-from renderer.tool_search import find_tools
+from renderer.tools.search import find_tools
 from renderer.train.events import Omission
 
 
@@ -25,10 +25,12 @@ class FoundTools:
 
 
 def tools_in(frames: Iterable[Frame]) -> FoundTools | None:
-    """What these frames show; None where there is nothing, or where the clip's own masks change from frame to
-    frame: then they are masks of tools."""
+    """What these frames show, but for those whose tools are known; None where there is nothing, or where the
+    clip's own masks change from frame to frame: then they are masks of tools."""
     first, shares = list[BoolImage](), list[float]()
     for frame in frames:
+        if frame.tools_are_known:
+            continue
         mask = frame.tissue_mask
         first = first or [mask]
         if mask.shape != first[0].shape or (mask != first[0]).any():

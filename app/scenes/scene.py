@@ -276,7 +276,7 @@ def _readable_record(folder: RunFolder, name: str) -> SceneRecord | None:
 
 def _run_record(folder: RunFolder, record: RunRecord, name: str) -> SceneRecord:
     """Without a model's digest while it is being trained."""
-    clip, part = record.clip, None if record.clip.part == WHOLE else record.clip.part
+    clip, part = record.clip, None if record.clip.part == WHOLE else record.clip.part.of_anywhere
     return SceneRecord(
         run=RunSource(name=name, model_sha256=digest(folder.model_path) if folder.is_finished else None),
         clip=ClipSource(name=clip.name, sha256=clip.sha256, part=part),

@@ -18,7 +18,7 @@ from enhance.field_search import find_field
 from renderer.clip import BoolImage, ByteImage, held_out_frames
 from renderer.readers.clip_files import numbered_pictures
 from renderer.readers.pictures import read_rgb
-from renderer.tool_search import find_tools
+from renderer.tools.search import find_tools
 
 MASKED = {
     "pulling": ("endonerf/pulling_soft_tissues/images", "endonerf/pulling_soft_tissues/gt_masks", 255),

@@ -265,7 +265,7 @@ class AppState:
         if not is_shown or run.request.clip_options != self.source.options:
             return None
         known = shown.record.clip  # It knows the surround that training found.
-        part = run.request.part if known is None else known.part or WHOLE
+        part = run.request.part if known is None else (known.part or WHOLE).kept_in(run.request.run_path)
         return RunMeasuresRequest(shown, clip, part, run.request.config)
 
     @property

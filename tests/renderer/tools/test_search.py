@@ -7,7 +7,7 @@ import pytest
 
 from renderer.clip import BoolImage, ByteImage
 from renderer.phantom import Phantom, PhantomParams
-from renderer.tool_search import MARGIN, find_tools
+from renderer.tools.search import MARGIN, find_tools
 
 WIDTH, HEIGHT = 320, 256
 RED, STEEL, FAT, PALE = (150, 70, 60), (120, 122, 126), (190, 150, 70), (200, 168, 160)

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.clip import BoolImage, ByteImage, Frame, within
+from renderer.clip import BoolImage, ByteImage, Frame, without
 
 SIDE: Final = 320
 """Pixels of the longer side of what is looked at: reflections and vessels are small there."""
@@ -63,8 +63,8 @@ def find_tools(image: ByteImage, seen: BoolImage) -> BoolImage:
 
 
 def without_tools(frame: Frame) -> Frame:
-    """The frame where tools, as `find_tools` sees them, are no tissue."""
-    return within(frame, ~find_tools(frame.image, frame.tissue_mask))
+    """The frame where tools, as `find_tools` sees them, are no tissue; as it is where they are known."""
+    return frame if frame.tools_are_known else without(frame, find_tools(frame.image, frame.tissue_mask))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,124 @@
+"""Tool masks as a folder of images, one a frame, and a clip whose tools they leave out."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final, Literal, get_args
+
+import numpy as np
+from PIL import Image, PngImagePlugin
+
+from renderer.atomic_files import written_atomically
+from renderer.clip import BoolImage, Clip, ClipError, Frame, without
+from renderer.readers.clip_files import files_in
+from renderer.readers.nonzero_masks import read_nonzero, require_shapes
+from renderer.readers.pictures import NAMED, natural_key, read_stored
+from renderer.readers.tool_masks import marked_pixels
+
+MaskOrigin = Literal["by hand", "learned", "by colour", "by a model"]
+"""Who says where tools are; what says nothing of itself is by hand."""
+
+_KEY: Final = "VesselSplat tool mask"
+_LOSSY = frozenset({".jpg", ".jpeg"})
+
+
+@dataclass(frozen=True)
+class MaskFiles:
+    """The masks that a folder holds of the frames of a clip."""
+
+    folder: Path
+    files: Mapping[int, Path]
+    """By frame."""
+
+    def read(self, index: int, size: tuple[int, int]) -> BoolImage | None:
+        """(H, W) for `size` (width, height), True = tool; None: the folder holds none of this frame.
+
+        Raises:
+            ClipError: the file is no image, or of another shape than the frame.
+        """
+        path = self.files.get(index)
+        if path is None:
+            return None
+        if path.suffix.lower() not in _LOSSY:
+            return read_nonzero(path, size)
+        require_shapes((path,), size)
+        marked = Image.fromarray(marked_pixels(read_stored(path))).resize(size, Image.Resampling.NEAREST)
+        return np.asarray(marked, dtype=bool)
+
+
+def mask_names(labels: Sequence[str]) -> tuple[str, ...]:
+    """What the masks of frames of these labels are called: as the frames, but PNG."""
+    return tuple(f"{stem}.png" for stem in _stems(labels))
+
+
+def _stems(labels: Sequence[str]) -> Sequence[str]:
+    """Of the frames' names; these as they are, where two differ by extension alone."""
+    stems = [Path(label).stem for label in labels]
+    return stems if len(set(stems)) == len(stems) else labels
+
+
+def masks_in(folder: Path, labels: Sequence[str]) -> MaskFiles:
+    """Found by the names of the frames, or by their numbers, as in 00012.png for frame 12 of a video; where
+    neither fits any frame, in their order if there is one for each.
+
+    Raises:
+        ClipError: no such folder, or no mask in it that belongs to a frame.
+    """
+    if not folder.is_dir():
+        raise ClipError(f"expected a folder of tool masks, got no such folder: {folder}")
+    found = sorted((path for path in files_in(folder) if path.suffix.lower() in NAMED), key=natural_key)
+    named = {_key(path.stem): path for path in found}
+    files = {index: named[key] for index, stem in enumerate(_stems(labels)) if (key := _key(stem)) in named}
+    if not files and len(found) == len(labels):
+        files = dict(enumerate(found))
+    if not files:
+        example, count = mask_names(labels)[0], len(found)
+        wanted = f"masks named as the frames, such as {example}, or one for each of {len(labels)} frames"
+        raise ClipError(f"expected {wanted}, got {count} images of other names: {folder}")
+    return MaskFiles(folder, files)
+
+
+def _key(stem: str) -> str | int:
+    return int(stem) if stem.isdecimal() else stem
+
+
+def with_tool_masks(clip: Clip, masks: MaskFiles) -> Clip:
+    """The clip where what is masked is no tissue, and not evaluated. Reading a frame raises ClipError: its
+    mask cannot be read."""
+
+    def read_frame(index: int) -> Frame:
+        index = range(len(clip))[index]
+        frame = clip.read_frame(index)
+        mask = masks.read(index, (frame.image.shape[1], frame.image.shape[0]))
+        return frame if mask is None else replace(without(frame, mask), tools_are_known=True)
+
+    return replace(clip, read_frame=read_frame)
+
+
+def write_mask(path: Path, mask: BoolImage, origin: MaskOrigin) -> None:
+    """An image of one bit a pixel, white = tool, that says where it is from. Raises OSError."""
+    text = PngImagePlugin.PngInfo()
+    text.add_text(_KEY, origin)
+    with written_atomically(path) as partial:
+        Image.fromarray(mask).save(partial, "PNG", pnginfo=text)
+
+
+def origin_of(path: Path) -> MaskOrigin:
+    """Where a mask is from, by its header; a file that says nothing is by hand, whoever drew it."""
+    try:
+        with Image.open(path) as picture:
+            told = picture.info.get(_KEY)
+    except OSError:
+        return "by hand"
+    return next((origin for origin in get_args(MaskOrigin) if origin == told), "by hand")
+
+
+def digest_of(files: Mapping[int, Path]) -> str:
+    """SHA-256 of the masks by their frames. Raises OSError."""
+    manifest = hashlib.sha256()
+    for index, path in sorted(files.items()):
+        manifest.update(f"{index}\0{hashlib.sha256(path.read_bytes()).hexdigest()}\n".encode())
+    return manifest.hexdigest()

@@ -1,0 +1,149 @@
+"""Tool masks that were made for a clip: left out by a run, which keeps copies of them."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.errors import UserError
+from app.evaluation.evaluate import open_evaluation
+from app.runs.clip_selection import ClipPart
+from app.runs.run_folder import RunFolder, run_clip
+from app.runs.tool_masks import FOLDER, ToolMasks
+from app.runs.train_run import run_training
+from app.scenes.scene import open_scene
+from renderer.clip import BoolImage
+from renderer.sources import open_clip
+from renderer.tools.mask_files import origin_of, write_mask
+from renderer.train.config import TrainConfig
+from tests.app.conftest import Call, request_of
+
+Cli = Callable[..., Call]
+CONFIG = TrainConfig(iterations=2, n_gaussians=500)
+
+
+@pytest.fixture(scope="module")
+def unmasked(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The phantom without its masks."""
+    path = tmp_path_factory.mktemp("unmasked") / "clip"
+    return Path(shutil.copytree(clip_path, path, ignore=shutil.ignore_patterns("masks", "gt_masks")))
+
+
+def corner(right: int = 20) -> BoolImage:
+    mask = np.zeros((48, 64), bool)
+    mask[:16, :right] = True
+    return mask
+
+
+def masks_for(clip: Path, folder: Path, frames: Iterator[int] | range) -> Path:
+    folder.mkdir(parents=True)
+    labels = open_clip(clip).labels
+    for index in frames:
+        write_mask(folder / f"{Path(labels[index]).stem}.png", corner(), "by hand")
+    return folder
+
+
+def of(folder: Path) -> ClipPart:
+    return ClipPart(tool_masks=ToolMasks(folder=str(folder)))
+
+
+def test_a_run_leaves_them_out_and_goes_on_with_its_own_copies(unmasked: Path, tmp_path: Path) -> None:
+    masks = masks_for(unmasked, tmp_path / "masks", range(10))
+    request = request_of(unmasked, tmp_path / "run", config=CONFIG, part=of(masks))
+    list(run_training(request))
+    shutil.rmtree(masks)
+    shutil.move(tmp_path / "run", tmp_path / "elsewhere" / "moved")
+    run = RunFolder(tmp_path / "elsewhere" / "moved")
+    for index in range(10):
+        frame = run_clip(run.record()).read_frame(index)
+        np.testing.assert_array_equal(frame.tissue_mask, ~corner())
+    assert run.record().clip.part.tools is None
+    assert "without tools" in run.record().clip.part.told()
+    written = json.loads(run.record_path.read_text())["clip"]["part"]["tool_masks"]
+    assert written["folder"] == FOLDER
+
+
+def test_frames_without_a_mask_are_searched_and_trimming_mixes_none_up(
+    unmasked: Path, tmp_path: Path
+) -> None:
+    masks = masks_for(unmasked, tmp_path / "masks", range(2, 5))
+    part = ClipPart(trim=(1, 8), tool_masks=ToolMasks(folder=str(masks)))
+    list(run_training(request_of(unmasked, tmp_path / "run", config=CONFIG, part=part)))
+    record = RunFolder(tmp_path / "run").record()
+    seen = run_clip(record)
+    assert record.clip.part.tools is not None
+    assert record.clip.part.tools.looked_at < len(seen)
+    for index in range(8):
+        is_drawn = 2 <= index + 1 <= 4
+        assert np.array_equal(seen.read_frame(index).tissue_mask, ~corner()) == is_drawn
+
+
+def test_a_run_goes_on_with_the_same_masks_alone(unmasked: Path, tmp_path: Path) -> None:
+    masks = masks_for(unmasked, tmp_path / "masks", range(10))
+    flags = {"config": CONFIG, "part": of(masks)}
+    list(run_training(request_of(unmasked, tmp_path / "run", **flags)))
+    (tmp_path / "run" / "model.safetensors").unlink()
+    list(run_training(request_of(unmasked, tmp_path / "run", resume=True, **flags)))
+    list(run_training(request_of(unmasked, tmp_path / "run", resume=True, config=CONFIG)))
+    write_mask(next(masks.iterdir()), corner(30), "by hand")
+    with pytest.raises(UserError, match="cannot resume: expected the run's tool_masks of digest"):
+        list(run_training(request_of(unmasked, tmp_path / "run", resume=True, **flags)))
+
+
+def test_copies_that_a_killed_run_lacks_are_made_when_it_goes_on(unmasked: Path, tmp_path: Path) -> None:
+    masks = masks_for(unmasked, tmp_path / "masks", range(10))
+    flags = {"config": CONFIG, "part": of(masks)}
+    list(run_training(request_of(unmasked, tmp_path / "run", **flags)))
+    shutil.rmtree(tmp_path / "run" / FOLDER)
+    (tmp_path / "run" / "model.safetensors").unlink()
+    list(run_training(request_of(unmasked, tmp_path / "run", resume=True, **flags)))
+    assert len(list((tmp_path / "run" / FOLDER).iterdir())) == 10
+
+
+def test_what_leaves_this_computer_names_no_folder(unmasked: Path, tmp_path: Path) -> None:
+    masks = masks_for(unmasked, tmp_path / "masks", range(10))
+    list(run_training(request_of(unmasked, tmp_path / "run", config=CONFIG, part=of(masks))))
+    evaluation = open_evaluation(tmp_path / "run")
+    part = evaluation.report([])["clip"]["part"]
+    scene = open_scene(tmp_path / "run")
+    assert scene.record.clip is not None
+    for told in (part, scene.record.clip.part):
+        assert told.tool_masks.folder == FOLDER
+        assert told.tool_masks.sha256
+
+
+def test_the_command_masks_and_training_takes_them(unmasked: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    made = vesselsplat("masks", unmasked, "--out", tmp_path / "found", "--json")
+    told = json.loads(made.out)
+    assert made.code == 0, made.error
+    assert (told["with_tools"], told["given"], told["held_out"]) == (10, 0, None)
+    assert told["agreement"] > 0.6
+    given = masks_for(unmasked, tmp_path / "given", range(0, 9, 4))
+    learned = vesselsplat("masks", unmasked, "--out", tmp_path / "learned", "--given", given)
+    assert learned.code == 0, learned.error
+    assert "10 masks" in learned.out
+    assert "3 by hand, the others learned from them; IoU" in learned.out
+    origins = [origin_of(path) for path in sorted((tmp_path / "learned").iterdir())]
+    assert [place for place, origin in enumerate(origins) if origin == "by hand"] == [0, 4, 8]
+    trained = vesselsplat(
+        "train", unmasked, "--run", tmp_path / "run", "--iterations", 2, "--tool-masks", tmp_path / "learned"
+    )
+    assert trained.code == 0, trained.error
+    assert "left out: tools" not in trained.error
+
+
+@pytest.mark.parametrize("flag", ["--given", "--tool-masks"])
+def test_a_folder_without_masks_of_the_clip_is_refused_in_a_line(
+    flag: str, unmasked: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    (tmp_path / "empty").mkdir()
+    command = ("masks", "--out") if flag == "--given" else ("train", "--run")
+    call = vesselsplat(command[0], unmasked, command[1], tmp_path / "out", flag, tmp_path / "empty")
+    assert call.code == 2
+    assert call.error.strip().splitlines()[-1].startswith("vesselsplat: expected masks named as the frames")
+    assert not (tmp_path / "out").exists()
