@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 
 from app.console.flags import add_fields, parameters
 from app.console.progress import progress
+from app.errors import UserError
 from app.files.atomic import filled
 from app.files.provenance import provenance, strict_json
 from app.runs.making_masks import MaskReport, drawn_in, make_masks
+from renderer.clip import BoolImage, Clip
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_bare
+from renderer.tools.onnx_model import VALUES, OnnxError, OnnxTools
 
 SHOWN = 5
 """Frames that should be looked at, of those that are named."""
@@ -29,6 +33,27 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="masks of some frames, drawn by hand, not black = tool: those of all other frames are learned "
         "from them (default: tools are found by their colour)",
     )
+    parser.add_argument(
+        "--onnx",
+        type=Path,
+        metavar="FILE",
+        help="a segmentation network of yours that finds the tools in all other frames; needs the extra onnx",
+    )
+    parser.add_argument(
+        "--onnx-values",
+        choices=VALUES,
+        default="imagenet",
+        help="what it takes: RGB less ImageNet's mean by its spread, RGB in [0, 1], or in [0, 255] "
+        "(default imagenet)",
+    )
+    parser.add_argument(
+        "--onnx-tools",
+        type=int,
+        nargs="+",
+        default=[],
+        metavar="CLASS",
+        help="classes of it that are tools, from 0 (default: all but the first)",
+    )
     add_fields(parser, ClipOptions, ("frame_step", "deinterlacing", "stereo"))
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
@@ -36,22 +61,31 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 def run(flags: argparse.Namespace) -> None:
     clip = open_bare(flags.clip, parameters(ClipOptions, flags))
     by_hand = {} if flags.given is None else drawn_in(clip, flags.given)
-    told: MaskReport | None = None
-    with filled(flags.out) as staging, progress("masks", len(clip)) as report:
-        for told in make_masks(clip, staging, by_hand):
-            report(told.done, "")
-    assert told is not None
+    try:
+        model = OnnxTools.open(flags.onnx, flags.onnx_values, flags.onnx_tools) if flags.onnx else None
+        told = _made(flags.out, clip, by_hand, model)
+    except OnnxError as error:
+        raise UserError(str(error)) from error
     if flags.json:
         found = {name: value for name, value in asdict(told).items() if name != "done"}
         sys.stdout.write(strict_json(provenance(clip=clip.name, **found)) + "\n")
     else:
-        sys.stdout.write(f"{flags.out}: {_said(told)}\n")
+        sys.stdout.write(f"{flags.out}: {_said(told, learned=model is None)}\n")
 
 
-def _said(told: MaskReport) -> str:
+def _made(folder: Path, clip: Clip, by_hand: Mapping[int, BoolImage], model: OnnxTools | None) -> MaskReport:
+    told: MaskReport | None = None
+    with filled(folder) as staging, progress("masks", len(clip)) as report:
+        for told in make_masks(clip, staging, by_hand, model):
+            report(told.done, "")
+    assert told is not None
+    return told
+
+
+def _said(told: MaskReport, *, learned: bool) -> str:
     parts = [f"{told.done} masks, tools in {told.with_tools}, {told.share:.0%} of the pixels"]
     if told.given:
-        parts.append(f"{told.given} by hand, the others learned from them")
+        parts.append(f"{told.given} by hand, the others {'learned from them' if learned else 'by the model'}")
     if told.held_out is not None:
         parts.append(f"IoU {told.held_out:.2f} on masks by hand that were left out of the learning")
     if told.agreement is not None:

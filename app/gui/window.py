@@ -34,7 +34,7 @@ from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import Viewport
 from app.gui.frame import dockings, starting
 from app.gui.frame.dialogs import Dialogs
-from app.gui.frame.dockings import REPORT, SPLATS, TUNING, panel
+from app.gui.frame.dockings import MASKS, REPORT, SPLATS, TUNING, panel
 from app.gui.frame.quitting import ask_before_quitting
 from app.gui.frame.screen import Screen
 from app.gui.frame.second_content import SecondContent
@@ -52,6 +52,7 @@ from app.gui.panels.export import draw_export
 from app.gui.panels.file_browser import draw_browser
 from app.gui.panels.guide import draw_guide
 from app.gui.panels.live import draw_live_choice
+from app.gui.panels.masking import draw_masking
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.presentation import draw_presentation
 from app.gui.panels.reconstruction import draw_reconstruction
@@ -251,6 +252,7 @@ class Window:
             panel(REPORT, "MainDockSpace", lambda: self._draw_textured(draw_report), "by the menu"),
             panel(TUNING, "MainDockSpace", lambda: self._draw_textured(draw_tuning), "by the state"),
             panel(PANEL, "Side", lambda: draw_editing(self.state), "by the state"),
+            panel(MASKS, "Side", lambda: draw_masking(self.state), "by the state"),
         ]
         return layout
 
@@ -282,10 +284,7 @@ class Window:
         self._title.follow(self.state)
         dockings.spare_ground()
         idling = params.fps_idling
-        moves = (
-            self.state.timeline.playing or self.state.scene.viewer.moving or self.state.scene.cameras.playing
-        )
-        idling.enable_idling = not moves
+        idling.enable_idling = not self.state.moves
         idling.fps_idle = BUSY_FPS if self.state.is_busy else IDLE_FPS
         # Live pictures wake the window; frames between them would take their time on the processor.
         idling.time_active_after_last_event = ACTIVE_LIVE if self.state.live.flows else ACTIVE

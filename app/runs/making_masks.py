@@ -15,6 +15,7 @@ from renderer.clip import BoolImage, Clip, Frame
 from renderer.tools.agreement import WEAK, Agreement
 from renderer.tools.learning import Example, LearnedTools, learned_well
 from renderer.tools.mask_files import MaskOrigin, mask_names, masks_in, write_mask
+from renderer.tools.onnx_model import OnnxTools
 from renderer.tools.search import find_tools
 
 Share = Annotated[float, Interval(ge=0, le=1)]
@@ -48,20 +49,23 @@ def drawn_in(clip: Clip, folder: Path) -> dict[int, BoolImage]:
     return {index: mask for index, mask in read.items() if mask is not None}
 
 
-def make_masks(clip: Clip, folder: Path, by_hand: Mapping[int, BoolImage]) -> Iterator[MaskReport]:
-    """One file a frame: those by hand as they are, all others learned from them, or found by their colour
-    where there are none. What the clip's own masks leave out is not looked at.
+def make_masks(
+    clip: Clip, folder: Path, by_hand: Mapping[int, BoolImage], model: OnnxTools | None = None
+) -> Iterator[MaskReport]:
+    """One file a frame: those by hand as they are, all others found by the model, learned from those by hand,
+    or found by their colour where there are none. What the clip's own masks leave out is not looked at.
 
     Raises:
         ClipError: a frame cannot be read.
+        OnnxError: the model fails.
         OSError: a mask cannot be written.
     """
     lit = _lit(clip)
     frames = ((lit.read_frame(index), mask) for index, mask in sorted(by_hand.items()))
     examples = [Example.of(frame.image, mask, frame.tissue_mask) for frame, mask in frames]
-    report = MaskReport(0, len(by_hand), learned_well(examples))
+    report = MaskReport(0, len(by_hand), learned_well(examples) if model is None else None)
     yield report
-    find, found_by = _finder(examples)
+    find, found_by = _finder(examples, model)
     shares, scores, agreement = list[float](), dict[str, float](), Agreement()
     for index, name in enumerate(mask_names(clip.labels)):
         frame, drawn = lit.read_frame(index), by_hand.get(index)
@@ -79,7 +83,9 @@ def _lit(clip: Clip) -> Clip:
     return clip if field is None else clip.within(field.mask())
 
 
-def _finder(examples: list[Example]) -> tuple[Find, MaskOrigin]:
+def _finder(examples: list[Example], model: OnnxTools | None) -> tuple[Find, MaskOrigin]:
+    if model is not None:
+        return lambda frame: model.find(frame.image, frame.tissue_mask), "by a model"
     if not examples:
         return lambda frame: find_tools(frame.image, frame.tissue_mask), "by colour"
     learned = LearnedTools.of(examples)

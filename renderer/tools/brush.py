@@ -7,32 +7,40 @@ from typing import Final, Literal
 
 import cv2
 import numpy as np
+from numpy.typing import ArrayLike
 
 from renderer.clip import BoolImage, ByteImage
 
 Stroke = Literal["paint", "erase", "grow"]
 Point = tuple[float, float]
-"""Column and row of the image."""
+"""Column and row of the image, the middle of its first pixel at 0.5."""
 
 REACH: Final = 6.0
 """Radii of the brush that an area grows to at most, from the line."""
 _SIDE = 400
 """Pixels of the longer side of what is grown in: GrabCut's time goes with their number."""
+_THICK = 6.0
+"""Pixels of a radius at least, where there is room: GrabCut tells little from few pixels."""
 _ROUNDS = 3
-_SUBPIXEL = 4
-"""Bits of a pixel's fraction that OpenCV draws with."""
+_THINNEST = 0.75
+"""px: a thinner line would miss pixels that it crosses."""
 
 
 def drawn(mask: BoolImage, line: Sequence[Point], radius: float, *, value: bool) -> BoolImage:
-    """The mask (H, W) with a round brush drawn along a line; a single point is a dot."""
-    canvas = mask.astype(np.uint8)
-    points = np.round(np.asarray(line, dtype=np.float64) * 2**_SUBPIXEL).astype(np.int32)
+    """The mask (H, W) with a round brush drawn along a line: pixels whose middle is within `radius` of it,
+    and those that it crosses. A single point is a dot."""
+    out = mask.copy()
+    points = np.asarray(line, dtype=np.float64)
+    reach = max(radius, _THINNEST)
     for start, end in zip(points, points[1:] if len(points) > 1 else points, strict=False):
-        cv2.line(
-            canvas, tuple(map(int, start)), tuple(map(int, end)), int(value),
-            max(1, round(2 * radius)), cv2.LINE_8, _SUBPIXEL,
-        )  # fmt: skip
-    return canvas > 0
+        (left, top), (right, bottom) = _box(mask.shape, (start, end), reach)
+        rows, columns = np.mgrid[top:bottom, left:right] + 0.5
+        x, y = columns - start[0], rows - start[1]
+        along, across = end - start
+        share = np.clip((x * along + y * across) / max(along**2 + across**2, 1e-12), 0, 1)
+        near = (x - share * along) ** 2 + (y - share * across) ** 2 <= reach**2
+        out[top:bottom, left:right][near] = value
+    return out
 
 
 def grown(image: ByteImage, mask: BoolImage, line: Sequence[Point], radius: float) -> BoolImage:
@@ -51,7 +59,7 @@ def grown(image: ByteImage, mask: BoolImage, line: Sequence[Point], radius: floa
     return out
 
 
-def _box(shape: tuple[int, ...], line: Sequence[Point], margin: float) -> tuple[tuple[int, int], ...]:
+def _box(shape: tuple[int, ...], line: ArrayLike, margin: float) -> tuple[tuple[int, int], ...]:
     """Left and top, right and bottom, within the image."""
     points = np.asarray(line, dtype=np.float64)
     most = np.array((shape[1], shape[0]))
@@ -63,9 +71,10 @@ def _box(shape: tuple[int, ...], line: Sequence[Point], margin: float) -> tuple[
 def _cut(image: ByteImage, mask: BoolImage, line: BoolImage, radius: float) -> BoolImage:
     """(h, w) of a part of the image: what GrabCut joins to the line, where it touches it."""
     height, width = line.shape
-    scale = min(1.0, _SIDE / max(height, width))
+    scale = min(max(1.0, _THICK / radius), _SIDE / max(height, width))
+    how = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
     size = max(1, round(width * scale)), max(1, round(height * scale))
-    small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    small = cv2.resize(image, size, interpolation=how)
     sure, known = (
         cv2.resize(each.astype(np.uint8), size, interpolation=cv2.INTER_AREA) for each in (line, mask)
     )

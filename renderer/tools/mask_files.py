@@ -81,6 +81,12 @@ def masks_in(folder: Path, labels: Sequence[str]) -> MaskFiles:
     return MaskFiles(folder, files)
 
 
+def own_masks(folder: Path, labels: Sequence[str]) -> MaskFiles:
+    """Those that were written as `mask_names` says; none without a folder."""
+    paths = (folder / name for name in mask_names(labels))
+    return MaskFiles(folder, {index: path for index, path in enumerate(paths) if path.is_file()})
+
+
 def _key(stem: str) -> str | int:
     return int(stem) if stem.isdecimal() else stem
 

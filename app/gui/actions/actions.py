@@ -14,6 +14,7 @@ from app.enhancement.methods import EnhancementSettings
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Choosing, Kind, Purpose
+from app.gui.state.masking import Masking
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.scene import CameraList, Second, Viewer
 from app.gui.state.source import Reports
@@ -196,6 +197,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     state.comparing.chosen = state.comparing.chosen.renewed()
     state.comparing.others, state.comparing.difference = {}, None
     state.timeline.strip, state.picture.left_out, state.picture.mask_tool = None, None, ""
+    state.masking, state.source.tool_masks = Masking(radius=state.masking.radius), None
     said = state.source.known.get(str(opened.clip.path), UNKNOWN) if opened.clip is not None else UNKNOWN
     state.source.part = opened.run.record.clip.part if opened.run is not None else said.part
     if not state.runs.reconstruction.is_alive:

@@ -8,7 +8,7 @@ from typing import Final
 
 from imgui_bundle import imgui
 
-from app.gui.actions import presenting, tuning_actions
+from app.gui.actions import masking_actions, presenting, tuning_actions
 from app.gui.commands.command import Act
 from app.gui.state.app_state import AppState
 
@@ -28,6 +28,16 @@ TILE: Final[Keys] = {
     imgui.Key.down_arrow: partial(tuning_actions.go, down=1),
     imgui.Key._0: tuning_actions.fit_cell,
 }
+MASKING: Final[Keys] = {
+    imgui.Key.left_bracket: partial(masking_actions.scale_radius, steps=-1),
+    imgui.Key.right_bracket: partial(masking_actions.scale_radius, steps=1),
+    int(imgui.Key.mod_ctrl) | int(imgui.Key.z): masking_actions.undo,
+}
+MASKING_TEXT: Final = (
+    ("[ or ]", "a smaller or a larger brush"),
+    ("Ctrl+Z", "undo the last stroke on this frame"),
+    ("Esc", "stop masking"),
+)
 TILE_TEXT: Final = (
     ("Arrows", "the neighbouring image"),
     ("0", "fit it"),
@@ -44,4 +54,6 @@ def keys_of(state: AppState) -> Keys:
     """The keys of what is going on, each with what it does."""
     if state.presenting.pane is not None:
         return PRESENTATION
+    if state.masking.active:
+        return MASKING
     return TILE if tuning_actions.is_looking(state) else {}

@@ -9,6 +9,7 @@ import glfw
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
 from app.gui.actions import actions, tuning_actions, window_actions
+from app.gui.panels import masking
 from app.gui.panels.editing import PANEL as EDIT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -30,6 +31,7 @@ BELOW = dict.fromkeys(("3D view", "Log", "Notes"), ("Below", "MainDockSpace")) |
 )
 """Panels that stand below others, and where they join these."""
 TUNING, REPORT = "Tuning", "Report"
+MASKS = masking.PANEL
 LAYOUTS: Final[Mapping[Content, str]] = {"clip": "Default", "stills": "Stills", "run": "Run"}
 """By what is open, under the names that the runner keeps."""
 
@@ -191,6 +193,7 @@ def follow(state: AppState) -> None:
         panel(TUNING).focus_window_at_next_frame = state.tuning.shown
         tuning_actions.came(state)
     _show(panel(EDIT), state.editing.active and free)
+    _show(panel(MASKS), state.masking.active and free)
     if state.source.asked and (pictures := _window("Images")) is not None:
         panel("Images").focus_window_at_next_frame = pictures.hidden
         actions.pictures_came(state)

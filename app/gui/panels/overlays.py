@@ -12,7 +12,7 @@ from app.files.provenance import NOTICE
 from app.gui.actions import actions, session_actions
 from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, LEAVE_TEXT, MOUSE, PANELS_TEXT, PEEK_TEXT, WALK_TEXT
-from app.gui.commands.modes import PRESENTATION_TEXT, TILE_TEXT
+from app.gui.commands.modes import MASKING_TEXT, PRESENTATION_TEXT, TILE_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import button, cell, em, explain, in_table, muted, note, question, within
@@ -143,6 +143,7 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
                 _draw_keys(menu, [(" or ".join(one.keys), one.about) for one in commands])
         _draw_keys("Everywhere", [("Esc", LEAVE_TEXT), ("Shift+Tab", WALK_TEXT), ("F6", PANELS_TEXT)])
         _draw_keys("In a presentation", [*PRESENTATION_TEXT])
+        _draw_keys("Masking tools by hand", [*MASKING_TEXT])
         _draw_keys("In the tuning grid, at one image", [*TILE_TEXT])
         _draw_keys("Hold", [("O", PEEK_TEXT), ("W S A D Q E", FLIGHT_TEXT), *MOUSE])
         imgui.spacing()

@@ -10,6 +10,7 @@ from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import heat_scale
 from app.gui.actions import clip_actions, laid_out, picture_actions, presenting
 from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
+from app.gui.panels.masking import draw_brush, follow_brush
 from app.gui.state.app_state import AppState
 from app.gui.state.live_words import is_not_live
 from app.gui.state.panes import Pane, pixel, tinted
@@ -48,6 +49,8 @@ def draw_pane(
     pointer = _button(state, slot, pane.image, area)
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
         _draw_image(state, textures, slot, pane.image, area)
+        if state.masking.active:
+            draw_brush(state, _placement(state, pane.image, area), area)
         if pointer is None and len(read) == 1:
             _draw_cross(state, pane.image, area)
         if is_not_live(state.live):
@@ -140,12 +143,14 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         if io.mouse_wheel != 0:
             picture_actions.zoom(state, WHEEL_STEP**io.mouse_wheel, area.mouse(), picture, pane)
-        if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
+        if imgui.is_mouse_double_clicked(imgui.MouseButton_.left) and not state.masking.active:
             picture_actions.fit(state)
             return
     dragged = io.mouse_delta.x != 0 or io.mouse_delta.y != 0
     if state.picture.mask_tool:
         _draw_mask(state, image, area)
+    elif state.masking.active and not imgui.is_mouse_down(imgui.MouseButton_.right):
+        follow_brush(state, _placement(state, image, area), area)
     elif imgui.is_item_active() and dragged:
         picture_actions.pan(state, (io.mouse_delta.x, io.mouse_delta.y), picture, pane)
     zoom = state.picture.view.place(picture, pane).zoom

@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.image_mask import NO_MASK
-from app.gui.actions import actions, clip_actions, export_actions, laid_out
+from app.gui.actions import actions, clip_actions, export_actions, laid_out, masking_actions
 from app.gui.commands.commands import has_something
 from app.gui.panels.live import draw_live_bar
 from app.gui.state.app_state import AppState
@@ -134,6 +134,11 @@ def _draw_mask(state: AppState) -> None:
             clip_actions.round_view(state)
         if imgui.menu_item_simple("Clear", "", False, mask != NO_MASK):
             clip_actions.clear_mask(state)
+        imgui.separator()
+        reason = masking_actions.why_not(state)
+        if imgui.menu_item_simple("Tools: mask by hand…", "Ctrl+M", state.masking.active, not reason):
+            masking_actions.toggle(state)
+        explain(reason or "Mask surgical tools with a brush; other frames are learned from a few.")
         imgui.separator()
         if imgui.menu_item_simple("Tint tools and masked areas", "Shift+M", state.picture.overlay, True):
             clip_actions.toggle_overlay(state)

@@ -14,6 +14,7 @@ from app.gui.state.editing import Editing
 from app.gui.state.enhancement import Enhancement, SettingsSnapshot
 from app.gui.state.exports import Batches, Exports
 from app.gui.state.live import Live
+from app.gui.state.masking import Masking
 from app.gui.state.picture import Comparing, Picture
 from app.gui.state.presenting import Presenting, SecondWindow
 from app.gui.state.reconstruction import Runs
@@ -24,6 +25,7 @@ from app.gui.state.source import Reports, Source, Timeline
 from app.gui.state.summary import CaseSummary
 from app.gui.state.tuning import Tuning
 from app.gui.state.window import WindowFrame
+from app.gui.work.masking import folder_of
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import OmissionsRequest
 from app.gui.work.opening import VIEW_SUFFIXES
@@ -35,6 +37,7 @@ from app.runs.clip_selection import WHOLE
 from app.scenes.backgrounds import BACKGROUNDS, Background
 from app.scenes.scene import Scene
 from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest
+from renderer.clip import Clip
 from renderer.train.config import TrainConfig
 
 LOOK_AGAIN = 4.0
@@ -55,6 +58,7 @@ class AppState:
     live: Live = field(default_factory=Live)
     enhancement: Enhancement = field(default_factory=Enhancement)
     picture: Picture = field(default_factory=Picture)
+    masking: Masking = field(default_factory=Masking)
     comparing: Comparing = field(default_factory=Comparing)
     scene: ShownScene = field(default_factory=ShownScene)
     runs: Runs = field(default_factory=Runs)
@@ -210,6 +214,11 @@ class AppState:
         return self.source.clip is None and self.scene.model is None
 
     @property
+    def moves(self) -> bool:
+        """What is shown changes by itself, frame by frame."""
+        return self.timeline.playing or self.scene.viewer.moving or self.scene.cameras.playing
+
+    @property
     def is_busy(self) -> bool:
         """Something goes on that the window should follow closely."""
         return (
@@ -219,6 +228,7 @@ class AppState:
             or self.pictures_wait
             or self.tuning.request is not None
             or self.editing.wish is not None
+            or self.masking.is_busy
             or self.exports.is_busy
             or self.batches.under_way is not None
         )
@@ -237,6 +247,17 @@ class AppState:
     def view_request(self) -> ViewRequest | None:
         """What the 3D view should show now; None without a model or while it is hidden."""
         return self._view_of(self.editing.tinted or self.scene.model)
+
+    @property
+    def masks_clip(self) -> Clip | None:
+        """The open clip as its tools are masked: without depth that is worked out."""
+        return None if self.source.is_live_frame else self.source.bare or self.source.clip
+
+    @property
+    def masks_folder(self) -> Path:
+        """Where the tool masks of the open clip lie, or will."""
+        assert self.masks_clip is not None
+        return folder_of(self.places.tool_masks, self.masks_clip, self.source.options)
 
     @property
     def omissions_request(self) -> OmissionsRequest | None:

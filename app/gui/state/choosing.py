@@ -15,7 +15,18 @@ from renderer.splat_files import SUFFIXES as SPLATS
 Kind = Literal["folder", "file", "save"]
 """An existing folder, an existing file, or a file to be written."""
 Purpose = Literal[
-    "folder", "file", "run", "splats", "views", "inputs", "results", "export", "session", "picture"
+    "folder",
+    "file",
+    "run",
+    "splats",
+    "views",
+    "inputs",
+    "results",
+    "export",
+    "session",
+    "picture",
+    "masks",
+    "network",
 ]
 """Each remembers its own folder."""
 
@@ -52,6 +63,7 @@ PICTURED: Final = Filter("Images and videos", (*IMAGES.suffixes, *sorted(VIDEOS)
 MODELS: Final = Filter("Splat files", SPLATS)
 SAVED: Final = Filter("Saved images", (".png", ".jpg", ".jpeg"))
 SESSIONS: Final = Filter("Sessions", (SUFFIX,))
+NETWORKS: Final = Filter("ONNX networks", (".onnx",))
 VIEWS: Final = Filter("Views and cameras", (".json", ".txt"))
 OPENED: Final = Filter(
     "Everything that opens",
@@ -63,6 +75,8 @@ QUESTIONS: Final[dict[Purpose, Question]] = {
     "run": Question("Choose a run folder"),
     "splats": Question("Choose a splat file", (MODELS, ALL)),
     "views": Question("Import views or cameras", (VIEWS, ALL)),
+    "masks": Question("Choose a folder of tool masks"),
+    "network": Question("Choose a network", (NETWORKS, ALL)),
     "inputs": Question("Add to the list", (PICTURED, IMAGES, VIDEO, ALL)),
     "results": Question("Choose a folder for the results", keeps_itself=True),
     "export": Question("Choose a folder for exports", keeps_itself=True),

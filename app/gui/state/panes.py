@@ -203,7 +203,9 @@ def frame_share(state: AppState, scene: Scene) -> float:
 
 def tinted(state: AppState) -> BoolImage | None:
     """(H, W), True where the pictures on screen are to be tinted as left out."""
-    masked = state.picture.left_out
+    masked, drawn = state.picture.left_out, state.masking.shown
+    if state.masking.active and drawn is not None and drawn.request.clip is state.masks_clip:
+        return drawn.mask if drawn.request.index == state.timeline.shown_index else None
     if not state.picture.overlay or masked is None or masked.request.clip is not state.source.clip:
         return None
     return masked.pixels if masked.request.frame_index == state.timeline.shown_index else None

@@ -15,6 +15,7 @@ from app.gui.work.strip import Strip
 from app.gui.work.swept import SweptImage, SweptJob
 from app.live.picture import LIVE
 from app.runs.clip_selection import WHOLE, ClipPart
+from app.runs.tool_masks import ToolMasks
 from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWays
 from renderer.readers.clip_options import DEFAULTS, ClipOptions, DepthSource
@@ -48,6 +49,8 @@ class Source:
     """Of the image that is open, or was; it is one of them where they are its."""
     part: ClipPart = WHOLE
     """Trim and mask of the open clip."""
+    tool_masks: ToolMasks | None = None
+    """Those that were made of the open clip in the window; None: none."""
     known: dict[str, KnownClip] = field(default_factory=dict)
     """Those of all clips, by path, and the depth that was chosen for them."""
 
@@ -64,7 +67,13 @@ class Source:
     @property
     def training_part(self) -> ClipPart:
         """What of the open clip the next reconstruction is of."""
-        return replace(self.part, trim=self.span if self.part.trim else None, field_of_view=None, tools=None)
+        return replace(
+            self.part,
+            trim=self.span if self.part.trim else None,
+            field_of_view=None,
+            tools=None,
+            tool_masks=self.tool_masks or self.part.tool_masks,
+        )
 
     @property
     def place(self) -> int | None:

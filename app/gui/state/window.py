@@ -12,6 +12,7 @@ from app.exports.exporting import ExportRequest
 from app.gui.state.browsing import Browsing
 from app.gui.state.choosing import Choosing
 from app.gui.work.changing_runs import ChangeRequest
+from app.gui.work.masking import KeepMask
 from app.gui.work.presets import KeepPresets
 from app.gui.work.revealing import RevealRequest
 from app.gui.work.writing import SessionRequest, WriteRequest
@@ -20,7 +21,7 @@ from app.kernels.progress import Preparation
 Closing = Literal["no", "asked", "agreed"]
 """Whether the window shall close although reconstructions are under way."""
 LOG_LINES = 500
-Wish = WriteRequest | KeepPresets | SessionRequest | ExportRequest | RevealRequest | ChangeRequest
+Wish = WriteRequest | KeepPresets | SessionRequest | ExportRequest | RevealRequest | ChangeRequest | KeepMask
 
 
 @dataclass

@@ -25,6 +25,7 @@ from app.gui.actions import (
     guide_actions,
     job_actions,
     live_actions,
+    masking_actions,
     preset_actions,
     queue_actions,
     run_actions,
@@ -51,6 +52,7 @@ from app.gui.work.depths import find_ways, read_depth
 from app.gui.work.kept_layout import seal_anew
 from app.gui.work.listing import list_folder, thumbnail_of
 from app.gui.work.live_devices import find_devices
+from app.gui.work.masking import KeepMask, grow, keep_mask, look_for_masks, make_all, read_frame_mask
 from app.gui.work.measuring import Measurer
 from app.gui.work.naming import encoder_of, name_of
 from app.gui.work.neighbours import find_neighbours
@@ -80,6 +82,8 @@ SECOND: Final = "second"
 NO_STRIP = "the clip's thumbnails cannot be shown"
 NO_MODELS = "what can be seen in a second view cannot be told"
 NO_NEIGHBOURS = "the images beside this one cannot be listed"
+NO_MASKS = "tool masks cannot be listed"
+NO_MASK = "the tools of this frame cannot be shown"
 NO_WAYS = "where depth can come from cannot be told"
 NO_THUMBNAILS = "presets cannot be previewed"
 
@@ -144,6 +148,9 @@ class Channels:
         self.strip, self.left_out = Channel(make_strip), Channel(left_out)
         self.measures = Channel(Measurer().measure)
         self.omissions = Channel(look)
+        self.masks_there, self.frame_masks = Channel(look_for_masks), NewestChannel(read_frame_mask)
+        self.grows, self.made_masks = NewestChannel(grow), SteppedChannel(make_all)
+        self.kept_masks = Channel(keep_mask, depth=256)
         self.run_measures = SteppedChannel(measure_run)
         self.runs, self.beside = Channel(RunFinder().find), Channel(find_models)
         self.changes, self.footprints = Channel(change_run, depth=8), Channel(measure_folder)
@@ -196,6 +203,12 @@ class Channels:
             Row(self.frames, told("the frame cannot be read", taking.take_frame), lambda s: s.frame_request),
             Row(self.omissions, told("what will be left out cannot be determined", taking.take_omissions),
                 lambda s: s.omissions_request, SECOND),
+            Row(self.masks_there, told(NO_MASKS, masking_actions.take_there, actions.say),
+                masking_actions.there_wish, SECOND),
+            Row(self.frame_masks, told(NO_MASK, masking_actions.take_mask), masking_actions.wished, "apart"),
+            Row(self.grows, masking_actions.take_grown, lambda s: s.masking.growing, "apart"),
+            Row(self.made_masks, masking_actions.take_made, lambda s: s.masking.making, SECOND),
+            Row(self.kept_masks, masking_actions.take_kept, server=SECOND),
             Row(self.runs, run_actions.take_found, lambda s: s.runs_request, SECOND),
             Row(self.beside, told(NO_MODELS, second_actions.take_models, actions.say), wishes.models_wish,
                 SECOND),
@@ -260,6 +273,7 @@ class Channels:
             ExportRequest: self.saving,
             RevealRequest: self.reveals,
             ChangeRequest: self.changes,
+            KeepMask: self.kept_masks,
         }
         for wish in wishes:
             channels[type(wish)].ask(wish)
@@ -270,7 +284,7 @@ class Channels:
         """The window has closed and no worker is left: do what must not be given up."""
         self.ask_once(state)
         self.edits.want(state.editing.saving)
-        for channel in (self.files, self.presets, self.edits):
+        for channel in (self.files, self.presets, self.edits, self.kept_masks):
             while channel.run_waiting():
                 pass
 

@@ -81,7 +81,8 @@ def left_out_wish(state: AppState) -> LeftOutRequest | None:
     clip = state.source.clip
     if clip is None or state.picture.pictures is None or not state.picture.overlay:
         return None
-    return LeftOutRequest(clip, state.timeline.shown_index, state.source.part.mask)
+    part = state.source.training_part
+    return LeftOutRequest(clip, state.timeline.shown_index, part.mask, part.tool_masks, state.masking.changes)
 
 
 def ways_wish(state: AppState) -> WaysRequest | None:

@@ -59,6 +59,11 @@ class Places:
         return (cache if self.config == _config() else self.config) / "recent"
 
     @property
+    def tool_masks(self) -> Path:
+        """Of clips, a folder each."""
+        return self.runs.parent / "tool-masks"
+
+    @property
     def logs(self) -> Path:
         """Errors, for bug reports."""
         return self.config / "log"

@@ -11,6 +11,7 @@ import numpy as np
 from app.enhancement.image_mask import PictureMask
 from app.runs.clip_selection import WHOLE
 from app.runs.left_out import with_found
+from app.runs.tool_masks import ToolMasks
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 
 HEIGHT = 72
@@ -92,6 +93,9 @@ class LeftOutRequest:
     clip: Clip
     frame_index: int
     mask: PictureMask
+    tool_masks: ToolMasks | None = None
+    changes: int = 0
+    """Of these masks on disk: others are another request."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +110,8 @@ class LeftOut:
 def left_out(request: LeftOutRequest) -> Iterator[LeftOut]:
     """Raises ClipError."""
     looked_at = sorted({0, request.frame_index, len(request.clip) - 1})
-    frames = {index: request.clip.read_frame(index) for index in looked_at}
+    clip = request.clip if request.tool_masks is None else request.tool_masks.of(request.clip)
+    frames = {index: clip.read_frame(index) for index in looked_at}
     found = with_found(WHOLE, frames.__getitem__, looked_at, ())
     tissue = found.cleared(frames[request.frame_index]).tissue_mask
     yield LeftOut(request, ~(tissue & request.mask.kept(tissue.shape)))

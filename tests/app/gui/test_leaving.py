@@ -14,6 +14,7 @@ from app.gui.actions import (
     clip_actions,
     edit_actions,
     guide_actions,
+    masking_actions,
     presenting,
     window_actions,
 )
@@ -32,6 +33,8 @@ THINGS: tuple[tuple[Asks, Callable[[AppState], object]], ...] = (
     (lambda s: s.scene.viewer.flying, camera_actions.toggle_flight),
     (lambda s: s.scene.viewer.measuring, camera_actions.toggle_measuring),
     (lambda s: bool(s.editing.stroke), lambda s: edit_actions.draw_on(s, (3.0, 4.0))),
+    (lambda s: s.masking.active, masking_actions.toggle),
+    (lambda s: bool(s.masking.line), lambda s: setattr(s.masking, "line", ((3.0, 4.0),))),
     (lambda s: bool(s.picture.mask_tool), lambda s: clip_actions.draw_mask(s, "text")),
     (lambda s: s.batches.shown, lambda s: setattr(s.batches, "shown", True)),
     (lambda s: s.exports.shown, lambda s: setattr(s.exports, "shown", True)),

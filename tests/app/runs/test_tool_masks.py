@@ -22,6 +22,7 @@ from renderer.sources import open_clip
 from renderer.tools.mask_files import origin_of, write_mask
 from renderer.train.config import TrainConfig
 from tests.app.conftest import Call, request_of
+from tests.renderer.tools.onnx_files import write_convolution
 
 Cli = Callable[..., Call]
 CONFIG = TrainConfig(iterations=2, n_gaussians=500)
@@ -147,3 +148,20 @@ def test_a_folder_without_masks_of_the_clip_is_refused_in_a_line(
     assert call.code == 2
     assert call.error.strip().splitlines()[-1].startswith("vesselsplat: expected masks named as the frames")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_network_of_the_user_masks_tools(unmasked: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    pytest.importorskip("onnxruntime")
+    weights = np.array([[0, 0, 0], [1, 0, 0]], np.float32)
+    network = write_convolution(tmp_path / "net.onnx", weights, np.array([0, -2], np.float32))
+    made = vesselsplat(
+        "masks", unmasked, "--out", tmp_path / "out", "--onnx", network, "--onnx-values", "unit"
+    )
+    assert made.code == 0, made.error
+    assert "10 masks, tools in 0" in made.out
+    assert origin_of(next((tmp_path / "out").iterdir())) == "by a model"
+    network.write_text("no network")
+    refused = vesselsplat("masks", unmasked, "--out", tmp_path / "other", "--onnx", network)
+    assert refused.code == 2
+    assert "expected an ONNX network" in refused.error
+    assert not (tmp_path / "other").exists()

@@ -17,7 +17,8 @@ def test_a_dot_is_a_disc(radius: float) -> None:
     dot = drawn(EMPTY, [(80.0, 60.0)], radius, value=True)
     assert np.count_nonzero(dot) == pytest.approx(math.pi * radius**2, rel=0.12, abs=6)
     rows, columns = np.nonzero(dot)
-    assert np.hypot(rows - 60, columns - 80).max() <= radius + 1.5
+    assert np.hypot(rows + 0.5 - 60, columns + 0.5 - 80).max() <= radius + 1
+    assert (rows.mean() + 0.5, columns.mean() + 0.5) == pytest.approx((60, 80), abs=0.3)
 
 
 def test_a_line_has_no_gaps_and_erasing_takes_it_back() -> None:

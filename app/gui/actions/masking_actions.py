@@ -1,0 +1,255 @@
+"""Tool masks mended by hand, as functions on the state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from app.gui.actions import actions
+from app.gui.state.app_state import AppState
+from app.gui.state.masking import MOST_PAST, THICKEST, THINNEST
+from app.gui.work.background import Failure
+from app.gui.work.masking import (
+    BY_HAND,
+    FrameMask,
+    GrowRequest,
+    KeepMask,
+    MakingRequest,
+    MaskRequest,
+    MasksRequest,
+    MasksThere,
+)
+from app.gui.work.revealing import RevealRequest
+from app.runs.making_masks import MaskReport
+from app.runs.tool_masks import ToolMasks
+from renderer.clip import BoolImage
+from renderer.tools.brush import Point, Stroke, drawn
+
+STEP = 1.25
+"""By which the brush grows and shrinks."""
+
+
+def why_not(state: AppState) -> str:
+    """Why tools cannot be masked now; empty where they can."""
+    if state.source.clip is None:
+        return "Open a clip first."
+    return "Record the live source, then open the recording." if state.source.is_live_frame else ""
+
+
+def toggle(state: AppState) -> None:
+    """Begin to mask tools, or end it."""
+    masking = state.masking
+    masking.active = not masking.active and not why_not(state)
+    drop_stroke(state)
+    if masking.active and state.timeline.playing:
+        actions.toggle_play(state)
+
+
+def choose_tool(state: AppState, tool: Stroke) -> None:
+    state.masking.tool = tool
+
+
+def choose_radius(state: AppState, radius: float) -> None:
+    """Of the brush, as a share of the frame's width."""
+    state.masking.radius = min(max(radius, THINNEST), THICKEST)
+
+
+def scale_radius(state: AppState, steps: int) -> None:
+    choose_radius(state, state.masking.radius * STEP**steps)
+
+
+def radius_in(state: AppState, width: int) -> float:
+    """In pixels of a frame so many pixels wide."""
+    return state.masking.radius * width
+
+
+def wished(state: AppState) -> MaskRequest | None:
+    """The mask of the frame on screen, while it is not there; one that is being written comes later."""
+    clip, masking = state.masks_clip, state.masking
+    if clip is None or not masking.active or state.timeline.playing or state.picture.pictures is None:
+        return None
+    request = MaskRequest(clip, state.masks_folder, state.timeline.shown_index)
+    if masking.shown is not None and masking.shown.request == request:
+        return None
+    return None if any(one.request == request for one in masking.keeping) else request
+
+
+def there_wish(state: AppState) -> MasksRequest | None:
+    """Which masks there are of the clip, once its pictures are there."""
+    clip = state.masks_clip
+    if clip is None or state.masking.there is not None or state.picture.pictures is None:
+        return None
+    return MasksRequest(clip, state.masks_folder)
+
+
+def take_there(state: AppState, request: MasksRequest, there: MasksThere) -> None:
+    """Of a clip that is no longer open, it is dropped."""
+    if request.clip is state.masks_clip:
+        _know(state, there)
+
+
+def _know(state: AppState, there: MasksThere) -> None:
+    state.masking.there = there
+    state.masking.changes += 1
+    state.source.tool_masks = ToolMasks(folder=str(state.masks_folder)) if there.origins else None
+
+
+def take_mask(state: AppState, request: MaskRequest, frame: FrameMask) -> None:
+    if request == wished(state):
+        state.masking.shown, state.masking.past = frame, ()
+
+
+def paint(state: AppState, at: Point) -> None:
+    """The stroke goes on to here, or begins."""
+    masking = state.masking
+    frame = masking.shown
+    if frame is None or masking.growing is not None or (masking.line and masking.line[-1] == at):
+        return
+    if not masking.line:
+        masking.past = (*masking.past, frame.mask)[-MOST_PAST:]
+    segment = (*masking.line[-1:], at)
+    radius = radius_in(state, frame.mask.shape[1])
+    mask = drawn(frame.mask, segment, radius, value=masking.tool != "erase")
+    masking.line, masking.shown = (*masking.line, at), replace(frame, mask=mask)
+
+
+def end_stroke(state: AppState) -> None:
+    """The hand has let go: what was drawn is kept, or grows first."""
+    masking = state.masking
+    line, masking.line, frame = masking.line, (), masking.shown
+    if not line or frame is None:
+        return
+    if masking.tool == "grow":
+        before = replace(frame, mask=masking.past[-1])
+        masking.growing = GrowRequest(before, line, radius_in(state, frame.mask.shape[1]))
+    else:
+        _set(state, frame.mask)
+
+
+def drop_stroke(state: AppState) -> None:
+    """The mask is as it was before the stroke under way."""
+    masking = state.masking
+    if masking.line and masking.shown is not None:
+        masking.shown = replace(masking.shown, mask=masking.past[-1])
+        masking.past = masking.past[:-1]
+    masking.line = ()
+
+
+def take_grown(state: AppState, request: GrowRequest, answer: BoolImage | Failure) -> None:
+    """Of a frame that is no longer shown, it is dropped."""
+    masking = state.masking
+    if request is not masking.growing:
+        return
+    masking.growing = None
+    if isinstance(answer, Failure):
+        actions.fail(state, f"the area cannot be grown: {answer.message}")
+    elif masking.shown is not None and masking.shown.request == request.frame.request:
+        _set(state, answer)
+
+
+def undo(state: AppState) -> None:
+    """The last stroke on this frame."""
+    masking = state.masking
+    if masking.past and masking.growing is None:
+        before, masking.past = masking.past[-1], masking.past[:-1]
+        _set(state, before)
+
+
+def clear_frame(state: AppState) -> None:
+    """No tool on this frame, by hand."""
+    masking = state.masking
+    if masking.shown is not None:
+        masking.past = (*masking.past, masking.shown.mask)[-MOST_PAST:]
+        _set(state, masking.shown.mask & False)
+
+
+def accept(state: AppState) -> None:
+    """The mask is right as it is: it counts as one by hand."""
+    if state.masking.shown is not None:
+        _set(state, state.masking.shown.mask)
+
+
+def forget_frame(state: AppState) -> None:
+    """The frame is as nobody had masked it."""
+    masking = state.masking
+    if masking.shown is not None:
+        _keep(state, KeepMask(masking.shown.request, None))
+        masking.shown, masking.past = None, ()
+
+
+def _set(state: AppState, mask: BoolImage) -> None:
+    """The mask of the frame on screen, by hand."""
+    masking = state.masking
+    assert masking.shown is not None
+    masking.shown = replace(masking.shown, mask=mask, origin=BY_HAND)
+    _keep(state, KeepMask(masking.shown.request, mask))
+
+
+def _keep(state: AppState, wanted: KeepMask) -> None:
+    state.masking.keeping = (*state.masking.keeping, wanted)
+    state.window.wishes += (wanted,)
+
+
+def take_kept(state: AppState, request: KeepMask, answer: KeepMask | Failure) -> None:
+    masking = state.masking
+    masking.keeping = tuple(one for one in masking.keeping if one is not request)
+    if isinstance(answer, Failure):
+        actions.fail(state, f"the tool mask cannot be saved: {answer.message}")
+    elif masking.there is not None and masking.there.request.clip is request.request.clip:
+        origin = None if request.mask is None else BY_HAND
+        _know(state, masking.there.with_mask(request.request.index, origin))
+
+
+def make_all(state: AppState, source: Path | None = None) -> None:
+    """Mask all frames that are not masked by hand, by what `MakingRequest` says of the source."""
+    clip = state.masks_clip
+    if clip is not None and state.masking.making is None:
+        state.masking.making, state.masking.report = MakingRequest(clip, state.masks_folder, source), None
+
+
+def choose_folder(state: AppState) -> None:
+    """Take masks that lie in another folder."""
+    actions.choose_path(state, "folder", make_all, "masks")
+
+
+def choose_network(state: AppState) -> None:
+    """Let a network find the tools."""
+    actions.choose_path(state, "file", make_all, "network")
+
+
+def stop_making(state: AppState) -> None:
+    """What is made so far stays."""
+    state.masking.making = None
+    _look_again(state)
+
+
+def take_made(state: AppState, request: MakingRequest, answer: MaskReport | Failure) -> None:
+    masking = state.masking
+    if request is not masking.making:
+        return
+    if isinstance(answer, Failure):
+        masking.making = None
+        actions.fail(state, f"the tools cannot be masked: {answer.message}")
+    else:
+        masking.report = answer
+    if masking.making is None or (masking.report is not None and masking.report.done == len(request.clip)):
+        stop_making(state)
+
+
+def _look_again(state: AppState) -> None:
+    """At what lies on disk now."""
+    masking = state.masking
+    masking.there = masking.shown = None
+    masking.past = ()
+
+
+def go_to(state: AppState, label: str) -> None:
+    """A frame that should be looked at."""
+    clip = state.source.clip
+    if clip is not None and label in clip.labels:
+        actions.seek(state, clip.labels.index(label))
+
+
+def reveal(state: AppState) -> None:
+    """The folder of the masks in the system's file manager."""
+    state.window.wishes += (RevealRequest(state.masks_folder),)

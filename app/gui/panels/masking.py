@@ -1,0 +1,217 @@
+"""Tool masks: what a drag over the frame draws, which frames are masked by hand, and masks of all others; the
+brush over the frame."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Final
+
+from imgui_bundle import ImVec2, imgui, imgui_ctx
+
+from app.files.legible import capital
+from app.gui.actions import actions, masking_actions
+from app.gui.state.app_state import AppState
+from app.gui.state.masking import THICKEST, THINNEST, Masking
+from app.gui.style import theme
+from app.gui.style.fields import number
+from app.gui.style.widgets import Area, button, em, explain, in_line, muted, note, row
+from app.gui.views.picture_view import Placement
+from app.gui.work.masking import BY_HAND
+from renderer.tools.brush import Stroke
+
+PANEL: Final = "Tool masks"
+TOOL_TEXTS: Final[dict[Stroke, str]] = {
+    "paint": "Drag over a tool to mask it. The right button moves the frame.",
+    "erase": "Drag over tissue that is masked.",
+    "grow": "Drag along the middle of a tool: the mask grows from there to the edges in the frame.",
+}
+SIZE_TEXT: Final = "Radius of the brush in pixels of the frame. [ and ] change it."
+MAKE_TEXT: Final = (
+    "Masks the tools in every frame that is not masked by hand: learned from those that are, or by colour "
+    "where there are none."
+)
+WHY: Final = "Masked tools are neither trained on nor evaluated."
+ORIGINS: Final = {
+    "by hand": "masked by hand",
+    "learned": "learned from other frames",
+    "by colour": "found by colour",
+    "by a model": "found by a model",
+    None: "found by colour",
+}
+ACCEPT_TEXT: Final = "Count this mask as masked by hand: other frames are learned from it."
+FORGET_TEXT: Final = "Drop the mask of this frame."
+IOU_TEXT: Final = (
+    "Overlap (IoU) of learned masks with masks by hand, on frames left out of the learning in turn: "
+    "1 is perfect."
+)
+NEIGHBOURS_TEXT: Final = (
+    "Overlap (IoU) of each mask with that of the frame before, moved along by optical flow, on average."
+)
+FOLDER_TEXT: Final = (
+    "Take masks of another program: images named or numbered as the frames, not black = tool."
+)
+NETWORK_TEXT: Final = (
+    "An ONNX file of yours finds the tools in frames that are not masked by hand: RGB less ImageNet's mean, "
+    "by its spread. For other inputs and classes: vesselsplat masks --onnx."
+)
+NONE_YET: Final = "None by hand: two or three teach the others."
+MOST_LISTED: Final = 6
+
+
+def draw_masking(state: AppState) -> None:
+    if reason := masking_actions.why_not(state):
+        muted(reason)
+        return
+    masking = state.masking
+    _draw_tools(state, masking)
+    _draw_frame(state, masking)
+    imgui.separator_text("All frames")
+    _draw_by_hand(state, masking)
+    _draw_making(state, masking)
+    imgui.spacing()
+    ends = (
+        (
+            "Show in folder",
+            masking_actions.reveal,
+            "Images of one bit a pixel, white = tool.",
+            _has_any(masking),
+        ),
+        ("Done", masking_actions.toggle, "Esc: stop masking. Masks stay with the clip.", True),
+    )
+    for (label, act, text, enabled), width in in_line(ends):
+        button(f"{label}###masks {label}", partial(act, state), text, enabled=enabled, width=width)
+
+
+def _has_any(masking: Masking) -> bool:
+    return masking.there is not None and bool(masking.there.origins)
+
+
+def _draw_tools(state: AppState, masking: Masking) -> None:
+    for (tool, text), width in in_line(tuple(TOOL_TEXTS.items()), 0.25):
+        choose, color = partial(masking_actions.choose_tool, state, tool), theme.switch(tool == masking.tool)
+        button(f"{capital(tool)}###mask {tool}", choose, text, color=color, width=width)
+    across = masking.shown.mask.shape[1] if masking.shown is not None else 0
+    row("Brush", SIZE_TEXT, -4.0)
+    flags = imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp
+    imgui.begin_disabled(across == 0)
+    low, high = (share * max(across, 1) for share in (THINNEST, THICKEST))
+    with imgui_ctx.push_style_color(imgui.Col_.text, theme.CLEAR):
+        changed, radius = imgui.slider_float("##brush", masking.radius * across, low, high, "%.0f", flags)
+    imgui.end_disabled()
+    explain(SIZE_TEXT)
+    imgui.same_line()
+    number(f"{masking.radius * across:.0f} px")
+    if changed:
+        masking_actions.choose_radius(state, radius / across)
+
+
+def _draw_frame(state: AppState, masking: Masking) -> None:
+    """What the mask of this frame is, and what can be done with it as a whole."""
+    shown = masking.shown
+    if shown is None:
+        muted("Looking for tools in this frame…")
+    else:
+        share = f"{shown.mask.mean():.0%} of this frame" if shown.mask.any() else "No tool in this frame"
+        note(f"{share}: {ORIGINS[shown.origin]}", theme.now().text)
+        explain(WHY)
+    by_hand = shown is not None and shown.origin == BY_HAND
+    busy = "The area is growing." if masking.growing is not None else ""
+    controls = (
+        ("Undo", masking_actions.undo, "Undo the last stroke on this frame.", bool(masking.past)),
+        ("Clear", masking_actions.clear_frame, "No tool in this frame.", shown is not None),
+        ("Accept", masking_actions.accept, ACCEPT_TEXT, shown is not None and not by_hand),
+        ("Drop", masking_actions.forget_frame, FORGET_TEXT, shown is not None and shown.origin is not None),
+    )
+    for (label, act, text, enabled), width in in_line(controls, 0.25):
+        button(
+            f"{label}###mask {label}", partial(act, state), text, enabled=enabled, reason=busy, width=width
+        )
+
+
+def _draw_by_hand(state: AppState, masking: Masking) -> None:
+    frames = () if masking.there is None else masking.there.by_hand
+    if not frames:
+        muted(NONE_YET)
+        explain(MAKE_TEXT)
+        return
+    muted("By hand")
+    imgui.same_line(0, em(0.5))
+    _draw_links(state, [(str(index + 1), partial(actions.seek, state, index)) for index in frames])
+
+
+def _draw_links(state: AppState, links: list[tuple[str, partial[None]]]) -> None:
+    """Frames to go to, in a line as long as there is room."""
+    right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
+    for place, (label, go) in enumerate(links):
+        if place:
+            width = imgui.calc_text_size(label).x + 2 * imgui.get_style().frame_padding.x
+            imgui.same_line(0, em(0.25))
+            if imgui.get_cursor_screen_pos().x + width > right:
+                imgui.new_line()
+        button(f"{label}###link {place} {label}", go, "Go to this frame.", small=True)
+
+
+def _draw_making(state: AppState, masking: Masking) -> None:
+    report, count = masking.report, state.moments
+    if masking.making is not None:
+        done = 0 if report is None else report.done
+        said = f"{done} of {count}" if done else "learning…"
+        imgui.progress_bar(done / max(count, 1), ImVec2(-1, em(1.25)), said)
+        button(
+            "Stop###stop masks",
+            partial(masking_actions.stop_making, state),
+            "Masks made so far stay.",
+            width=-1,
+        )
+        return
+    make = partial(masking_actions.make_all, state)
+    waits = "A mask is being saved." if masking.keeping else ""
+    button(
+        "Mask all other frames###make masks", make, MAKE_TEXT, reason=waits, color=theme.now().lit, width=-1
+    )
+    others = (
+        ("From a folder…", masking_actions.choose_folder, FOLDER_TEXT),
+        ("By a network…", masking_actions.choose_network, NETWORK_TEXT),
+    )
+    for (label, act, text), width in in_line(others):
+        button(f"{label}###masks {label}", partial(act, state), text, reason=waits, width=width)
+    if report is None or not report.done:
+        return
+    note(f"Tools in {report.with_tools} of {report.done} frames, {report.share:.0%} of the pixels")
+    if report.held_out is not None:
+        note(f"Overlap with masks by hand: {report.held_out:.2f}")
+        explain(IOU_TEXT)
+    if report.agreement is not None:
+        note(f"Overlap between neighbours: {report.agreement:.2f}")
+        explain(NEIGHBOURS_TEXT)
+    if report.weak:
+        imgui.text_colored(theme.now().warning, "Look at")
+        imgui.same_line(0, em(0.5))
+        clip = state.source.clip
+        places = {label: index for index, label in enumerate(clip.labels)} if clip is not None else {}
+        weak = [label for label in report.weak if label in places][:MOST_LISTED]
+        _draw_links(
+            state,
+            [(str(places[label] + 1), partial(masking_actions.go_to, state, label)) for label in weak],
+        )
+
+
+def follow_brush(state: AppState, place: Placement, area: Area) -> None:
+    """The mouse on the pane that was drawn last: a drag with the left button draws."""
+    at = place.picture_at(*area.mouse())
+    if imgui.is_item_active() and imgui.is_mouse_down(imgui.MouseButton_.left):
+        masking_actions.paint(state, at)
+    elif state.masking.line and not imgui.is_mouse_down(imgui.MouseButton_.left):
+        # Escape takes the mouse from the pane while the button is still held: it drops the stroke.
+        masking_actions.end_stroke(state)
+
+
+def draw_brush(state: AppState, place: Placement, area: Area) -> None:
+    """Its circle at the pointer."""
+    shown = state.masking.shown
+    if shown is None or not imgui.is_item_hovered():
+        return
+    radius = max(masking_actions.radius_in(state, shown.mask.shape[1]) * place.zoom, 1.0)
+    draw, at = imgui.get_window_draw_list(), area.corner + area.mouse()
+    for color, weight in ((theme.grey(0.0, 0.8), 3.0), (theme.grey(1.0), 1.0)):
+        draw.add_circle(at, radius, imgui.get_color_u32(color), 0, weight)

@@ -1,0 +1,51 @@
+"""Tool masks of the open clip that are mended by hand. A part of the state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Final
+
+from annotated_types import Interval
+
+from app.gui.work.masking import FrameMask, GrowRequest, KeepMask, MakingRequest, MasksThere
+from app.runs.making_masks import MaskReport
+from renderer.clip import BoolImage
+from renderer.tools.brush import Point, Stroke
+
+THINNEST, THICKEST = 0.002, 0.2
+"""Radius of the brush, as a share of the frame's width."""
+MOST_PAST: Final = 20
+"""Masks of a frame that can be gone back to."""
+
+
+@dataclass
+class Masking:
+    """Masking actions change it; drawing reads it."""
+
+    active: bool = False
+    """Drags over the frame draw."""
+    tool: Stroke = "paint"
+    radius: Annotated[float, Interval(ge=THINNEST, le=THICKEST)] = 0.02
+    """Of the brush, as a share of the frame's width."""
+    line: tuple[Point, ...] = ()
+    """The stroke under way, in pixels of the frame."""
+    shown: FrameMask | None = None
+    """Of the frame on screen, as it is now, with the stroke."""
+    past: tuple[BoolImage, ...] = ()
+    """The masks of that frame before each stroke, oldest first."""
+    growing: GrowRequest | None = None
+    keeping: tuple[KeepMask, ...] = ()
+    """Those that are being written."""
+    there: MasksThere | None = None
+    """Which there are of the open clip."""
+    making: MakingRequest | None = None
+    """Masks of all frames are being made."""
+    report: MaskReport | None = None
+    """How far that is, or how well it went."""
+    changes: int = 0
+    """How often a mask on disk has changed."""
+
+    @property
+    def is_busy(self) -> bool:
+        """Something is being grown, written or made."""
+        return self.growing is not None or self.making is not None or bool(self.keeping)

@@ -1,0 +1,167 @@
+"""Masks of the tools in the open clip, in a folder of their own: read, kept, grown and made for all frames,
+off the window's thread."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.runs.clip_selection import WHOLE
+from app.runs.left_out import with_found
+from app.runs.making_masks import MaskReport, drawn_in, make_masks
+from renderer.clip import BoolImage, ByteImage, Clip
+from renderer.readers.clip_options import ClipOptions
+from renderer.tools.brush import Point, grown
+from renderer.tools.mask_files import MaskOrigin, mask_names, origin_of, own_masks, write_mask
+from renderer.tools.onnx_model import OnnxTools
+from renderer.tools.search import find_tools
+
+BY_HAND: MaskOrigin = "by hand"
+
+
+def folder_of(places: Path, clip: Clip, options: ClipOptions) -> Path:
+    """Where the masks of a clip lie: by its name and path, and by what says what a frame is."""
+    told = f"{clip.path.absolute()}|{options.deinterlacing}|{options.stereo}"
+    return places / f"{clip.path.stem}-{hashlib.sha256(told.encode(errors='replace')).hexdigest()[:10]}"
+
+
+@dataclass(frozen=True)
+class MasksRequest:
+    """Which masks there are of a clip."""
+
+    clip: Clip
+    folder: Path
+
+
+@dataclass(frozen=True)
+class MasksThere:
+    request: MasksRequest
+    origins: Mapping[int, MaskOrigin]
+    """Of each frame that has one."""
+
+    @property
+    def by_hand(self) -> tuple[int, ...]:
+        return tuple(sorted(index for index, origin in self.origins.items() if origin == BY_HAND))
+
+    def with_mask(self, index: int, origin: MaskOrigin | None) -> MasksThere:
+        """With another one of a frame, or with none."""
+        others = {place: one for place, one in self.origins.items() if place != index}
+        return MasksThere(self.request, others if origin is None else {**others, index: origin})
+
+
+def look_for_masks(request: MasksRequest) -> Iterator[MasksThere]:
+    files = own_masks(request.folder, request.clip.labels).files
+    yield MasksThere(request, {index: origin_of(path) for index, path in files.items()})
+
+
+@dataclass(frozen=True)
+class MaskRequest:
+    """The mask of one frame."""
+
+    clip: Clip
+    folder: Path
+    index: int
+
+    @property
+    def path(self) -> Path:
+        return self.folder / mask_names(self.clip.labels)[self.index]
+
+
+@dataclass(frozen=True, eq=False)
+class FrameMask:
+    """True = tool; where no file says so, as a reconstruction finds it."""
+
+    request: MaskRequest
+    image: ByteImage
+    """(H, W, 3) of the frame."""
+    mask: BoolImage
+    """(H, W)."""
+    origin: MaskOrigin | None
+    """None: there is no file."""
+
+
+def read_frame_mask(request: MaskRequest) -> Iterator[FrameMask]:
+    """Raises ClipError: the frame or its mask cannot be read."""
+    clip, index = request.clip, request.index
+    files = own_masks(request.folder, clip.labels)
+    image = clip.read_image(index)
+    mask = files.read(index, (image.shape[1], image.shape[0]))
+    if mask is not None:
+        yield FrameMask(request, image, mask, origin_of(files.files[index]))
+        return
+    looked_at = sorted({0, index, len(clip) - 1})
+    frames = {place: clip.read_frame(place) for place in looked_at}
+    found = with_found(WHOLE, frames.__getitem__, looked_at, ())
+    field, frame = found.field_of_view, frames[index]
+    seen = frame.tissue_mask if field is None else frame.tissue_mask & field.mask()
+    none = found.tools is None
+    yield FrameMask(request, image, (seen & False) if none else find_tools(frame.image, seen), None)
+
+
+@dataclass(frozen=True, eq=False)
+class KeepMask:
+    """A mask that was mended; None: drop it, so that the frame is as nobody had mended it."""
+
+    request: MaskRequest
+    mask: BoolImage | None
+
+
+def keep_mask(wanted: KeepMask) -> Iterator[KeepMask]:
+    """Raises OSError."""
+    path = wanted.request.path
+    if wanted.mask is None:
+        path.unlink(missing_ok=True)
+    else:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_mask(path, wanted.mask, BY_HAND)
+    yield wanted
+
+
+@dataclass(frozen=True, eq=False)
+class GrowRequest:
+    """What belongs to a line that was drawn, up to the edges in the frame."""
+
+    frame: FrameMask
+    line: tuple[Point, ...]
+    radius: float
+    """px."""
+
+
+def grow(request: GrowRequest) -> Iterator[BoolImage]:
+    frame = request.frame
+    yield grown(frame.image, frame.mask, request.line, request.radius)
+
+
+@dataclass(frozen=True, eq=False)
+class MakingRequest:
+    """Masks of all frames that nobody has masked by hand: learned from those, found by a network in a file,
+    or taken from another folder."""
+
+    clip: Clip
+    folder: Path
+    source: Path | None = None
+    """The file or the folder."""
+
+
+def make_all(request: MakingRequest) -> Iterator[MaskReport]:
+    """Raises ClipError, OnnxError or OSError."""
+    clip, folder, source = request.clip, request.folder, request.source
+    taken = drawn_in(clip, source) if source is not None and source.is_dir() else {}
+    model = OnnxTools.open(source) if source is not None and not taken else None
+    folder.mkdir(parents=True, exist_ok=True)
+    if taken:
+        names = mask_names(clip.labels)
+        for index, mask in taken.items():
+            write_mask(folder / names[index], mask, BY_HAND)
+        shares = [float(mask.mean()) for mask in taken.values()]
+        with_tools, share = sum(each > 0 for each in shares), sum(shares) / len(shares)
+        yield MaskReport(len(clip), len(taken), None, with_tools, share)
+        return
+    files = own_masks(folder, clip.labels)
+    mended = [index for index, path in files.files.items() if origin_of(path) == BY_HAND]
+    sizes = {index: (clip.cameras[index].width, clip.cameras[index].height) for index in mended}
+    read = {index: files.read(index, size) for index, size in sizes.items()}
+    by_hand = {index: mask for index, mask in read.items() if mask is not None}
+    yield from make_masks(clip, folder, by_hand, model)

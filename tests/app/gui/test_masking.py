@@ -1,0 +1,299 @@
+"""Tools masked by hand in the window: strokes, what is kept of them, and masks of all other frames."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from app.gui.actions import actions, masking_actions
+from app.gui.actions.job_actions import start_reconstruction
+from app.gui.state.app_state import AppState
+from app.gui.state.masking import THICKEST, THINNEST
+from app.gui.state.panes import tinted
+from app.gui.update.channels import Channels
+from app.gui.update.update import update
+from app.gui.work.masking import FrameMask
+from app.live.picture import LIVE
+from renderer.clip import BoolImage
+from renderer.tools.mask_files import origin_of, own_masks, write_mask
+from tests.app.gui.conftest import SIZE, make_clip
+from tests.app.gui.settling import served
+from tests.app.gui.test_keys import keyboard
+from tests.app.gui.ui import Shown, Ui, compare
+from tests.renderer.tools.onnx_files import write_convolution
+
+
+def settle(state: AppState, channels: Channels | None = None) -> Channels:
+    channels = channels or Channels()
+    for _ in range(8):
+        update(state, channels, 1.0)
+        for channel in (*served(channels), *channels.of("second")):
+            while channel.run_waiting():
+                pass
+    return channels
+
+
+@pytest.fixture
+def masking(opened: AppState) -> AppState:
+    """With the frame's mask shown."""
+    masking_actions.toggle(opened)
+    settle(opened)
+    assert opened.masking.shown is not None
+    return opened
+
+
+def shown(state: AppState) -> FrameMask:
+    assert state.masking.shown is not None
+    return state.masking.shown
+
+
+def stroke(state: AppState, *points: tuple[float, float]) -> None:
+    for point in points:
+        masking_actions.paint(state, point)
+    masking_actions.end_stroke(state)
+
+
+def on_disk(state: AppState) -> dict[int, BoolImage]:
+    files = own_masks(state.masks_folder, state.source.clip.labels if state.source.clip else ())
+    return {index: mask for index in files.files if (mask := files.read(index, SIZE)) is not None}
+
+
+def test_a_stroke_is_kept_and_counts_for_the_next_reconstruction(masking: AppState) -> None:
+    assert not shown(masking).mask.any()
+    assert masking.source.training_part.tool_masks is None
+    masking_actions.choose_radius(masking, 3 / SIZE[0])
+    stroke(masking, (10.0, 20.0), (30.0, 20.0))
+    channels = settle(masking)
+    mask = on_disk(masking)[0]
+    assert mask[20, 10:31].all()
+    assert not mask[:12].any()
+    np.testing.assert_array_equal(tinted(masking), mask)
+    assert masking.masking.there is not None
+    assert masking.masking.there.by_hand == (0,)
+    start_reconstruction(masking)
+    (waiting,) = masking.runs.queue
+    assert waiting.request.part.tool_masks is not None
+    assert waiting.request.part.tool_masks.folder == str(masking.masks_folder)
+    actions.seek(masking, 3)
+    settle(masking, channels)
+    assert not shown(masking).mask.any()
+    actions.seek(masking, 0)
+    settle(masking, channels)
+    np.testing.assert_array_equal(shown(masking).mask, mask)
+    assert shown(masking).origin == "by hand"
+
+
+def test_erasing_undoing_and_clearing(masking: AppState) -> None:
+    stroke(masking, (10.0, 20.0))
+    dot = shown(masking).mask
+    masking_actions.choose_tool(masking, "erase")
+    masking_actions.choose_radius(masking, THICKEST)
+    stroke(masking, (10.0, 20.0))
+    assert not shown(masking).mask.any()
+    masking_actions.undo(masking)
+    np.testing.assert_array_equal(shown(masking).mask, dot)
+    masking_actions.undo(masking)
+    assert not shown(masking).mask.any()
+    masking_actions.undo(masking)
+    masking_actions.choose_tool(masking, "paint")
+    stroke(masking, (10.0, 20.0))
+    masking_actions.clear_frame(masking)
+    settle(masking)
+    assert not on_disk(masking)[0].any()
+    masking_actions.forget_frame(masking)
+    settle(masking)
+    assert on_disk(masking) == {}
+    assert shown(masking).origin is None
+    assert masking.source.tool_masks is None
+
+
+def test_an_area_grows_and_is_dropped_where_the_frame_has_changed(masking: AppState) -> None:
+    masking_actions.choose_tool(masking, "grow")
+    masking_actions.choose_radius(masking, 1.5 / SIZE[0])
+    stroke(masking, (12.0, 10.0), (12.0, 30.0))
+    assert masking.masking.growing is not None
+    masking_actions.paint(masking, (40.0, 5.0))
+    assert masking.masking.line == ()
+    settle(masking)
+    vessel = np.zeros_like(shown(masking).mask)
+    vessel[10:30, 10:14] = True
+    assert shown(masking).mask[vessel].mean() > 0.9
+    assert np.count_nonzero(shown(masking).mask[10:30] & ~vessel[10:30]) < 0.2 * np.count_nonzero(vessel)
+    before = on_disk(masking)
+    stroke(masking, (40.0, 5.0), (40.0, 9.0))
+    request = masking.masking.growing
+    actions.seek(masking, 2)
+    masking.masking.shown = None
+    assert request is not None
+    masking_actions.take_grown(masking, request, ~vessel)
+    assert on_disk(masking).keys() == before.keys()
+
+
+def test_all_other_frames_are_learned_and_those_by_hand_stay(masking: AppState) -> None:
+    masking_actions.choose_radius(masking, 4 / SIZE[0])
+    stroke(masking, (12.0, 0.0), (12.0, 40.0))
+    channels = settle(masking)
+    before = on_disk(masking)[0]
+    masking_actions.make_all(masking)
+    settle(masking, channels)
+    assert masking.masking.making is None
+    assert masking.masking.report is not None
+    assert masking.masking.report.done == 6
+    masks = on_disk(masking)
+    assert sorted(masks) == list(range(6))
+    np.testing.assert_array_equal(masks[0], before)
+    assert masking.masking.there is not None
+    assert masking.masking.there.by_hand == (0,)
+    assert origin_of(masking.masks_folder / "3.png") == "learned"
+    # The vessel moves to the right, a pixel a frame; the mask follows what it looks like.
+    assert masks[5][:, 14:20].mean() > 0.6
+    actions.seek(masking, 5)
+    settle(masking, channels)
+    assert shown(masking).origin == "learned"
+    masking_actions.accept(masking)
+    settle(masking, channels)
+    assert masking.masking.there.by_hand == (0, 5)
+
+
+def test_masks_of_another_program_are_taken(masking: AppState, tmp_path: Path) -> None:
+    given = np.zeros((SIZE[1], SIZE[0]), bool)
+    given[:, :7] = True
+    (tmp_path / "given").mkdir()
+    for name in ("0.png", "00004.png"):
+        write_mask(tmp_path / "given" / name, given, "by a model")
+    masking_actions.choose_folder(masking)
+    assert masking.window.choosing is not None
+    masking.window.choosing.then(tmp_path / "given")
+    settle(masking)
+    assert sorted(on_disk(masking)) == [0, 4]
+    assert masking.masking.there is not None
+    assert masking.masking.there.by_hand == (0, 4)
+    np.testing.assert_array_equal(shown(masking).mask, given)
+    (tmp_path / "empty").mkdir()
+    masking_actions.make_all(masking, tmp_path / "empty")
+    settle(masking)
+    assert masking.window.banner is not None
+    assert "expected masks named as the frames" in masking.window.banner.message
+    assert masking.masking.making is None
+
+
+def test_a_network_masks_the_other_frames_and_a_broken_one_is_named(
+    masking: AppState, tmp_path: Path
+) -> None:
+    pytest.importorskip("onnxruntime")
+    stroke(masking, (30.0, 20.0))
+    channels = settle(masking)
+    before = on_disk(masking)[0]
+    # Set where red is low: on the vessel. ImageNet's mean of red is 0.485, its spread 0.229.
+    weights, bias = np.array([[-1, 0, 0]], np.float32), np.array([(0.58 - 0.485) / 0.229], np.float32)
+    network = write_convolution(tmp_path / "net.onnx", weights, bias)
+    masking_actions.make_all(masking, network)
+    settle(masking, channels)
+    masks = on_disk(masking)
+    np.testing.assert_array_equal(masks[0], before)
+    assert masks[4][20, 15:18].all()
+    assert not masks[4][20, 20:].any()
+    network.write_text("nothing")
+    masking_actions.make_all(masking, network)
+    settle(masking, channels)
+    assert masking.window.banner is not None
+    assert "expected an ONNX network" in masking.window.banner.message
+
+
+def test_making_can_be_stopped(masking: AppState) -> None:
+    channels = settle(masking)
+    masking_actions.make_all(masking)
+    for _ in range(3):
+        update(masking, channels, 2.0)
+        channels.made_masks.run_waiting()
+    masking_actions.stop_making(masking)
+    settle(masking, channels)
+    assert masking.masking.making is None
+    assert 0 < len(on_disk(masking)) < 6
+
+
+def test_the_last_stroke_is_kept_when_the_window_closes(masking: AppState) -> None:
+    stroke(masking, (10.0, 20.0))
+    Channels().finish(masking)
+    assert on_disk(masking)[0].any()
+
+
+def test_a_folder_that_cannot_be_written_is_told(masking: AppState) -> None:
+    masking.places.tool_masks.parent.mkdir(parents=True, exist_ok=True)
+    masking.places.tool_masks.write_text("a file")
+    stroke(masking, (10.0, 20.0))
+    settle(masking)
+    assert masking.window.banner is not None
+    assert masking.window.banner.message.startswith("the tool mask cannot be saved")
+    assert masking.masking.keeping == ()
+    assert shown(masking).mask.any()
+
+
+def test_another_clip_begins_anew_with_its_own_masks(masking: AppState, tmp_path: Path) -> None:
+    stroke(masking, (10.0, 20.0))
+    settle(masking)
+    first = masking.masks_folder
+    masking.source.clip = make_clip(tmp_path / "elsewhere" / "clip")
+    assert masking.masks_folder != first
+
+
+def test_a_live_frame_cannot_be_masked(opened: AppState) -> None:
+    assert opened.source.clip is not None
+    opened.source.clip = replace(opened.source.clip, format=LIVE)
+    assert masking_actions.why_not(opened)
+    masking_actions.toggle(opened)
+    assert not opened.masking.active
+    opened.source.clip = None
+    masking_actions.toggle(opened)
+    assert not opened.masking.active
+
+
+def test_playing_stops_and_the_brush_keeps_its_bounds(opened: AppState) -> None:
+    actions.toggle_play(opened)
+    masking_actions.toggle(opened)
+    assert not opened.timeline.playing
+    masking_actions.scale_radius(opened, 50)
+    assert opened.masking.radius == THICKEST
+    masking_actions.scale_radius(opened, -99)
+    assert opened.masking.radius == THINNEST
+
+
+def test_a_hand_draws_in_the_pane_and_escape_takes_it_back(ui: Ui, masking: AppState) -> None:
+    ui.io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard
+    keys, panes = keyboard(masking), compare(masking, Shown())
+
+    def draw() -> None:
+        panes()
+        keys()
+
+    def move(x: float, y: float, button: bool | None = None) -> None:
+        ui.io.add_mouse_pos_event(x, y)
+        ui.frame(draw)
+        if button is not None:
+            ui.io.add_mouse_button_event(0, button)
+            ui.frame(draw)
+
+    ui.frame(draw)
+    view = masking.picture.view
+    move(200, 300, True)
+    move(260, 330)
+    assert shown(masking).mask.any()
+    ui.press(draw, imgui.Key.escape)
+    assert not shown(masking).mask.any()
+    move(270, 340, False)
+    assert not masking.masking.keeping
+    assert masking.masking.active
+    move(200, 300, True)
+    move(260, 330)
+    move(260, 331, False)
+    assert len(masking.masking.keeping) == 1
+    assert masking.picture.view == view
+    radius = masking.masking.radius
+    ui.press(draw, imgui.Key.right_bracket)
+    assert masking.masking.radius > radius
+    ui.press(draw, imgui.Key.escape)
+    assert not masking.masking.active
