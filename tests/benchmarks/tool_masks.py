@@ -3,12 +3,14 @@
 python -m tests.benchmarks.tool_masks [DATA]
 
 IoU and precision of what is found, and recall of the tool without the margin that its masks have, on the
-clips' test frames and on the others; the share of the pixels that is taken for a tool on clips without any.
+clips' test frames and on the others: by colour, and learned from one, two and three of the masks, which are
+not of test frames; the share of the pixels that is taken for a tool on clips without any.
 """
 
 from __future__ import annotations
 
 import argparse
+import time
 from pathlib import Path
 
 import cv2
@@ -18,6 +20,7 @@ from enhance.field_search import find_field
 from renderer.clip import BoolImage, ByteImage, held_out_frames
 from renderer.readers.clip_files import numbered_pictures
 from renderer.readers.pictures import read_rgb
+from renderer.tools.learning import Example, LearnedTools
 from renderer.tools.search import find_tools
 
 MASKED = {
@@ -43,19 +46,48 @@ def main() -> None:
     for name, (images, masks, tool) in MASKED.items():
         pairs = list(zip(numbered_pictures(data / images), numbered_pictures(data / masks), strict=True))
         held_out = set(held_out_frames(len(pairs)))
-        rows = [agreement(found(read_rgb(image)), read_rgb(mask)[:, :, 0] == tool) for image, mask in pairs]
-        for split, is_test in (("test frames", True), ("other frames", False)):
-            chosen = [row for index, row in enumerate(rows) if (index in held_out) == is_test]
-            iou, precision, recall = np.mean(chosen, axis=0)
-            print(f"{name:10} {split:12} IoU {iou:.3f}  precision {precision:.3f}  recall {recall:.3f}")
+        read = [(read_rgb(image), read_rgb(mask)[:, :, 0] == tool) for image, mask in pairs]
+        rows = [agreement(found(image), truth) for image, truth in read]
+        print_splits(name, "by colour", dict(enumerate(rows)), held_out)
+        for count in (1, 2, 3):
+            taught = spread(count, len(read), held_out)
+            began = time.perf_counter()
+            learned = LearnedTools.of([Example.of(*read[index], whole(read[index][0])) for index in taught])
+            taken = time.perf_counter() - began
+            others = {
+                index: agreement(learned.find(image, whole(image)), truth)
+                for index, (image, truth) in enumerate(read)
+                if index not in taught
+            }
+            print_splits(name, f"{count} masked, {taken:.1f} s", others, held_out)
     for name, images in BARE.items():
         shares = [found(read_rgb(path)).mean() for path in numbered_pictures(data / images)]
         print(f"{name:10} taken for a tool: {np.mean(shares):.4f} of the pixels, at most {max(shares):.4f}")
 
 
+def print_splits(
+    name: str, how: str, rows: dict[int, tuple[float, float, float]], held_out: set[int]
+) -> None:
+    for split, is_test in (("test frames", True), ("other frames", False)):
+        chosen = [row for index, row in rows.items() if (index in held_out) == is_test]
+        iou, precision, recall = np.mean(chosen, axis=0)
+        said = f"IoU {iou:.3f}  precision {precision:.3f}  recall {recall:.3f}"
+        print(f"{name:10} {how:16} {split:12} {said}")
+
+
+def spread(count: int, frames: int, held_out: set[int]) -> list[int]:
+    """So many frames, evenly, none of them held out."""
+    middles = [round((place + 0.5) * frames / count) for place in range(count)]
+    return [index + 1 if index in held_out else index for index in middles]
+
+
+def whole(image: ByteImage) -> BoolImage:
+    return np.ones(image.shape[:2], bool)
+
+
 def found(image: ByteImage) -> BoolImage:
     field = find_field(image)
-    return find_tools(image, np.ones(image.shape[:2], bool) if field is None else field.mask())
+    return find_tools(image, whole(image) if field is None else field.mask())
 
 
 def agreement(mask: BoolImage, truth: BoolImage) -> tuple[float, float, float]:
