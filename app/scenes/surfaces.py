@@ -37,6 +37,13 @@ _known: Final[WeakKeyDictionary[Scene, _Known]] = WeakKeyDictionary()
 
 def surface(scene: Scene, fineness: Fineness = AS_IT_COMES) -> Follower:
     """Takes a second or less. Raises UserError: there is none, or it cannot be simplified here."""
+    follower = _follower(scene, fineness)
+    if not len(follower.mesh.faces):
+        raise UserError(f"expected a surface, got none: {scene.name} covers nothing of what its cameras see")
+    return follower
+
+
+def _follower(scene: Scene, fineness: Fineness) -> Follower:
     followers = _known.setdefault(scene, _Known()).followers
     if fineness not in followers:
         followers[fineness] = _made(scene, fineness)
@@ -48,17 +55,17 @@ def _made(scene: Scene, fineness: Fineness) -> Follower:
     from renderer.surface.of_model import surface_of
 
     try:
-        follower = surface_of(scene.model, scene.cameras, scene.near, scene.mode, fineness)
+        return surface_of(scene.model, scene.cameras, scene.near, scene.mode, fineness)
     except RuntimeError as error:
         raise UserError(str(error)) from error
-    if not len(follower.mesh.faces):
-        raise UserError(f"expected a surface, got none: {scene.name} covers nothing of what its cameras see")
-    return follower
 
 
 def surface_at(scene: Scene, time: float) -> Mesh:
-    """At a time in [0, 1]. Raises UserError as `surface`."""
-    follower, meshes = surface(scene), _known[scene].meshes
+    """At a time in [0, 1]; of no faces where nothing is left of a scene. Raises UserError: it cannot be
+    worked out."""
+    follower, meshes = _follower(scene, AS_IT_COMES), _known[scene].meshes
+    if not len(follower.mesh.faces):
+        return follower.mesh
     if time not in meshes:
         if len(meshes) == MOST_MESHES:
             del meshes[next(iter(meshes))]
@@ -67,7 +74,7 @@ def surface_at(scene: Scene, time: float) -> Mesh:
 
 
 def drawing_surface(scene: Scene, time: float) -> Draw:
-    """Draws it at that time, whatever splats are asked for. Raises UserError as `surface`."""
+    """Draws it at that time, whatever splats are asked for. Raises UserError as `surface_at`."""
     mesh = surface_at(scene, time)
 
     def draw(splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft") -> Drawn:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.errors import UserError
 from app.files.records import Source
 from app.gui.actions import camera_actions
 from app.gui.update import wishes
@@ -23,6 +24,7 @@ from app.scenes.scene import Scene
 from app.scenes.surfaces import surface
 from app.scenes.view_kinds import SCENE_UNITS
 from app.scenes.view_request import ViewRequest
+from renderer.editing.edits import Edits
 from renderer.near_plane import middle_distance
 from tests.app.gui.exporting import Exporter
 from tests.renderer.surface.sheets import CAMERA, HOLE, sheet
@@ -64,6 +66,15 @@ def test_the_hole_is_seen_and_the_view_is_remembered(scene: Scene) -> None:
     radius = np.sqrt((first.image.sum(axis=2) == 0).sum() / np.pi)
     assert radius == pytest.approx(HOLE * 120 / 51, rel=0.2)
     assert surface(scene) is surface(scene)
+
+
+def test_a_scene_of_which_nothing_is_left_is_an_empty_view_and_no_mesh(scene: Scene) -> None:
+    bare = scene.edited(Edits.none(len(scene.model)).selecting_all().deleting())
+    request = ViewRequest(bare, 0.5, CAMERA, "surface", background=(1.0, 0.0, 0.0))
+    (view,) = draw_view(request)
+    assert (view.image == (255, 0, 0)).all()
+    with pytest.raises(UserError, match="expected a surface, got none"):
+        surface(bare)
 
 
 def test_what_is_remembered_goes_with_its_scene(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
