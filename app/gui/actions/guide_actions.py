@@ -15,7 +15,7 @@ TITLE: Final = "Guide"
 PAGES: Final = MappingProxyType(
     {
         "Images": 0, "Enhancement": 1, "Report": 2, "Tuning": 1, "Enhance files and folders": 1,
-        "Reconstruction": 3, "Tool masks": 3, "Runs": 3, "Log": 3,
+        "Reconstruction": 3, "Masks": 3, "Runs": 3, "Log": 3,
         "3D view": 4, "Splats": 4, "Cameras": 4, "Edit": 4,
         "Export": 5, "Notes": 5,
     }

@@ -16,10 +16,10 @@ from app.gui.style import theme
 from app.gui.style.fields import number
 from app.gui.style.widgets import Area, button, em, explain, in_line, muted, note, row
 from app.gui.views.picture_view import Placement
-from app.gui.work.masking import BY_HAND
+from app.gui.work.masking import BY_HAND, FrameMask
 from renderer.tools.brush import Stroke
 
-PANEL: Final = "Tool masks"
+PANEL: Final = "Masks"
 TOOL_TEXTS: Final[dict[Stroke, str]] = {
     "paint": "Drag over a tool to mask it. The right button moves the frame.",
     "erase": "Drag over tissue that is masked.",
@@ -111,8 +111,7 @@ def _draw_frame(state: AppState, masking: Masking) -> None:
     if shown is None:
         muted("Looking for tools in this frame…")
     else:
-        share = f"{shown.mask.mean():.0%} of this frame" if shown.mask.any() else "No tool in this frame"
-        note(f"{share}: {ORIGINS[shown.origin]}", theme.now().text)
+        note(_said(shown), theme.now().text)
         explain(WHY)
     by_hand = shown is not None and shown.origin == BY_HAND
     busy = "The area is growing." if masking.growing is not None else ""
@@ -126,6 +125,13 @@ def _draw_frame(state: AppState, masking: Masking) -> None:
         button(
             f"{label}###mask {label}", partial(act, state), text, enabled=enabled, reason=busy, width=width
         )
+
+
+def _said(shown: FrameMask) -> str:
+    share = f"{shown.mask.mean():.0%} of this frame" if shown.mask.any() else "No tool in this frame"
+    if shown.origin is None and shown.own.any():
+        return f"{shown.own.mean():.0%} masked by the clip's own masks, which stay"
+    return f"{share}: {ORIGINS[shown.origin]}"
 
 
 def _draw_by_hand(state: AppState, masking: Masking) -> None:

@@ -92,7 +92,8 @@ def _draw_ended(state: AppState, run: Reconstruction) -> None:
 def _draw_next(state: AppState) -> None:
     draw_choices(state)
     if (clip := state.source.clip) is not None and (told := state.source.training_part.told(len(clip))):
-        note(f"Trains on {told}", theme.now().warning)
+        frames = told if told.startswith("frames") else f"all frames, {told}"
+        note(f"Trains on {frames}", theme.now().warning)
         explain(PART)
     imgui.spacing()
 

@@ -205,7 +205,7 @@ def tinted(state: AppState) -> BoolImage | None:
     """(H, W), True where the pictures on screen are to be tinted as left out."""
     masked, drawn = state.picture.left_out, state.masking.shown
     if state.masking.active and drawn is not None and drawn.request.clip is state.masks_clip:
-        return drawn.mask if drawn.request.index == state.timeline.shown_index else None
+        return drawn.left_out if drawn.request.index == state.timeline.shown_index else None
     if not state.picture.overlay or masked is None or masked.request.clip is not state.source.clip:
         return None
     return masked.pixels if masked.request.frame_index == state.timeline.shown_index else None

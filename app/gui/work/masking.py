@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from app.runs.clip_selection import WHOLE
@@ -80,24 +81,31 @@ class FrameMask:
     """(H, W)."""
     origin: MaskOrigin | None
     """None: there is no file."""
+    own: BoolImage
+    """(H, W): left out by the clip's own masks, whatever is drawn."""
+
+    @cached_property
+    def left_out(self) -> BoolImage:
+        """Both."""
+        return self.mask | self.own
 
 
 def read_frame_mask(request: MaskRequest) -> Iterator[FrameMask]:
     """Raises ClipError: the frame or its mask cannot be read."""
     clip, index = request.clip, request.index
     files = own_masks(request.folder, clip.labels)
-    image = clip.read_image(index)
-    mask = files.read(index, (image.shape[1], image.shape[0]))
+    frame = clip.read_frame(index)
+    own = ~frame.tissue_mask
+    mask = files.read(index, (own.shape[1], own.shape[0]))
     if mask is not None:
-        yield FrameMask(request, image, mask, origin_of(files.files[index]))
+        yield FrameMask(request, frame.image, mask, origin_of(files.files[index]), own)
         return
     looked_at = sorted({0, index, len(clip) - 1})
-    frames = {place: clip.read_frame(place) for place in looked_at}
+    frames = {place: frame if place == index else clip.read_frame(place) for place in looked_at}
     found = with_found(WHOLE, frames.__getitem__, looked_at, ())
-    field, frame = found.field_of_view, frames[index]
-    seen = frame.tissue_mask if field is None else frame.tissue_mask & field.mask()
-    none = found.tools is None
-    yield FrameMask(request, image, (seen & False) if none else find_tools(frame.image, seen), None)
+    seen = ~own if found.field_of_view is None else ~own & found.field_of_view.mask()
+    tools = (seen & False) if found.tools is None else find_tools(frame.image, seen)
+    yield FrameMask(request, frame.image, tools, None, own)
 
 
 @dataclass(frozen=True, eq=False)

@@ -87,6 +87,23 @@ def test_a_stroke_is_kept_and_counts_for_the_next_reconstruction(masking: AppSta
     assert shown(masking).origin == "by hand"
 
 
+def test_what_the_clip_itself_masks_is_shown_and_stays(opened: AppState) -> None:
+    clip = opened.source.clip
+    assert clip is not None
+    kept = np.ones((SIZE[1], SIZE[0]), bool)
+    kept[:, 40:] = False
+    opened.source.clip = clip.within(kept)
+    masking_actions.toggle(opened)
+    settle(opened)
+    assert opened.picture.pictures is not None
+    assert tinted(opened) is not None
+    np.testing.assert_array_equal(tinted(opened), ~kept)
+    assert tinted(opened) is tinted(opened)
+    masking_actions.choose_tool(opened, "erase")
+    stroke(opened, (44.0, 20.0), (2.0, 20.0))
+    np.testing.assert_array_equal(tinted(opened), ~kept)
+
+
 def test_erasing_undoing_and_clearing(masking: AppState) -> None:
     stroke(masking, (10.0, 20.0))
     dot = shown(masking).mask
