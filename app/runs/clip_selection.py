@@ -54,7 +54,6 @@ class ClipPart:
         Raises:
             UserError: the clip has no such frames, the mask leaves no pixel, or the field of view has another
                 size.
-            ClipError: the tool masks are not there, or belong to no frame.
         """
         masked = clip if self.tool_masks is None else self.tool_masks.of(clip)
         return self.lit(self._unmasked(self._trimmed(masked)))

@@ -1,9 +1,11 @@
-"""Which tool masks a reconstruction leaves out: those in a folder, of which a run keeps a copy."""
+"""Which tool masks a reconstruction leaves out: those in a folder, of which a run keeps copies."""
 
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -12,8 +14,8 @@ from pydantic.dataclasses import dataclass
 
 from app.enhancement.settable import PathText, at_most
 from app.files.atomic import filled
-from renderer.clip import Clip, ClipError
-from renderer.tools.mask_files import MaskFiles, digest_of, masks_in, with_tool_masks
+from renderer.clip import BoolImage, Clip, ClipError
+from renderer.tools.mask_files import MaskFiles, digest_of, masks_in, save_mask, with_tool_masks
 
 FOLDER: Final = "tool-masks"
 """Of a run's own copies, in its folder."""
@@ -26,8 +28,7 @@ class ToolMasks:
     folder: PathText
     """Of a run's own copies relative to the run, in its file."""
     sha256: Annotated[str, at_most(64)] | None = None
-    """Of a run's own copies, numbered by the frames of the whole clip; None: they are a person's, named as
-    the frames."""
+    """Of copies, numbered by the frames of the whole clip; None: they are a person's, named as the frames."""
 
     def files(self, clip: Clip) -> MaskFiles:
         """Of the whole clip. Raises ClipError: they are not there, or belong to no frame."""
@@ -40,12 +41,13 @@ class ToolMasks:
         return MaskFiles(folder, numbered)
 
     def of(self, clip: Clip) -> Clip:
-        """The whole clip without these tools. Raises ClipError, also when a frame is read."""
-        return with_tool_masks(clip, self.files(clip))
+        """The whole clip without these tools; their files are looked for when a frame is read, which raises
+        ClipError where they are not there."""
+        return with_tool_masks(clip, cache(lambda: self.files(clip)))
 
     def digest(self, clip: Clip) -> str:
-        """Raises ClipError or OSError."""
-        return self.sha256 or digest_of(self.files(clip).files)
+        """Of what they mask, however it is stored. Raises ClipError."""
+        return self.sha256 or digest_of(_read(self.files(clip), clip))
 
     @property
     def of_anywhere(self) -> ToolMasks:
@@ -56,12 +58,28 @@ class ToolMasks:
         """The run's own, as read from its file."""
         return replace(self, folder=str(run / self.folder))
 
+    def copied(self, clip: Clip, place: Path) -> ToolMasks:
+        """Copies that stay as they are while a person goes on with the masks. Raises ClipError or OSError."""
+        files = self.files(clip)
+        for index, mask in _read(files, clip):
+            save_mask(place / f"{index:06d}.png", mask)
+        own = ToolMasks(folder=str(place), sha256="")
+        return replace(own, sha256=digest_of(_read(own.files(clip), clip)))
 
-def keep_copies(masks: ToolMasks, clip: Clip, run: Path) -> None:
-    """In the run's folder, all or none of them, unless they are there. Raises ClipError or OSError."""
+
+def _read(files: MaskFiles, clip: Clip) -> Iterator[tuple[int, BoolImage]]:
+    """Frames and their masks, in order."""
+    for index in sorted(files.files):
+        camera = clip.cameras[index]
+        mask = files.read(index, (camera.width, camera.height))
+        assert mask is not None
+        yield index, mask
+
+
+def keep(copies: ToolMasks, run: Path) -> None:
+    """In the run's folder, all or none of them, unless they are there. Raises OSError."""
     if (run / FOLDER).is_dir():
         return
-    found = masks.files(clip).files
     with filled(run / FOLDER) as staging:
-        for index, path in found.items():
-            shutil.copyfile(path, staging / f"{index:06d}.png")
+        for path in Path(copies.folder).iterdir():
+            shutil.copyfile(path, staging / path.name)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
 from itertools import chain, tee
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import Annotated, Final, Literal
 
@@ -43,7 +44,7 @@ from app.runs.run_folder import (
 )
 from app.runs.run_lock import locked
 from app.runs.structuring import structured
-from app.runs.tool_masks import FOLDER, ToolMasks, keep_copies
+from app.runs.tool_masks import FOLDER, ToolMasks, keep
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -100,10 +101,13 @@ def run_training(request: TrainRequest) -> Generator[TrainEvent, None, None]:
             is asked for is not there; or the training does not converge.
     """
     clock = WallClock()
-    yield from clock.over(_run(request, clock))
+    masked = request.part.tool_masks is not None
+    with TemporaryDirectory(prefix="vesselsplat-") if masked else nullcontext() as place:
+        yield from clock.over(_run(request, clock, Path(place or "")))
 
 
-def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None, None]:
+def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[TrainEvent, None, None]:
+    """`place`: for copies of tool masks."""
     require_utf8(request.clip_path)
     run = RunFolder(request.run_path)
     _check_vacancy(request, run)
@@ -115,8 +119,11 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
     )
     if record is not None:
         _check_same(request, record, whole)
-        if request.part.tool_masks is not None:
-            keep_copies(request.part.tool_masks, whole, run.path)
+    copies = None if request.part.tool_masks is None else request.part.tool_masks.copied(whole, place)
+    if record is None:
+        part = replace(part, tool_masks=copies)
+    elif copies is not None:
+        keep(copies, run.path)
     clip = part.of(whole)
     if record is None and clip.depth_origin != "motion":
         require_depth(clip)
@@ -136,13 +143,13 @@ def _run(request: TrainRequest, clock: WallClock) -> Generator[TrainEvent, None,
         through = yield from posed(ahead.clip, request.config)
     if record is None:
         record = yield from told_meanwhile(
-            "recording the clip", lambda _: _new_record(request, through, device, whole)
+            "recording the clip", lambda _: _new_record(request, through, device, copies)
         )
     ahead.hand_over()
     try:
         trained = input_clip(record.clip.part.lit(through.clip), record)
         through = replace(through, notices=(*clip.notices, *through.notices))
-        begin = partial(_begin, run, record, request.part.tool_masks, whole)
+        begin = partial(_begin, run, record, copies)
         yield from _train(record, run, trained, pictures_on(device), through, clock, begin)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
@@ -180,11 +187,11 @@ def _train(
             yield from _told(event, run, posed, record.clip.part, clock)
 
 
-def _begin(run: RunFolder, record: RunRecord, masks: ToolMasks | None, whole: Clip) -> None:
+def _begin(run: RunFolder, record: RunRecord, copies: ToolMasks | None) -> None:
     """Its folder, with copies of the tool masks."""
     run.create(record)
-    if masks is not None:
-        keep_copies(masks, whole, run.path)
+    if copies is not None:
+        keep(copies, run.path)
 
 
 def _told(
@@ -228,16 +235,15 @@ def pooled(clip: Clip, params: EnhancementSettings, measured: Measured = "tissue
     return Enhancement(params=params, statistics=measure_for(params, images, masks))
 
 
-def _new_record(request: TrainRequest, posed: Posed, device: Device, whole: Clip) -> RunRecord:
+def _new_record(request: TrainRequest, posed: Posed, device: Device, copies: ToolMasks | None) -> RunRecord:
     clip = posed.clip
     cameras = clip.cameras[:1] if clip.camera_is_fixed else clip.cameras
     is_enhanced = request.input == "enhanced"
     asked, is_followed = within_whole(request.part, posed.part), posed.poses is not None
     part = with_found(asked, clip.read_frame, clip.train_indices, request.config.keep, is_followed)
     measured = part.lit(clip)
-    if part.tool_masks is not None:
-        own = ToolMasks(folder=FOLDER, sha256=part.tool_masks.digest(whole))
-        part = replace(part, tool_masks=own)
+    if copies is not None:
+        part = replace(part, tool_masks=replace(copies, folder=FOLDER))
     return RunRecord(
         version=version(),
         created=datetime.now(UTC).isoformat(timespec="seconds"),

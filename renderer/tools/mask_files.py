@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Literal, get_args
@@ -91,25 +91,30 @@ def _key(stem: str) -> str | int:
     return int(stem) if stem.isdecimal() else stem
 
 
-def with_tool_masks(clip: Clip, masks: MaskFiles) -> Clip:
-    """The clip where what is masked is no tissue, and not evaluated. Reading a frame raises ClipError: its
-    mask cannot be read."""
+def with_tool_masks(clip: Clip, masks: Callable[[], MaskFiles]) -> Clip:
+    """The clip where what is masked is no tissue, and not evaluated. Reading a frame raises ClipError: there
+    are no masks, or its own cannot be read."""
 
     def read_frame(index: int) -> Frame:
         index = range(len(clip))[index]
         frame = clip.read_frame(index)
-        mask = masks.read(index, (frame.image.shape[1], frame.image.shape[0]))
+        mask = masks().read(index, (frame.image.shape[1], frame.image.shape[0]))
         return frame if mask is None else replace(without(frame, mask), tools_are_known=True)
 
     return replace(clip, read_frame=read_frame)
 
 
-def write_mask(path: Path, mask: BoolImage, origin: MaskOrigin) -> None:
+def save_mask(path: Path, mask: BoolImage, origin: MaskOrigin = "by hand") -> None:
     """An image of one bit a pixel, white = tool, that says where it is from. Raises OSError."""
     text = PngImagePlugin.PngInfo()
     text.add_text(_KEY, origin)
+    Image.fromarray(mask).save(path, "PNG", pnginfo=text)
+
+
+def write_mask(path: Path, mask: BoolImage, origin: MaskOrigin) -> None:
+    """The same, whole or not at all. Raises OSError."""
     with written_atomically(path) as partial:
-        Image.fromarray(mask).save(partial, "PNG", pnginfo=text)
+        save_mask(partial, mask, origin)
 
 
 def origin_of(path: Path) -> MaskOrigin:
@@ -122,9 +127,10 @@ def origin_of(path: Path) -> MaskOrigin:
     return next((origin for origin in get_args(MaskOrigin) if origin == told), "by hand")
 
 
-def digest_of(files: Mapping[int, Path]) -> str:
-    """SHA-256 of the masks by their frames. Raises OSError."""
+def digest_of(masks: Iterable[tuple[int, BoolImage]]) -> str:
+    """SHA-256 of what is masked in frames that come in order, however it is stored."""
     manifest = hashlib.sha256()
-    for index, path in sorted(files.items()):
-        manifest.update(f"{index}\0{hashlib.sha256(path.read_bytes()).hexdigest()}\n".encode())
+    for index, mask in masks:
+        manifest.update(f"{index} {mask.shape}\n".encode())
+        manifest.update(np.packbits(mask).tobytes())
     return manifest.hexdigest()

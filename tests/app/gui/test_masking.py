@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,12 +16,13 @@ from app.gui.state.app_state import AppState
 from app.gui.state.masking import THICKEST, THINNEST
 from app.gui.state.panes import tinted
 from app.gui.update.channels import Channels
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.masking import FrameMask
 from app.live.picture import LIVE
 from renderer.clip import BoolImage
 from renderer.tools.mask_files import origin_of, own_masks, write_mask
-from tests.app.gui.conftest import SIZE, make_clip
+from tests.app.gui.conftest import SIZE, FakeJob, make_clip
 from tests.app.gui.settling import served
 from tests.app.gui.test_keys import keyboard
 from tests.app.gui.ui import Shown, Ui, compare
@@ -237,6 +239,15 @@ def test_the_last_stroke_is_kept_when_the_window_closes(masking: AppState) -> No
     stroke(masking, (10.0, 20.0))
     Channels().finish(masking)
     assert on_disk(masking)[0].any()
+
+
+def test_masks_that_are_gone_when_a_run_begins_are_for_the_run_to_tell(masking: AppState) -> None:
+    stroke(masking, (10.0, 20.0))
+    settle(masking)
+    start_reconstruction(masking)
+    shutil.rmtree(masking.masks_folder)
+    start_due(masking, FakeJob)
+    assert masking.runs.reconstruction.status == "starting"
 
 
 def test_a_folder_that_cannot_be_written_is_told(masking: AppState) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from app.errors import UserError
 from app.evaluation.evaluate import open_evaluation
@@ -21,6 +22,7 @@ from renderer.clip import BoolImage
 from renderer.sources import open_clip
 from renderer.tools.mask_files import origin_of, write_mask
 from renderer.train.config import TrainConfig
+from renderer.train.events import Started
 from tests.app.conftest import Call, request_of
 from tests.renderer.tools.onnx_files import write_convolution
 
@@ -94,6 +96,26 @@ def test_a_run_goes_on_with_the_same_masks_alone(unmasked: Path, tmp_path: Path)
     write_mask(next(masks.iterdir()), corner(30), "by hand")
     with pytest.raises(UserError, match="cannot resume: expected the run's tool_masks of digest"):
         list(run_training(request_of(unmasked, tmp_path / "run", resume=True, **flags)))
+
+
+def test_what_is_mended_while_a_run_goes_on_is_for_the_next_one(unmasked: Path, tmp_path: Path) -> None:
+    masks = masks_for(unmasked, tmp_path / "masks", range(10))
+    events = run_training(request_of(unmasked, tmp_path / "run", config=CONFIG, part=of(masks)))
+    next(event for event in events if isinstance(event, Started))
+    shutil.rmtree(masks)
+    list(events)
+    frame = run_clip(RunFolder(tmp_path / "run").record()).read_frame(7)
+    np.testing.assert_array_equal(frame.tissue_mask, ~corner())
+
+
+def test_lossy_masks_are_copied_as_what_they_mean(unmasked: Path, tmp_path: Path) -> None:
+    (tmp_path / "masks").mkdir()
+    for label in open_clip(unmasked).labels:
+        grey = Image.fromarray(corner().astype(np.uint8) * 255)
+        grey.save(tmp_path / "masks" / f"{Path(label).stem}.jpg", quality=30)
+    list(run_training(request_of(unmasked, tmp_path / "run", config=CONFIG, part=of(tmp_path / "masks"))))
+    frame = run_clip(RunFolder(tmp_path / "run").record()).read_frame(7)
+    assert np.mean(frame.tissue_mask != ~corner()) < 0.01
 
 
 def test_copies_that_a_killed_run_lacks_are_made_when_it_goes_on(unmasked: Path, tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ def test_a_mask_of_another_size_is_resampled_and_lossy_ones_have_no_fringe(name:
 def test_masked_pixels_are_no_tissue_and_other_frames_are_as_they_were(tmp_path: Path) -> None:
     save(tmp_path, "1.png")
     source = clip(("0", "1"))
-    masked = with_tool_masks(source, masks_in(tmp_path, source.labels))
+    masked = with_tool_masks(source, lambda: masks_in(tmp_path, source.labels))
     frame = masked.read_frame(1)
     np.testing.assert_array_equal(frame.tissue_mask, ~left_half())
     np.testing.assert_array_equal(frame.evaluation_mask, ~left_half())
@@ -117,8 +117,9 @@ def test_what_does_not_fit_is_named(tmp_path: Path) -> None:
 
 def test_the_digest_is_of_pixels_and_frames(tmp_path: Path) -> None:
     save(tmp_path, "0.png", "1.png")
-    both = masks_in(tmp_path, ("0", "1")).files
-    assert digest_of(both) == digest_of(dict(reversed(both.items())))
-    assert digest_of(both) != digest_of({0: both[0]})
-    write_mask(tmp_path / "1.png", ~left_half(), "by hand")
-    assert digest_of(both) != digest_of({0: both[0], 1: both[0]})
+    one, other = left_half(), ~left_half()
+    masks = [(0, one), (1, other)]
+    read = [(index, masks_in(tmp_path, ("0", "1")).read(index, SIZE)) for index in (0, 1)]
+    assert digest_of(read) == digest_of([(0, one), (1, one)])  # type: ignore[arg-type]
+    others = ([(0, one)], [(0, other), (1, one)], [(0, one), (2, other)], [(0, one.T), (1, other)])
+    assert len({digest_of(each) for each in (masks, *others)}) == 5
