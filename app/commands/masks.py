@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 
@@ -13,10 +12,11 @@ from app.console.progress import progress
 from app.errors import UserError
 from app.files.atomic import filled
 from app.files.provenance import provenance, strict_json
-from app.runs.making_masks import MaskReport, drawn_in, make_masks
-from renderer.clip import BoolImage, Clip
+from app.runs.making_masks import MaskReport, make_masks
+from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_bare
+from renderer.tools.mask_files import NONE, MaskFiles, masks_in
 from renderer.tools.onnx_model import VALUES, OnnxError, OnnxTools
 
 SHOWN = 5
@@ -60,7 +60,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     clip = open_bare(flags.clip, parameters(ClipOptions, flags))
-    by_hand = {} if flags.given is None else drawn_in(clip, flags.given)
+    by_hand = NONE if flags.given is None else masks_in(flags.given, clip.labels)
     try:
         model = OnnxTools.open(flags.onnx, flags.onnx_values, flags.onnx_tools) if flags.onnx else None
         told = _made(flags.out, clip, by_hand, model)
@@ -73,7 +73,7 @@ def run(flags: argparse.Namespace) -> None:
         sys.stdout.write(f"{flags.out}: {_said(told, learned=model is None)}\n")
 
 
-def _made(folder: Path, clip: Clip, by_hand: Mapping[int, BoolImage], model: OnnxTools | None) -> MaskReport:
+def _made(folder: Path, clip: Clip, by_hand: MaskFiles, model: OnnxTools | None) -> MaskReport:
     told: MaskReport | None = None
     with filled(folder) as staging, progress("masks", len(clip)) as report:
         for told in make_masks(clip, staging, by_hand, model):

@@ -6,18 +6,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
+import numpy as np
 from annotated_types import Ge, Interval
 
 from app.runs.dark_surround import lit_field, spread
 from renderer.clip import BoolImage, Clip, Frame
 from renderer.tools.agreement import WEAK, Agreement
 from renderer.tools.learning import Example, LearnedTools, learned_well
-from renderer.tools.mask_files import MaskOrigin, mask_names, masks_in, write_mask
+from renderer.tools.mask_files import MaskFiles, MaskOrigin, mask_names, write_mask
 from renderer.tools.onnx_model import OnnxTools
 from renderer.tools.search import find_tools
 
+MOST_EXAMPLES: Final = 24
+"""Frames that are learned from: each takes 6 MB."""
 Share = Annotated[float, Interval(ge=0, le=1)]
 Find = Callable[[Frame], BoolImage]
 
@@ -41,40 +44,53 @@ class MaskReport:
     """Labels of frames where that is low: they should be looked at, the worst first."""
 
 
-def drawn_in(clip: Clip, folder: Path) -> dict[int, BoolImage]:
-    """Masks by hand, by frame. Raises ClipError: the folder holds none, or one that cannot be read."""
-    files = masks_in(folder, clip.labels)
-    sizes = {index: (clip.cameras[index].width, clip.cameras[index].height) for index in files.files}
-    read = {index: files.read(index, size) for index, size in sizes.items()}
-    return {index: mask for index, mask in read.items() if mask is not None}
-
-
 def make_masks(
-    clip: Clip, folder: Path, by_hand: Mapping[int, BoolImage], model: OnnxTools | None = None
+    clip: Clip, folder: Path, by_hand: MaskFiles, model: OnnxTools | None = None
 ) -> Iterator[MaskReport]:
     """One file a frame: those by hand as they are, all others found by the model, learned from those by hand,
     or found by their colour where there are none. What the clip's own masks leave out is not looked at.
 
     Raises:
-        ClipError: a frame cannot be read.
+        ClipError: a frame or a mask by hand cannot be read.
         OnnxError: the model fails.
         OSError: a mask cannot be written.
     """
     lit = _lit(clip)
-    frames = ((lit.read_frame(index), mask) for index, mask in sorted(by_hand.items()))
-    examples = [Example.of(frame.image, mask, frame.tissue_mask) for frame, mask in frames]
-    report = MaskReport(0, len(by_hand), learned_well(examples) if model is None else None)
+    learns = model is None and len(by_hand.files) < len(clip)
+    examples = [_example(lit, index, by_hand) for index in _taught_by(by_hand)] if learns else []
+    report = MaskReport(0, len(by_hand.files), learned_well(examples))
     yield report
     find, found_by = _finder(examples, model)
     shares, scores, agreement = list[float](), dict[str, float](), Agreement()
     for index, name in enumerate(mask_names(clip.labels)):
-        frame, drawn = lit.read_frame(index), by_hand.get(index)
+        frame = lit.read_frame(index)
+        drawn = by_hand.read(index, _size(frame))
         mask, origin = (find(frame), found_by) if drawn is None else (drawn, "by hand")
         write_mask(folder / name, mask, origin)
         shares.append(float(mask.mean()))
         if (score := agreement.with_next(frame.image, mask)) is not None:
             scores[clip.labels[index]] = score
         yield _report(report, shares, scores)
+
+
+def _taught_by(by_hand: MaskFiles) -> list[int]:
+    """The frames to learn from: all, or as many as memory holds, evenly."""
+    indices = sorted(by_hand.files)
+    places = np.linspace(0, len(indices) - 1, min(MOST_EXAMPLES, len(indices))).round().astype(int)
+    return [indices[place] for place in places]
+
+
+def _example(clip: Clip, index: int, by_hand: MaskFiles) -> Example:
+    frame = clip.read_frame(index)
+    mask = by_hand.read(index, _size(frame))
+    assert mask is not None
+    return Example.of(frame.image, mask, frame.tissue_mask)
+
+
+def _size(frame: Frame) -> tuple[int, int]:
+    """Width and height."""
+    height, width = frame.tissue_mask.shape
+    return width, height
 
 
 def _lit(clip: Clip) -> Clip:

@@ -49,6 +49,9 @@ class MaskFiles:
         return np.asarray(marked, dtype=bool)
 
 
+NONE: Final = MaskFiles(Path(), {})
+
+
 def mask_names(labels: Sequence[str]) -> tuple[str, ...]:
     """What the masks of frames of these labels are called: as the frames, but PNG."""
     return tuple(f"{stem}.png" for stem in _stems(labels))

@@ -11,11 +11,19 @@ from pathlib import Path
 
 from app.runs.clip_selection import WHOLE
 from app.runs.left_out import with_found
-from app.runs.making_masks import MaskReport, drawn_in, make_masks
+from app.runs.making_masks import MaskReport, make_masks
 from renderer.clip import BoolImage, ByteImage, Clip
 from renderer.readers.clip_options import ClipOptions
 from renderer.tools.brush import Point, grown
-from renderer.tools.mask_files import MaskOrigin, mask_names, origin_of, own_masks, write_mask
+from renderer.tools.mask_files import (
+    MaskFiles,
+    MaskOrigin,
+    mask_names,
+    masks_in,
+    origin_of,
+    own_masks,
+    write_mask,
+)
 from renderer.tools.onnx_model import OnnxTools
 from renderer.tools.search import find_tools
 
@@ -93,12 +101,12 @@ class FrameMask:
 def read_frame_mask(request: MaskRequest) -> Iterator[FrameMask]:
     """Raises ClipError: the frame or its mask cannot be read."""
     clip, index = request.clip, request.index
-    files = own_masks(request.folder, clip.labels)
     frame = clip.read_frame(index)
-    own = ~frame.tissue_mask
-    mask = files.read(index, (own.shape[1], own.shape[0]))
-    if mask is not None:
-        yield FrameMask(request, frame.image, mask, origin_of(files.files[index]), own)
+    own, path = ~frame.tissue_mask, request.path
+    if path.is_file():
+        mask = MaskFiles(request.folder, {index: path}).read(index, (own.shape[1], own.shape[0]))
+        assert mask is not None
+        yield FrameMask(request, frame.image, mask, origin_of(path), own)
         return
     looked_at = sorted({0, index, len(clip) - 1})
     frames = {place: frame if place == index else clip.read_frame(place) for place in looked_at}
@@ -156,20 +164,26 @@ class MakingRequest:
 def make_all(request: MakingRequest) -> Iterator[MaskReport]:
     """Raises ClipError, OnnxError or OSError."""
     clip, folder, source = request.clip, request.folder, request.source
-    taken = drawn_in(clip, source) if source is not None and source.is_dir() else {}
-    model = OnnxTools.open(source) if source is not None and not taken else None
+    taken = masks_in(source, clip.labels) if source is not None and source.is_dir() else None
+    model = OnnxTools.open(source) if source is not None and taken is None else None
     folder.mkdir(parents=True, exist_ok=True)
-    if taken:
-        names = mask_names(clip.labels)
-        for index, mask in taken.items():
-            write_mask(folder / names[index], mask, BY_HAND)
-        shares = [float(mask.mean()) for mask in taken.values()]
-        with_tools, share = sum(each > 0 for each in shares), sum(shares) / len(shares)
-        yield MaskReport(len(clip), len(taken), None, with_tools, share)
+    if taken is not None:
+        yield from _taken(request, taken)
         return
-    files = own_masks(folder, clip.labels)
-    mended = [index for index, path in files.files.items() if origin_of(path) == BY_HAND]
-    sizes = {index: (clip.cameras[index].width, clip.cameras[index].height) for index in mended}
-    read = {index: files.read(index, size) for index, size in sizes.items()}
-    by_hand = {index: mask for index, mask in read.items() if mask is not None}
-    yield from make_masks(clip, folder, by_hand, model)
+    files = own_masks(folder, clip.labels).files
+    mended = {index: path for index, path in files.items() if origin_of(path) == BY_HAND}
+    yield from make_masks(clip, folder, MaskFiles(folder, mended), model)
+
+
+def _taken(request: MakingRequest, files: MaskFiles) -> Iterator[MaskReport]:
+    """Copies count as masks by hand."""
+    clip, names, shares = request.clip, mask_names(request.clip.labels), list[float]()
+    for index in sorted(files.files):
+        camera = clip.cameras[index]
+        mask = files.read(index, (camera.width, camera.height))
+        assert mask is not None
+        write_mask(request.folder / names[index], mask, BY_HAND)
+        shares.append(float(mask.mean()))
+        yield MaskReport(min(len(shares), len(clip) - 1), len(shares), None)
+    share = sum(shares) / len(shares)
+    yield MaskReport(len(clip), len(shares), None, sum(each > 0 for each in shares), share)
