@@ -18,7 +18,16 @@ from app.files.legible import located
 from app.files.video_encoder import NO_ENCODER, VideoEncoder, is_encoded
 from app.gui.actions import actions
 from app.gui.actions.export_names import default_name, why_not_name
-from app.gui.actions.export_offers import DICOM, FOLDERS, OF_MODEL, OF_MOVING, OFFERS, Form, Offer
+from app.gui.actions.export_offers import (
+    DICOM,
+    FOLDERS,
+    OF_MODEL,
+    OF_MOVING,
+    OFFERS,
+    ONE_COLOR,
+    Form,
+    Offer,
+)
 from app.gui.actions.export_records import format_of, request_of, sized
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
@@ -164,6 +173,13 @@ def suffix_of(state: AppState) -> str:
     """Of what is chosen in the panel; empty for a folder."""
     form = OFFERS[state.exports.what].form
     return "" if form in FOLDERS else format_of(state, form)
+
+
+def left_out(state: AppState) -> str:
+    """What the model has and the chosen format does not hold, in a sentence; empty for nothing."""
+    model = state.scene.model
+    loses = suffix_of(state) in ONE_COLOR and model is not None and model.model.raw.harmonics.shape[1] > 0
+    return "Colours by direction are left out of the file." if loses else ""
 
 
 def why_not_start(state: AppState) -> str:

@@ -202,5 +202,7 @@ FORMATS: Final[dict[Form, dict[str, str]]] = {
     },
 }
 """By suffix, in words; the first unless another is chosen."""
+ONE_COLOR: Final = (".4dgs", ".html")
+"""Formats that hold one colour a Gaussian, not colours by direction."""
 FOLDERS: Final[tuple[Form, ...]] = ("splat folder", "surface folder")
 """Of which each file has that suffix."""

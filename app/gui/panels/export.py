@@ -133,6 +133,8 @@ def _draw_chosen(state: AppState) -> None:
     title = next(title for title, forms in GROUPS if offer.form in forms)
     imgui.separator_text(f"{title}: {offer.within}")
     note(offer.text)
+    if missing := export_actions.left_out(state):
+        note(missing, theme.now().warning)
     imgui.spacing()
     _draw_name(state)
     _draw_folder(state)
