@@ -88,6 +88,22 @@ def play(person: Person) -> None:
     person.press(chord("Shift+M"))
 
 
+def mask_tools(person: Person) -> None:
+    masking = person.state.masking
+    person.press(chord("Ctrl+M"))
+    for tool in ("Paint", "Grow", "Erase"):
+        person.wait(lambda: masking.shown is not None and not masking.is_busy, "the mask")
+        person.click(f"//Masks/{tool}###mask {tool.lower()}")
+        starts, ends = ((person.rng.random(), person.rng.random()) for _ in range(2))
+        person.drag("//Images/left", starts, ends)
+    person.wait(lambda: not masking.is_busy, "the masks to be kept")
+    person.press(chord("Ctrl+Z"))
+    person.wait(lambda: not masking.is_busy, "the mask to be kept")
+    person.click("//Masks/Drop###mask Drop")
+    person.wait(lambda: not masking.is_busy, "the mask to be dropped")
+    person.press(K.escape)
+
+
 def look_around(person: Person) -> None:
     if not with_run(person):
         return
@@ -297,6 +313,6 @@ def with_run(person: Person) -> bool:
 
 DEEDS: dict[Deed, float] = {
     slide: 5, compare: 4, play: 3, look_around: 3, fly_a_path: 2, look_at_two: 1, edit: 2, tune: 2,
-    export: 2, reconstruct: 1, go_elsewhere: 2, keep_session: 1, look_at_panels: 1,
+    export: 2, reconstruct: 1, go_elsewhere: 2, keep_session: 1, look_at_panels: 1, mask_tools: 1,
 }  # fmt: skip
 """Each with its weight."""
