@@ -137,7 +137,7 @@ def _said(shown: FrameMask) -> str:
 def _draw_by_hand(state: AppState, masking: Masking) -> None:
     frames = () if masking.there is None else masking.there.by_hand
     if not frames:
-        muted(NONE_YET)
+        note(NONE_YET)
         explain(MAKE_TEXT)
         return
     muted("By hand")
