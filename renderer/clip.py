@@ -94,11 +94,6 @@ def within(frame: Frame, kept: BoolImage) -> Frame:
     return replace(frame, tissue_mask=tissue, evaluation_mask=evaluated)
 
 
-def without(frame: Frame, tool: BoolImage) -> Frame:
-    """The same frame where these pixels (H, W) are no tissue, and not evaluated."""
-    return within(frame, ~tool)
-
-
 @dataclass(frozen=True, eq=False)
 class SparsePoints:
     """What structure from motion leaves of the shape: too few points to supervise, enough to start from."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -15,12 +16,10 @@ from app.files.provenance import provenance, strict_json
 from app.runs.making_masks import MaskReport, make_masks
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.listing import listed
 from renderer.sources import open_bare
 from renderer.tools.mask_files import NONE, MaskFiles, masks_in
 from renderer.tools.onnx_model import VALUES, OnnxError, OnnxTools
-
-SHOWN = 5
-"""Frames that should be looked at, of those that are named."""
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -66,11 +65,12 @@ def run(flags: argparse.Namespace) -> None:
         told = _made(flags.out, clip, by_hand, model)
     except OnnxError as error:
         raise UserError(str(error)) from error
+    weak = [clip.labels[index] for index in told.weak]
     if flags.json:
-        found = {name: value for name, value in asdict(told).items() if name != "done"}
+        found = {name: value for name, value in asdict(told).items() if name != "done"} | {"weak": weak}
         sys.stdout.write(strict_json(provenance(clip=clip.name, **found)) + "\n")
     else:
-        sys.stdout.write(f"{flags.out}: {_said(told, learned=model is None)}\n")
+        sys.stdout.write(f"{flags.out}: {_said(told, weak, learned=model is None)}\n")
 
 
 def _made(folder: Path, clip: Clip, by_hand: MaskFiles, model: OnnxTools | None) -> MaskReport:
@@ -82,7 +82,7 @@ def _made(folder: Path, clip: Clip, by_hand: MaskFiles, model: OnnxTools | None)
     return told
 
 
-def _said(told: MaskReport, *, learned: bool) -> str:
+def _said(told: MaskReport, weak: Sequence[str], *, learned: bool) -> str:
     parts = [f"{told.done} masks, tools in {told.with_tools}, {told.share:.0%} of the pixels"]
     if told.given:
         parts.append(f"{told.given} by hand, the others {'learned from them' if learned else 'by the model'}")
@@ -90,7 +90,6 @@ def _said(told: MaskReport, *, learned: bool) -> str:
         parts.append(f"IoU {told.held_out:.2f} on masks by hand that were left out of the learning")
     if told.agreement is not None:
         parts.append(f"neighbours agree to IoU {told.agreement:.2f}")
-    if told.weak:
-        more = f" and {len(told.weak) - SHOWN} more" if len(told.weak) > SHOWN else ""
-        parts.append(f"look at {', '.join(told.weak[:SHOWN])}{more}")
+    if weak:
+        parts.append(f"look at {listed(weak)}")
     return "; ".join(parts)

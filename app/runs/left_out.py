@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Final
 
 from app.runs import dark_surround, unmasked_tools
-from app.runs.clip_selection import ClipPart
-from renderer.clip import Frame
+from app.runs.clip_selection import WHOLE, ClipPart
+from renderer.clip import Clip, Frame
 from renderer.train.config import Part
 from renderer.train.events import Omission
 
@@ -35,6 +35,14 @@ def with_found(
         frames = (part.cleared(read_frame(index)) for index in looked_at)
         part = replace(part, tools=unmasked_tools.tools_in(frames))
     return part
+
+
+def found_around(clip: Clip, index: int) -> tuple[ClipPart, Frame]:
+    """What training would find, judged by this frame, the first and the last; and the frame. Raises
+    ClipError."""
+    looked_at = sorted({0, index, len(clip) - 1})
+    frames = {place: clip.read_frame(place) for place in looked_at}
+    return with_found(WHOLE, frames.__getitem__, looked_at, ()), frames[index]
 
 
 def left_out_of(part: ClipPart) -> tuple[list[Omission], list[str]]:

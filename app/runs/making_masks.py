@@ -40,8 +40,8 @@ class MaskReport:
     """Of all pixels."""
     agreement: Share | None = None
     """Mean IoU of each mask with that of the frame before, moved along by optical flow."""
-    weak: tuple[str, ...] = ()
-    """Labels of frames where that is low: they should be looked at, the worst first."""
+    weak: tuple[int, ...] = ()
+    """Frames where that is low: they should be looked at, the worst first."""
 
 
 def make_masks(
@@ -61,7 +61,7 @@ def make_masks(
     report = MaskReport(0, len(by_hand.files), learned_well(examples))
     yield report
     find, found_by = _finder(examples, model)
-    shares, scores, agreement = list[float](), dict[str, float](), Agreement()
+    shares, scores, agreement = list[float](), dict[int, float](), Agreement()
     for index, name in enumerate(mask_names(clip.labels)):
         frame = lit.read_frame(index)
         drawn = by_hand.read(index, _size(frame))
@@ -69,7 +69,7 @@ def make_masks(
         write_mask(folder / name, mask, origin)
         shares.append(float(mask.mean()))
         if (score := agreement.with_next(frame.image, mask)) is not None:
-            scores[clip.labels[index]] = score
+            scores[index] = score
         yield _report(report, shares, scores)
 
 
@@ -108,8 +108,8 @@ def _finder(examples: list[Example], model: OnnxTools | None) -> tuple[Find, Mas
     return lambda frame: learned.find(frame.image, frame.tissue_mask), "learned"
 
 
-def _report(begun: MaskReport, shares: list[float], scores: Mapping[str, float]) -> MaskReport:
-    weak = sorted((label for label, score in scores.items() if score < WEAK), key=scores.__getitem__)
+def _report(begun: MaskReport, shares: list[float], scores: Mapping[int, float]) -> MaskReport:
+    weak = sorted((index for index, score in scores.items() if score < WEAK), key=scores.__getitem__)
     return MaskReport(
         len(shares),
         begun.given,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -14,8 +13,8 @@ from pydantic.dataclasses import dataclass
 
 from app.enhancement.settable import PathText, at_most
 from app.files.atomic import filled
-from renderer.clip import BoolImage, Clip, ClipError
-from renderer.tools.mask_files import MaskFiles, digest_of, masks_in, save_mask, with_tool_masks
+from renderer.clip import Clip, ClipError
+from renderer.tools.mask_files import MaskFiles, digest_of, masks_in, read_all, save_mask, with_tool_masks
 
 FOLDER: Final = "tool-masks"
 """Of a run's own copies, in its folder."""
@@ -47,7 +46,7 @@ class ToolMasks:
 
     def digest(self, clip: Clip) -> str:
         """Of what they mask, however it is stored. Raises ClipError."""
-        return self.sha256 or digest_of(_read(self.files(clip), clip))
+        return self.sha256 or digest_of(read_all(self.files(clip), clip))
 
     @property
     def of_anywhere(self) -> ToolMasks:
@@ -61,19 +60,10 @@ class ToolMasks:
     def copied(self, clip: Clip, place: Path) -> ToolMasks:
         """Copies that stay as they are while a person goes on with the masks. Raises ClipError or OSError."""
         files = self.files(clip)
-        for index, mask in _read(files, clip):
+        for index, mask in read_all(files, clip):
             save_mask(place / f"{index:06d}.png", mask)
         own = ToolMasks(folder=str(place), sha256="")
-        return replace(own, sha256=digest_of(_read(own.files(clip), clip)))
-
-
-def _read(files: MaskFiles, clip: Clip) -> Iterator[tuple[int, BoolImage]]:
-    """Frames and their masks, in order."""
-    for index in sorted(files.files):
-        camera = clip.cameras[index]
-        mask = files.read(index, (camera.width, camera.height))
-        assert mask is not None
-        yield index, mask
+        return replace(own, sha256=digest_of(read_all(own.files(clip), clip)))
 
 
 def keep(copies: ToolMasks, run: Path) -> None:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ByteImage
 from renderer.tools.network import Network, train_network
-from renderer.tools.pixel_features import COUNT, Features, features, shrunk
-from renderer.tools.search import SMALLEST
+from renderer.tools.pixel_features import COUNT, Features, features
+from renderer.tools.search import SMALLEST, disc, shrunk
 
 PER_FRAME: Final = 3000
 """Pixels of each kind that are learned from, of a frame."""
@@ -76,11 +76,11 @@ class LearnedTools:
             return np.zeros_like(seen)
         likely = self.network.probability(values.reshape(-1, COUNT)).reshape(seen.shape)
         areas = ((cv2.GaussianBlur(likely, (0, 0), _SMOOTH) > 0.5) & seen).astype(np.uint8)
-        opened = cv2.morphologyEx(areas, cv2.MORPH_OPEN, _disc(_OPENING))
+        opened = cv2.morphologyEx(areas, cv2.MORPH_OPEN, disc(_OPENING))
         _, labels, facts, _ = cv2.connectedComponentsWithStats(opened)
         large = facts[:, cv2.CC_STAT_AREA] > SMALLEST * labels.size
         large[0] = False
-        closed = cv2.morphologyEx(large[labels].astype(np.uint8), cv2.MORPH_CLOSE, _disc(_CLOSING))
+        closed = cv2.morphologyEx(large[labels].astype(np.uint8), cv2.MORPH_CLOSE, disc(_CLOSING))
         return np.asarray(closed > 0) & seen
 
 
@@ -116,7 +116,3 @@ def _some(random: np.random.Generator, places: NDArray[np.int64]) -> NDArray[np.
 
 def _shrunk_mask(mask: BoolImage) -> BoolImage:
     return shrunk(mask.astype(np.uint8) * 255) > 127
-
-
-def _disc(across: int) -> ByteImage:
-    return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (across, across)), dtype=np.uint8)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Literal, get_args
@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image, PngImagePlugin
 
 from renderer.atomic_files import written_atomically
-from renderer.clip import BoolImage, Clip, ClipError, Frame, without
+from renderer.clip import BoolImage, Clip, ClipError, Frame, within
 from renderer.readers.clip_files import files_in
 from renderer.readers.nonzero_masks import read_nonzero, require_shapes
 from renderer.readers.pictures import NAMED, natural_key, read_stored
@@ -102,9 +102,18 @@ def with_tool_masks(clip: Clip, masks: Callable[[], MaskFiles]) -> Clip:
         index = range(len(clip))[index]
         frame = clip.read_frame(index)
         mask = masks().read(index, (frame.image.shape[1], frame.image.shape[0]))
-        return frame if mask is None else replace(without(frame, mask), tools_are_known=True)
+        return frame if mask is None else replace(within(frame, ~mask), tools_are_known=True)
 
     return replace(clip, read_frame=read_frame)
+
+
+def read_all(masks: MaskFiles, clip: Clip) -> Iterator[tuple[int, BoolImage]]:
+    """Frames and their masks (H, W), in order, one read at a time. Raises ClipError."""
+    for index in sorted(masks.files):
+        camera = clip.cameras[index]
+        mask = masks.read(index, (camera.width, camera.height))
+        assert mask is not None
+        yield index, mask
 
 
 def save_mask(path: Path, mask: BoolImage, origin: MaskOrigin = "by hand") -> None:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import ByteImage
-from renderer.tools.search import SIDE
 
 Features = NDArray[np.float32]
 
@@ -23,16 +22,8 @@ _WIDE = 5.0  # px: wider surroundings are smoothed at a quarter of the size, whi
 _QUIET = 0.02  # Of ln(brightness): less variation is noise.
 
 
-def shrunk(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """(h, w, ...) of `SIDE` pixels at its longer side, of (H, W, ...)."""
-    height, width = image.shape[:2]
-    scale = SIDE / max(height, width)
-    size = max(1, round(width * scale)), max(1, round(height * scale))
-    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-
-
 def features(small: ByteImage) -> Features:
-    """(h, w, COUNT) of an RGB image (h, w, 3) as `shrunk` gives it.
+    """(h, w, COUNT) of an RGB image (h, w, 3) as `renderer.tools.search.shrunk` gives it.
 
     At each scale ln(R / G) and ln(G / B), which the lamp's distance does not change, and the logarithm of
     brightness; then how much that varies nearby, as a logarithm.

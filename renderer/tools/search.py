@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.clip import BoolImage, ByteImage, Frame, without
+from renderer.clip import BoolImage, ByteImage, Frame, within
 
 SIDE: Final = 320
 """Pixels of the longer side of what is looked at: reflections and vessels are small there."""
@@ -52,19 +52,18 @@ def find_tools(image: ByteImage, seen: BoolImage) -> BoolImage:
     and tissue as blue as steel.
     """
     height, width = seen.shape
-    scale = SIDE / max(width, height)
-    size = max(1, round(width * scale)), max(1, round(height * scale))
-    small = np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    small = shrunk(image)
+    size = small.shape[1], small.shape[0]
     colors = _Colors.of(small, cv2.resize(seen.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0)
     if colors.tissue < LEAST_REDNESS:
         return np.zeros_like(seen)
-    wide = cv2.dilate(_entering(colors), _disc(2 * round(MARGIN * max(size)) + 1))
+    wide = cv2.dilate(_entering(colors), disc(2 * round(MARGIN * max(size)) + 1))
     return np.asarray(cv2.resize(wide, (width, height), interpolation=cv2.INTER_LINEAR) > 0)
 
 
 def without_tools(frame: Frame) -> Frame:
     """The frame where tools, as `find_tools` sees them, are no tissue; as it is where they are known."""
-    return frame if frame.tools_are_known else without(frame, find_tools(frame.image, frame.tissue_mask))
+    return frame if frame.tools_are_known else within(frame, ~find_tools(frame.image, frame.tissue_mask))
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +92,7 @@ class _Colors:
 
 def _entering(colors: _Colors) -> ByteImage:
     """(h, w), 1 on areas of mixed colour from the rim that are grey enough and end sharply, else 0."""
-    opened = cv2.morphologyEx(colors.mixed.astype(np.uint8), cv2.MORPH_OPEN, _disc(_OPENING))
+    opened = cv2.morphologyEx(colors.mixed.astype(np.uint8), cv2.MORPH_OPEN, disc(_OPENING))
     _, labels, facts, _ = cv2.connectedComponentsWithStats(opened)
     count = len(facts)
     clear = _shrunk(colors.inside, _RIM)
@@ -117,17 +116,26 @@ def _step(colors: _Colors, area: BoolImage, clear: BoolImage) -> float:
     return float(np.median(colors.red[around]) - np.median(colors.red[within_it]))
 
 
-def _disc(across: int) -> ByteImage:
+def shrunk(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """(h, w, ...) of `SIDE` pixels at its longer side, of (H, W, ...)."""
+    height, width = image.shape[:2]
+    scale = SIDE / max(width, height)
+    size = max(1, round(width * scale)), max(1, round(height * scale))
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+
+
+def disc(across: int) -> ByteImage:
+    """To open, close, grow and shrink areas with."""
     return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (across, across)), dtype=np.uint8)
 
 
 def _grown(mask: BoolImage, radius: int) -> BoolImage:
-    return np.asarray(cv2.dilate(mask.astype(np.uint8), _disc(2 * radius + 1)) > 0)
+    return np.asarray(cv2.dilate(mask.astype(np.uint8), disc(2 * radius + 1)) > 0)
 
 
 def _shrunk(mask: BoolImage, radius: int) -> BoolImage:
     """What lies beyond the image is none of it."""
     bare = cv2.erode(
-        mask.astype(np.uint8), _disc(2 * radius + 1), borderType=cv2.BORDER_CONSTANT, borderValue=0
+        mask.astype(np.uint8), disc(2 * radius + 1), borderType=cv2.BORDER_CONSTANT, borderValue=0
     )
     return np.asarray(bare > 0)

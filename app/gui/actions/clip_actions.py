@@ -14,6 +14,13 @@ from enhance.field_search import find_field
 from renderer.readers.clip_options import ClipOptions
 
 
+def why_no_clip(state: AppState) -> str:
+    """Why there is none to work on, in a sentence; empty where there is one."""
+    if state.source.clip is None:
+        return "Open a clip first."
+    return "Record the live source, then open the recording." if state.source.is_live_frame else ""
+
+
 def trim_here(state: AppState, *, start: bool) -> None:
     """The clip begins, or ends, with the present frame; the other end moves along where it must."""
     if state.source.clip is None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import LONGEST_NAME, InputKind
-from app.gui.actions import depth_actions
+from app.gui.actions import clip_actions, depth_actions
 from app.gui.actions.actions import leave
 from app.gui.session_file import KeptSettings
 from app.gui.state.app_state import AppState
@@ -202,10 +202,8 @@ def can_continue(state: AppState) -> bool:
 def why_not_reconstruct(state: AppState) -> str:
     """What a reconstruction still lacks, in a sentence; empty when it can start."""
     clip = state.source.clip
-    if clip is None:
-        return "Open a clip first."
-    if state.source.is_live_frame:
-        return "Record the live source, then open the recording."
+    if (none := clip_actions.why_no_clip(state)) or clip is None:
+        return none
     if state.source.depth_wish is not None:
         return depth_actions.READING
     why = depth_actions.why_no_depth(state)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from app.gui.actions import actions
+from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.masking import MOST_PAST, THICKEST, THINNEST
 from app.gui.work.background import Failure
@@ -29,17 +29,10 @@ STEP = 1.25
 """By which the brush grows and shrinks."""
 
 
-def why_not(state: AppState) -> str:
-    """Why tools cannot be masked now; empty where they can."""
-    if state.source.clip is None:
-        return "Open a clip first."
-    return "Record the live source, then open the recording." if state.source.is_live_frame else ""
-
-
 def toggle(state: AppState) -> None:
     """Begin to mask tools, or end it."""
     masking = state.masking
-    masking.active = not masking.active and not why_not(state)
+    masking.active = not masking.active and not clip_actions.why_no_clip(state)
     drop_stroke(state)
     if masking.active and state.timeline.playing:
         actions.toggle_play(state)
@@ -218,9 +211,10 @@ def choose_network(state: AppState) -> None:
 
 
 def stop_making(state: AppState) -> None:
-    """What is made so far stays."""
-    state.masking.making = None
-    _look_again(state)
+    """What is made so far stays, and is looked at anew."""
+    masking = state.masking
+    masking.making = masking.there = masking.shown = None
+    masking.past = ()
 
 
 def take_made(state: AppState, request: MakingRequest, answer: MaskReport | Failure) -> None:
@@ -228,26 +222,12 @@ def take_made(state: AppState, request: MakingRequest, answer: MaskReport | Fail
     if request is not masking.making:
         return
     if isinstance(answer, Failure):
-        masking.making = None
         actions.fail(state, f"the tools cannot be masked: {answer.message}")
-    else:
-        masking.report = answer
-    if masking.making is None or (masking.report is not None and masking.report.done == len(request.clip)):
         stop_making(state)
-
-
-def _look_again(state: AppState) -> None:
-    """At what lies on disk now."""
-    masking = state.masking
-    masking.there = masking.shown = None
-    masking.past = ()
-
-
-def go_to(state: AppState, label: str) -> None:
-    """A frame that should be looked at."""
-    clip = state.source.clip
-    if clip is not None and label in clip.labels:
-        actions.seek(state, clip.labels.index(label))
+        return
+    masking.report = answer
+    if answer.done == len(request.clip):
+        stop_making(state)
 
 
 def reveal(state: AppState) -> None:

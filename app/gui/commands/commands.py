@@ -275,7 +275,7 @@ def _clip() -> tuple[Section, ...]:
                 applies=lambda s: s.source.part.trim is not None),
         Command("Mask tools by hand", masking_actions.toggle, ("Ctrl+M",),
                 text="mask surgical tools with a brush, or stop", ticked=lambda s: s.masking.active,
-                applies=lambda s: not masking_actions.why_not(s),
+                applies=lambda s: not clip_actions.why_no_clip(s),
                 synonyms=("instruments", "brush", "paint", "segment", "segmentation", "erase")),
         Command("Tint masked areas", clip_actions.toggle_overlay, ("Shift+M",),
                 text="tint tools and masked areas", applies=has_clip, ticked=lambda s: s.picture.overlay,

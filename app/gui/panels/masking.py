@@ -3,13 +3,14 @@ brush over the frame."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Final
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import capital
-from app.gui.actions import actions, masking_actions
+from app.gui.actions import actions, clip_actions, masking_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.masking import THICKEST, THINNEST, Masking
 from app.gui.style import theme
@@ -59,7 +60,7 @@ MOST_LISTED: Final = 6
 
 
 def draw_masking(state: AppState) -> None:
-    if reason := masking_actions.why_not(state):
+    if reason := clip_actions.why_no_clip(state):
         muted(reason)
         return
     masking = state.masking
@@ -142,19 +143,21 @@ def _draw_by_hand(state: AppState, masking: Masking) -> None:
         return
     muted("By hand")
     imgui.same_line(0, em(0.5))
-    _draw_links(state, [(str(index + 1), partial(actions.seek, state, index)) for index in frames])
+    _draw_frames(state, "by hand", frames)
 
 
-def _draw_links(state: AppState, links: list[tuple[str, partial[None]]]) -> None:
+def _draw_frames(state: AppState, name: str, frames: Sequence[int]) -> None:
     """Frames to go to, in a line as long as there is room."""
     right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
-    for place, (label, go) in enumerate(links):
+    for place, index in enumerate(frames):
+        label = str(index + 1)
         if place:
             width = imgui.calc_text_size(label).x + 2 * imgui.get_style().frame_padding.x
             imgui.same_line(0, em(0.25))
             if imgui.get_cursor_screen_pos().x + width > right:
                 imgui.new_line()
-        button(f"{label}###link {place} {label}", go, "Go to this frame.", small=True)
+        go = partial(actions.seek, state, index)
+        button(f"{label}###{name} {index}", go, "Go to this frame.", small=True)
 
 
 def _draw_making(state: AppState, masking: Masking) -> None:
@@ -193,13 +196,7 @@ def _draw_making(state: AppState, masking: Masking) -> None:
     if report.weak:
         imgui.text_colored(theme.now().warning, "Look at")
         imgui.same_line(0, em(0.5))
-        clip = state.source.clip
-        places = {label: index for index, label in enumerate(clip.labels)} if clip is not None else {}
-        weak = [label for label in report.weak if label in places][:MOST_LISTED]
-        _draw_links(
-            state,
-            [(str(places[label] + 1), partial(masking_actions.go_to, state, label)) for label in weak],
-        )
+        _draw_frames(state, "weak", report.weak[:MOST_LISTED])
 
 
 def follow_brush(state: AppState, place: Placement, area: Area) -> None:

@@ -135,7 +135,7 @@ def _draw_mask(state: AppState) -> None:
         if imgui.menu_item_simple("Clear", "", False, mask != NO_MASK):
             clip_actions.clear_mask(state)
         imgui.separator()
-        reason = masking_actions.why_not(state)
+        reason = clip_actions.why_no_clip(state)
         if imgui.menu_item_simple("Tools: mask by hand…", "Ctrl+M", state.masking.active, not reason):
             masking_actions.toggle(state)
         explain(reason or "Mask surgical tools with a brush; other frames are learned from a few.")

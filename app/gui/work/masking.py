@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from app.runs.clip_selection import WHOLE
-from app.runs.left_out import with_found
+from app.runs.left_out import found_around
 from app.runs.making_masks import MaskReport, make_masks
 from renderer.clip import BoolImage, ByteImage, Clip
 from renderer.readers.clip_options import ClipOptions
@@ -22,6 +21,7 @@ from renderer.tools.mask_files import (
     masks_in,
     origin_of,
     own_masks,
+    read_all,
     write_mask,
 )
 from renderer.tools.onnx_model import OnnxTools
@@ -100,17 +100,16 @@ class FrameMask:
 
 def read_frame_mask(request: MaskRequest) -> Iterator[FrameMask]:
     """Raises ClipError: the frame or its mask cannot be read."""
-    clip, index = request.clip, request.index
-    frame = clip.read_frame(index)
-    own, path = ~frame.tissue_mask, request.path
+    clip, index, path = request.clip, request.index, request.path
     if path.is_file():
+        frame = clip.read_frame(index)
+        own = ~frame.tissue_mask
         mask = MaskFiles(request.folder, {index: path}).read(index, (own.shape[1], own.shape[0]))
         assert mask is not None
         yield FrameMask(request, frame.image, mask, origin_of(path), own)
         return
-    looked_at = sorted({0, index, len(clip) - 1})
-    frames = {place: frame if place == index else clip.read_frame(place) for place in looked_at}
-    found = with_found(WHOLE, frames.__getitem__, looked_at, ())
+    found, frame = found_around(clip, index)
+    own = ~frame.tissue_mask
     seen = ~own if found.field_of_view is None else ~own & found.field_of_view.mask()
     tools = (seen & False) if found.tools is None else find_tools(frame.image, seen)
     yield FrameMask(request, frame.image, tools, None, own)
@@ -178,10 +177,7 @@ def make_all(request: MakingRequest) -> Iterator[MaskReport]:
 def _taken(request: MakingRequest, files: MaskFiles) -> Iterator[MaskReport]:
     """Copies count as masks by hand."""
     clip, names, shares = request.clip, mask_names(request.clip.labels), list[float]()
-    for index in sorted(files.files):
-        camera = clip.cameras[index]
-        mask = files.read(index, (camera.width, camera.height))
-        assert mask is not None
+    for index, mask in read_all(files, clip):
         write_mask(request.folder / names[index], mask, BY_HAND)
         shares.append(float(mask.mean()))
         yield MaskReport(min(len(shares), len(clip) - 1), len(shares), None)

@@ -9,8 +9,7 @@ import cv2
 import numpy as np
 
 from app.enhancement.image_mask import PictureMask
-from app.runs.clip_selection import WHOLE
-from app.runs.left_out import with_found
+from app.runs.left_out import found_around
 from app.runs.tool_masks import ToolMasks
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 
@@ -109,9 +108,7 @@ class LeftOut:
 
 def left_out(request: LeftOutRequest) -> Iterator[LeftOut]:
     """Raises ClipError."""
-    looked_at = sorted({0, request.frame_index, len(request.clip) - 1})
     clip = request.clip if request.tool_masks is None else request.tool_masks.of(request.clip)
-    frames = {index: clip.read_frame(index) for index in looked_at}
-    found = with_found(WHOLE, frames.__getitem__, looked_at, ())
-    tissue = found.cleared(frames[request.frame_index]).tissue_mask
+    found, frame = found_around(clip, request.frame_index)
+    tissue = found.cleared(frame).tissue_mask
     yield LeftOut(request, ~(tissue & request.mask.kept(tissue.shape)))

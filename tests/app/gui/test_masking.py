@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, masking_actions
+from app.gui.actions import actions, clip_actions, masking_actions
 from app.gui.actions.job_actions import start_reconstruction
 from app.gui.state.app_state import AppState
 from app.gui.state.masking import THICKEST, THINNEST
@@ -272,7 +272,7 @@ def test_another_clip_begins_anew_with_its_own_masks(masking: AppState, tmp_path
 def test_a_live_frame_cannot_be_masked(opened: AppState) -> None:
     assert opened.source.clip is not None
     opened.source.clip = replace(opened.source.clip, format=LIVE)
-    assert masking_actions.why_not(opened)
+    assert clip_actions.why_no_clip(opened)
     masking_actions.toggle(opened)
     assert not opened.masking.active
     opened.source.clip = None
