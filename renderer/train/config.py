@@ -30,12 +30,12 @@ Part = Literal[
 """What a clip may not need; surround, tools and poses are decided on before training sees the frames."""
 
 CHOSEN: Final = (
-    "depth_weight, color_motion_rate and scale_rate were chosen on training frames of the pulling clip that "
-    "were held out of the fit (hold_out); rate_decay and the mean over the last quarter of the steps on "
-    "those of pulling, mesentery and phantom. The other numbers of vesselsplat come from trials with an "
-    "earlier program, about 30 runs on the pulling clip, chosen by hand with its test frames in view: "
-    "figures on that clip's test frames are optimistic by an unknown amount. Rates of deform3dgs and "
-    "endogaussian are the published ones, but for the departures"
+    "depth_weight, color_motion_rate and scale_rate were chosen on training frames of the pulling clip "
+    "that were held out of the fit (hold_out); rate_decay, the mean over the last quarter of the steps "
+    "and the start from tracks on those of pulling, mesentery and phantom. The other numbers of "
+    "vesselsplat come from trials with an earlier program, about 30 runs on the pulling clip, chosen by "
+    "hand with its test frames in view: figures on that clip's test frames are optimistic by an unknown "
+    "amount. Rates of deform3dgs and endogaussian are the published ones, but for the departures"
 )
 """What the defaults were chosen on."""
 
@@ -107,7 +107,9 @@ class TrainConfig:
     """How splats narrower than a pixel are rendered, see RenderMode; a run is rendered as it was trained."""
     keep: Annotated[tuple[Part, ...], Len(0, 13)] = ()
     """Parts to keep although the clip does not need them, to measure what they cost."""
-    leave_out: Annotated[tuple[Literal["deformation", "color_curves", "poses"], ...], Len(0, 3)] = ()
+    leave_out: Annotated[
+        tuple[Literal["deformation", "color_curves", "tracks", "poses"], ...], Len(0, 4)
+    ] = ()
     """Parts to leave out whatever the clip needs."""
     hold_out: bool = False
     """Hold every seventh training frame out and evaluate on it, for choosing settings."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.camera import FloatArray
 from renderer.clip import BoolImage, Clip, ClipError, Frame, SparsePoints
 from renderer.depth.filled_depth import filled_depth
 from renderer.depth.sparse_depth import depth_between
@@ -74,7 +75,13 @@ def require_resolved(clip: Clip, size: float) -> None:
         raise ClipError(f"{expected}; got one at {farthest:.3g}: {clip.path}")
 
 
-def sampled(frames: Sequence[Frame], config: TrainConfig, detail: float = 0.0) -> RawGaussians:
+AtRest = Callable[[FloatArray, float], Float32Array]
+"""Of world positions (N, 3) that are seen at a time, where they rest (N, 3)."""
+
+
+def sampled(
+    frames: Sequence[Frame], config: TrainConfig, detail: float = 0.0, at_rest: AtRest | None = None
+) -> RawGaussians:
     """Random tissue pixels of the given frames, placed behind the centre of their pixel.
 
     Half of the Gaussians are spread over the frames, so that what is often seen, and often judged, has the
@@ -82,7 +89,8 @@ def sampled(frames: Sequence[Frame], config: TrainConfig, detail: float = 0.0) -
     lie denser where there is more detail, to the share `detail` in [0, 1]. A Gaussian's size follows from the
     spacing that the samples have about its pixel.
 
-    Where a frame has no depth on tissue, the depth around it places them (`filled_depth`).
+    Where a frame has no depth on tissue, the depth around it places them (`filled_depth`). `at_rest` takes
+    them from there to where they rest.
     """
     rng = np.random.default_rng(config.seed)
     # The frames themselves may be more than memory holds.
@@ -92,7 +100,7 @@ def sampled(frames: Sequence[Frame], config: TrainConfig, detail: float = 0.0) -
     ends = np.rint(np.cumsum(totals) / totals.sum() * config.n_gaussians).astype(int)
     shares = np.diff(ends, prepend=0)
     parts = [
-        _sample(frames[place], int(share), density, rng)
+        _sample(frames[place], int(share), density, rng, at_rest)
         for place, share in zip(measured, shares, strict=True)
     ]
     means, pixel_sizes, colors, pixels = (np.concatenate(columns) for columns in zip(*parts, strict=True))
@@ -174,7 +182,7 @@ def _has_depth(frame: Frame) -> bool:
 
 
 def _sample(
-    frame: Frame, share: int, density: Density, rng: np.random.Generator
+    frame: Frame, share: int, density: Density, rng: np.random.Generator, at_rest: AtRest | None
 ) -> tuple[Float32Array, Float32Array, Float32Array, NDArray[np.int64]]:
     """World positions (S, 3), size of a pixel at their depth (S,), colours (S, 3) and their pixels (S,) in
     row order; S <= share."""
@@ -190,4 +198,5 @@ def _sample(
     points = frame.camera.unproject(depth).reshape(-1, 3)[chosen]
     colors = frame.image.reshape(-1, 3)[chosen] / np.float32(255)
     pixel_sizes = depth.reshape(-1)[chosen] / np.float32(frame.camera.fx)
-    return points.astype(np.float32), pixel_sizes, colors, chosen
+    resting = points.astype(np.float32) if at_rest is None else at_rest(points, frame.time)
+    return resting, pixel_sizes, colors, chosen

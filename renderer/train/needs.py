@@ -109,6 +109,8 @@ def _omitted(
         asked = "color_curves" in config.leave_out
         why = "as requested" if asked else f"colours differ by {measured.recoloring:.2f} grey levels"
         yield Omission("colour curves", why, curve, None if asked else "color_curves")
+    if needs.moves and config.method == "vesselsplat" and "tracks" in config.leave_out:
+        yield Omission("start from tracks", "as requested", "optical flow before the first step", None)
     if needs.recolors or (needs.moves and config.method == "vesselsplat"):
         yield from _of_curves(clip, config, needs)
     if not needs.has_depth:

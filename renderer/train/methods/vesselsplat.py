@@ -12,11 +12,11 @@ place (a tenth within 12), and tissue that rests as a whole has no curves at all
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Final
 
 import numpy as np
 
+from renderer.camera import Camera
 from renderer.clip import Frame
 from renderer.deformation.nodes import attach, node_grid
 from renderer.deformation.spline_motion import SplineMotion
@@ -29,6 +29,7 @@ from renderer.train.needs import Needs
 from renderer.train.rates import Rate, RowRates
 from renderer.train.recipe import Recipe, Stage
 from renderer.train.spline_trainer import SplineRates, SplineTrainer
+from renderer.train.starting_motion import StartingMotion
 
 OPACITY: Final = 0.03
 """Weight of the loss on alpha."""
@@ -43,11 +44,18 @@ error, mesentery 32.68 -> 32.90 dB, phantom 36.17 -> 36.81 dB and 0.26 -> 0.20 m
 def recipe(config: TrainConfig, needs: Needs) -> Recipe:
     """See TrainConfig, whose fields it is made of."""
 
+    start = _Start(config, needs)
+
+    def initialize(frames: Sequence[Frame]) -> RawGaussians:
+        tracked = start.motion(frames)
+        return sampled(frames, config, DETAIL, tracked.at_rest if tracked else None)
+
     def make_trainer(raw: RawGaussians, frames: Sequence[Frame], size: float) -> SplineTrainer:
-        return SplineTrainer(_at_rest(raw, frames, needs, config), _spline_rates(config, size))
+        motion = _curves(raw, frames, needs, config, start.motion(frames))
+        return SplineTrainer(motion, _spline_rates(config, size))
 
     return Recipe(
-        initialize=partial(sampled, config=config, detail=DETAIL),
+        initialize=initialize,
         make_trainer=make_trainer,
         rates=row_rates(config, needs),
         stages=stages(config),
@@ -101,21 +109,49 @@ def _falling(config: TrainConfig) -> Callable[[float], Rate]:
     return lambda start: Rate(start, start / config.rate_decay, config.iterations)
 
 
-def _at_rest(raw: RawGaussians, frames: Sequence[Frame], needs: Needs, config: TrainConfig) -> SplineMotion:
-    """Curves that are zero, on nodes over the view of the first frame that has depth; none that rest."""
+class _Start:
+    """How the tissue of a clip moves: found once, for its Gaussians and for their curves."""
+
+    def __init__(self, config: TrainConfig, needs: Needs) -> None:
+        self._config, self._needs = config, needs
+        self._found: tuple[Sequence[Frame], StartingMotion] | None = None
+
+    def motion(self, frames: Sequence[Frame]) -> StartingMotion | None:
+        """None where nothing moves, or the start from tracks is left out."""
+        if not self._needs.moves or "tracks" in self._config.leave_out:
+            return None
+        if self._found is None or self._found[0] is not frames:
+            camera, grid = _nodes(frames, self._config)
+            self._found = frames, StartingMotion.of(frames, camera, grid, self._needs.n_controls)
+        return self._found[1]
+
+
+def _nodes(frames: Sequence[Frame], config: TrainConfig) -> tuple[Camera, tuple[int, int]]:
+    """The camera of the first frame that has depth, and the grid of nodes over its view."""
     camera = next(frame.camera for frame in frames if frame.depth_mask.any())
-    grid = node_grid(camera, config.node_columns)
+    return camera, node_grid(camera, config.node_columns)
+
+
+def _curves(
+    raw: RawGaussians,
+    frames: Sequence[Frame],
+    needs: Needs,
+    config: TrainConfig,
+    tracked: StartingMotion | None,
+) -> SplineMotion:
+    """Those of the nodes as tracked, all others zero; none where nothing moves."""
+    camera, grid = _nodes(frames, config)
     moving = len(raw) if needs.moves else 0
     indices, weights = attach(raw.means[:moving], camera, grid)
 
-    def curves(count: int, channels: int = 3) -> Float32Array:
+    def at_rest(count: int, channels: int = 3) -> Float32Array:
         return np.zeros((count, needs.n_controls, channels), np.float32)
 
     return SplineMotion(
-        position_controls=curves(moving),
-        color_controls=curves(len(raw) if needs.recolors else 0),
-        opacity_controls=curves(0, 1),
-        node_controls=curves(grid[0] * grid[1] if moving else 0),
+        position_controls=at_rest(moving),
+        color_controls=at_rest(len(raw) if needs.recolors else 0),
+        opacity_controls=at_rest(0, 1),
+        node_controls=tracked.controls.copy() if tracked else at_rest(grid[0] * grid[1] if moving else 0),
         node_indices=indices,
         node_weights=weights,
     )
