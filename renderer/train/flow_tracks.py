@@ -48,7 +48,9 @@ class View:
 
     camera: Camera
     grey: ByteImage
+    """(h, w)"""
     depth: Plane
+    """(h, w) along +z in the clip's unit."""
     known: BoolImage
     """(h, w) tissue of known depth, and so all around it."""
 
