@@ -3,12 +3,12 @@
 Without them every Gaussian begins where its frame shows it, so that one piece of tissue lies in as many
 places as it moves to, and training has to bring them together. Held out of training, without and with:
 
-pulling, 1000 steps, seed 1: 38.05 -> 38.47 dB, 3.01 -> 2.64 mm of depth error; 3000 steps, seed 0: 38.75 ->
+pulling, 1000 steps: 38.05 -> 38.47 dB, 3.01 -> 2.64 mm of depth error; 3000 steps: 38.75 ->
 38.95 dB. Mesentery, 3000 steps: 32.9 -> 34.3 dB. Phantoms, 600 steps: before a fixed camera 35.2 -> 38.5 dB,
 0.43 -> 0.08 mm; before a moving one 34.1 -> 36.1 dB, 0.47 -> 0.08 mm. With depth guessed from brightness,
-300 steps: pulling 35.0 -> 35.4 dB, the laparoscopy 25.6 -> 26.8 dB.
+300 steps: pulling 35.0 -> 35.4 dB, laparoscopy 25.6 -> 26.8 dB.
 
-Weights of NEIGHBOURS of 0.1 and of STEADY of 0.01, 30 columns of nodes, and half the rate of motion change less
+NEIGHBOURS of 0.1, STEADY of 0.01, 30 columns of nodes and half the rate of motion change less
 than the seed does.
 """
 
