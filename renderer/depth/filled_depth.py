@@ -24,11 +24,11 @@ def filled_depth(depth: Plane, measured: BoolImage) -> Plane:
     if not measured.any():
         return np.zeros_like(depth)
     inverse = np.divide(1, depth, where=measured, out=np.zeros(depth.shape, np.float32))
-    filled = _pushed(inverse, measured.astype(np.float32))
+    filled = filled_in(inverse, measured.astype(np.float32))
     return np.where(measured, depth, 1 / filled).astype(np.float32)
 
 
-def _pushed(values: Plane, known: Plane) -> Plane:
+def filled_in(values: Plane, known: Plane) -> Plane:
     """`values` (H, W), 0 where `known` is 0, and there the means of those around."""
     height, width = known.shape
     if known.all():
@@ -39,5 +39,5 @@ def _pushed(values: Plane, known: Plane) -> Plane:
     share = cv2.resize(known, half, interpolation=cv2.INTER_AREA)
     total = cv2.resize(values, half, interpolation=cv2.INTER_AREA)
     means = np.divide(total, share, where=share > 0, out=np.zeros_like(total))
-    coarse = _pushed(means, (share > 0).astype(np.float32))
+    coarse = filled_in(means, (share > 0).astype(np.float32))
     return np.where(known > 0, values, cv2.resize(coarse, (width, height), interpolation=cv2.INTER_LINEAR))

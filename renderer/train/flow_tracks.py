@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Frame
+from renderer.depth.filled_depth import filled_in
 
 Plane = NDArray[np.float32]
 Flow = NDArray[np.float32]
@@ -48,7 +49,7 @@ class View:
 
     camera: Camera
     grey: ByteImage
-    """(h, w)"""
+    """(h, w); where it is no tissue, what is around goes on."""
     depth: Plane
     """(h, w) along +z in the clip's unit."""
     known: BoolImage
@@ -64,12 +65,20 @@ def view_of(frame: Frame) -> View:
     height, width = frame.tissue_mask.shape
     factor = max(1.0, max(height, width) / LONGEST_SIDE)
     size = max(1, round(width / factor)), max(1, round(height / factor))
-    grey = cv2.resize(cv2.cvtColor(frame.image, cv2.COLOR_RGB2GRAY), size, interpolation=cv2.INTER_AREA)
     known = cv2.erode(frame.depth_mask.astype(np.uint8), np.ones((MARGIN, MARGIN), np.uint8))
     depth = np.zeros(known.shape, np.float32) if frame.depth is None else frame.depth
     small = np.asarray(cv2.resize(depth, size, interpolation=cv2.INTER_NEAREST), np.float32)
     kept = np.asarray(cv2.resize(known, size, interpolation=cv2.INTER_NEAREST) > 0)
-    return View(frame.camera.resized(*size), np.asarray(grey, np.uint8), small, kept)
+    return View(frame.camera.resized(*size), _grey(frame, size), small, kept)
+
+
+def _grey(frame: Frame, size: tuple[int, int]) -> ByteImage:
+    """What tools or the surround look like has no part in it, nor has their edge, which goes its own way."""
+    tissue = frame.tissue_mask.astype(np.float32)
+    grey = cv2.cvtColor(frame.image, cv2.COLOR_RGB2GRAY) * tissue
+    total, share = (cv2.resize(each, size, interpolation=cv2.INTER_AREA) for each in (grey, tissue))
+    means = np.divide(total, share, where=share > 0, out=np.zeros_like(total))
+    return np.asarray(np.rint(filled_in(means, (share > 0).astype(np.float32))), np.uint8)
 
 
 def tracks_from(views: Sequence[View], place: int) -> list[Tracks]:
