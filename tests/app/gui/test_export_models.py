@@ -21,6 +21,7 @@ from renderer.camera_files import read_cameras
 from renderer.camera_path import CameraPath, Keyframe
 from renderer.picking import surface_point
 from renderer.splat_files import read_splats
+from renderer.surface.maps import maps_of, read
 from tests.app.gui.exporting import Exporter, exported, same
 
 
@@ -170,8 +171,13 @@ def test_measured_points_are_followed_through_the_clip(run: Exporter, runs: dict
     table = list(csv.DictReader(path.read_text().splitlines()))
     assert len(table) == 2 * len(model.cameras)
     starts = [row for row in table if row["frame"] == "4"]
+    view = maps_of(model.model, time, model.camera_at(time), model.near)
     for row, point in zip(starts, measured.points, strict=True):
-        assert [float(row[axis]) for axis in "xyz"] == pytest.approx(point, rel=0.005)
+        place = [float(row[axis]) for axis in "xyz"]
+        pixels, depths = view.camera.project(np.array([place]))
+        assert depths == pytest.approx(read(view.depth, pixels), rel=1e-4)
+        # Followed on the smoothed surface, measured where the pixel's own depth is.
+        assert place == pytest.approx(point, rel=0.02)
         assert row["seen"] == "1"
     pixel = [float(starts[0][name]) for name in ("column", "row")]
     assert pixel == pytest.approx([30.5, 20.5], abs=0.1)

@@ -41,7 +41,7 @@ def disc(radius: float) -> BoolImage:
 def round_clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The phantom through a round view; its depth reaches into the dark, and its masks are of tools alone."""
     path = tmp_path_factory.mktemp("round") / "clip"
-    write_phantom(path, PhantomParams(n_frames=10, width=WIDTH, height=HEIGHT))
+    write_phantom(path, PhantomParams(n_frames=17, width=WIDTH, height=HEIGHT))
     for file in (path / "images").iterdir():
         image = cv2.imread(str(file))
         assert image is not None
