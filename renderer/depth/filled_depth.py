@@ -36,8 +36,15 @@ def filled_in(values: Plane, known: Plane) -> Plane:
     half = (width + 1) // 2, (height + 1) // 2
     if half == (width, height):
         return values
-    share = cv2.resize(known, half, interpolation=cv2.INTER_AREA)
-    total = cv2.resize(values, half, interpolation=cv2.INTER_AREA)
-    means = np.divide(total, share, where=share > 0, out=np.zeros_like(total))
-    coarse = filled_in(means, (share > 0).astype(np.float32))
+    coarse = filled_in(*means_of_known(values, known, half))
     return np.where(known > 0, values, cv2.resize(coarse, (width, height), interpolation=cv2.INTER_LINEAR))
+
+
+def means_of_known(values: Plane, known: Plane, size: tuple[int, int]) -> tuple[Plane, Plane]:
+    """At a smaller `size`, (width, height): means of what is known, and 1 where anything is, else 0.
+
+    `values` (H, W) are 0 where `known` is 0.
+    """
+    total, share = (cv2.resize(each, size, interpolation=cv2.INTER_AREA) for each in (values, known))
+    means = np.divide(total, share, where=share > 0, out=np.zeros_like(total))
+    return means, (share > 0).astype(np.float32)

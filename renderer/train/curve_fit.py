@@ -9,9 +9,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.camera import FloatArray
 from renderer.deformation.spline import spline_taps
-
-FloatArray = NDArray[np.float64]
 
 NEIGHBOURS = 0.3
 """Weight of the squared difference of neighbouring nodes, against a shift that is well seen."""

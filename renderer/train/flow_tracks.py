@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Frame
-from renderer.depth.filled_depth import filled_in
+from renderer.depth.filled_depth import filled_in, means_of_known
 
 Plane = NDArray[np.float32]
-Flow = NDArray[np.float32]
 
 LONGEST_SIDE = 320
 """Pixels of the images between which flow is estimated."""
@@ -76,9 +75,7 @@ def _grey(frame: Frame, size: tuple[int, int]) -> ByteImage:
     """What tools or the surround look like has no part in it, nor has their edge, which goes its own way."""
     tissue = frame.tissue_mask.astype(np.float32)
     grey = cv2.cvtColor(frame.image, cv2.COLOR_RGB2GRAY) * tissue
-    total, share = (cv2.resize(each, size, interpolation=cv2.INTER_AREA) for each in (grey, tissue))
-    means = np.divide(total, share, where=share > 0, out=np.zeros_like(total))
-    return np.asarray(np.rint(filled_in(means, (share > 0).astype(np.float32))), np.uint8)
+    return np.asarray(np.rint(filled_in(*means_of_known(grey, tissue, size))), np.uint8)
 
 
 def tracks_from(views: Sequence[View], place: int) -> list[Tracks]:
@@ -102,8 +99,8 @@ def tracks_from(views: Sequence[View], place: int) -> list[Tracks]:
     return found
 
 
-def _lifted(one: View, points: Plane, other: View, there: Flow, back: Flow) -> Tracks:
-    """The tracks that come back to where they began, on tissue of known depth in both views."""
+def _lifted(one: View, points: Plane, other: View, there: Plane, back: Plane) -> Tracks:
+    """By the flow (h, w, 2) both ways: the tracks that come back, on tissue of known depth in both views."""
     height, width = one.grey.shape
     sparse = np.s_[EVERY // 2 : height : EVERY, EVERY // 2 : width : EVERY]
     y, x = np.mgrid[sparse].astype(np.float32)

@@ -19,17 +19,14 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from renderer.camera import Camera
+from renderer.camera import Camera, FloatArray
 from renderer.clip import Frame
 from renderer.deformation.nodes import attach
 from renderer.deformation.spline import spline_taps
+from renderer.splats import Float32Array
 from renderer.train.curve_fit import CurveFit, Seen
 from renderer.train.flow_tracks import REACH, Tracks, View, tracks_from, view_of
-
-Float32Array = NDArray[np.float32]
-FloatArray = NDArray[np.float64]
 
 APART = 16
 """Frames between those from which tracks start."""

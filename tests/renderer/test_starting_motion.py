@@ -9,8 +9,8 @@ from typing import Literal
 import cv2
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from renderer.camera import FloatArray
 from renderer.clip import Frame
 from renderer.deformation.nodes import attach, node_grid
 from renderer.deformation.spline_motion import SplineMotion
@@ -41,10 +41,8 @@ def motion_of(frames: list[Frame]) -> StartingMotion:
     return StartingMotion.of(frames, frames[0].camera, node_grid(frames[0].camera, COLUMNS), CONTROLS)
 
 
-def followed(
-    views: list[View], count: int = 60
-) -> list[tuple[int, NDArray[np.float64], NDArray[np.float64]]]:
-    """Of points of the first frame: their number, and positions (P, 3) at the times (P,) that show them."""
+def followed(views: list[View], count: int = 60) -> list[tuple[FloatArray, FloatArray]]:
+    """Of points of the first frame: positions (P, 3) at the times (P,) that show them."""
     points = [view.frame.camera.unproject(view.frame.depth).reshape(-1, 3) for view in views]  # type: ignore[arg-type]
     shown = np.flatnonzero(views[0].frame.tissue_mask)
     out = []
@@ -57,11 +55,11 @@ def followed(
             if apart[nearest] < NEAR:
                 positions.append(where[nearest])
                 times.append(view.frame.time)
-        out.append((int(pixel), np.array(positions), np.array(times)))
+        out.append((np.array(positions), np.array(times)))
     return out
 
 
-def spread(positions: NDArray[np.float64]) -> float:
+def spread(positions: FloatArray) -> float:
     return float(np.sqrt(np.square(positions - positions.mean(axis=0)).sum(axis=1).mean()))
 
 
@@ -70,7 +68,7 @@ def test_a_point_of_tissue_rests_in_one_place(camera: Eye) -> None:
     views = seen_by(camera)
     motion = motion_of([view.frame for view in views])
     before, after = [], []
-    for _, positions, times in followed(views):
+    for positions, times in followed(views):
         rest = [
             motion.at_rest(place[None], float(time))[0] for place, time in zip(positions, times, strict=True)
         ]

@@ -46,16 +46,11 @@ def recipe(config: TrainConfig, needs: Needs) -> Recipe:
 
     start = _Start(config, needs)
 
-    def initialize(frames: Sequence[Frame]) -> RawGaussians:
-        tracked = start.motion(frames)
-        return sampled(frames, config, DETAIL, tracked.at_rest if tracked else None)
-
     def make_trainer(raw: RawGaussians, frames: Sequence[Frame], size: float) -> SplineTrainer:
-        motion = _curves(raw, frames, needs, config, start.motion(frames))
-        return SplineTrainer(motion, _spline_rates(config, size))
+        return SplineTrainer(start.curves(raw, frames), _spline_rates(config, size))
 
     return Recipe(
-        initialize=initialize,
+        initialize=start.gaussians,
         make_trainer=make_trainer,
         rates=row_rates(config, needs),
         stages=stages(config),
@@ -110,48 +105,45 @@ def _falling(config: TrainConfig) -> Callable[[float], Rate]:
 
 
 class _Start:
-    """How the tissue of a clip moves: found once, for its Gaussians and for their curves."""
+    """The first Gaussians, where the tissue rests, and the curves that take them to where it is seen."""
 
     def __init__(self, config: TrainConfig, needs: Needs) -> None:
         self._config, self._needs = config, needs
-        self._found: tuple[Sequence[Frame], StartingMotion] | None = None
+        self._begun: tuple[RawGaussians, StartingMotion] | None = None
 
-    def motion(self, frames: Sequence[Frame]) -> StartingMotion | None:
-        """None where nothing moves, or the start from tracks is left out."""
+    def gaussians(self, frames: Sequence[Frame]) -> RawGaussians:
+        """By tracks, unless nothing moves or the start from tracks is left out."""
         if not self._needs.moves or "tracks" in self._config.leave_out:
-            return None
-        if self._found is None or self._found[0] is not frames:
-            camera, grid = _nodes(frames, self._config)
-            self._found = frames, StartingMotion.of(frames, camera, grid, self._needs.n_controls)
-        return self._found[1]
+            return sampled(frames, self._config, DETAIL)
+        motion = StartingMotion.of(frames, *_nodes(frames, self._config), self._needs.n_controls)
+        raw = sampled(frames, self._config, DETAIL, motion.at_rest)
+        self._begun = raw, motion
+        return raw
+
+    def curves(self, raw: RawGaussians, frames: Sequence[Frame]) -> SplineMotion:
+        """Those of the nodes as tracked if `raw` are `gaussians`, else zero; none where nothing moves."""
+        camera, grid = _nodes(frames, self._config)
+        needs = self._needs
+        moving = len(raw) if needs.moves else 0
+        indices, weights = attach(raw.means[:moving], camera, grid)
+
+        def zero(count: int, channels: int = 3) -> Float32Array:
+            return np.zeros((count, needs.n_controls, channels), np.float32)
+
+        nodes = zero(grid[0] * grid[1] if moving else 0)
+        if self._begun is not None and self._begun[0] is raw:
+            nodes = self._begun[1].controls.copy()
+        return SplineMotion(
+            position_controls=zero(moving),
+            color_controls=zero(len(raw) if needs.recolors else 0),
+            opacity_controls=zero(0, 1),
+            node_controls=nodes,
+            node_indices=indices,
+            node_weights=weights,
+        )
 
 
 def _nodes(frames: Sequence[Frame], config: TrainConfig) -> tuple[Camera, tuple[int, int]]:
     """The camera of the first frame that has depth, and the grid of nodes over its view."""
     camera = next(frame.camera for frame in frames if frame.depth_mask.any())
     return camera, node_grid(camera, config.node_columns)
-
-
-def _curves(
-    raw: RawGaussians,
-    frames: Sequence[Frame],
-    needs: Needs,
-    config: TrainConfig,
-    tracked: StartingMotion | None,
-) -> SplineMotion:
-    """Those of the nodes as tracked, all others zero; none where nothing moves."""
-    camera, grid = _nodes(frames, config)
-    moving = len(raw) if needs.moves else 0
-    indices, weights = attach(raw.means[:moving], camera, grid)
-
-    def at_rest(count: int, channels: int = 3) -> Float32Array:
-        return np.zeros((count, needs.n_controls, channels), np.float32)
-
-    return SplineMotion(
-        position_controls=at_rest(moving),
-        color_controls=at_rest(len(raw) if needs.recolors else 0),
-        opacity_controls=at_rest(0, 1),
-        node_controls=tracked.controls.copy() if tracked else at_rest(grid[0] * grid[1] if moving else 0),
-        node_indices=indices,
-        node_weights=weights,
-    )
