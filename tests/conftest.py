@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
+from ast import literal_eval
 from collections.abc import Iterator
+from functools import lru_cache
 
 import moderngl
+import numpy as np
 import pytest
 from hypothesis import settings
 
 from app.console.startup import has_display
 from renderer.draw.context import OpenGLUnavailable, standalone_context
+from renderer.phantom.tissue import Tissue, paint_tissue
 from tests.heeding import heed_signals
 
 # The first example of a test may compile kernels, which has nothing to do with what it asserts.
@@ -54,3 +58,22 @@ def ctx(gl_context: moderngl.Context) -> Iterator[moderngl.Context]:
         assert gl_context.error == "GL_NO_ERROR"
         yield gl_context
         assert gl_context.error == "GL_NO_ERROR"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def painted_once() -> Iterator[None]:
+    """Nearly all phantoms show the same tissue, and to paint it takes most of the time of a small one."""
+
+    @lru_cache(maxsize=3)
+    def painted(state: str) -> Tissue:
+        rng = np.random.default_rng()
+        rng.bit_generator.state = literal_eval(state)
+        return paint_tissue(rng)
+
+    def paint(rng: np.random.Generator) -> Tissue:
+        return painted(str(rng.bit_generator.state))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("renderer.phantom.paint_tissue", paint)
+        patch.setattr(Tissue, "blurred", lru_cache(maxsize=3)(Tissue.blurred))
+        yield

@@ -68,7 +68,7 @@ class Surface:
     def hit(self, origin: FloatArray, directions: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
         """Material coordinates (N,), (N,) where rays from `origin` (3,) along `directions` (N, 3) meet it.
 
-        Newton's method on the two coordinates, to 1e-9 mm. LossGradients are gentle enough for one
+        Newton's method on the two coordinates, to 1e-9 mm. Slopes are gentle enough for one
         meeting point a ray.
         """
         slope = directions[:, :2] / directions[:, 2:]

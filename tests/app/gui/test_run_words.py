@@ -95,11 +95,11 @@ def test_a_real_training_knows_at_half_way_when_it_ends(
         monkeypatch.setattr(module, "time", OwnTime())
     clip = Path(shutil.copytree(phantom_path(), tmp_path / "phantom"))
     request = TrainRequest(
-        clip_path=clip, run_path=tmp_path / "run", config=TrainConfig(iterations=400, n_gaussians=8000)
+        clip_path=clip, run_path=tmp_path / "run", config=TrainConfig(iterations=240, n_gaussians=8000)
     )
     told: list[tuple[float, float]] = []
     for event in run_training(request):
-        if isinstance(event, Progress) and event.iteration >= 200:
+        if isinstance(event, Progress) and event.iteration >= 120:
             told.append((time.process_time(), event.seconds_left))
     end = time.process_time()
     moment, said = told[0]

@@ -72,9 +72,10 @@ def test_what_is_odd_about_a_clip_is_told_and_logged(clip_path: Path, tmp_path: 
 @pytest.mark.skipif(not PULLING.is_dir(), reason="the pulling clip is not here")
 def test_a_real_clip_is_trained_and_measured(tmp_path: Path, vesselsplat: Cli) -> None:
     run = tmp_path / "run"
-    assert vesselsplat("train", PULLING, "--run", run, "--iterations", 20).code == 0
+    part = ("--frames", "0:19")
+    assert vesselsplat("train", PULLING, "--run", run, "--iterations", 20, *part).code == 0
     report = json.loads(vesselsplat("evaluate", run, "--json").out)
-    assert [frame["index"] for frame in report["frames"]] == list(range(1, 63, 8))
+    assert [frame["index"] for frame in report["frames"]] == [1, 9, 17]
     assert report["mean"]["psnr"] > 20
     assert 0 < report["mean"]["depth_rmse_mm"] < 30
 

@@ -110,16 +110,17 @@ def test_ctrl_c_ends_in_one_line_and_leaves_no_process(sweep: Path) -> None:
 @pytest.mark.slow
 def test_dask_and_processes_give_the_same_table(sweep: Path, tmp_path: Path) -> None:
     pytest.importorskip("distributed")
+    sweep.write_text(sweep.read_text().replace("0, 1, 2, 3, 4, 5, 6, 7", "0, 1, 2"))
     done = started(sweep, "--on", "dask", "--workers", "2")
     out, error = done.communicate(timeout=240)
     assert done.returncode == 0, error
-    assert "8 finished" in out
+    assert "3 finished" in out
     by_dask = results(sweep)
     (sweep.parent / "out").rename(tmp_path / "dask")
     done = started(sweep, "--workers", "2")
     done.communicate(timeout=240)
     assert results(sweep) == by_dask
-    assert len(by_dask) == 8
+    assert len(by_dask) == 3
 
 
 @pytest.mark.slow
