@@ -6,7 +6,7 @@ import hashlib
 import json
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -88,7 +88,8 @@ def train_window(
     size = scene_size(seeds)
     require_resolved(clip, size)
     needs = decide(clip, frames, config)
-    recipe = recipe_for(config, needs)
+    checkpoint = read_newest_checkpoint(folder) if folder and resume else None
+    recipe = recipe_for(_without_tracks(config) if checkpoint else config, needs)
     raw = recipe.initialize(seeds)
     model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size, pictures)
     judged = clip.camera_is_fixed and recipe.losses.opacity > 0
@@ -98,8 +99,10 @@ def train_window(
     del frames, seeds, taken
     watch = LossWatch()
     start, seconds = 0, 0.0
-    if folder and resume:
-        start, seconds = _resumed(model, watch, folder, fingerprint(clip, config), recipe.iterations)
+    if folder and checkpoint:
+        _resume(model, watch, checkpoint, fingerprint(clip, config), recipe.iterations, folder)
+        start, seconds = checkpoint.iteration, checkpoint.seconds
+    del checkpoint
     yield Started(start, recipe.iterations, len(model), needs.omitted)
 
     hides = needs.has_masks or not clip.camera_is_fixed
@@ -183,13 +186,20 @@ def fingerprint(clip: Clip, config: TrainConfig) -> str:
     return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
 
 
-def _resumed(
-    model: TrainModel, watch: LossWatch, folder: Path, identity: str, most: int
-) -> tuple[int, float]:
-    """Restore the newest checkpoint: its iteration and training seconds; (0, 0) when there is none."""
-    checkpoint = read_newest_checkpoint(folder)
-    if checkpoint is None:
-        return 0, 0.0
+def _without_tracks(config: TrainConfig) -> TrainConfig:
+    """For a run that goes on: its checkpoint holds all that they would give."""
+    return replace(config, leave_out=tuple({*config.leave_out, "tracks"}))
+
+
+def _resume(
+    model: TrainModel,
+    watch: LossWatch,
+    checkpoint: Checkpoint,
+    identity: str,
+    most: int,
+    folder: Path,
+) -> None:
+    """Restore what a checkpoint in `folder` holds. Raises TrainingError: it is of another run, or damaged."""
     if checkpoint.fingerprint != identity:
         raise TrainingError(
             f"expected a checkpoint of this clip and configuration, got another: {folder.name}"
@@ -204,7 +214,6 @@ def _resumed(
         watch.state[:] = arrays[LOSSES]
     except ValueError as error:
         raise TrainingError(f"training cannot continue from the checkpoint ({error}): {folder}") from error
-    return checkpoint.iteration, checkpoint.seconds
 
 
 class _Pool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from typing import Literal
 
 import cv2
@@ -16,11 +17,13 @@ from renderer.deformation.nodes import attach, node_grid
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.phantom import Phantom, PhantomParams, View
 from renderer.train.config import TrainConfig
+from renderer.train.events import Finished
 from renderer.train.flow_tracks import SMALLEST, tracks_from, view_of
 from renderer.train.initialize import round_gaussians
 from renderer.train.methods import recipe_for
 from renderer.train.needs import STILL_TO_A_MOVING_CAMERA
 from renderer.train.starting_motion import StartingMotion
+from renderer.train.training import train
 from tests.renderer.sheet import moving_sheet, needs_of
 
 FRAMES, CONTROLS, COLUMNS = 20, 8, 12
@@ -168,3 +171,20 @@ def test_the_start_from_tracks_is_left_out_by_name() -> None:
         assert told == (["as requested"] if given.leave_out else [])
     assert starts[0].any()
     assert not starts[1].any()
+
+
+def test_a_run_that_goes_on_looks_for_no_tracks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What they gave is in its checkpoint."""
+    config = TrainConfig(iterations=6, n_gaussians=100, n_controls=7, keep=("deformation",))
+    folder = tmp_path / "run"
+    folder.mkdir()
+    for event in train(moving_sheet(), config, folder=folder):
+        whole = event
+    monkeypatch.setattr(StartingMotion, "of", None)
+    *_, last = train(moving_sheet(), config, folder=folder, resume=True)
+    assert isinstance(whole, Finished)
+    assert isinstance(last, Finished)
+    ends = whole.model.arrays(), last.model.arrays()
+    assert all(np.array_equal(ends[0][name], ends[1][name]) for name in ends[0])
+    with pytest.raises(TypeError):
+        list(train(moving_sheet(), config))
