@@ -71,9 +71,15 @@ def setting_of(config: TrainConfig) -> str:
     changed = [
         f"{name} {round(value, 2) if isinstance(value, float) else value}"
         for name, value in own.items()
-        if value != default[name] and name not in ("method", "seed", "hold_out")
+        if value != default[name] and name not in ("method", "seed", "hold_out", "leave_out")
     ]
-    return ", ".join([config.method, *changed])
+    return ", ".join([_kind(config), *changed])
+
+
+def _kind(config: TrainConfig) -> str:
+    """The method, and what it goes without."""
+    left = [part.replace("_", " ") for part in config.leave_out]
+    return f"{config.method} without {' and '.join(left)}" if left else config.method
 
 
 def grouped(runs: Sequence[Run]) -> list[list[Run]]:
@@ -111,7 +117,7 @@ def diagrams(runs: Sequence[Run], default: TrainConfig) -> tuple[Diagram, ...]:
             more_is_better=more_is_better,
             points=tuple(
                 Point(
-                    series=group[0].config.method,
+                    series=_kind(group[0].config),
                     setting=_label(group[0], usual),
                     seconds=seconds(group)[0],
                     spread=seconds(group)[1],

@@ -36,6 +36,10 @@ KNOBS: Final[dict[str, tuple[dict[str, Any], ...]]] = {
     "n_gaussians": tuple({"n_gaussians": count} for count in (7500, 15_000, 60_000)),
     "n_controls": tuple({"n_controls": count} for count in (4, 8, 32)),
     "half_resolution_share": tuple({"half_resolution_share": share} for share in (0.0, 2 / 3)),
+    "leave_out": (
+        *({"leave_out": ("tracks",), "iterations": count} for count in (250, 500, 1000, 2000)),
+        *({"leave_out": (part,)} for part in ("tracks", "color_curves")),
+    ),
 }
 """What is turned, and what it is turned to; all else is the default."""
 

@@ -25,6 +25,15 @@ def test_a_setting_is_called_by_what_differs() -> None:
     assert setting_of(replace(DEFAULT, method="static")) == "static, iterations 1000, n_gaussians 500"
 
 
+def test_what_a_run_goes_without_is_a_series_of_its_own() -> None:
+    runs = [run(), run(leave_out=("tracks",)), run(leave_out=("tracks", "color_curves"), iterations=250)]
+    points = diagrams(runs, DEFAULT)[0].points
+    assert [(point.series, point.setting) for point in points] == [
+        ("vesselsplat", "1000 steps"), ("vesselsplat without tracks", "1000 steps"),
+        ("vesselsplat without tracks and color curves", "250 steps"),
+    ]  # fmt: skip
+
+
 def test_seeds_become_one_point_with_a_spread_and_the_default_is_marked() -> None:
     runs = [run(10.0), run(14.0, seed=1), run(3.0, iterations=250), run(5.0, method="static")]
     by_measure = {diagram.measure: diagram for diagram in diagrams(runs, DEFAULT)}
