@@ -14,6 +14,7 @@ from typing import TypeVar
 from renderer.clip import Clip, ClipError, Frame
 from renderer.train.events import Preparing
 from renderer.train.frame_store import FrameStore
+from renderer.train.windows import Window
 
 SECONDS_BETWEEN = 0.5
 STAGES = {"stereo": "matching left and right images", "brightness": "estimating depth from brightness"}
@@ -72,15 +73,15 @@ def _work(work: Callable[[Tell], Result], tell: Tell, outcome: Future[Result]) -
 
 class ReadAhead:
     """A clip whose training frames are read once, before training, and then handed over; of a long clip those
-    of its first window, of `count` frames.
+    of the window that is trained first.
 
     Those that memory cannot hold lie in a file of no name in `folder` meanwhile.
     """
 
-    def __init__(self, clip: Clip, folder: Path, count: int) -> None:
+    def __init__(self, clip: Clip, folder: Path, window: Window) -> None:
         self.clip = replace(clip, read_frame=self._read)
         self._source, self._store, self._handing = clip, FrameStore[Frame](folder), False
-        self._indices = tuple(index for index in clip.train_indices if index < count)
+        self._indices = tuple(index for index in clip.train_indices if window.first <= index <= window.last)
         self._places: dict[int, int] = {}
 
     def fill(self, told: Tell) -> None:

@@ -58,6 +58,7 @@ from renderer.train.frame_store import nearest_folder
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.trainer import TrainingError, require_depth
 from renderer.train.training import train
+from renderer.train.window_files import next_of
 from renderer.train.windows import windows_of
 
 RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
@@ -133,7 +134,9 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     yield planned_in(run.path, clip, request.config)
     clock.before = run.wall_before()
     device = device_of(request).device
-    ahead = ReadAhead(clip, nearest_folder(run.path), len(windows_of(clip, request.config)[0]))
+    seen = clip if record is None else record.clip.through(clip)
+    window = next_of(run.path, windows_of(seen, request.config))
+    ahead = ReadAhead(clip, nearest_folder(run.path), window)
     yield from told_meanwhile(reading(clip), ahead.fill)
     if record is not None and record.clip.poses is not None:
         through = Posed(record.clip.through(ahead.clip))

@@ -54,6 +54,11 @@ def is_finished(folder: Path) -> bool:
     return (folder / _MODEL).is_file()
 
 
+def next_of(run: Path, windows: Sequence[Window]) -> Window:
+    """The one that training begins or goes on with; the last where all are finished."""
+    return next((window for window in windows if not is_finished(folder_of(run, window))), windows[-1])
+
+
 def finish(folder: Path, model: DynamicGaussians, finished: Finished) -> None:
     """Its checkpoints go. Raises OSError: the model cannot be written."""
     with written_atomically(folder / _MODEL) as part:

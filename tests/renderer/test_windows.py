@@ -19,7 +19,7 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Progress, Snapshot, Started, TrainEvent
 from renderer.train.trainer import TrainingError
 from renderer.train.training import train
-from renderer.train.window_files import FOLDER, in_windows, unfinished
+from renderer.train.window_files import FOLDER, in_windows, next_of, unfinished
 from renderer.train.windows import OVERLAP, SHORTEST, Window, cut, new_views, windows_of
 from tests.renderer.plane import plane_clip
 
@@ -199,12 +199,15 @@ def test_a_run_cut_short_in_its_second_window_goes_on_to_the_same_bytes(
     assert left is not None
     assert left.iteration == 2 * STEPS
     assert len(left.model.motion.frames) == 2  # type: ignore[attr-defined]
+    windows = windows_of(long_clip(), CONFIG)
+    assert next_of(tmp_path, windows) == windows[1]
     with pytest.raises(TrainingError, match="another"):
         list(train(long_clip(), replace(CONFIG, seed=1), folder=tmp_path, resume=True))
     events = list(train(long_clip(), CONFIG, folder=tmp_path, resume=True))
     assert isinstance(events[0], Started)
     assert events[0].iteration == 2 * STEPS
     assert same(model_of(whole[0]), model_of(events))
+    assert next_of(tmp_path, windows) == windows[-1]
     # And once more, where only the end is missing.
     again = list(train(long_clip(), CONFIG, folder=tmp_path, resume=True))
     assert isinstance(again[0], Started)

@@ -20,6 +20,7 @@ from renderer.clip import Clip, ClipError, Frame
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.events import Finished, Planned, Preparing, Started, TrainEvent
+from renderer.train.windows import Window
 from tests.app.conftest import CONFIG, Call, request_of
 
 Cli = Callable[..., Call]
@@ -95,7 +96,7 @@ def counting(clip: Clip, read: list[int]) -> Clip:
 def test_frames_are_read_once_and_handed_over(clip_path: Path, tmp_path: Path) -> None:
     read: list[int] = []
     clip = counting(open_clip(clip_path), read)
-    ahead = ReadAhead(clip, tmp_path, len(clip))
+    ahead = ReadAhead(clip, tmp_path, Window(0, len(clip) - 1))
     ahead.fill(lambda done, total: None)
     for index in clip.train_indices:
         assert ahead.clip.read_frame(index) is ahead.clip.read_frame(index)
@@ -104,6 +105,14 @@ def test_frames_are_read_once_and_handed_over(clip_path: Path, tmp_path: Path) -
     kept = ahead.clip.read_frame(0)
     assert sorted(read) == list(clip.train_indices)
     assert ahead.clip.read_frame(0) is not kept
+
+
+def test_of_a_long_clip_the_frames_of_one_window_are_read(clip_path: Path, tmp_path: Path) -> None:
+    read: list[int] = []
+    clip = counting(open_clip(clip_path), read)
+    ReadAhead(clip, tmp_path, Window(3, 6)).fill(lambda done, total: None)
+    assert read == [index for index in clip.train_indices if 3 <= index <= 6]
+    assert len(read) > 2
 
 
 def test_training_reads_each_frame_once_before_it_starts(
@@ -193,7 +202,9 @@ def test_pairs_that_match_nowhere_are_refused_after_a_few(clip_path: Path, tmp_p
         frame = clip.read_frame(index)
         return replace(frame, depth=np.zeros(frame.tissue_mask.shape, np.float32))
 
-    ahead = ReadAhead(replace(clip, read_frame=unmatched, depth_origin="stereo"), tmp_path, len(clip))
+    ahead = ReadAhead(
+        replace(clip, read_frame=unmatched, depth_origin="stereo"), tmp_path, Window(0, len(clip) - 1)
+    )
     with pytest.raises(ClipError, match="none that match in"):
         ahead.fill(lambda done, total: None)
     assert len(read) == 3
