@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 import cv2
@@ -10,15 +12,19 @@ from enhance.accuracy import Row, accuracy
 from tests.enhance.pictures import vessels
 
 DATA = Path(__file__).resolve().parents[2] / "../shared/data"
-ROWS = list(accuracy(vessels(150, 200), repeats=1))
 
 
-def group(name: str, rows: list[Row] = ROWS) -> dict[str, Row]:
-    return {row.setting: row for row in rows if row.group == name}
+@cache
+def measured() -> tuple[Row, ...]:
+    return tuple(accuracy(vessels(150, 200), repeats=1))
+
+
+def group(name: str, rows: Sequence[Row] | None = None) -> dict[str, Row]:
+    return {row.setting: row for row in rows or measured() if row.group == name}
 
 
 def test_errors_are_in_order_and_times_are_there() -> None:
-    for row in ROWS:
+    for row in measured():
         assert 0 <= row.mean <= row.most
         assert 0 <= row.p999 <= row.most
         unbuilt = "means alone" in row.setting or "nearest" in row.setting

@@ -6,31 +6,34 @@ from enhance import EnhanceParams
 from enhance.stability import Row, ranges, stability
 from tests.enhance.pictures import vessels
 
-ROWS = list(stability(vessels(96, 130)))
+
+@pytest.fixture(scope="module")
+def rows() -> list[Row]:
+    return list(stability(vessels(96, 130)))
 
 
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row.hazard}: {row.case}")
-def test_every_row_passes(row: Row) -> None:
-    assert row.passed, f"{row.measured:g} {row.unit}, expected at most {row.bar:g}"
+def test_every_row_passes(rows: list[Row]) -> None:
+    assert len(rows) > 100
+    assert [row for row in rows if not row.passed] == []
 
 
-def test_every_parameter_with_a_range_is_among_the_rows() -> None:
+def test_every_parameter_with_a_range_is_among_the_rows(rows: list[Row]) -> None:
     names = {name for name, _, _ in ranges()}
     assert names == {"z", "p", "radii", "eps", "subsample", "d_factor", "strength"}
-    cases = [row.case for row in ROWS]
+    cases = [row.case for row in rows]
     for name, low, high in ranges():
         assert EnhanceParams.__dataclass_fields__[name]
         assert f"{name} = {low:g}" in cases
         assert f"{name} = {high:g}" in cases
 
 
-def test_each_case_is_there_once() -> None:
-    cases = [(row.hazard, row.case) for row in ROWS]
+def test_each_case_is_there_once(rows: list[Row]) -> None:
+    cases = [(row.hazard, row.case) for row in rows]
     assert len(set(cases)) == len(cases)
 
 
-def test_what_keep_black_does_is_shown() -> None:
-    measured = {row.case: row.measured for row in ROWS if row.hazard == "noise at black"}
+def test_what_keep_black_does_is_shown(rows: list[Row]) -> None:
+    measured = {row.case: row.measured for row in rows if row.hazard == "noise at black"}
     assert measured["largest step of one code, Eq 1"] == 32
     assert measured["largest step of one code, with keep_black"] <= 7
 

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from renderer.clip import Clip, ClipError
+from renderer.clip import Clip, ClipError, Frame
 from renderer.phantom import Phantom, PhantomParams
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 
-FRAMES = [Phantom(PhantomParams(n_frames=3, width=64, height=48, seed=2)).view(i).frame for i in range(3)]
-COUNT = len(FRAMES)
+COUNT = 3
+
+
+@cache
+def frames() -> tuple[Frame, ...]:
+    phantom = Phantom(PhantomParams(n_frames=COUNT, width=64, height=48, seed=2))
+    return tuple(phantom.view(index).frame for index in range(COUNT))
 
 
 def save(path: Path, array: np.ndarray) -> None:
@@ -27,7 +33,7 @@ def save(path: Path, array: np.ndarray) -> None:
 
 def write(folder: Path, image: str = "left_{}.png", **patterns: str) -> Path:
     """Pictures, and beside them maps of these kinds under names with a place for the number."""
-    for index, frame in enumerate(FRAMES):
+    for index, frame in enumerate(frames()):
         assert frame.depth is not None
         depth = frame.depth
         arrays = {
@@ -49,7 +55,7 @@ def check(clip: Clip, factor: float = 1.0) -> None:
     assert len(clip) == COUNT
     assert clip.has_depth
     assert clip.depth_origin == "beside"
-    for index, wanted in enumerate(FRAMES):
+    for index, wanted in enumerate(frames()):
         frame = clip.read_frame(index)
         np.testing.assert_array_equal(frame.image, wanted.image)
         assert frame.depth is not None
@@ -159,10 +165,10 @@ def test_masks_are_used_when_it_is_said_what_they_mark(tmp_path):
     assert clip.read_frame(0).tissue_mask.all()
     assert "--mask-polarity" in clip.notices[0]
     marked = open_clip(tmp_path, ClipOptions(mask_polarity="tool"))
-    for index, wanted in enumerate(FRAMES):
+    for index, wanted in enumerate(frames()):
         np.testing.assert_array_equal(marked.read_frame(index).tissue_mask, wanted.tissue_mask)
     tissue = open_clip(tmp_path, ClipOptions(mask_polarity="tissue")).read_frame(0)
-    np.testing.assert_array_equal(tissue.tissue_mask, ~FRAMES[0].tissue_mask)
+    np.testing.assert_array_equal(tissue.tissue_mask, ~frames()[0].tissue_mask)
 
 
 def test_a_mask_of_another_shape_is_refused_when_the_clip_is_opened(tmp_path):

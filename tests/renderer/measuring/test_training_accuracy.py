@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,11 @@ from renderer.train.initialize import round_gaussians
 from renderer.train.training import train
 
 PARAMS = PhantomParams(n_frames=10, width=96, height=72)
-PHANTOM = Phantom(PARAMS)
+
+
+@cache
+def phantom() -> Phantom:
+    return Phantom(PARAMS)
 
 
 @dataclass(frozen=True)
@@ -29,7 +34,7 @@ class OfTissue:
 
     def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
         u, v = self.material.T
-        start, now = (PHANTOM.surface.evaluate(u, v, when)[0] for when in (0.0, time))
+        start, now = (phantom().surface.evaluate(u, v, when)[0] for when in (0.0, time))
         return replace(raw, means=(start + self.share * (now - start)).astype(np.float32))
 
     def arrays(self) -> dict[str, Any]:
@@ -40,7 +45,7 @@ def model(share: float) -> DynamicGaussians:
     """A Gaussian at every second pixel of the tissue that the first frame sees, and beyond."""
     axis = np.arange(-60, 60, 0.9)
     material = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
-    start, _, _ = PHANTOM.surface.evaluate(*material.T, 0.0)  # type: ignore[call-arg]
+    start, _, _ = phantom().surface.evaluate(*material.T, 0.0)  # type: ignore[call-arg]
     count = len(material)
     raw = round_gaussians(
         start.astype(np.float32), np.full(count, 0.7), np.zeros((count, 3), np.float32), 0.95
@@ -51,10 +56,10 @@ def model(share: float) -> DynamicGaussians:
 def true_way(indices: tuple[int, ...]) -> float:
     squares = []
     for index in indices:
-        view = PHANTOM.view(index)
+        view = phantom().view(index)
         u, v = view.material[view.frame.evaluation_mask].T
         later = (index + 5) % 10 / 10
-        began, ended = (PHANTOM.surface.evaluate(u, v, when)[0] for when in (view.frame.time, later))
+        began, ended = (phantom().surface.evaluate(u, v, when)[0] for when in (view.frame.time, later))
         squares.append(np.mean(np.sum((ended - began) ** 2, axis=1)))
     return float(np.sqrt(np.mean(squares)))
 
@@ -64,7 +69,7 @@ def test_motion_error_is_what_a_model_lacks_of_the_true_way(share: float) -> Non
     indices = (1, 4, 9)
     expected = (1 - share) * true_way(indices)
     assert true_way(indices) > 3
-    assert motion_rmse(model(share), PHANTOM, indices) == pytest.approx(expected, abs=0.2)
+    assert motion_rmse(model(share), phantom(), indices) == pytest.approx(expected, abs=0.2)
 
 
 def test_the_first_setting_is_the_default_and_none_comes_twice() -> None:
@@ -79,7 +84,7 @@ def test_an_outcome_measures_all_that_the_phantom_knows(tmp_path: Any) -> None:
     moving = TrainConfig(iterations=120, n_gaussians=1500)
     configs = moving, replace(moving, method="static")
     runs = [event for config in configs for event in train(clip, config) if isinstance(event, Finished)]
-    trained, still = (outcome(*pair, PHANTOM) for pair in zip(runs, (clip, clip), configs, strict=True))
+    trained, still = (outcome(*pair, phantom()) for pair in zip(runs, (clip, clip), configs, strict=True))
     assert trained.psnr > still.psnr
     assert trained.motion_rmse < still.motion_rmse
     assert still.motion_rmse == pytest.approx(true_way(clip.test_indices), rel=0.05)
