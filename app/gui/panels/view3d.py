@@ -282,6 +282,7 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
             of_enhanced = model.record.input == "enhanced"
             color = theme.TAG_ENHANCED if of_enhanced else theme.TAG_ORIGINAL
             tags.append((f"from {legible(model.record.trained_on)}", color))
+    tags += _guess_tags(model)
     if hides_enhancement(state, model) and not _is_under_frame(state):
         tags.append((f"OF {str(model.record.input).upper()} FRAMES · not white light", theme.TAG_CAUTION))
     if model is not second:
@@ -291,6 +292,13 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
     if shown.request.reduced:
         tags.append(("REDUCED RESOLUTION while moving", theme.TAG_CAUTION))
     return tags
+
+
+def _guess_tags(model: Scene) -> list[Tag]:
+    """What it rests on that nobody measured."""
+    guesses = (model.is_guessed, "depth"), (model.poses_are_estimated, "camera poses")
+    named = " and ".join(name for is_guess, name in guesses if is_guess)
+    return [(f"ESTIMATED {named}", theme.TAG_CAUTION)] if named else []
 
 
 def _waiting_tags(state: AppState) -> list[Tag]:

@@ -325,6 +325,23 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
     assert "REDUCED" not in text
 
 
+def test_what_nobody_measured_is_said(opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    opened.scene.size = (64, 48)
+    shown = StillViewport().show(opened)
+    assert shown is not None
+    assert "ESTIMATED" not in texts(view_tags(opened, shown))
+    scene = shown.request.scene
+    for depth, poses, said in (
+        (True, False, "ESTIMATED depth"),
+        (False, True, "ESTIMATED camera poses"),
+        (True, True, "ESTIMATED depth and camera poses"),
+    ):
+        guess = replace(scene, is_guessed=depth, poses_are_estimated=poses)
+        of_guess = replace(shown, request=replace(shown.request, scene=guess))
+        assert said in texts(view_tags(opened, of_guess)).split(" | ")
+
+
 class EmptyViewport(StillViewport):
     """Has no picture yet."""
 
