@@ -45,7 +45,7 @@ class Trained:
     folder: RunFolder
     finished: Finished
     clip: Clip
-    """The clip with the frames that it was trained on."""
+    """With the frames that it was trained on, without what was left out of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,9 @@ class Runs:
                 resume=True,
             )
             finished = next(event for event in run_training(request) if isinstance(event, Finished))
-            self._known[key] = Trained(folder, finished, input_clip(self.clip, folder.record()))
+            record = folder.record()
+            trained = input_clip(record.clip.through(record.clip.part.of(self.clip)), record)
+            self._known[key] = Trained(folder, finished, trained)
         return self._known[key]
 
     def seconds_again(self, config: TrainConfig, kind: Input) -> float:

@@ -27,7 +27,7 @@ from app.report.bench import PHANTOM as PARAMS
 from app.report.diagrams import pareto_front
 from app.report.outcomes import Run, diagrams, grouped, mean, setting_of
 from app.report.plots import diagrams_figure
-from app.runs.run_folder import RunFolder, input_clip
+from app.runs.run_folder import RunFolder, input_clip, run_clip
 from app.runs.train_run import TrainRequest, run_training
 from renderer.measuring.training_accuracy import KNOBS, outcome, settings
 from renderer.phantom import Phantom, write_phantom
@@ -97,7 +97,7 @@ def measured(path: Path, config: TrainConfig, truth: Phantom | None, flags: argp
     sys.stderr.write(f"{run.path.name}\n")
     request = TrainRequest(clip_path=path, run_path=run.path, config=config, input=flags.input, resume=True)
     finished = next(event for event in run_training(request) if isinstance(event, Finished))
-    frames = input_clip(open_clip(path), run.record())
+    frames = input_clip(run_clip(run.record()), run.record())
     return Run(config=config, input=flags.input, outcome=outcome(finished, frames, config, truth))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from app.gui.work.omissions import OmissionsRequest, look
+from app.report.runs import Runs
 from app.runs.dark_surround import lit_field
 from app.runs.run_folder import RunFolder, run_clip
 from app.runs.train_run import run_training
@@ -150,3 +151,11 @@ def test_where_masks_leave_it_out_or_nothing_is_dark_there_is_none(round_clip: P
     whole = open_clip(clip_path)
     assert lit_field(whole.read_frame(index) for index in range(3)) is None
     assert lit_field([frames[0], whole.read_frame(0)]) is None
+
+
+def test_a_report_measures_a_run_without_what_it_left_out(round_clip: Path, tmp_path: Path) -> None:
+    runs = Runs(round_clip, open_clip(round_clip), tmp_path, lambda said: None)
+    clip = runs.trained(replace(CONFIG, iterations=6)).clip
+    tissue = clip.read_frame(clip.test_indices[0]).tissue_mask
+    assert tissue.any()
+    assert not tissue[~disc(RADIUS + 3)].any()
