@@ -37,6 +37,7 @@ from renderer.train.training import train
 
 STEPS: Final = 8
 GAUSSIANS: Final = 400
+FRAMES: Final = 10
 """Of a training that is quick and reaches every stage."""
 SIDEWAYS: Final = np.array([[1.0, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
 """A camera that has moved by 1 mm."""
@@ -70,7 +71,7 @@ def use(task: Task) -> None:
 
 @cache
 def _clip() -> Clip:
-    return open_clip(phantom_path())
+    return open_clip(phantom_path()).between(0, FRAMES - 1)
 
 
 def _enhance(preset: Preset, dtype: type[np.uint8 | np.uint16]) -> None:

@@ -26,6 +26,7 @@ from app.gui.work.thumbnails import ThumbnailsRequest, make_thumbnails
 from app.kernels.progress import tasks
 from app.kernels.stamp import loaded_kernels
 from app.kernels.steps import use
+from app.runs.clip_selection import ClipPart
 from app.runs.train_run import PRESETS, TrainRequest, run_training
 from app.scenes.drawer import draw_view
 from app.scenes.scene import Scene, open_scene
@@ -43,6 +44,8 @@ NEVER_CALLED = {
     "renderer.rasterize.picture.adjoint_of",
 }
 """By Python, or by the app: part of another kernel; of a loss that no method has yet; of drawing by torch."""
+SHORT = ClipPart(trim=(2, 15))
+"""Other frames, and more, than those of the preparation."""
 SETTINGS: tuple[EnhancementSettings, ...] = (
     *PRESETS.values(),
     EnhanceParams(strength=0.5, d_factor=2.0, omit_below=0.0),
@@ -95,10 +98,17 @@ def _train_everything(folder: Path) -> None:
     ):
         path = folder / f"{method}-{given}"
         config = TrainConfig(method=method, iterations=20, n_gaussians=600, checkpoint_every=10)
-        request = TrainRequest(clip_path=phantom_path(), run_path=path, config=config, input=given)  # type: ignore[arg-type]
+        request = TrainRequest(
+            clip_path=phantom_path(),
+            run_path=path,
+            config=config,
+            input=given,
+            part=SHORT,  # type: ignore[arg-type]
+        )
         list(run_training(request))
     moving = TrainConfig(iterations=20, n_gaussians=600, sh_degree=3, render_mode="mip", hold_out=True)
-    list(run_training(TrainRequest(clip_path=phantom_path(), run_path=folder / "mip", config=moving)))
+    request = TrainRequest(clip_path=phantom_path(), run_path=folder / "mip", config=moving, part=SHORT)
+    list(run_training(request))
 
 
 def _look_at(scene: Scene) -> None:

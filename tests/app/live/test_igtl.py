@@ -88,7 +88,7 @@ def test_a_client_that_never_reads_holds_up_neither_the_picture_nor_another_clie
         wait_for(lambda: sender.state.clients == 1, "the client that never reads")
         with client_of(sender.endpoint) as client:
             wait_for(lambda: sender.state.clients == 2, "the client that reads")
-            source = PaintedSource(range(1, 1 + frames), pause=0.02, size=(720, 1280))
+            source = PaintedSource(range(1, 1 + frames), pause=0.04, size=(720, 1280))
             session = LiveSession(lambda: source, PLAIN, recipients=(sender.add,))
             wait_for(lambda: session.status().made >= 40, "the first pictures")
             before = memory().rss
