@@ -23,11 +23,11 @@ app: $(VENV)/.prepared
 
 LINT = $(BIN)/ruff format --check . && $(BIN)/ruff check . && $(BIN)/mypy && $(BIN)/lint-imports
 
-# On two cores: kernels are compiled beside the linters, once for both processes of the suite.
+# On two cores: kernels are compiled beside the linters, once for both processes of the suite; so are the tests.
 # The suite starts hundreds of programs: what they load is compiled once, also where the system says otherwise.
 test: export PYTHONDONTWRITEBYTECODE :=
 test: $(VENV)/.installed-test
-	($(LINT)) & $(BIN)/vesselsplat prepare && $(BIN)/python -m pytest -n 2 --dist worksteal && wait $$!
+	($(LINT) && $(BIN)/python -m pytest --collect-only -qq >/dev/null) & $(BIN)/vesselsplat prepare && $(BIN)/python -m pytest -n 2 --dist worksteal && wait $$!
 
 lint: $(VENV)/.installed-test
 	$(LINT)

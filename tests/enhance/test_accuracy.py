@@ -79,6 +79,6 @@ def test_subsampling_by_two_costs_a_twentieth_of_a_level_on_tissue() -> None:
     read = cv2.imread(str(path)) if path.exists() else None
     if read is None:
         pytest.skip("needs the real data beside the repository")
-    image = np.ascontiguousarray(read[:, :, ::-1], dtype=np.uint8)
+    image = np.ascontiguousarray(read[256:768, 320:960, ::-1], dtype=np.uint8)
     rows = [row for row, _ in zip(accuracy(image, repeats=1), range(2), strict=False)]
     assert group("subsample", rows)["s = 2"].mean < 0.05

@@ -30,6 +30,7 @@ class Part:
 
     attack: Attack
     short: int
+    """0: the short form goes without."""
     long: int
     what: str
     """Is counted."""
@@ -39,7 +40,7 @@ PARTS = {
     "files": Part(read_damaged, 2, 250, "damaged files"),
     "sessions": Part(attack_sessions, 3, 500, "damaged sessions in a window"),
     "kills": Part(attack_kills, 1, 100, "commands killed at random moments"),
-    "signals": Part(attack_signals, 1, 99, "commands ended by SIGINT, SIGTERM and SIGHUP"),
+    "signals": Part(attack_signals, 0, 99, "commands ended by SIGINT, SIGTERM and SIGHUP"),
     "disks": Part(attack_full_disks, 1, 88, "commands on disks that fill up"),
     "starts": Part(attack_starts, 1, 160, "starts with damaged settings"),
     "recordings": Part(attack_recordings, 1, 20, "live recordings killed at random moments"),
@@ -65,7 +66,10 @@ def main() -> int:
             make_seeds(seeds)
         for name in given.parts:
             part, began = parts[name], time.perf_counter()
-            count, failures = part.attack(seeds, given.count or (part.short if given.short else part.long))
+            count = given.count or (part.short if given.short else part.long)
+            if not count:
+                continue
+            count, failures = part.attack(seeds, count)
             seconds = time.perf_counter() - began
             print(f"{count} {part.what}, {len(failures)} failures, {seconds:.0f} s", flush=True)
             tell(failures)
