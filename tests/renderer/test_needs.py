@@ -62,7 +62,7 @@ def what(needs: Needs) -> set[str]:
     return {omission.what for omission in needs.omitted}
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 5))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 @pytest.mark.parametrize(("camera", "tissue"), KINDS)
 def test_phantoms_of_all_kinds_get_what_they_need(seed: int, camera: str, tissue: str) -> None:
     frames = phantom_frames(seed, camera, tissue)
