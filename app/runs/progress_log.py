@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any, Final, TypeVar
 
 from app.runs.run_folder import RunFolder, is_number
@@ -30,9 +30,14 @@ EMPTY_LOG: Final = TrainingLog()
 
 
 def told(folder: RunFolder) -> TrainingLog:
-    """Lines of other versions are taken where they have what is needed, else passed over."""
+    """Lines of other versions are taken where they have what is needed, else passed over.
+
+    What came after the last step took its time, too: the last of the progress tells it.
+    """
     events = folder.events()
-    return TrainingLog(_of(Progress, events), _of(Evaluated, events))
+    progress = _of(Progress, events)
+    last = tuple(replace(one, wall_seconds=folder.wall_seconds()) for one in progress[-1:])
+    return TrainingLog((*progress[:-1], *last), _of(Evaluated, events))
 
 
 def _of(kind: type[Event], events: list[dict[str, Any]]) -> tuple[Event, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 from app.runs.progress_log import told
@@ -36,3 +37,17 @@ def test_lines_of_older_and_newer_versions_and_broken_ones_load_as_far_as_they_g
     said = told(RunFolder(tmp_path))
     assert said.evaluated == (Evaluated(5, 20.0), Evaluated(6, 20.5))
     assert said.progress == ()
+
+
+def test_a_finished_run_took_as_long_as_its_end_says(tmp_path: Path) -> None:
+    first, last = (replace(STEP, iteration=step, wall_seconds=0.5 * step) for step in (10, 20))
+    lines = [
+        {"event": "Progress", **vars(first)},
+        {"event": "Progress", **vars(last)},
+        {"event": "Finished", "iteration": 20, "seconds": 9.0, "wall_seconds": 13.0},
+    ]
+    path = tmp_path / "events.jsonl"
+    path.write_text("\n".join(json.dumps(line) for line in lines[:2]) + "\n", encoding="utf-8")
+    assert told(RunFolder(tmp_path)).progress == (first, last)
+    path.write_text("\n".join(json.dumps(line) for line in lines) + "\n", encoding="utf-8")
+    assert told(RunFolder(tmp_path)).progress == (first, replace(last, wall_seconds=13.0))
