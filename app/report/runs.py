@@ -79,8 +79,8 @@ class Runs:
             )
             finished = next(event for event in run_training(request) if isinstance(event, Finished))
             record = folder.record()
-            trained = input_clip(record.clip.through(record.clip.part.of(self.clip)), record)
-            self._known[key] = Trained(folder, finished, trained)
+            clip = input_clip(record.clip.as_trained(self.clip), record)
+            self._known[key] = Trained(folder, finished, clip)
         return self._known[key]
 
     def seconds_again(self, config: TrainConfig, kind: Input) -> float:

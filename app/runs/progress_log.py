@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import MISSING, dataclass, fields, replace
 from typing import Any, Final, TypeVar
 
-from app.runs.run_folder import RunFolder, is_number
+from app.runs.run_folder import RunFolder, is_number, wall_seconds_of
 from renderer.train.events import Evaluated, Progress
 
 Event = TypeVar("Event", Progress, Evaluated)
@@ -36,7 +36,7 @@ def told(folder: RunFolder) -> TrainingLog:
     """
     events = folder.events()
     progress = _of(Progress, events)
-    last = tuple(replace(one, wall_seconds=folder.wall_seconds()) for one in progress[-1:])
+    last = tuple(replace(one, wall_seconds=wall_seconds_of(events)) for one in progress[-1:])
     return TrainingLog((*progress[:-1], *last), _of(Evaluated, events))
 
 

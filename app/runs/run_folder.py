@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import fields, replace
 from itertools import chain
@@ -106,6 +107,10 @@ class ClipRecord:
             return part
         seen = part.through(tuple(Camera.from_json(each) for each in self._one_each()))
         return replace(seen, points=self.poses.sparse_points or part.points)
+
+    def as_trained(self, whole: Clip) -> Clip:
+        """The part of the whole clip that was trained on, without what was left out of its frames."""
+        return self.through(self.part.of(whole))
 
     def through_whole(self, clip: Clip) -> Clip:
         """The same of the whole clip: frames outside the part have the camera of the nearest one in it."""
@@ -277,9 +282,7 @@ class RunFolder:
 
     def wall_seconds(self) -> float | None:
         """Of all work on the run that its log tells of; None: not recorded, by an earlier version."""
-        timed = self.events(*TIMED)
-        seconds = timed[-1].get("wall_seconds") if timed else None
-        return None if seconds is None else float(seconds)
+        return wall_seconds_of(self.events())
 
     def wall_before(self) -> float | None:
         """The same, before a run goes on: 0 where it has not begun."""
@@ -335,6 +338,13 @@ def _is_whole(event: dict[str, Any]) -> bool:
     return isinstance(name, str)
 
 
+def wall_seconds_of(events: Sequence[Mapping[str, Any]]) -> float | None:
+    """See RunFolder.wall_seconds, of what its log holds."""
+    timed = [event for event in events if event["event"] in TIMED]
+    seconds = timed[-1].get("wall_seconds") if timed else None
+    return None if seconds is None else float(seconds)
+
+
 def is_number(value: object) -> bool:
     """True and False are none."""
     return isinstance(value, int | float) and not isinstance(value, bool)
@@ -355,7 +365,7 @@ def run_clip(record: RunRecord) -> Clip:
     clip = open_clip(path, record.clip.options)
     if not record.clip.is_of(path):
         raise UserError(f"expected the clip that the run was trained on, got changed files: {path}")
-    return record.clip.through(record.clip.part.of(clip))
+    return record.clip.as_trained(clip)
 
 
 def input_clip(clip: Clip, record: RunRecord) -> Clip:

@@ -178,8 +178,7 @@ def test_a_run_that_goes_on_looks_for_no_tracks(tmp_path: Path, monkeypatch: pyt
     config = TrainConfig(iterations=6, n_gaussians=100, n_controls=7, keep=("deformation",))
     folder = tmp_path / "run"
     folder.mkdir()
-    for event in train(moving_sheet(), config, folder=folder):
-        whole = event
+    *_, whole = train(moving_sheet(), config, folder=folder)
     monkeypatch.setattr(StartingMotion, "of", None)
     *_, last = train(moving_sheet(), config, folder=folder, resume=True)
     assert isinstance(whole, Finished)
