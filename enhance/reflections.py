@@ -6,8 +6,12 @@ from typing import Final
 
 import cv2
 import numpy as np
+from numba import njit, prange
+from numpy.typing import NDArray
 
 from enhance.image import Float32Image
+from enhance.pixel_block import ONE, ZERO
+from enhance.upscale import bring_up
 
 BRIGHT: Final = (np.float32(0.92), np.float32(0.98))
 """V from which on a block may be a reflection, and from which on it is one if it has no colour: at .9, pale
@@ -16,9 +20,11 @@ COLORLESS: Final = (np.float32(0.05), np.float32(0.15))
 """What green lacks beside red: up to the first it has no colour, from the second on it has; white lacks
 nothing."""
 RIM: Final = 1
-"""Blocks around a reflection that it brightens."""
+"""Blocks around a reflection that it brightens; the kernels hold three rows."""
 COARSE: Final = 4
 """Blocks along a side of those in which surroundings are averaged."""
+STRIP: Final = 32
+"""Rows of one task, a multiple of COARSE."""
 
 
 def without_reflections(absorbed: Float32Image, value: Float32Image, radius: int) -> Float32Image:
@@ -35,21 +41,116 @@ def without_reflections(absorbed: Float32Image, value: Float32Image, radius: int
     if not (value > BRIGHT[0]).any():
         return absorbed
     height, width = absorbed.shape
-    bright = np.asarray(cv2.resize(value, (width, height)), np.float32)
-    # Soft bounds: noise about them does not flicker.
-    seen = 1 - _rise(bright, BRIGHT) * (1 - _rise(absorbed, COLORLESS))
-    seen = np.asarray(cv2.erode(seen, np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)), np.float32)
-    size = -(-width // COARSE), -(-height // COARSE)
+    if value.shape != absorbed.shape:
+        value = np.asarray(cv2.resize(value, (width, height)), np.float32)
+    seen, filled = np.empty_like(absorbed), np.empty_like(absorbed)
+    means = np.empty((2, -(-height // COARSE), -(-width // COARSE)), np.float32)
+    _look(absorbed, value, seen, means)
     reach = radius // COARSE * 4 + 1
-    sums, shares = (
-        np.asarray(cv2.blur(cv2.resize(plane, size, interpolation=cv2.INTER_AREA), (reach, reach)))
-        for plane in (absorbed * seen, seen)
-    )
-    around = np.asarray(cv2.resize(sums / np.maximum(shares, np.float32(1e-3)), (width, height)))
-    return np.asarray(absorbed + (1 - seen) * np.maximum(around - absorbed, 0), np.float32)
+    sums, shares = (cv2.blur(plane, (reach, reach)) for plane in means)
+    around = np.asarray(sums / np.maximum(shares, np.float32(1e-3)), np.float32)
+    _fill(absorbed, seen, around[None], filled)
+    return filled
 
 
-def _rise(values: Float32Image, bounds: tuple[np.float32, np.float32]) -> Float32Image:
+@njit(parallel=True, nogil=True, cache=True, error_model="numpy")
+def _look(
+    absorbed: NDArray[np.float32],  # (h, w)
+    bright: NDArray[np.float32],  # (h, w) V
+    seen: NDArray[np.float32],  # (h, w), out: 0 in a reflection and on its rim, 1 elsewhere
+    means: NDArray[np.float32],  # (2, h / COARSE, w / COARSE) rounded up, out: of what is seen, and how much
+) -> None:
+    rows, columns = seen.shape
+    for strip in prange((rows + STRIP - 1) // STRIP):
+        top, bottom = strip * STRIP, min((strip + 1) * STRIP, rows)
+        line = np.ones(columns + 2, np.float32)
+        least = np.ones((3, columns), np.float32)
+        piles = np.zeros((2, columns + COARSE), np.float32)
+        for y in range(top - RIM, bottom + RIM):
+            if 0 <= y < rows:
+                _see(absorbed[y], bright[y], line[1:])
+                _least_of_three(line, line[1:], line[2:], least[y % 3])
+            else:
+                least[y % 3] = ONE
+            done = y - RIM
+            if done >= top:
+                _least_of_three(least[0], least[1], least[2], seen[done])
+                _pile(absorbed[done], seen[done], piles)
+                if done % COARSE == COARSE - 1 or done == rows - 1:
+                    _average(piles, done % COARSE + 1, columns, means[:, done // COARSE])
+
+
+@njit(parallel=True, nogil=True, cache=True, error_model="numpy")
+def _fill(
+    absorbed: NDArray[np.float32],  # (h, w)
+    seen: NDArray[np.float32],  # (h, w)
+    around: NDArray[np.float32],  # (1, h / COARSE, w / COARSE)
+    filled: NDArray[np.float32],  # (h, w), out
+) -> None:
+    rows, columns = seen.shape
+    for strip in prange((rows + STRIP - 1) // STRIP):
+        lines = np.empty((2, 1, columns + COARSE), np.float32)
+        held = np.full(2, -1)
+        for y in range(strip * STRIP, min((strip + 1) * STRIP, rows)):
+            weight = bring_up(around, y, COARSE, lines, held)
+            _blend(absorbed[y], seen[y], lines[0, 0], lines[1, 0], weight, filled[y])
+
+
+@njit(error_model="numpy")
+def _see(absorbed: NDArray[np.float32], bright: NDArray[np.float32], seen: NDArray[np.float32]) -> None:
+    """Soft bounds: noise about them does not flicker."""
+    for i in range(len(absorbed)):
+        seen[i] = ONE - _rise(bright[i], BRIGHT) * (ONE - _rise(absorbed[i], COLORLESS))
+
+
+@njit(forceinline=True, error_model="numpy")
+def _rise(value: np.float32, bounds: tuple[np.float32, np.float32]) -> np.float32:
     """0 up to the first bound, 1 from the second on."""
-    low, high = bounds
-    return np.asarray(np.clip((values - low) / (high - low), 0, 1), np.float32)
+    risen = (value - bounds[0]) * (ONE / (bounds[1] - bounds[0]))
+    risen = risen if risen > ZERO else ZERO
+    return risen if risen < ONE else ONE
+
+
+@njit(error_model="numpy")
+def _least_of_three(
+    a: NDArray[np.float32], b: NDArray[np.float32], c: NDArray[np.float32], out: NDArray[np.float32]
+) -> None:
+    for i in range(len(out)):
+        least = a[i] if a[i] < b[i] else b[i]
+        out[i] = least if least < c[i] else c[i]
+
+
+@njit(error_model="numpy")
+def _pile(absorbed: NDArray[np.float32], seen: NDArray[np.float32], piles: NDArray[np.float32]) -> None:
+    sums, shares = piles[0], piles[1]
+    for i in range(len(absorbed)):
+        sums[i] += absorbed[i] * seen[i]
+        shares[i] += seen[i]
+
+
+@njit(error_model="numpy")
+def _average(piles: NDArray[np.float32], height: int, columns: int, means: NDArray[np.float32]) -> None:
+    """Sums of columns to means of blocks; then they begin anew."""
+    for plane in range(2):
+        pile = piles[plane]
+        for x in range(means.shape[1]):
+            width = min(COARSE, columns - COARSE * x)
+            first = np.uint64(COARSE * x)
+            total = pile[first] + pile[first + np.uint64(1)] + pile[first + np.uint64(2)]
+            means[plane, x] = (total + pile[first + np.uint64(3)]) / np.float32(height * width)
+        pile[:] = ZERO
+
+
+@njit(error_model="numpy")
+def _blend(
+    absorbed: NDArray[np.float32],
+    seen: NDArray[np.float32],
+    even: NDArray[np.float32],
+    odd: NDArray[np.float32],
+    weight: np.float32,
+    out: NDArray[np.float32],
+) -> None:
+    for i in range(len(absorbed)):
+        around = even[i] + weight * (odd[i] - even[i])
+        lack = around - absorbed[i] if around > absorbed[i] else ZERO
+        out[i] = absorbed[i] + (ONE - seen[i]) * lack

@@ -33,10 +33,6 @@ from enhance.upscale import at_places
 from enhance.vessel_first_pass import SUBSAMPLE, TASK, first_pass
 from enhance.vessel_second_pass import second_pass
 
-ABSORPTION: Final = np.array([0.15, 1.0, 0.8], dtype=np.float32)
-"""Of haemoglobin in the red, green and blue of a camera, relative to green (coarse: sensors differ)."""
-GREY: Final = np.ones(3, dtype=np.float32)
-"""For grey images."""
 SAMPLES: Final = 1 << 14
 """Pixels, or up to twice as many, whose median is taken."""
 
@@ -278,7 +274,7 @@ class VesselEnhancer:
             np.float32(params.most_color),
             np.float32(params.strength),
             np.float32(params.coring * ground.middle),
-            GREY if now.is_grey else ABSORPTION,
+            now.is_grey,
             moments,
             out,
         )

@@ -4,13 +4,14 @@ import cv2
 import numpy as np
 import pytest
 
-from enhance.morphology import opened, step_of
+from enhance.morphology import SPAN, STEPS, opened, step_of
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (3, 200), (200, 3), (130, 300)])
 @pytest.mark.parametrize("radius", [1, 2, 5, 8, 15])
 def test_it_is_the_opening_by_a_disc(shape: tuple[int, int], radius: int) -> None:
-    plane = np.random.default_rng(radius).normal(size=shape).astype(np.float32)
+    levels = np.random.default_rng(radius).integers(0, 1 << 16, shape)
+    plane = (levels / STEPS - SPAN).astype(np.float32)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1,) * 2)
     literal = cv2.morphologyEx(plane, cv2.MORPH_OPEN, disc, borderType=cv2.BORDER_REPLICATE)
     np.testing.assert_array_equal(opened(plane, radius), cv2.GaussianBlur(literal, (0, 0), 0.6))

@@ -9,6 +9,7 @@ import pytest
 from enhance import enhance_vessels, highlight_halo, measure
 from enhance.image import Float32Image
 from enhance.reflections import without_reflections
+from tests.enhance.vessel_oracle import filled
 
 TISSUE = (190, 110, 100)
 
@@ -35,6 +36,19 @@ def test_without_reflections_nothing_is_touched() -> None:
     assert without_reflections(absorbed, np.minimum(value, np.float32(0.9)), 8) is absorbed
     colored = np.full_like(absorbed, 0.5)
     np.testing.assert_array_equal(without_reflections(colored, value, 8), colored)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (5, 3), (33, 47), (64, 128), (300, 126)])
+@pytest.mark.parametrize("blocks", [1, 2])
+def test_kernels_agree_with_the_plain_reading(shape: tuple[int, int], blocks: int) -> None:
+    rng = np.random.default_rng(blocks)
+    absorbed = cv2.GaussianBlur(rng.uniform(-0.2, 0.6, shape).astype(np.float32), (0, 0), 1)
+    value = cv2.GaussianBlur(rng.uniform(-2, 3.2, shape).astype(np.float32), (0, 0), 1).clip(0, 1)
+    value = cv2.resize(value, (-(-shape[1] // blocks), -(-shape[0] // blocks)))
+    value[0, 0] = 1
+    for radius in (4, 8, 15):
+        own = without_reflections(absorbed, value, radius)
+        np.testing.assert_allclose(own, filled(absorbed, value, radius), atol=1e-6)
 
 
 def test_all_white_stays_finite() -> None:

@@ -20,8 +20,8 @@ from enhance.metrics import (
     vessel_contrast,
 )
 from enhance.ridges import field_of_view, vessel_mask
-from enhance.vessel import ABSORPTION, VESSEL, VesselEnhancer, VesselParams, enhance_vessels
-from enhance.vessel_second_pass import BOUND
+from enhance.vessel import VESSEL, VesselEnhancer, VesselParams, enhance_vessels
+from enhance.vessel_second_pass import ABSORPTION, BOUND
 from tests.enhance.pictures import DTYPES, as_type, images, vessels
 from tests.enhance.test_real_images import DATA, FRAMES, read
 from tests.enhance.vessel_oracle import vessels_of

@@ -13,7 +13,7 @@ from enhance.image import AnyImage, BoolImage, Float32Image, read_mask, read_pic
 from enhance.morphology import step_of
 from enhance.params import EnhanceParams
 from enhance.pipeline import enhance
-from enhance.reflections import without_reflections
+from enhance.reflections import BRIGHT, COARSE, COLORLESS, RIM
 from enhance.result import EnhanceResult
 from enhance.saturation import Saturation, stretch
 from enhance.shown import Pixels, Shown
@@ -90,11 +90,38 @@ def _opened(plane: Float32Image, bright: Float32Image, radius: int) -> Float32Im
     """Opened by a disc, at a size that leaves it 8 to 15 pixels, and smoothed."""
     step = step_of(radius)
     height, width = plane.shape
-    small = without_reflections(_blocks(plane, step), _blocks(bright, 2), radius // step)
+    small = filled(_blocks(plane, step), _blocks(bright, 2), radius // step)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * (radius // step) + 1,) * 2)
     opened = cv2.morphologyEx(small, cv2.MORPH_OPEN, disc, borderType=cv2.BORDER_REPLICATE)
     size = small.shape[1] * step, small.shape[0] * step
     return np.asarray(cv2.resize(cv2.GaussianBlur(opened, (0, 0), 0.6), size), np.float32)[:height, :width]
+
+
+def filled(absorbed: Float32Image, value: Float32Image, radius: int) -> Float32Image:
+    """As `enhance.reflections.without_reflections`."""
+    height, width = absorbed.shape
+    bright = np.asarray(cv2.resize(value, (width, height)), np.float32)
+    seen = 1 - _rise(bright, BRIGHT) * (1 - _rise(absorbed, COLORLESS))
+    seen = np.asarray(cv2.erode(seen, np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)), np.float32)
+    reach = radius // COARSE * 4 + 1
+    sums, shares = (cv2.blur(_averages(plane, COARSE), (reach, reach)) for plane in (absorbed * seen, seen))
+    upright = np.asarray(sums / np.maximum(shares, np.float32(1e-3)))
+    size = upright.shape[1] * COARSE, upright.shape[0] * COARSE
+    around = np.asarray(cv2.resize(upright, size))[:height, :width]
+    return np.asarray(absorbed + (1 - seen) * np.maximum(around - absorbed, 0), np.float32)
+
+
+def _rise(values: Float32Image, bounds: tuple[np.float32, np.float32]) -> Float32Image:
+    low, high = bounds
+    return np.asarray(np.clip((values - low) / (high - low), 0, 1), np.float32)
+
+
+def _averages(plane: Float32Image, side: int) -> Float32Image:
+    """Means over blocks, those at the edge of what there is of them."""
+    padded, there = (
+        np.pad(one, ((0, -one.shape[0] % side), (0, -one.shape[1] % side))) for one in (plane, plane * 0 + 1)
+    )
+    return np.asarray(_blocks(padded, side) / _blocks(there, side), np.float32)
 
 
 def _blocks(plane: Float32Image, step: int) -> Float32Image:
