@@ -1,7 +1,6 @@
 """Morphological opening by a disc: what is narrower and brighter than its surroundings goes.
 
-Of numbers in [-4, 4), as logarithms of what a camera sees are. Whole numbers of 16 bits stand for them: twice
-as many are compared at once as floats, and steps of 1/8192 are a thirtieth of a grey level in the result.
+Whole numbers of 16 bits stand for floats: twice as many are compared at once, in steps too small to show.
 """
 
 from __future__ import annotations
@@ -20,8 +19,6 @@ STRIP: Final = 64
 TILE: Final = 256
 """Columns that are worked on at once: so many in as many rows as a disc has stay in the first-level cache."""
 MOST_STEP: Final = 16
-SPAN, STEPS = 4.0, 8192
-"""Numbers lie in [-SPAN, SPAN), in so many steps a unit."""
 Levels = NDArray[np.uint16]
 MOST, AS_IS = np.uint16(0xFFFF), np.uint16(0)
 """Exclusive or with MOST turns small into large and large into small, so that minima serve for maxima."""
@@ -29,21 +26,26 @@ MOST, AS_IS = np.uint16(0xFFFF), np.uint16(0)
 
 def step_of(radius: int) -> int:
     """Pixels, a power of two, along a side of the blocks whose means are opened: a disc of `radius` pixels is
-    then 8 to 15 blocks in radius, or less where it is small."""
-    return int(min(MOST_STEP, 1 << max(0, (radius // 8).bit_length() - 1)))
+    then 8 to 15 blocks in radius, or half as many as pixels where it is small."""
+    return int(min(MOST_STEP, 1 << max(1, (radius // 8).bit_length() - 1)))
 
 
 def opened(small: Float32Image, radius: int) -> Float32Image:
-    """(h, w) opened by a disc of `radius` of its pixels, and smoothed; beyond the border there is nothing."""
+    """(h, w) opened by a disc of `radius` of its pixels, in steps of 1/65535 of its range, and smoothed.
+
+    Beyond the border there is nothing.
+    """
     side = 2 * radius + 1
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
     reaches = disc[radius:].sum(axis=1, dtype=np.int64) // 2
-    levels = np.asarray(cv2.addWeighted(small, STEPS, small, 0, SPAN * STEPS, dtype=cv2.CV_16U), np.uint16)
+    low, high, _, _ = cv2.minMaxLoc(small)
+    unit = (high - low) / int(MOST) or 1.0
+    levels = np.asarray(cv2.addWeighted(small, 1 / unit, small, 0, -low / unit, dtype=cv2.CV_16U), np.uint16)
     eroded = np.empty_like(levels)
     _erode(levels, reaches, AS_IS, eroded)
     _erode(eroded, reaches, MOST, levels)
-    result = cv2.addWeighted(levels, 1 / STEPS, levels, 0, -SPAN, dtype=cv2.CV_32F)
-    return np.asarray(cv2.GaussianBlur(result, (0, 0), 0.6))
+    result = cv2.addWeighted(levels, unit, levels, 0, low, dtype=cv2.CV_32F)
+    return np.asarray(cv2.GaussianBlur(result, (3, 3), 0.6))
 
 
 @njit(parallel=True, nogil=True, cache=True, error_model="numpy")

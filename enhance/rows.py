@@ -1,8 +1,8 @@
 """Rows of an image that come in from above and are smoothed on the way.
 
 Each row is read once, with what lies beside it; the border reflects, without the pixel at the border itself.
-Weights are binomial, (1 2 1) / 4 for narrow and (1 4 6 4 1) / 16 for wide, nearly Gaussians of 0.7 and 1
-pixel: sums of 8-bit pixels stay whole numbers below 2^16, and twice as many as of floats are added at once.
+Weights are (1 2 1) / 4, nearly a Gaussian of 0.7 pixels: sums of 8-bit pixels stay whole numbers below 2^16,
+and twice as many as of floats are added at once.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from enhance.interleave import deinterleave
 from enhance.pixel_block import CHUNK
 
-REACH: Final = 2
+REACH: Final = 1
 """Pixels on either side that count."""
-ROWS: Final = 8
+ROWS: Final = 4
 """That are held, row y at place y % ROWS; a power of two that is at least 2 REACH + 1."""
-READ: Final = CHUNK + 32
-"""Columns of a chunk and those beside it, and some that nobody counts; a multiple of 32."""
-NARROW, BROAD = np.float32(1 / 16), np.float32(1 / 256)
-"""One over the sums of the weights."""
+BESIDE: Final = 32
+"""Columns that are held beside the last chunk: those that count, and some that nobody does."""
+SOFT = np.float32(1 / 16)
+"""One over the sum of the weights."""
 
 
 def sums_of(image: NDArray[Any]) -> NDArray[Any]:
@@ -34,7 +34,7 @@ def sums_of(image: NDArray[Any]) -> NDArray[Any]:
 @njit(forceinline=True, error_model="numpy")
 def held_width(columns: int) -> int:
     """Of the rows that are held: whole chunks, and what is read beside the last."""
-    return (columns + CHUNK - 1) // CHUNK * CHUNK + READ - CHUNK
+    return (columns + CHUNK - 1) // CHUNK * CHUNK + BESIDE
 
 
 @njit(forceinline=True, error_model="numpy")
@@ -73,7 +73,7 @@ def _add_across(left: NDArray[Any], sums: NDArray[Any], count: int) -> None:
 
 
 @njit(error_model="numpy")
-def add_down_narrowly(across: NDArray[Any], y: int, color: int, x0: int, sums: NDArray[Any]) -> None:
+def add_down(across: NDArray[Any], y: int, color: int, x0: int, sums: NDArray[Any]) -> None:
     """Weighted (1 2 1) of the rows around y: (CHUNK,) sums of the pixels from column x0 on."""
     row, up, down = (
         across[y % ROWS, color, x0 + 1 :],
@@ -82,17 +82,3 @@ def add_down_narrowly(across: NDArray[Any], y: int, color: int, x0: int, sums: N
     )
     for i in range(CHUNK):
         sums[i] = up[i] + down[i] + (row[i] + row[i])
-
-
-@njit(error_model="numpy")
-def add_down_widely(across: NDArray[Any], y: int, color: int, x0: int, sums: NDArray[Any]) -> None:
-    """Weighted (1 4 6 4 1) of the rows around y: (READ,), those of column x0 at place 1."""
-    row, up, down = (
-        across[y % ROWS, color, x0:],
-        across[(y - 1) % ROWS, color, x0:],
-        across[(y + 1) % ROWS, color, x0:],
-    )
-    far_up, far_down = across[(y - 2) % ROWS, color, x0:], across[(y + 2) % ROWS, color, x0:]
-    for i in range(READ):
-        middle, near = row[i] + row[i] + row[i], up[i] + down[i]
-        sums[i] = far_up[i] + far_down[i] + (near + near) + (near + near) + (middle + middle)

@@ -6,7 +6,6 @@ reddens narrow dark structures as more blood would, whether or not they are vess
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass as plain_dataclass
 from typing import Annotated, Final
 
@@ -15,13 +14,12 @@ from annotated_types import Interval, Unit
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-from enhance import morphology, vessel_curves
+from enhance import vessel_curves
 from enhance.brightness import z_from_level
 from enhance.guided_filter import Grids, WindowModels, window
 from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DFactor, EnhanceParams
 from enhance.pixel_block import BINS
-from enhance.reflections import without_reflections
 from enhance.result import EnhanceResult
 from enhance.rows import sums_of
 from enhance.saturation import pull
@@ -29,12 +27,9 @@ from enhance.shown import Pixels, Shown
 from enhance.statistics import LiveStatistics, Statistics
 from enhance.stream import Stream
 from enhance.survey import LIKELY_SIGMA, Moments, Survey, statistics_of
-from enhance.upscale import at_places
+from enhance.vessel_density import background, blood_density, middle_density
 from enhance.vessel_first_pass import SUBSAMPLE, TASK, first_pass
 from enhance.vessel_second_pass import second_pass
-
-SAMPLES: Final = 1 << 14
-"""Pixels, or up to twice as many, whose median is taken."""
 
 
 @dataclass(
@@ -127,12 +122,9 @@ class _Found:
 
     shown: Shown
     shading: float
-    step: int
     survey: Survey
     absorbed: Float32Image
-    """(H, W) natural logarithm of what green lacks beside red; of grey images, of all that is dark."""
-    small: Float32Image
-    """Its means over blocks of `step` pixels."""
+    """(H / 2, W / 2) natural logarithm of what green lacks beside red; in grey images, of darkness."""
 
 
 @plain_dataclass(frozen=True, eq=False)
@@ -140,9 +132,8 @@ class _Ground:
     """What structures stand out from, of one radius."""
 
     radius: int
-    step: int
     opened: Float32Image
-    """(h, w) background of what is absorbed, in blocks of `step` pixels."""
+    """Background of what is absorbed, see `vessel_density.background`."""
     middle: float
     """Median of the density before coring."""
 
@@ -217,18 +208,16 @@ class VesselEnhancer:
 
     def _find(self, now: Shown, params: VesselParams) -> tuple[_Found, _Ground]:
         """What is narrow and absorbs green more than red; of grey pictures, what is narrow and dark."""
-        shading, step = 0.0 if now.is_grey else params.shading, morphology.step_of(params.radius)
+        shading = 0.0 if now.is_grey else params.shading
         found = self._found
-        if found is None or found.shown is not now or (found.shading, found.step) != (shading, step):
-            found = self._found = _survey(now, shading, step, found)
+        if found is None or found.shown is not now or found.shading != shading:
+            found = self._found = _survey(now, shading, found)
             self._ground = None
         ground = self._ground
         if ground is None or ground.radius != params.radius:
-            reach = params.radius // step
-            tissue = without_reflections(found.small, found.survey.low.fine[0], reach)
-            opened = morphology.opened(tissue, reach)
-            ground = _Ground(params.radius, step, opened, _median(now, found.absorbed, opened, step))
-            self._ground = ground
+            opened = background(found.absorbed, found.survey.low.fine[0], params.radius)
+            middle = middle_density(found.absorbed, opened, params.radius, now.spans)
+            ground = self._ground = _Ground(params.radius, opened, middle)
         return found, ground
 
     def _statistics(self, tone: EnhanceParams, found: _Found) -> Statistics:
@@ -253,6 +242,8 @@ class VesselEnhancer:
         """The second pass; measures Q on the way."""
         now = found.shown
         windows = tuple(window(radius, tone.eps, tone.subsample) for radius in tone.radii)
+        noise, bright = params.coring * ground.middle, found.survey.low.fine[0]
+        density = blood_density(found.absorbed, bright, ground.opened, ground.radius, noise)
         out = np.empty_like(now.pixels)
         moments = np.empty((-(-len(out) // TASK), len(windows), 2))
         second_pass(
@@ -266,14 +257,11 @@ class VesselEnhancer:
             np.array(used.p, np.float32),
             vessel_curves.logarithms(used.z),
             np.float32(found.survey.mean),
-            found.absorbed,
-            ground.opened[None],
-            ground.step,
+            density[None],
             vessel_curves.powers(params.gamma),
             np.float32(pull(used.saturation_mean, params.d_factor)),
             np.float32(params.most_color),
             np.float32(params.strength),
-            np.float32(params.coring * ground.middle),
             now.is_grey,
             moments,
             out,
@@ -283,17 +271,16 @@ class VesselEnhancer:
         return now.finished(out)
 
 
-def _survey(now: Shown, shading: float, step: int, before: _Found | None) -> _Found:
+def _survey(now: Shown, shading: float, before: _Found | None) -> _Found:
     """The first pass, into the memory of the one before where that fits."""
     height, width = now.pixels.shape[:2]
     low = -(-height // SUBSAMPLE), -(-width // SUBSAMPLE)
-    small = -(-height // step), -(-width // step)
-    if before is not None and before.absorbed.shape == (height, width) and before.small.shape == small:
-        grids, absorbed, blocks = before.survey.low, before.absorbed, before.small
+    if before is not None and before.shown.pixels.shape[:2] == (height, width):
+        grids, absorbed = before.survey.low, before.absorbed
     else:
         half = -(-low[0] // 2), -(-low[1] // 2)
         grids = Grids(np.empty((2, *low), np.float32), np.empty((2, *half), np.float32))
-        absorbed, blocks = np.empty((height, width), np.float32), np.empty(small, np.float32)
+        absorbed = np.empty(low, np.float32)
     tasks = -(-height // TASK)
     histograms, chroma = np.empty((tasks, BINS), np.int64), np.empty(tasks)
     first_pass(
@@ -303,24 +290,10 @@ def _survey(now: Shown, shading: float, step: int, before: _Found | None) -> _Fo
         np.float32(now.full),
         sums_of(now.pixels),
         np.float32(shading),
-        step,
         *grids,
         histograms,
         chroma,
         absorbed,
-        blocks,
     )
     survey = Survey(SUBSAMPLE, grids, histograms.sum(axis=0), float(chroma.sum()))
-    return _Found(now, shading, step, survey, absorbed, blocks)
-
-
-def _median(now: Shown, absorbed: Float32Image, opened: Float32Image, step: int) -> float:
-    """Of the density within the field of view, at evenly spread places."""
-    apart = max(3, math.isqrt(absorbed.size // SAMPLES))
-    height, width = absorbed.shape
-    y, x = np.arange(0, height, apart), np.arange(0, width, apart)
-    density = np.maximum(absorbed[::apart, ::apart] - at_places(opened, y, x, step), 0)
-    if now.field is not None and not now.field.is_whole:
-        spans = now.spans[::apart]
-        density = density[(x >= spans[:, :1]) & (x < spans[:, 1:])]
-    return float(np.median(density)) if density.size else 0.0
+    return _Found(now, shading, survey, absorbed)

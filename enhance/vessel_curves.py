@@ -12,6 +12,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enhance.brightness import brighten
+from enhance.pixel_block import ONE, ZERO
+
+TWO, THREE = np.float32(2.0), np.float32(3.0)
 
 TERMS: Final = 11
 NODES: Final = np.cos(np.pi * (np.arange(TERMS) + 0.5) / TERMS)
@@ -19,7 +22,9 @@ FROM_VALUES: Final = np.linalg.inv(np.vander(NODES))
 LOWEST: Final = -8.0
 """log2 V of the first curve's left end; what is darker than a grey level is kept black anyhow."""
 DIM: Final = 0.15
-"""V at the left end of the second curve, below which `gamma` is not applied."""
+"""V at the left end of the second curve, below which neither `gamma` nor the density is applied."""
+LIT: Final = 0.4
+"""V from which on both are applied in full: dark vessels do not become black."""
 
 
 def logarithms(z: float) -> NDArray[np.float32]:
@@ -55,3 +60,12 @@ def unpacked(terms: NDArray[np.float32]) -> tuple[np.float32, ...]:
     """As a tuple, which loops keep in registers."""
     low = terms[5], terms[6], terms[7], terms[8], terms[9], terms[10]
     return terms[0], terms[1], terms[2], terms[3], terms[4], *low
+
+
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+def faded(value: np.float32) -> np.float32:
+    """Smoothstep of V between DIM and LIT."""
+    t = (value - np.float32(DIM)) * np.float32(1 / (LIT - DIM))
+    t = t if t > ZERO else ZERO
+    t = t if t < ONE else ONE
+    return t * t * (THREE - TWO * t)

@@ -70,5 +70,7 @@ def test_tissue_beside_reflections_is_as_without_them(spots: int, monkeypatch: p
     made, wanted = (enhance_vessels(one, statistics=used).image.astype(int) for one in (image, plain))
     assert np.abs((made - wanted)[around].mean(axis=0)).max() < 1.0
     halo = highlight_halo(made.astype(np.uint8), image)
-    monkeypatch.setattr("enhance.vessel.without_reflections", lambda absorbed, value, radius: absorbed)
+    monkeypatch.setattr(
+        "enhance.vessel_density.without_reflections", lambda absorbed, value, radius: absorbed
+    )
     assert 3 * abs(halo) < highlight_halo(enhance_vessels(image, statistics=used).image, image)

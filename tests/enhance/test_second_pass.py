@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from enhance import EnhanceParams, Enhancer, enhance
 from enhance.interleave import deinterleave, interleave
-from enhance.powers import LEAST_NORMAL, LOG2_ZERO, exp2, log2
+from enhance.powers import LEAST_NORMAL, LOG2_ZERO, brief_exp2, brief_log2, exp2, log2
 from enhance.reference import enhance_reference
 from tests.enhance.pictures import as_type, vessels
 
@@ -30,6 +30,18 @@ def log2_of(x: Float32, out: Float32) -> None:
 
 
 @njit
+def brief_powers_of(x: Float32, out: Float32) -> None:
+    for i in range(len(x)):
+        out[i] = brief_exp2(x[i])
+
+
+@njit
+def brief_logarithms_of(x: Float32, out: Float32) -> None:
+    for i in range(len(x)):
+        out[i] = brief_log2(x[i])
+
+
+@njit
 def apart(pixels: NDArray[Any], planes: NDArray[Any]) -> None:
     deinterleave(pixels, planes)
 
@@ -46,6 +58,16 @@ def test_powers_of_two_are_exact_to_float32() -> None:
     np.testing.assert_allclose(out, np.exp2(x.astype(np.float64)), rtol=2e-7)
     whole = np.arange(-126, 128, dtype=np.float32)
     assert np.array_equal(out[-len(whole) :], np.exp2(whole.astype(np.float64)).astype(np.float32))
+
+
+def test_brief_powers_are_exact_to_a_thousandth_of_a_grey_level() -> None:
+    x = np.linspace(-126, 127, 400_001).astype(np.float32)
+    out = np.empty_like(x)
+    brief_powers_of(x, out)
+    np.testing.assert_allclose(out, np.exp2(x.astype(np.float64)), rtol=3e-6)
+    values = np.linspace(1e-6, 2, 400_001).astype(np.float32)
+    brief_logarithms_of(values, out)
+    np.testing.assert_allclose(out, np.log2(values.astype(np.float64)), rtol=0, atol=3e-6)
 
 
 def test_very_negative_powers_are_as_good_as_zero() -> None:

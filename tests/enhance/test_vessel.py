@@ -21,7 +21,8 @@ from enhance.metrics import (
 )
 from enhance.ridges import field_of_view, vessel_mask
 from enhance.vessel import VESSEL, VesselEnhancer, VesselParams, enhance_vessels
-from enhance.vessel_second_pass import ABSORPTION, BOUND
+from enhance.vessel_density import BOUND
+from enhance.vessel_second_pass import ABSORPTION
 from tests.enhance.pictures import DTYPES, as_type, images, vessels
 from tests.enhance.test_real_images import DATA, FRAMES, read
 from tests.enhance.vessel_oracle import vessels_of

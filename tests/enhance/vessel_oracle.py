@@ -23,8 +23,10 @@ from enhance.vessel import VESSEL, VesselParams
 ABSORPTION = np.array([0.15, 1.0, 0.8], dtype=np.float32)
 LUMA = np.array([0.299, 0.587, 0.114], dtype=np.float32)
 FLOOR, MOST, DIM = np.float32(8 / 255), np.float32(0.5), (0.15, 0.4)
-NARROW, WIDE = (1, 2, 1), (1, 4, 6, 4, 1)
-"""Binomial weights of neighbours, along rows and columns."""
+SOFT = (1, 2, 1)
+"""Weights of neighbours, along rows and columns."""
+GRID = 2
+"""Pixels along a side of the blocks in which blood is looked for."""
 Planes = Sequence[Float32Image]
 """R, G and B, or a single grey, each (H, W) in [0, 1]."""
 
@@ -53,7 +55,7 @@ def vessels_of(
     paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
     toned = enhance(_merged(calm), paper, tissue_mask=keep, statistics=statistics, pixels=field or "all")
     colored = _colored(_split(toned.image), toned.statistics.saturation_mean, params)
-    density = np.float32(params.strength) * _fade(bright) * blood_density(planes, bright, params, inside)
+    density = np.float32(params.strength) * blood_density(planes, bright, params, inside)
     shares = ABSORPTION if len(planes) == 3 else np.ones(1, np.float32)
     result = _merged([plane * np.exp(-share * density) for plane, share in zip(colored, shares, strict=True)])
     result[~inside] = colors[~inside]
@@ -73,28 +75,34 @@ def blood_density(
 
     Args:
         planes: R, G and B, or a single grey, (H, W) in [0, 1].
-        bright: (H, W) calm V, which tells reflections.
+        bright: (H, W) calm V, which tells reflections, and darkness, where density fades.
         inside: (H, W), True = field of view, whose median density is noise.
     """
-    logs = [np.log(_smooth(plane, WIDE) + FLOOR) for plane in planes[:2]]
+    logs = [np.log(_blocks(_smooth(plane, SOFT), GRID) + FLOOR) for plane in planes[:2]]
     absorbed = -logs[0] if len(planes) == 1 else np.float32(params.shading) * logs[0] - logs[1]
     found = np.maximum(absorbed - _opened(absorbed, bright, params.radius), 0)
-    apart = max(3, math.isqrt(found.size // (1 << 14)))
+    apart = max(3, math.isqrt(found.size // (1 << 12)))
+    inside = inside[::GRID, ::GRID]
     noise = np.float32(params.coring) * np.median(found[::apart, ::apart][inside[::apart, ::apart]])
     square = found * found
     cored = found * square / (square + noise * noise + np.float32(1e-12))
-    return np.asarray(MOST * np.tanh(cored / MOST), dtype=np.float32)
+    density = _fade(_blocks(bright, GRID)) * MOST * np.tanh(cored / MOST)
+    return _brought_up(np.asarray(density, np.float32), GRID, bright.shape)
 
 
-def _opened(plane: Float32Image, bright: Float32Image, radius: int) -> Float32Image:
-    """Opened by a disc, at a size that leaves it 8 to 15 pixels, and smoothed."""
+def _opened(absorbed: Float32Image, bright: Float32Image, radius: int) -> Float32Image:
+    """Opened by a disc, at a size that leaves it 8 to 15 blocks in radius, and smoothed."""
     step = step_of(radius)
-    height, width = plane.shape
-    small = filled(_blocks(plane, step), _blocks(bright, 2), radius // step)
+    small = filled(_blocks(absorbed, step // GRID), _blocks(bright, GRID), radius // step)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * (radius // step) + 1,) * 2)
     opened = cv2.morphologyEx(small, cv2.MORPH_OPEN, disc, borderType=cv2.BORDER_REPLICATE)
-    size = small.shape[1] * step, small.shape[0] * step
-    return np.asarray(cv2.resize(cv2.GaussianBlur(opened, (0, 0), 0.6), size), np.float32)[:height, :width]
+    return _brought_up(cv2.GaussianBlur(opened, (3, 3), 0.6), step // GRID, absorbed.shape)
+
+
+def _brought_up(blocks: Float32Image, side: int, shape: tuple[int, ...]) -> Float32Image:
+    """From blocks to `shape`, which they cover."""
+    size = blocks.shape[1] * side, blocks.shape[0] * side
+    return np.asarray(cv2.resize(blocks, size), np.float32)[: shape[0], : shape[1]]
 
 
 def filled(absorbed: Float32Image, value: Float32Image, radius: int) -> Float32Image:
@@ -105,9 +113,7 @@ def filled(absorbed: Float32Image, value: Float32Image, radius: int) -> Float32I
     seen = np.asarray(cv2.erode(seen, np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)), np.float32)
     reach = radius // COARSE * 4 + 1
     sums, shares = (cv2.blur(_averages(plane, COARSE), (reach, reach)) for plane in (absorbed * seen, seen))
-    upright = np.asarray(sums / np.maximum(shares, np.float32(1e-3)))
-    size = upright.shape[1] * COARSE, upright.shape[0] * COARSE
-    around = np.asarray(cv2.resize(upright, size))[:height, :width]
+    around = _brought_up(sums / np.maximum(shares, np.float32(1e-3)), COARSE, absorbed.shape)
     return np.asarray(absorbed + (1 - seen) * np.maximum(around - absorbed, 0), np.float32)
 
 
@@ -140,7 +146,7 @@ def _calm(planes: Planes) -> Planes:
     """Differences of R, G and B to luma, smoothed; at no pixel is any channel brighter than V was."""
     if len(planes) == 1:
         return planes
-    smooth = [_smooth(plane, NARROW) for plane in planes]
+    smooth = [_smooth(plane, SOFT) for plane in planes]
     fine = sum(share * (plane - blurred) for share, plane, blurred in zip(LUMA, planes, smooth, strict=True))
     most = _largest(planes)
     return [np.clip(blurred + fine, 0, most) for blurred in smooth]
