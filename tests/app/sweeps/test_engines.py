@@ -149,38 +149,29 @@ def test_places_that_are_not_there_are_one_line(tmp_path: Path, monkeypatch: pyt
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("models", [True, False])
-def test_finished_trainings_keep_no_checkpoints_and_their_model_if_wanted(
-    tmp_path: Path, clip_path: Path, models: bool
+@pytest.mark.parametrize("held_out", [True, False])
+def test_finished_trainings_keep_what_is_wanted_and_are_measured_on_the_right_frames(
+    tmp_path: Path, clip_path: Path, held_out: bool
 ) -> None:
-    text = SPEC.format(clip=clip_path.as_posix(), seeds="0", iterations=2)
-    given = tomllib.loads(text) | {"models": models, "renders": not models}
-    plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
-    folder = tmp_path / "out"
-    recorded(plan, folder)
-    with open_engine("local", workers=1, threads=1, slurm=Slurm(), folder=folder) as engine:
-        run_jobs(plan, folder, engine, lambda done, note: None)
-    run = folder / "jobs" / plan.jobs[0].key / "run"
-    assert not list(run.glob("checkpoint-*"))
-    assert (run / "model.safetensors").exists() == models
-    assert (run / "run.json").is_file()
-    rendered = list((run.parent / "renders").glob("*.png"))
-    assert len(rendered) == (0 if models else 2)  # Of ten frames, 1 and 9 are held out.
-
-
-@pytest.mark.slow
-def test_held_out_trainings_are_measured_on_training_frames_alone(tmp_path: Path, clip_path: Path) -> None:
-    text = SPEC.format(clip=clip_path.as_posix(), seeds="0", iterations=2)
-    given = tomllib.loads(text)
-    given["settings"]["hold_out"] = True
+    """With the model and measured on held-out training frames alone, or with renders of test frames."""
+    given = tomllib.loads(SPEC.format(clip=clip_path.as_posix(), seeds="0", iterations=2))
+    given["settings"]["hold_out"] = held_out
+    given |= {"models": held_out, "renders": not held_out}
     plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
     folder = tmp_path / "out"
     recorded(plan, folder)
     with open_engine("local", workers=1, threads=1, slurm=Slurm(), folder=folder) as engine:
         run_jobs(plan, folder, engine, lambda done, note: None)
     place = folder / "jobs" / plan.jobs[0].key
-    told = [json.loads(line) for line in (place / "run" / "events.jsonl").read_text().splitlines()]
+    run = place / "run"
+    assert not list(run.glob("checkpoint-*"))
+    assert (run / "model.safetensors").exists() == held_out
+    assert (run / "run.json").is_file()
+    rendered = list((place / "renders").glob("*.png"))
+    assert len(rendered) == (0 if held_out else 2)  # Of ten frames, 1 and 9 are held out.
+    told = [json.loads(line) for line in (run / "events.jsonl").read_text().splitlines()]
     last = [event for event in told if event["event"] == "Evaluated"][-1]
-    result = json.loads((place / "result.json").read_text())["measures"]
-    assert result["psnr"] == last["psnr"]
-    assert "ssim" not in result
+    measures = json.loads((place / "result.json").read_text())["measures"]
+    if held_out:
+        assert measures["psnr"] == last["psnr"]
+    assert ("ssim" in measures) != held_out
