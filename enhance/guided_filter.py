@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from typing import Final, NamedTuple
 
@@ -102,9 +103,11 @@ class WindowModels:
         stale = [i for i, one in enumerate(windows) if needed[i] and self._done[i] != one]
         if stale:
             coarse = np.array([one.coarse for one in windows])
-            whole = np.array([min(one.whole, max(low.fine.shape)) for one in windows], dtype=np.int64)
+            reaches = tuple(min(one.whole, max(low.fine.shape)) for one in windows)
+            whole = np.array(reaches, dtype=np.int64)
             part, eps = (np.array([getattr(one, name) for one in windows]) for name in ("part", "eps"))
-            tasks = _tasks(low, stale, coarse, whole)
+            rows = tuple(low[int(one.coarse)].shape[1] for one in windows)
+            tasks = _tasks(rows, tuple(stale), tuple(one.coarse for one in windows), reaches)
             stages = np.array([self._stage(i, one) if i in stale else PASS for i, one in enumerate(windows)])
             _fit(*low, tasks, coarse, whole, part, eps, stages, *self._kept, *self._models)
             for i in stale:
@@ -127,15 +130,15 @@ def _memory(shapes: Sequence[tuple[int, ...]]) -> Grids:
     return Grids(*(np.empty(shape, np.float32) for shape in shapes))
 
 
+@lru_cache(maxsize=64)
 def _tasks(
-    low: Grids, scales: list[int], coarse: NDArray[np.bool_], whole: NDArray[np.int64]
+    rows: tuple[int, ...], scales: tuple[int, ...], coarse: tuple[bool, ...], whole: tuple[int, ...]
 ) -> NDArray[np.int64]:
     """(n, 3) scale, first row and the row after the last of each strip, from the top of the image down."""
     tasks = []
     for scale in scales:
-        rows = low[int(coarse[scale])].shape[1]
-        count = -(-rows // (STRIP + 2 * int(whole[scale])))
-        cuts = [rows * index // count for index in range(count + 1)]
+        count = -(-rows[scale] // (STRIP + 2 * whole[scale]))
+        cuts = [rows[scale] * index // count for index in range(count + 1)]
         tasks += [(scale, top, bottom) for top, bottom in pairwise(cuts)]
     return np.array(sorted(tasks, key=lambda task: task[1] * (1 + coarse[task[0]])), dtype=np.int64)
 

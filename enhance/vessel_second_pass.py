@@ -17,12 +17,14 @@ from enhance.pixel_block import (
     BLUE,
     CHUNK,
     GREEN,
+    HALF,
     INVERSE,
     LEAST_COLOR,
     LOG,
     ONE,
     PLANES,
     RED,
+    SLOPE,
     TOTAL,
     VALUE,
     ZERO,
@@ -32,7 +34,14 @@ from enhance.pixel_block import (
 )
 from enhance.powers import brief_exp2, brief_log2
 from enhance.rows import REACH, ROWS, held_width, read_row
-from enhance.second_pass import FLOOR, add_scale, faded_to_black, filter_row, store
+from enhance.second_pass import (
+    FLOOR,
+    add_moments,
+    faded_to_black,
+    filter_and_add_by_root,
+    filter_row,
+    store,
+)
 from enhance.upscale import bring_up
 from enhance.vessel_curves import faded, unpacked, value_of
 from enhance.vessel_first_pass import SUBSAMPLE, TASK, calm_color, extremes, gather
@@ -109,8 +118,13 @@ def second_pass(
                     keep_within(first, end, x0, chunk)
                 _begin(chunk, logarithms)
                 for scale in range(scales):
-                    filter_row(lines[scale], x0, weights[scale], chunk)
-                    add_scale(chunk, exponents[scale], pivot, sums[scale])
+                    p, weight_of = exponents[scale], weights[scale]
+                    if p == HALF:
+                        filter_and_add_by_root(lines[scale], x0, weight_of, pivot, sums[scale], chunk)
+                    else:
+                        filter_row(lines[scale], x0, weight_of, chunk)
+                        add_moments(chunk, pivot, sums[scale])
+                        _add_by_power(chunk, p)
                 _finish(
                     chunk, powers, ONE / np.float32(scales), pull, most_color,
                     blood[0, 0, x0:], blood[1, 0, x0:], weight, strength, is_grey, full,
@@ -134,6 +148,14 @@ def _begin(chunk: NDArray[np.float32], logarithms: NDArray[np.float32]) -> None:
         chunk[LOG, i] = value_of(terms, (log if log > LOWEST else LOWEST) * (-TWO / LOWEST) + ONE)
         chunk[INVERSE, i] = ONE / (value + FLOOR)
         chunk[TOTAL, i] = ZERO
+
+
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+def _add_by_power(chunk: NDArray[np.float32], p: np.float32) -> None:
+    """Vn^E of Eq 8 from Q in SLOPE, onto TOTAL."""
+    for i in range(CHUNK):
+        power = brief_exp2(p * brief_log2((chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]))
+        chunk[TOTAL, i] += brief_exp2(power * chunk[LOG, i])
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
