@@ -6,6 +6,10 @@ import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, cast
 
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import Stereo, StereoLayout
 
@@ -21,6 +25,21 @@ NARROWEST: Final = 1.0
 WIDEST: Final = 2.4
 """Width by height of an eye's picture: beyond, it is squeezed to half its width or height, as for cables and
 screens made for one picture. Squeezed ones of 5:4 to 16:9 have 0.63 to 0.89, or 2.5 to 3.6."""
+
+SMALL: Final = 96
+"""Columns at which halves of a frame are compared."""
+TALLEST: Final = 192
+COARSE: Final = 6.0
+"""Pixels, standard deviation of the blur that is taken away: what light and a round view have in common."""
+ALIKE: Final = 0.45
+"""Correlation from which on halves look alike. Frames of one eye have at most 0.29 (seven clips, a phantom,
+42 retinas), pairs of eyes at least 0.61, squeezed ones 0.45 (two clips)."""
+FLAT: Final = 0.5
+"""Grey levels, standard deviation: too little to compare."""
+HALVES: Final[Mapping[StereoLayout, str]] = {
+    "side-by-side": "left and right half",
+    "top-bottom": "upper and lower half",
+}
 
 
 def chosen_layout(stereo: Stereo, told: StereoLayout | None) -> StereoLayout | None:
@@ -72,3 +91,29 @@ def squeezed(size: tuple[int, int], layout: StereoLayout, pixel_aspect: float = 
     if eye_aspect(size, layout, pixel_aspect) == pixel_aspect:
         return ""
     return f", squeezed to half its {'width' if layout == 'side-by-side' else 'height'}"
+
+
+def likely_layout(image: ByteImage) -> StereoLayout | None:
+    """That in which the halves of a frame look alike, as pictures of two eyes do, if there is one."""
+    grey = np.asarray(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), np.uint8)
+    height, width = grey.shape[0] // 2, grey.shape[1] // 2
+    if min(height, width) < SMALL // 2:
+        return None
+    likeness: dict[StereoLayout, float] = {
+        "side-by-side": _likeness(grey[:, :width], grey[:, width : 2 * width]),
+        "top-bottom": _likeness(grey[:height], grey[height : 2 * height]),
+    }
+    best = max(likeness, key=lambda layout: likeness[layout])
+    return best if likeness[best] >= ALIKE else None
+
+
+def _likeness(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
+    """Highest correlation of the middle of one half with the other, a fifth of the width aside at most."""
+    size = SMALL, int(np.clip(SMALL * one.shape[0] // one.shape[1], SMALL // 4, TALLEST))
+    small = (cv2.resize(half, size, interpolation=cv2.INTER_AREA).astype(np.float32) for half in (one, other))
+    first, second = (half - cv2.GaussianBlur(half, (0, 0), COARSE) for half in small)
+    aside, above = size[0] // 5, max(2, size[1] // 16)
+    middle = first[above:-above, aside:-aside]
+    if min(middle.std(), second.std()) < FLAT:
+        return 0.0
+    return float(cv2.matchTemplate(second, middle, cv2.TM_CCOEFF_NORMED).max())

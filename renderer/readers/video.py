@@ -15,7 +15,15 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions, StereoLayout
 from renderer.readers.dicom.header import read_header
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.frames import without_depth
-from renderer.readers.stereo_layout import chosen_layout, eye_aspect, eye_size, eyes, squeezed
+from renderer.readers.stereo_layout import (
+    HALVES,
+    chosen_layout,
+    eye_aspect,
+    eye_size,
+    eyes,
+    likely_layout,
+    squeezed,
+)
 
 
 class Video(Protocol):
@@ -49,7 +57,9 @@ def open_video(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     layout, first = chosen_layout(options.stereo, video.stereo), video.read(0)
     size = first.shape[1], first.shape[0]
     if layout is None:
-        return _clip(path, options, video, video.read, size, video.pixel_aspect)
+        clip = _clip(path, options, video, video.read, size, video.pixel_aspect)
+        hint = _hint(first) if options.stereo == "auto" else ""
+        return replace(clip, notices=(*clip.notices, hint)) if hint else clip
     try:
         size = eye_size(size, layout)
     except ClipError as error:
@@ -63,6 +73,15 @@ def open_video(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         read_right=lambda index: _eye(video.read(index), layout, 1),
         notices=(*left.notices, said),
     )
+
+
+def _hint(first: ByteImage) -> str:
+    """What a person should decide whose frames look like those of two eyes; else nothing."""
+    layout = likely_layout(first)
+    if layout is None:
+        return ""
+    way = f"Eyes in the window, --stereo {layout} in commands"
+    return f"the {HALVES[layout]} of a frame look alike; if they are the two eyes: {way}"
 
 
 def _eye(image: ByteImage, layout: StereoLayout, number: int) -> ByteImage:

@@ -136,7 +136,7 @@ def open_path(state: AppState, path: Path) -> None:
     """Ask for a clip or a run; what is open stays until the new one is there, what is unsaved for good."""
 
     def go() -> None:
-        state.source.opening = OpenRequest(path.absolute(), state.source.clip_options)
+        state.source.opening = OpenRequest(path.absolute(), state.source.first_options(path.absolute()))
         state.window.banner = None
 
     if path.suffix.lower() in VIEW_SUFFIXES:

@@ -1,4 +1,4 @@
-"""Trimming and masking a clip, as functions on the state."""
+"""Trimming and masking a clip, and which eyes its frames hold, as functions on the state."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from dataclasses import replace
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
+from app.gui.work.opening import OpenRequest
 from app.gui.work.settings import FILE, UNKNOWN, KnownClip, clips_content
 from app.gui.work.writing import WriteRequest
 from app.runs.clip_selection import ClipPart
 from enhance.field_search import find_field
-from renderer.readers.clip_options import ClipOptions
+from renderer.readers.clip_options import ClipOptions, Stereo
 
 
 def why_no_clip(state: AppState) -> str:
@@ -90,12 +91,44 @@ def _set(state: AppState, settings: ClipPart) -> None:
 
 
 def keep_reading(state: AppState, options: ClipOptions) -> None:
-    """Depth, baseline and field of view that were chosen for this clip."""
+    """Depth, baseline, field of view and eyes that were chosen for this clip."""
     if state.source.clip is not None:
         chosen = KnownClip(
-            depth=options.depth, baseline=options.baseline, field_of_view=options.field_of_view
+            depth=options.depth,
+            baseline=options.baseline,
+            field_of_view=options.field_of_view,
+            stereo=options.stereo,
         )
         _keep(state, str(state.source.clip.path), chosen)
+
+
+def is_video(state: AppState) -> bool:
+    """A video is open by itself: nothing has been made of it that would be of another size."""
+    clip = state.source.clip
+    return clip is not None and clip.format == "video" and state.source.path == clip.path
+
+
+def choose_eyes(state: AppState, stereo: Stereo) -> None:
+    """Open the video again, with its frames read so; what is unsaved comes first."""
+    clip = state.source.clip
+    if clip is None or not is_video(state) or stereo == state.source.options.stereo:
+        return
+    request = OpenRequest(clip.path, replace(state.source.clip_options, stereo=stereo))
+
+    def go() -> None:
+        state.source.opening, state.window.banner = request, None
+
+    actions.leave_session(state, go)
+
+
+def keep_eyes(state: AppState, request: OpenRequest) -> None:
+    """As they were chosen, once the video could be opened so."""
+    clip, said = state.source.clip, state.source.clip_options.stereo
+    if clip is None or clip.path != request.path:
+        return
+    stereo, known = request.options.stereo, state.source.known.get(str(clip.path), UNKNOWN)
+    if known.stereo != stereo and (stereo != said or known.stereo != UNKNOWN.stereo):
+        _keep(state, str(clip.path), replace(known, stereo=stereo))
 
 
 def keep_settings(state: AppState) -> None:

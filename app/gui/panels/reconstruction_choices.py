@@ -12,7 +12,7 @@ from imgui_bundle import imgui
 from app.enhancement.settable import InputKind
 from app.enhancement.setting_words import in_letters, worded
 from app.files.legible import named
-from app.gui.actions import depth_actions, job_actions
+from app.gui.actions import clip_actions, depth_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
 from app.gui.style.fields import declared, wants_default
@@ -20,7 +20,7 @@ from app.gui.style.widgets import NAMES, button, choose_row, em, explain, explai
 from app.gui.work.presets import loosely_named
 from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWay
-from renderer.readers.clip_options import ClipOptions
+from renderer.readers.clip_options import ClipOptions, Stereo
 from renderer.train.config import Method, TrainConfig
 
 METHODS: Final[dict[Method, str]] = {method: named(method) for method in get_args(Method)}
@@ -49,6 +49,16 @@ BASELINE_TEXT: Final = (
 VIEW_TEXT: Final = "Horizontal field of view of the left camera, in degrees. Empty: 60° is assumed."
 NO_WAY: Final = "Choose…"
 POINTS: Final = "Sparse points"
+EYES: Final[dict[Stereo, str]] = {
+    "auto": "As the video says",
+    "off": "One eye",
+    "side-by-side": "Left and right half",
+    "top-bottom": "Upper and lower half",
+}
+EYES_TEXT: Final = (
+    "How both eyes of a stereo endoscope lie in each frame, the left one first. The left eye is shown, and "
+    "depth is matched between them."
+)
 LINK_TEXT: Final = (
     "Follow the image's settings. Off: keep them as they are now, whatever the image is set to."
 )
@@ -61,6 +71,7 @@ def draw_choices(state: AppState) -> None:
     config = run.config
     method = choose_row("Method", config.method, METHODS, declared(TrainConfig, "method").text)
     if state.source.clip is not None:
+        _draw_eyes(state)
         _draw_depth(state, state.source.clip)
     job_actions.choose_input(state, choose_row("Frames", run.input, INPUTS, INPUTS_TEXT))
     if run.input != "original":
@@ -71,6 +82,12 @@ def draw_choices(state: AppState) -> None:
     row("Name", "Folder of the run; if empty, the clip's name and the time.")
     _, name = imgui.input_text_with_hint("##name", "automatic", run.name)
     job_actions.name_run(state, name)
+
+
+def _draw_eyes(state: AppState) -> None:
+    if clip_actions.is_video(state):
+        chosen = choose_row("Eyes", state.source.options.stereo, EYES, EYES_TEXT)
+        clip_actions.choose_eyes(state, chosen)
 
 
 def _draw_depth(state: AppState, clip: Clip) -> None:

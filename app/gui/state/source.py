@@ -86,6 +86,13 @@ class Source:
         """Where it comes from in the open clip, or will in a moment."""
         return (self.depth_wish.options if self.depth_wish is not None else self.options).depth
 
+    def first_options(self, path: Path) -> ClipOptions:
+        """With which to open it: as said at the start, and how the eyes lie as it was chosen for it."""
+        known, said = self.known.get(str(path)), self.clip_options
+        if known is None or said.stereo != DEFAULTS.stereo:
+            return said
+        return replace(said, stereo=known.stereo)
+
     def kept_options(self, path: Path, options: ClipOptions) -> ClipOptions:
         """Of a clip that was read with `options`: as said at the start, else as it was chosen for it."""
         known, said = self.known.get(str(path)), self.clip_options

@@ -9,7 +9,7 @@ from app.enhancement.clip_statistics import ClipStatistics, StatisticsRequest
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
 from app.files.legible import located
-from app.gui.actions import actions, path_actions, session_actions, summary_actions
+from app.gui.actions import actions, clip_actions, path_actions, session_actions, summary_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
@@ -127,6 +127,7 @@ def take_opened(state: AppState, request: OpenRequest, answer: Opened | Failure)
         path_actions.add_views(state, answer.views, request.path)
     else:
         actions.show_opened(state, request.path, answer)
+        clip_actions.keep_eyes(state, request)
         if answer.session is not None:
             session_actions.restore(state, answer.session, answer.second)
             summary_actions.restore(state, answer.session.summary, answer.pictures)

@@ -22,7 +22,7 @@ from app.files.provenance import strict_json
 from app.runs.clip_selection import ClipPart
 from app.runs.runs_place import runs_place
 from app.scenes.backgrounds import BackgroundName
-from renderer.readers.clip_options import DEFAULTS, DepthSource
+from renderer.readers.clip_options import DEFAULTS, DepthSource, Stereo
 
 RECENT_LIMIT = 8
 MOST_FOLDERS = 32
@@ -168,6 +168,8 @@ class KnownClip:
     """In mm; None: not said."""
     field_of_view: Annotated[float, Interval(ge=5, le=170)] = DEFAULTS.field_of_view
     """Horizontal, in degrees."""
+    stereo: Stereo = "auto"
+    """How both eyes lie in the frames."""
 
     @property
     def part(self) -> ClipPart:

@@ -11,7 +11,7 @@ import pytest
 from renderer.clip import ClipError
 from renderer.depth.depth_ways import depth_ways
 from renderer.readers.clip_options import ClipOptions, StereoLayout
-from renderer.readers.stereo_layout import eye_aspect
+from renderer.readers.stereo_layout import eye_aspect, likely_layout
 from renderer.readers.video_header import read_video_header
 from renderer.sources import open_bare, open_clip, require_depth_source
 from tests.renderer.eyes import BASELINE, Eyes, look
@@ -73,6 +73,26 @@ def test_what_a_video_says_is_overruled_on_request(tmp_path, moments) -> None:
     wrong = open_clip(path, ClipOptions(stereo="side-by-side"))
     assert not wrong.has_depth
     assert "no stereo depth" in wrong.why_no_depth
+
+
+@pytest.mark.parametrize("layout", AXES)
+def test_a_video_that_says_nothing_is_told_to_look_like_two_eyes(tmp_path, moments, layout) -> None:
+    path = film(tmp_path / "a.mp4", moments, layout, told=False)
+    whole = open_clip(path)
+    assert whole.read_right is None
+    assert any("look alike" in said and f"--stereo {layout} in commands" in said for said in whole.notices)
+    for stereo in ("off", layout):
+        assert not any("look alike" in n for n in open_clip(path, ClipOptions(stereo=stereo)).notices)
+
+
+def test_frames_of_one_eye_do_not_look_like_two(moments) -> None:
+    left, right = moments[0].left.image, moments[0].right.image
+    squeezed = np.concatenate((left[:, ::2], right[:, ::2]), axis=1)
+    assert likely_layout(squeezed) == "side-by-side"
+    noise = np.random.default_rng(0).integers(0, 256, left.shape, np.uint8)
+    mirrored = np.concatenate((left, left[:, ::-1]), axis=1)
+    for image in (left, noise, mirrored, left * 0, left[:40, :40], left[:1, :1]):
+        assert likely_layout(np.ascontiguousarray(image)) is None
 
 
 def test_what_cannot_be_halved_is_refused_in_a_line(tmp_path) -> None:
