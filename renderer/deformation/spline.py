@@ -7,8 +7,8 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 MIN_CONTROLS = 4
-FRAMES_PER_CONTROL = 3.7
-"""17 control values for the 63 frames of the feasibility study's clip; more overfit in time."""
+FRAMES_PER_CONTROL, FEWEST_PER_CONTROL = 3.7, 2.0
+"""Frames of a clip for each control value: as long as nobody looked, and where tissue moves fastest."""
 
 
 def spline_taps(time: float, n_controls: int) -> tuple[int, NDArray[np.float32]]:
@@ -32,9 +32,9 @@ def spline_taps(time: float, n_controls: int) -> tuple[int, NDArray[np.float32]]
     return first, (weights / 6.0).astype(np.float32)
 
 
-def controls_for(n_frames: int) -> int:
+def controls_for(n_frames: int, per_control: float = FRAMES_PER_CONTROL) -> int:
     """Number of control values for a clip."""
-    return max(MIN_CONTROLS, round(n_frames / FRAMES_PER_CONTROL))
+    return max(MIN_CONTROLS, round(n_frames / per_control))
 
 
 @njit(parallel=True, cache=True)

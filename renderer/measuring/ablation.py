@@ -86,7 +86,7 @@ def _walkers(clip: Clip, configs: Sequence[TrainConfig]) -> Iterator[_Walker]:
     seeds = FrameStore.of(with_points(frames, clip.points))
     size, views = scene_size(seeds), FrameStore.of(train_frame(frame) for frame in frames)
     for config in configs:
-        recipe = recipe_for(config, decide(clip, frames, config))
+        recipe = recipe_for(config, decide(clip, frames, config, follow=seeds))
         raw = recipe.initialize(seeds)
         model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size)
         yield _Walker(model, views, config.iterations)

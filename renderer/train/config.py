@@ -31,8 +31,8 @@ Part = Literal[
 
 CHOSEN: Final = (
     "depth_weight, color_motion_rate and scale_rate were chosen on training frames of the pulling clip "
-    "that were held out of the fit (hold_out); rate_decay, the mean over the last quarter of the steps "
-    "and the start from tracks on those of pulling, mesentery and phantom. The other numbers of "
+    "that were held out of the fit (hold_out); rate_decay, the mean over the last quarter of the steps, "
+    "the start from tracks and n_controls on those of pulling, mesentery and phantom. The other numbers of "
     "vesselsplat come from trials with an earlier program, about 30 runs on the pulling clip, chosen by "
     "hand with its test frames in view: figures on that clip's test frames are optimistic by an unknown "
     "amount. Rates of deform3dgs and endogaussian are the published ones, but for the departures"
@@ -72,7 +72,8 @@ class TrainConfig:
     """Most frames that one set of Gaussians is trained on; longer clips are cut into windows; auto: 400,
     fewer where the camera travels."""
     n_controls: Annotated[int, Interval(ge=4, le=1000)] | None = None
-    """Control values in time; empty: one per 3.7 frames. More follow faster motion and overfit sooner."""
+    """Control values in time; empty: one per 3.7 frames, up to one per 2 where tracks show fast motion. More
+    follow faster motion and overfit sooner."""
     node_columns: Annotated[int, Interval(ge=2, le=200)] = 20
     """Number of motion nodes across the view, shared by neighbouring Gaussians."""
     half_resolution_share: Annotated[float, Interval(ge=0, le=1)] = 1 / 3

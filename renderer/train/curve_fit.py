@@ -18,7 +18,8 @@ STEADY = 0.05
 """Weight of the squared second difference of control values in time."""
 RIDGE = 1e-3
 """Weight of the squared control values: nodes that nothing was seen of rest at last."""
-TOLERANCE = 1e-10
+CLOSE, ROUGH = 1e-10, 1e-6
+"""Of the residual's square, relative to that of the start: for curves in use, and to compare fits."""
 MOST_ROUNDS = 500
 
 
@@ -55,14 +56,14 @@ class CurveFit:
         taps = np.array([weights for _, weights in active], np.float64)
         return cls(np.array([first for first, _ in active]), taps, n_controls, grid, seen)
 
-    def solved(self) -> FloatArray:
+    def solved(self, tolerance: float = CLOSE) -> FloatArray:
         """(M, K, 3), by conjugate gradients."""
         rest = self._transposed([one.weights[:, :, None] * one.shifts for one in self.seen])
         controls, scale = np.zeros_like(rest), 1 / self._diagonal()
         step = direction = scale * rest
         size = start = float((rest * step).sum())
         for _ in range(MOST_ROUNDS):
-            if size <= TOLERANCE * start:
+            if size <= tolerance * start:
                 break
             image = self._times(direction)
             length = size / float((direction * image).sum())
@@ -75,7 +76,7 @@ class CurveFit:
 
     def _times(self, controls: FloatArray) -> FloatArray:
         """The matrix of the normal equations times (K, M, 3)."""
-        curves = self._curves(controls)
+        curves = self.curves(controls)
         shifts = [one.weights[:, :, None] * (curves[one.frames] - curves[one.reference]) for one in self.seen]
         out = self._transposed(shifts) + RIDGE * controls
         out += self._summed(np.broadcast_to(curves.mean(axis=0), curves.shape)) / len(curves)
@@ -86,12 +87,12 @@ class CurveFit:
         apart = _differences(field, 1) + _differences(field, 2)
         return out + NEIGHBOURS * apart.reshape(controls.shape)
 
-    def _curves(self, controls: FloatArray) -> FloatArray:
+    def curves(self, controls: FloatArray) -> FloatArray:
         """(n, M, 3) values at the frames."""
         return np.asarray(sum(self.taps[:, tap, None, None] * controls[self.first + tap] for tap in range(4)))
 
     def _summed(self, values: FloatArray) -> FloatArray:
-        """Transpose of `_curves`."""
+        """Transpose of `curves`."""
         out = np.zeros((self.n_controls, *values.shape[1:]))
         active, starts = np.unique(self.first, return_index=True)
         for tap in range(4):

@@ -13,6 +13,7 @@ from renderer.harmonics import BANDS
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission
 from renderer.train.frames import tissue_tiles
+from renderer.train.starting_motion import Followed
 from renderer.train.stillness import Stillness, stillness
 
 STILL, STILL_TO_A_MOVING_CAMERA = 0.5, 1.0
@@ -43,19 +44,36 @@ class Needs:
     """There is depth to compare with."""
     has_masks: bool
     """Some pixel is not tissue."""
+    followed: Followed | None = None
+    """Where tissue was seen to go, to start from; None: nobody looked."""
     omitted: tuple[Omission, ...] = ()
 
 
-def decide(clip: Clip, frames: Sequence[Frame], config: TrainConfig) -> Needs:
-    """From the frames to fit, in the order of time; a run that is resumed decides the same again."""
+def decide(
+    clip: Clip,
+    frames: Sequence[Frame],
+    config: TrainConfig,
+    *,
+    follow: Sequence[Frame] | None = None,
+    n_controls: int | None = None,
+) -> Needs:
+    """From the frames to fit, in the order of time; a run that is resumed decides the same again.
+
+    follow: the same frames with all depth that there is, through which tissue is followed if it moves.
+    n_controls: as decided before.
+    """
     measured = Stillness(0.0, 0.0) if config.method == "static" else stillness(frames)
     moves = _moves(clip, measured, config)
     recolors = _recolors(clip, measured, config)
+    followed = None
+    if follow is not None and moves and config.method == "vesselsplat" and "tracks" not in config.leave_out:
+        followed = Followed.of(follow, config.node_columns)
     needs = Needs(
         sh_degree=_sh_degree(clip, recolors, config),
         moves=moves,
         recolors=recolors,
-        n_controls=_n_controls(clip, moves, config),
+        n_controls=n_controls or _n_controls(clip, moves, config, followed),
+        followed=followed,
         has_depth="depth" in config.keep or any(frame.depth_mask.any() for frame in frames),
         has_masks="masks" in config.keep or not all(frame.tissue_mask.all() for frame in frames),
     )
@@ -83,11 +101,13 @@ def _sh_degree(clip: Clip, recolors: bool, config: TrainConfig) -> int:
     return 0 if clip.camera_is_fixed or recolors else len(BANDS) - 1
 
 
-def _n_controls(clip: Clip, moves: bool, config: TrainConfig) -> int:
+def _n_controls(clip: Clip, moves: bool, config: TrainConfig, followed: Followed | None) -> int:
     if config.n_controls is not None:
         return config.n_controls
     if "controls" in config.keep:
         return max(MIN_CONTROLS, len(clip))
+    if followed is not None:
+        return followed.controls_for(len(clip))
     return controls_for(len(clip)) if moves else max(MIN_CONTROLS, len(clip) // FRAMES_PER_CONTROL_AT_REST)
 
 

@@ -6,7 +6,7 @@ import hashlib
 import json
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -87,9 +87,11 @@ def train_window(
     seeds = frames if clip.points is None else FrameStore.of(with_points(frames, clip.points), spilled)
     size = scene_size(seeds)
     require_resolved(clip, size)
-    needs = decide(clip, frames, config)
     checkpoint = read_newest_checkpoint(folder) if folder and resume else None
-    recipe = recipe_for(_without_tracks(config) if checkpoint else config, needs)
+    # A checkpoint holds all that tracks would give.
+    follow, known = (None, _controls_of(checkpoint)) if checkpoint else (seeds, None)
+    needs = decide(clip, frames, config, follow=follow, n_controls=known)
+    recipe = recipe_for(config, needs)
     raw = recipe.initialize(seeds)
     model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size, pictures)
     judged = clip.camera_is_fixed and recipe.losses.opacity > 0
@@ -186,9 +188,10 @@ def fingerprint(clip: Clip, config: TrainConfig) -> str:
     return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
 
 
-def _without_tracks(config: TrainConfig) -> TrainConfig:
-    """For a run that goes on: its checkpoint holds all that they would give."""
-    return replace(config, leave_out=tuple({*config.leave_out, "tracks"}))
+def _controls_of(checkpoint: Checkpoint) -> int | None:
+    """Control values of a curve; None: it has no curves, or is damaged, which is seen when it is restored."""
+    nodes = checkpoint.arrays.get("node_controls")
+    return int(nodes.shape[1]) if nodes is not None and nodes.ndim == 3 and nodes.shape[1] > 3 else None
 
 
 def _resume(

@@ -64,4 +64,6 @@ SMALL = TrainConfig(
 def needs_of(clip: Clip, config: TrainConfig) -> Needs:
     """As training decides them."""
     fit, _ = split(clip, config)
-    return decide(clip, [clip.read_frame(index) for index in fit], config)
+    frames = [clip.read_frame(index) for index in fit]
+    has_depth = any(frame.depth_mask.any() for frame in frames)
+    return decide(clip, frames, config, follow=frames if has_depth else None)

@@ -82,7 +82,7 @@ def test_pulled_tissue_moves_before_a_fixed_camera() -> None:
     assert needs.recolors
     assert needs.has_depth
     assert needs.has_masks
-    assert needs.n_controls == 17
+    assert needs.n_controls == 23
     assert what(needs) == {
         "harmonics",
         "control values",

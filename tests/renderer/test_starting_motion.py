@@ -14,15 +14,17 @@ import pytest
 from renderer.camera import FloatArray
 from renderer.clip import Frame
 from renderer.deformation.nodes import attach, node_grid
+from renderer.deformation.spline import FEWEST_PER_CONTROL, controls_for
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.phantom import Phantom, PhantomParams, View
 from renderer.train.config import TrainConfig
+from renderer.train.curve_fit import Seen
 from renderer.train.events import Finished
 from renderer.train.flow_tracks import SMALLEST, tracks_from, view_of
 from renderer.train.initialize import round_gaussians
 from renderer.train.methods import recipe_for
 from renderer.train.needs import STILL_TO_A_MOVING_CAMERA
-from renderer.train.starting_motion import StartingMotion
+from renderer.train.starting_motion import APART, Followed, StartingMotion
 from renderer.train.training import train
 from tests.renderer.sheet import moving_sheet, needs_of
 
@@ -41,7 +43,7 @@ def seen_by(camera: Eye, tissue: Literal["moving", "static"] = "moving") -> list
 
 
 def motion_of(frames: list[Frame]) -> StartingMotion:
-    return StartingMotion.of(frames, frames[0].camera, node_grid(frames[0].camera, COLUMNS), CONTROLS)
+    return Followed.of(frames, COLUMNS).motion(CONTROLS)
 
 
 def followed(views: list[View], count: int = 60) -> list[tuple[FloatArray, FloatArray]]:
@@ -104,6 +106,27 @@ def test_the_motion_takes_what_rests_to_where_it_was_seen() -> None:
     assert np.abs(moved - points).max() < 0.02 * np.abs(resting - points).max()
 
 
+@pytest.mark.parametrize(
+    ("beats", "pixels", "more"),
+    [(1.0, 20.0, False), (9.0, 20.0, True), (9.0, 0.05, False), (0.0, 0.0, False)],
+)
+def test_curves_are_as_dense_as_the_motion_is_fast(beats: float, pixels: float, more: bool) -> None:
+    camera, n_frames = seen_by("fixed")[0].frame.camera, 64
+    grid = node_grid(camera, COLUMNS)
+    times = np.arange(n_frames) / (n_frames - 1)
+    way = pixels * np.sin(2 * np.pi * beats * times)
+    shifts = np.broadcast_to(way[:, None, None], (n_frames, grid[0] * grid[1], 3)).copy()
+    rng = np.random.default_rng(0)
+    shifts += rng.normal(0, 0.02 * pixels, shifts.shape)
+    seen = tuple(
+        Seen(place, slice(0, n_frames), shifts - shifts[place], np.ones(shifts.shape[:2]))
+        for place in range(APART // 2, n_frames, APART)
+    )
+    count = Followed(camera, grid, tuple(times), 1.0, seen).controls_for(n_frames)
+    assert (count > controls_for(n_frames)) == more
+    assert count <= controls_for(n_frames, FEWEST_PER_CONTROL)
+
+
 def test_threads_make_no_difference() -> None:
     frames = [view.frame for view in seen_by("fixed")]
     before = cv2.getNumThreads()
@@ -152,7 +175,9 @@ def test_frames_of_any_size_have_a_start(size: tuple[int, int]) -> None:
 
 def test_without_depth_or_with_one_frame_nothing_is_known_to_move() -> None:
     frames = [view.frame for view in seen_by("fixed")]
-    assert not motion_of([replace(frame, depth=None) for frame in frames]).controls.any()
+    blind = [replace(frame, depth=None) for frame in frames[1:]]
+    assert not motion_of([frames[0], *blind]).controls.any()
+    assert Followed.of([frames[0], *blind], COLUMNS).controls_for(20) == controls_for(20)
     assert not motion_of(frames[:1]).controls.any()
 
 
@@ -175,11 +200,12 @@ def test_the_start_from_tracks_is_left_out_by_name() -> None:
 
 def test_a_run_that_goes_on_looks_for_no_tracks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What they gave is in its checkpoint."""
-    config = TrainConfig(iterations=6, n_gaussians=100, n_controls=7, keep=("deformation",))
+    config = TrainConfig(iterations=6, n_gaussians=100, keep=("deformation",))
+    monkeypatch.setattr(Followed, "controls_for", lambda followed, n_frames: 9)
     folder = tmp_path / "run"
     folder.mkdir()
     *_, whole = train(moving_sheet(), config, folder=folder)
-    monkeypatch.setattr(StartingMotion, "of", None)
+    monkeypatch.setattr(Followed, "of", None)
     *_, last = train(moving_sheet(), config, folder=folder, resume=True)
     assert isinstance(whole, Finished)
     assert isinstance(last, Finished)

@@ -114,12 +114,12 @@ def test_every_array_of_a_checkpoint_is_checked_before_training_goes_on(
     assert checkpoint is not None
     clip = plane_clip(slide=1.0)
     # What each try would find out again of the same frames, and has no part in the check.
-    clip, decided = replace(clip, read_frame=cache(clip.read_frame)), list[Needs]()
+    clip, decided = replace(clip, read_frame=cache(clip.read_frame)), dict[int | None, Needs]()
 
-    def decide_once(*given: Any) -> Needs:
-        if not decided:
-            decided.append(decide(*given))
-        return decided[0]
+    def decide_once(*given: Any, n_controls: int | None, **named: Any) -> Needs:
+        if n_controls not in decided:
+            decided[n_controls] = decide(*given, n_controls=n_controls, **named)
+        return decided[n_controls]
 
     monkeypatch.setattr(sys.modules[train_window.__module__], "decide", decide_once)
 

@@ -16,9 +16,8 @@ from typing import Final
 
 import numpy as np
 
-from renderer.camera import Camera
 from renderer.clip import Frame
-from renderer.deformation.nodes import attach, node_grid
+from renderer.deformation.nodes import attach
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array
@@ -29,7 +28,7 @@ from renderer.train.needs import Needs
 from renderer.train.rates import Rate, RowRates
 from renderer.train.recipe import Recipe, Stage
 from renderer.train.spline_trainer import SplineRates, SplineTrainer
-from renderer.train.starting_motion import StartingMotion
+from renderer.train.starting_motion import StartingMotion, node_view
 
 OPACITY: Final = 0.03
 """Weight of the loss on alpha."""
@@ -112,17 +111,17 @@ class _Start:
         self._begun: tuple[RawGaussians, StartingMotion] | None = None
 
     def gaussians(self, frames: Sequence[Frame]) -> RawGaussians:
-        """By tracks, unless nothing moves or the start from tracks is left out."""
-        if not self._needs.moves or "tracks" in self._config.leave_out:
+        """Where they rest, if it is known where tissue goes."""
+        if self._needs.followed is None:
             return sampled(frames, self._config, DETAIL)
-        motion = StartingMotion.of(frames, *_nodes(frames, self._config), self._needs.n_controls)
+        motion = self._needs.followed.motion(self._needs.n_controls)
         raw = sampled(frames, self._config, DETAIL, motion.at_rest)
         self._begun = raw, motion
         return raw
 
     def curves(self, raw: RawGaussians, frames: Sequence[Frame]) -> SplineMotion:
         """Those of the nodes as tracked if `raw` are `gaussians`, else zero; none where nothing moves."""
-        camera, grid = _nodes(frames, self._config)
+        camera, grid = node_view(frames, self._config.node_columns)
         needs = self._needs
         moving = len(raw) if needs.moves else 0
         indices, weights = attach(raw.means[:moving], camera, grid)
@@ -141,9 +140,3 @@ class _Start:
             node_indices=indices,
             node_weights=weights,
         )
-
-
-def _nodes(frames: Sequence[Frame], config: TrainConfig) -> tuple[Camera, tuple[int, int]]:
-    """The camera of the first frame that has depth, and the grid of nodes over its view."""
-    camera = next(frame.camera for frame in frames if frame.depth_mask.any())
-    return camera, node_grid(camera, config.node_columns)
