@@ -7,7 +7,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 MIN_CONTROLS = 4
-FRAMES_PER_CONTROL, FEWEST_PER_CONTROL = 3.7, 2.0
+FRAMES_PER_CONTROL, FEWEST_PER_CONTROL = 3.7, 2.3
 """Frames of a clip for each control value: as long as nobody looked, and where tissue moves fastest."""
 
 

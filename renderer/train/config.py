@@ -72,8 +72,8 @@ class TrainConfig:
     """Most frames that one set of Gaussians is trained on; longer clips are cut into windows; auto: 400,
     fewer where the camera travels."""
     n_controls: Annotated[int, Interval(ge=4, le=1000)] | None = None
-    """Control values in time; empty: one per 3.7 frames, up to one per 2 where tracks show fast motion. More
-    follow faster motion and overfit sooner."""
+    """Control values in time; empty: one per 3.7 frames, more where tracks show fast motion, up to one per 2.3.
+    More follow faster motion and overfit sooner."""
     node_columns: Annotated[int, Interval(ge=2, le=200)] = 20
     """Number of motion nodes across the view, shared by neighbouring Gaussians."""
     half_resolution_share: Annotated[float, Interval(ge=0, le=1)] = 1 / 3

@@ -40,14 +40,16 @@ APART = 16
 """Frames between those from which tracks start."""
 FEWEST, MOST = 4, 50
 """Tracks about a node of which a median is taken, and more than which count no more."""
-PER_CONTROL: Final = (FRAMES_PER_CONTROL, 3.2, 2.7, 2.3, FEWEST_PER_CONTROL)
-"""Frames for each control value that are tried."""
+PER_CONTROL: Final = (FRAMES_PER_CONTROL, 3.2, 2.7, FEWEST_PER_CONTROL)
+"""Frames for each control value that are tried: with fewer than 2 that are fitted, curves follow noise."""
+DENSEST: Final = 2.0
+"""To compare with."""
 TURNS: Final = 4
 """In which frames are left out while they are."""
 TOLERATED: Final = (0.04, 0.2)
 """Share, and pixels, by which fewer control values may miss more than the most do.
 
-Frames held out of training, 1500 steps: pulling, which takes 23 in place of 17 then, and 32 with all its
+Frames held out of training, 1500 steps: pulling, which takes 23 in place of 17 then, and 27 with all its
 training frames, has 38.68 dB with 17, 38.87 with 20, 39.10 with 24, 38.96 with 32. Mesentery keeps 9 (33.74
 dB; with 12 33.65, with 16 33.28), and so does a phantom its 13 (800 steps, 42.6 dB; with 16 42.5, with 20
 41.8)."""
@@ -104,9 +106,9 @@ class Followed:
 
     def controls_for(self, n_frames: int) -> int:
         """How many control values curves need, in a clip of `n_frames`: the fewest with which frames that are
-        left out of the fit are as close as with the most, but for TOLERATED."""
+        left out of the fit are as close as with the DENSEST, but for TOLERATED."""
         counts = [controls_for(n_frames, per_control) for per_control in PER_CONTROL]
-        least = self._error(counts[-1])
+        least = self._error(controls_for(n_frames, DENSEST))
         bound = max(least * (1 + TOLERATED[0]), least + TOLERATED[1] * self.pixel)
         return next((count for count in counts[:-1] if self._error(count) <= bound), counts[-1])
 
