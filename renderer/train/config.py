@@ -72,7 +72,7 @@ class TrainConfig:
     """Most frames that one set of Gaussians is trained on; longer clips are cut into windows; auto: 400,
     fewer where the camera travels."""
     n_controls: Annotated[int, Interval(ge=4, le=1000)] | None = None
-    """Control values in time; empty: one per 3.7 frames, more where tracks show fast motion, up to one per 2.3.
+    """Control values in time; empty: one per 3.7 frames, up to one per 2.3 where tracks show faster motion.
     More follow faster motion and overfit sooner."""
     node_columns: Annotated[int, Interval(ge=2, le=200)] = 20
     """Number of motion nodes across the view, shared by neighbouring Gaussians."""
