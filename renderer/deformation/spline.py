@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 MIN_CONTROLS = 4
 FRAMES_PER_CONTROL, FEWEST_PER_CONTROL = 3.7, 2.3
 """Frames of a clip for each control value: as long as nobody looked, and where tissue moves fastest."""
+MOST_CONTROLS = 120
+"""Where there are more than by FRAMES_PER_CONTROL: a window of 400 frames is trained in 2 GB."""
 
 
 def spline_taps(time: float, n_controls: int) -> tuple[int, NDArray[np.float32]]:
@@ -35,6 +37,11 @@ def spline_taps(time: float, n_controls: int) -> tuple[int, NDArray[np.float32]]
 def controls_for(n_frames: int, per_control: float = FRAMES_PER_CONTROL) -> int:
     """Number of control values for a clip."""
     return max(MIN_CONTROLS, round(n_frames / per_control))
+
+
+def most_controls(n_frames: int) -> int:
+    """Of a clip whose tissue moves fast."""
+    return max(controls_for(n_frames), min(controls_for(n_frames, FEWEST_PER_CONTROL), MOST_CONTROLS))
 
 
 @njit(parallel=True, cache=True)

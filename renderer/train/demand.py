@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from renderer.clip import Clip
-from renderer.deformation.spline import FEWEST_PER_CONTROL, MIN_CONTROLS, controls_for
+from renderer.deformation.spline import MIN_CONTROLS, most_controls
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Planned
 from renderer.train.frame_store import MOST_BYTES
@@ -54,7 +54,7 @@ def _controls(clip: Clip, config: TrainConfig) -> int:
         return 2 * config.n_controls
     if "controls" in config.keep:
         return 2 * max(MIN_CONTROLS, len(clip))
-    return max(2 * controls_for(len(clip), FEWEST_PER_CONTROL), len(clip) // FRAMES_PER_CONTROL_AT_REST)
+    return max(2 * most_controls(len(clip)), len(clip) // FRAMES_PER_CONTROL_AT_REST)
 
 
 def _numbers(method: Method, count: int, controls: int) -> int:

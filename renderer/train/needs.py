@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from renderer.clip import Clip, Frame
-from renderer.deformation.spline import MIN_CONTROLS, controls_for
+from renderer.deformation.spline import MIN_CONTROLS, controls_for, most_controls
 from renderer.harmonics import BANDS
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission
@@ -77,7 +77,14 @@ def decide(
         has_depth="depth" in config.keep or any(frame.depth_mask.any() for frame in frames),
         has_masks="masks" in config.keep or not all(frame.tissue_mask.all() for frame in frames),
     )
-    return replace(needs, omitted=tuple(_omitted(clip, frames, config, needs, measured)))
+    counted = n_controls is not None or not _looks_at_tracks(config, needs.moves) or followed is not None
+    return replace(needs, omitted=tuple(_omitted(clip, frames, config, needs, measured, counted=counted)))
+
+
+def _looks_at_tracks(config: TrainConfig, moves: bool) -> bool:
+    """They say how many control values there are."""
+    asked = config.n_controls is not None or "controls" in config.keep or "tracks" in config.leave_out
+    return moves and config.method == "vesselsplat" and not asked
 
 
 def _moves(clip: Clip, measured: Stillness, config: TrainConfig) -> bool:
@@ -112,7 +119,13 @@ def _n_controls(clip: Clip, moves: bool, config: TrainConfig, followed: Followed
 
 
 def _omitted(
-    clip: Clip, frames: Sequence[Frame], config: TrainConfig, needs: Needs, measured: Stillness
+    clip: Clip,
+    frames: Sequence[Frame],
+    config: TrainConfig,
+    needs: Needs,
+    measured: Stillness,
+    *,
+    counted: bool,
 ) -> Iterator[Omission]:
     """In words and numbers."""
     harmonics = 3 * (BANDS[-1] - BANDS[needs.sh_degree])
@@ -132,7 +145,7 @@ def _omitted(
     if needs.moves and config.method == "vesselsplat" and "tracks" in config.leave_out:
         yield Omission("start from tracks", "as requested", "optical flow before the first step", None)
     if needs.recolors or (needs.moves and config.method == "vesselsplat"):
-        yield from _of_curves(clip, config, needs)
+        yield from _of_curves(clip, config, needs, counted=counted)
     if not needs.has_depth:
         yield Omission("depth loss", "no depth is measured", "a term of the loss", "depth")
     if not needs.has_masks:
@@ -144,15 +157,17 @@ def _omitted(
         )
 
 
-def _of_curves(clip: Clip, config: TrainConfig, needs: Needs) -> Iterator[Omission]:
-    """Most numbers of a curve do not count at any one time."""
-    fewer = len(clip) - needs.n_controls
+def _of_curves(clip: Clip, config: TrainConfig, needs: Needs, *, counted: bool) -> Iterator[Omission]:
+    """Most numbers of a curve do not count at any one time; counted: how many there are is known."""
+    most = needs.n_controls if counted else most_controls(len(clip))
+    fewer, least = len(clip) - most, "" if counted else "at least "
     if fewer > 0:
-        why = f"a curve needs one per {len(clip) / needs.n_controls:.1f} frames"
+        per = f"{len(clip) / needs.n_controls:.1f}"
+        why = f"a curve needs one per {per if counted else f'{len(clip) / most:.1f} to {per}'} frames"
         part: Part | None = "controls" if config.n_controls is None else None
-        yield Omission("control values", why, f"{fewer} of {len(clip)} per curve", part)
+        yield Omission("control values", why, f"{least}{fewer} of {len(clip)} per curve", part)
     if needs.n_controls > MIN_CONTROLS and "moments" not in config.keep:
-        saves = f"{needs.n_controls - MIN_CONTROLS} of {needs.n_controls} per curve and step"
+        saves = f"{least}{needs.n_controls - MIN_CONTROLS} of {needs.n_controls} per curve and step"
         why = "a frame has no gradient for them"
         yield Omission("updates of control values at other times", why, saves, "moments")
 

@@ -28,6 +28,7 @@ from renderer.deformation.spline import (
     FEWEST_PER_CONTROL,
     FRAMES_PER_CONTROL,
     controls_for,
+    most_controls,
     spline_taps,
 )
 from renderer.splats import Float32Array
@@ -107,7 +108,10 @@ class Followed:
     def controls_for(self, n_frames: int) -> int:
         """How many control values curves need, in a clip of `n_frames`: the fewest with which frames that are
         left out of the fit are as close as with the DENSEST, but for TOLERATED."""
-        counts = [controls_for(n_frames, per_control) for per_control in PER_CONTROL]
+        most = most_controls(n_frames)
+        counts = sorted({min(controls_for(n_frames, per_control), most) for per_control in PER_CONTROL})
+        if len(counts) == 1:
+            return most
         least = self._error(controls_for(n_frames, DENSEST))
         bound = max(least * (1 + TOLERATED[0]), least + TOLERATED[1] * self.pixel)
         return next((count for count in counts[:-1] if self._error(count) <= bound), counts[-1])

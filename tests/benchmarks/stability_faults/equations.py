@@ -183,7 +183,7 @@ def _equations() -> list[Fault]:
             "float16",
             "a coefficient of exp2",
             parts_of("ends"),
-            edited(POWERS, "E1 = np.float32(0.6931472057375826)", "E1 = np.float32(0.69336)", KERNELS),
+            edited(POWERS, "E1 = np.float32(0.6931470036506653)", "E1 = np.float32(0.69336)", KERNELS),
         ),
     ]
 
