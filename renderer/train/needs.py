@@ -159,6 +159,7 @@ def _omitted(
 
 def _of_curves(clip: Clip, config: TrainConfig, needs: Needs, *, counted: bool) -> Iterator[Omission]:
     """Most numbers of a curve do not count at any one time; counted: how many there are is known."""
+    counted = counted or most_controls(len(clip)) == needs.n_controls
     most = needs.n_controls if counted else most_controls(len(clip))
     fewer, least = len(clip) - most, "" if counted else "at least "
     if fewer > 0:
