@@ -66,7 +66,7 @@ def decide(
     moves = _moves(clip, measured, config)
     recolors = _recolors(clip, measured, config)
     followed = None
-    if follow is not None and moves and config.method == "vesselsplat" and "tracks" not in config.leave_out:
+    if follow is not None and _begins_from_tracks(config, moves):
         followed = Followed.of(follow, config.node_columns)
     needs = Needs(
         sh_degree=_sh_degree(clip, recolors, config),
@@ -77,14 +77,18 @@ def decide(
         has_depth="depth" in config.keep or any(frame.depth_mask.any() for frame in frames),
         has_masks="masks" in config.keep or not all(frame.tissue_mask.all() for frame in frames),
     )
-    counted = n_controls is not None or not _looks_at_tracks(config, needs.moves) or followed is not None
+    counted = followed is not None or n_controls is not None or not _tracks_count(config, moves)
     return replace(needs, omitted=tuple(_omitted(clip, frames, config, needs, measured, counted=counted)))
 
 
-def _looks_at_tracks(config: TrainConfig, moves: bool) -> bool:
-    """They say how many control values there are."""
-    asked = config.n_controls is not None or "controls" in config.keep or "tracks" in config.leave_out
-    return moves and config.method == "vesselsplat" and not asked
+def _begins_from_tracks(config: TrainConfig, moves: bool) -> bool:
+    return moves and config.method == "vesselsplat" and "tracks" not in config.leave_out
+
+
+def _tracks_count(config: TrainConfig, moves: bool) -> bool:
+    """They say how many control values there are, as nobody else does."""
+    asked = config.n_controls is not None or "controls" in config.keep
+    return _begins_from_tracks(config, moves) and not asked
 
 
 def _moves(clip: Clip, measured: Stillness, config: TrainConfig) -> bool:
