@@ -51,19 +51,22 @@ class Surface:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """World position and its derivatives along u and v, each (N, 3), for (N,) coordinates."""
         ones, none = np.ones_like(u), np.zeros_like(u)
-        position = np.stack([u, v, DISTANCE + self.tilt[0] * u + self.tilt[1] * v], axis=1)
-        along_u = np.stack([ones, none, self.tilt[0] * ones], axis=1)
-        along_v = np.stack([none, ones, self.tilt[1] * ones], axis=1)
+        # Axis by axis: most bumps rise along z alone.
+        position = np.stack([u, v, DISTANCE + self.tilt[0] * u + self.tilt[1] * v])
+        along_u = np.stack([ones, none, self.tilt[0] * ones])
+        along_v = np.stack([none, ones, self.tilt[1] * ones])
         rows = zip(self.centres, self.sigmas, self.weights(time)[:, None] * self.amplitudes, strict=True)
         for centre, sigma, amplitude in rows:
             if not amplitude.any():
                 continue
             a, b = u - centre[0], v - centre[1]
             bump = np.exp((a * a + b * b) * (-0.5 / sigma**2))
-            position += bump[:, None] * amplitude
-            along_u += (bump * a)[:, None] * (amplitude / -(sigma**2))
-            along_v += (bump * b)[:, None] * (amplitude / -(sigma**2))
-        return position, along_u, along_v
+            a, b = bump * a, bump * b
+            for axis in np.flatnonzero(amplitude):
+                position[axis] += bump * amplitude[axis]
+                along_u[axis] += a * (amplitude[axis] / -(sigma**2))
+                along_v[axis] += b * (amplitude[axis] / -(sigma**2))
+        return position.T, along_u.T, along_v.T
 
     def hit(self, origin: FloatArray, directions: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
         """Material coordinates (N,), (N,) where rays from `origin` (3,) along `directions` (N, 3) meet it.

@@ -60,8 +60,9 @@ def hit_tools(origin: FloatArray, directions: FloatArray, capsules: Iterable[Cap
     """First meeting of rays from `origin` (3,) along unit `directions` (N, 3) with any capsule."""
     count = len(directions)
     hits = ToolHits(np.full(count, np.inf), np.zeros((count, 3)), np.zeros(count))
+    squared = (directions**2).sum(axis=1)
     for capsule in capsules:
-        distance, foot = _hit(origin, directions, capsule)
+        distance, foot = _hit(origin, directions, squared, capsule)
         nearer = distance < hits.distance
         point = origin + distance[nearer, None] * directions[nearer]
         hits.distance[nearer] = distance[nearer]
@@ -70,32 +71,37 @@ def hit_tools(origin: FloatArray, directions: FloatArray, capsules: Iterable[Cap
     return hits
 
 
-def _hit(origin: FloatArray, directions: FloatArray, capsule: Capsule) -> tuple[FloatArray, FloatArray]:
-    """Distance along each ray (infinite = missed) and the nearest point of the axis (N, 3)."""
+def _hit(
+    origin: FloatArray, directions: FloatArray, squared: FloatArray, capsule: Capsule
+) -> tuple[FloatArray, FloatArray]:
+    """Distance along each ray (infinite = missed) and the nearest point of the axis (N, 3).
+
+    `squared` (N,) are the squares of the directions' lengths.
+    """
     axis = capsule.end - capsule.start
     length = float(np.linalg.norm(axis))
     axis = axis / length
     offset = origin - capsule.start
     along_ray, along_offset = directions @ axis, float(offset @ axis)
     flat_ray = directions - along_ray[:, None] * axis
-    side = _near_root(flat_ray, offset - along_offset * axis, capsule.radius)
+    flat_squared = (flat_ray**2).sum(axis=1)
+    side = _near_root(flat_ray, flat_squared, offset - along_offset * axis, capsule.radius)
     with np.errstate(invalid="ignore"):
         height = along_offset + side * along_ray
         side = np.where((height >= 0) & (height <= length), side, np.inf)
-    start = _near_root(directions, offset, capsule.radius)
-    end = _near_root(directions, origin - capsule.end, capsule.radius)
+    start = _near_root(directions, squared, offset, capsule.radius)
+    end = _near_root(directions, squared, origin - capsule.end, capsule.radius)
     distance = np.minimum(np.minimum(side, start), end)
     reach = np.where(np.isfinite(distance), distance, 0.0)
     height = np.clip(along_offset + reach * along_ray, 0, length)
     return distance, capsule.start + height[:, None] * axis
 
 
-def _near_root(directions: FloatArray, offset: FloatArray, radius: float) -> FloatArray:
+def _near_root(directions: FloatArray, squared: FloatArray, offset: FloatArray, radius: float) -> FloatArray:
     """Smaller s > 0 with |offset + s directions| = radius, infinite where there is none."""
-    a = (directions**2).sum(axis=1)
     b = directions @ offset
     c = float(offset @ offset) - radius**2
-    discriminant = b * b - a * c
+    discriminant = b * b - squared * c
     with np.errstate(divide="ignore", invalid="ignore"):
-        root = (-b - np.sqrt(discriminant)) / a
+        root = (-b - np.sqrt(discriminant)) / squared
     return np.where((discriminant >= 0) & (root > 0), root, np.inf)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +45,8 @@ class Eyes:
 
 
 def look(index: int = 0, **params: object) -> Eyes:
-    return _seen(*_scene(PhantomParams(**params)), index)  # type: ignore[arg-type]
+    """Read-only: the same moment is seen once for all tests of a process."""
+    return _seen(PhantomParams(**params), index)  # type: ignore[arg-type]
 
 
 def write_eyes(folder: Path, left: str, right: str, count: int = 1, **params: object) -> list[Eyes]:
@@ -64,8 +65,9 @@ def _scene(params: PhantomParams) -> tuple[Phantom, RightEye]:
     return Phantom(params), RightEye(params)
 
 
-def _seen(phantom: Phantom, right_eye: RightEye, index: int) -> Eyes:
-    left, right = phantom.view(index).frame, right_eye.view(index).frame
+@lru_cache(maxsize=24)
+def _seen(params: PhantomParams, index: int) -> Eyes:
+    left, right = (eye.view(index).frame for eye in _scene(params))
     assert left.depth is not None
     assert right.depth is not None
     tissue = left.tissue_mask
@@ -74,4 +76,7 @@ def _seen(phantom: Phantom, right_eye: RightEye, index: int) -> Eyes:
     columns = np.clip(np.floor(there).astype(int), 0, left.camera.width - 1)
     same = np.abs(np.take_along_axis(right.depth, columns, axis=1) - left.depth) < 1
     seen = tissue & (there >= 0) & same
-    return Eyes(left, right, disparity, seen, tissue & ~seen)
+    eyes = Eyes(left, right, disparity, seen, tissue & ~seen)
+    for array in (left.image, left.depth, right.image, right.depth, disparity, seen, eyes.hidden):
+        array.flags.writeable = False
+    return eyes

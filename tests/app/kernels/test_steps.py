@@ -71,7 +71,8 @@ def load_all() -> None:
 
 
 def _enhance_everything() -> None:
-    clip, maker = open_clip(phantom_path()), PictureMaker()
+    # Statistics of a clip are of each of its frames: kernels do not know how many.
+    clip, maker = ClipPart(trim=(2, 5)).of(open_clip(phantom_path())), PictureMaker()
     for params in SETTINGS:
         for scope in ("image", "automatic", "clip"):
             for pixels in ("automatic", "all", "tissue"):
