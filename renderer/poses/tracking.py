@@ -35,6 +35,10 @@ _ASTRAY = 1 / 20
 """Of the width, between a point found again and where the pose has it."""
 
 
+_CREPT = 1 / 100
+"""Of the width, between a point as followed and by its first look."""
+
+
 @dataclass(eq=False)
 class _Points:
     """All points of a part so far: grows."""
@@ -110,12 +114,24 @@ class Tracker:
         if late or len(ids) < _KEPT * self._of_key or moved > _FAR * self.lens.width:
             self._renew(picture, found)
 
+    def _as_first_seen(self, picture: Picture, ids: IntArray, now: FloatArray) -> tuple[IntArray, FloatArray]:
+        """Where the points are by their first looks: followed from keyframe to keyframe, they creep away."""
+        there, certain = now.copy(), np.zeros(len(ids), bool)
+        for key in np.unique(self.points.key[ids]):
+            of = np.flatnonzero(self.points.key[ids] == key)
+            there[of], certain[of] = followed(
+                self._greys[key], picture.grey, self.points.places[ids[of]], now[of], _WINDOW, levels=1
+            )
+        near = np.linalg.norm(there - now, axis=1) < _CREPT * self.lens.width
+        kept = certain & near & at_usable(picture, there)
+        return ids[kept], there[kept]
+
     def _observed(self, picture: Picture) -> tuple[IntArray, Seen]:
         return self._ids, observed(picture, self._now)
 
     def _renew(self, picture: Picture, found: Resected) -> None:
         """The frame becomes a keyframe: what it shows beside what was followed is found."""
-        ids, now = self._ids[found.inliers], self._now[found.inliers]
+        ids, now = self._as_first_seen(picture, self._ids[found.inliers], self._now[found.inliers])
         old, places = self._found_again(picture, found.pose, ids)
         self.views.pop()
         self._open_keyframe(picture, found.pose, np.r_[ids, old], np.concatenate([now, places]))
