@@ -39,8 +39,9 @@ _NARROWING = 3
 _BY_DEPTH = 10.0
 """As _SLACK, of these shares, where depth is off: 3 leaves 3.14 %, 5 leaves 2.07 %, 8 to 20 leave 1.5 %."""
 _AGREEING = 1.3
-"""Times the misfit in the picture: 0.6 to 1.1 on phantoms that deform, 1.8 on a real wall whose depth is from
-eyes that were never calibrated, where the few take test frames from 34.1 to 31.9 dB."""
+"""By how much the misfit of these points in the picture may grow. On phantoms that deform it is 0.6 to 1.1
+times as large then; on a real wall, whose depth is from eyes without calibration, 1.8 times, and test frames
+fit worse (31.9 for 34.1 dB)."""
 _SEEN_ENOUGH = 3
 """Views of a point from which on its misfit says whether it moves."""
 _STRAY = 4 / 3
@@ -95,10 +96,10 @@ def settled(rough: Rough) -> Settled:
 
 
 def _by_the_steadiest(rough: Rough, soft: Settled) -> Settled:
-    """With an ever smaller share of the points that decide: what moves least is the world.
+    """An ever smaller share of the points decides, those that move least: the camera moves against these.
 
-    Keyframes first, then the other views to where they have the points. Where these few come to agree less,
-    depth is at fault, not tissue that moves, and all stays as it was.
+    Keyframes are adjusted first, then the other views to their points. Where these few come to agree less,
+    the depth is wrong rather than the tissue in motion, and all stays as it was.
     """
     keyframes = tuple(soft.views[key] for key in rough.keys)
     alone = replace(rough, views=keyframes, keys=tuple(range(len(keyframes))))
@@ -168,8 +169,8 @@ def _judged(
     noise, stray = Noise(1.0, DEPTH_NOISE), np.linalg.norm(off[:, :2], axis=1)
     for _ in range(2):
         per_point = _medians(stray, ids, len(points))
-        half = float(np.quantile(per_point[often], share)) if often.any() else math.inf
-        still = ((per_point <= half) & (often | math.isinf(half)))[ids]
+        most = float(np.quantile(per_point[often], share)) if often.any() else math.inf
+        still = ((per_point <= most) & (often | math.isinf(most)))[ids]
         pixel, depth = _spread(off[still, :2]), _spread(off[still & known, 2])
         noise = Noise(max(pixel, _LEAST_PX), max(depth, _LEAST_DEPTH))
         left = off / (noise.pixel, noise.pixel, noise.depth)

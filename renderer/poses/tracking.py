@@ -33,10 +33,8 @@ _OLD_KEYFRAMES = 6
 """In which lost points are looked up."""
 _ASTRAY = 1 / 20
 """Of the width, between a point found again and where the pose has it."""
-
-
-_CREPT = 1 / 100
-"""Of the width, between a point as followed and by its first look."""
+_DRIFT = 1 / 100
+"""Of the width, between where a point was followed to and where it looks as it did at first."""
 
 
 @dataclass(eq=False)
@@ -115,14 +113,14 @@ class Tracker:
             self._renew(picture, found)
 
     def _as_first_seen(self, picture: Picture, ids: IntArray, now: FloatArray) -> tuple[IntArray, FloatArray]:
-        """Where the points are by their first looks: followed from keyframe to keyframe, they creep away."""
+        """Points that look as they did at first, and where: followed over keyframes, they drift."""
         there, certain = now.copy(), np.zeros(len(ids), bool)
         for key in np.unique(self.points.key[ids]):
             of = np.flatnonzero(self.points.key[ids] == key)
             there[of], certain[of] = followed(
                 self._greys[key], picture.grey, self.points.places[ids[of]], now[of], _WINDOW, levels=1
             )
-        near = np.linalg.norm(there - now, axis=1) < _CREPT * self.lens.width
+        near = np.linalg.norm(there - now, axis=1) < _DRIFT * self.lens.width
         kept = certain & near & at_usable(picture, there)
         return ids[kept], there[kept]
 
