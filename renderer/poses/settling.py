@@ -89,9 +89,9 @@ def settled(rough: Rough) -> Settled:
     lens, views, points = rough.lens, rough.views, rough.points
     start = Settled(lens, views, points, _judged(lens, points, views)[0])
     if not any((view.seen.weights[:, 2] > 0).any() for view in views):
-        return _settled(rough, start, _RIGID_SLACK * start.noise.pixel, _RIGID_SLACK, _WITHOUT_DEPTH)
-    soft = _settled(rough, start, _FIRST_PX, _SLACK)
-    rigid = _settled(rough, soft, _RIGID_SLACK * soft.noise.pixel, _RIGID_SLACK)
+        return _settled(rough, start, _RIGID_SLACK, _WITHOUT_DEPTH)
+    soft = _settled(rough, start, _SLACK, first=_FIRST_PX)
+    rigid = _settled(rough, soft, _RIGID_SLACK)
     return rigid if rigid.noise.depth < _TAKEN_UP * soft.noise.depth else _by_the_steadiest(rough, soft)
 
 
@@ -101,19 +101,18 @@ def _by_the_steadiest(rough: Rough, soft: Settled) -> Settled:
     Keyframes are adjusted first, then the other views to their points. Where these few come to agree less,
     the depth is wrong rather than the tissue in motion, and all stays as it was.
     """
-    keyframes = tuple(soft.views[key] for key in rough.keys)
-    alone = replace(rough, views=keyframes, keys=tuple(range(len(keyframes))))
-    done = replace(soft, views=keyframes)
     shares = [share for share in _SHARES if share * len(soft.points) >= _FEWEST_DECIDING]
     if not shares:
         return soft
+    keyframes = tuple(soft.views[key] for key in rough.keys)
+    alone = replace(rough, views=keyframes, keys=tuple(range(len(keyframes))))
+    done = replace(soft, views=keyframes)
     for share in shares:
-        noise, _ = _judged(done.lens, done.points, done.views, share)
-        done = _settled(alone, done, _BY_DEPTH * noise.pixel, _BY_DEPTH, _NARROWING, share)
+        done = _settled(alone, done, _BY_DEPTH, _NARROWING, share)
     before, _ = _judged(soft.lens, soft.points, keyframes, shares[-1])
-    noise, steady = _judged(done.lens, done.points, done.views, shares[-1])
-    if noise.pixel > _AGREEING * before.pixel:
+    if done.noise.pixel > _AGREEING * before.pixel:
         return soft
+    noise, steady = _judged(done.lens, done.points, done.views, shares[-1])
     weighing = noise.beside(_BY_DEPTH * noise.pixel, done.lens)
     starts = _carried(rough.keys, soft.views, np.stack([view.pose for view in done.views]))
     views = (replace(view, pose=start) for view, start in zip(soft.views, starts, strict=True))
@@ -122,12 +121,18 @@ def _by_the_steadiest(rough: Rough, soft: Settled) -> Settled:
 
 
 def _settled(
-    rough: Rough, start: Settled, first: float, slack: float, passes: int = _PASSES, share: float = 0.5
+    rough: Rough,
+    start: Settled,
+    slack: float,
+    passes: int = _PASSES,
+    share: float = 0.5,
+    first: float | None = None,
 ) -> Settled:
-    """From views and points that nearly fit; places count as if they were off by `first` px to begin with."""
+    """From views and points that nearly fit; places count as if they were off by `slack` times the noise of
+    the steadiest `share` of the points, to begin with by `first` px if that is given."""
     lens, views, points = start.lens, start.views, start.points
     noise, steady = _judged(lens, points, views, share)
-    weighing = noise.beside(first, lens)
+    weighing = noise.beside(slack * noise.pixel if first is None else first, lens)
     for _ in range(passes):
         views = tuple(_weighed(lens, points, view, weighing, steady) for view in views)
         bundle = adjusted(_bundle(rough, lens, views, points))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
-from renderer.clip import ByteImage
+from renderer.clip import BoolImage, ByteImage
 from renderer.poses.features import followed, found_features
 from renderer.poses.parts import Lost
 from renderer.poses.pictures import Picture, at_usable, sampled_inverse
@@ -114,14 +114,10 @@ class Tracker:
 
     def _as_first_seen(self, picture: Picture, ids: IntArray, now: FloatArray) -> tuple[IntArray, FloatArray]:
         """Points that look as they did at first, and where: followed over keyframes, they drift."""
-        there, certain = now.copy(), np.zeros(len(ids), bool)
+        there, kept = now.copy(), np.zeros(len(ids), bool)
         for key in np.unique(self.points.key[ids]):
             of = np.flatnonzero(self.points.key[ids] == key)
-            there[of], certain[of] = followed(
-                self._greys[key], picture.grey, self.points.places[ids[of]], now[of], _WINDOW, levels=1
-            )
-        near = np.linalg.norm(there - now, axis=1) < _DRIFT * self.lens.width
-        kept = certain & near & at_usable(picture, there)
+            there[of], kept[of] = self._looked_up(picture, int(key), ids[of], now[of], _DRIFT, levels=1)
         return ids[kept], there[kept]
 
     def _observed(self, picture: Picture) -> tuple[IntArray, Seen]:
@@ -163,15 +159,21 @@ class Tracker:
         found, where = [np.zeros(0, np.int64)], [np.zeros((0, 2))]
         for key in np.argsort(-per_key, kind="stable")[:_OLD_KEYFRAMES]:
             ids = np.flatnonzero(looked & (self.points.key == key))
-            guess = expected[ids, :2]
-            there, certain = followed(
-                self._greys[key], picture.grey, self.points.places[ids], guess, _WINDOW, levels=2
-            )
-            near = np.linalg.norm(there - guess, axis=1) < _ASTRAY * self.lens.width
-            good = certain & near & at_usable(picture, there)
+            there, good = self._looked_up(picture, int(key), ids, expected[ids, :2], _ASTRAY, levels=2)
             found.append(ids[good])
             where.append(there[good])
         return np.concatenate(found), np.concatenate(where)
+
+    def _looked_up(
+        self, picture: Picture, key: int, ids: IntArray, guess: FloatArray, within: float, levels: int
+    ) -> tuple[FloatArray, BoolImage]:
+        """Where points (N,) of a keyframe are in the picture, (N, 2), and where that is certain: at most
+        `within` of the width from the guess (N, 2)."""
+        there, certain = followed(
+            self._greys[key], picture.grey, self.points.places[ids], guess, _WINDOW, levels=levels
+        )
+        near = np.linalg.norm(there - guess, axis=1) < within * self.lens.width
+        return there, certain & near & at_usable(picture, there)
 
 
 def observed(picture: Picture, places: FloatArray) -> Seen:

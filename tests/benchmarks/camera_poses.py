@@ -37,10 +37,11 @@ BREATHS = slice(-3, -1)
 """Of the phantom's bumps."""
 
 
-def phantom(tissue: str, frames: int, seed: int) -> Phantom:
+def phantom(tissue: str, frames: int, seed: int, size: tuple[int, int] = (320, 256)) -> Phantom:
     params = PhantomParams(
-        n_frames=frames, seed=seed, camera="moving", tissue="static" if tissue == "rest" else "moving"
-    )
+        n_frames=frames, width=size[0], height=size[1], seed=seed,
+        camera="moving", tissue="static" if tissue == "rest" else "moving",
+    )  # fmt: skip
     scene = Phantom(params)
     if tissue == "pull":
         amplitudes = scene.surface.amplitudes.copy()

@@ -14,6 +14,7 @@ from renderer.phantom import Phantom, PhantomParams
 from renderer.poses import settling
 from renderer.poses.parts import MOST_BRIDGED
 from renderer.poses.search import PosesError, find_poses
+from tests.benchmarks import camera_poses
 
 COUNT = 24
 
@@ -29,10 +30,7 @@ def phantom():
 @cache
 def pulled():
     """Tissue that is pulled in one place, and rests nowhere quite."""
-    scene = Phantom(PhantomParams(n_frames=COUNT, width=160, height=128, seed=0, camera="moving"))
-    amplitudes = np.where(scene.surface.cycles[:, None] > 0, 0, scene.surface.amplitudes)
-    scene.surface = replace(scene.surface, amplitudes=amplitudes)
-    return scene
+    return camera_poses.phantom("pull", COUNT, 0, (160, 128))
 
 
 @cache
@@ -107,13 +105,14 @@ def test_where_tissue_is_pulled_what_moves_least_is_the_world():
 def test_where_the_steadiest_come_to_agree_less_all_stays_as_it_was(monkeypatch):
     asked = []
 
-    def refused(rough, soft):
-        asked.append(whole(rough, soft) is soft)
-        return soft
+    def noted(rough, soft):
+        done = narrowed(rough, soft)
+        asked.append(done is soft)
+        return done
 
-    whole = settling._by_the_steadiest
+    narrowed = settling._by_the_steadiest
     monkeypatch.setattr(settling, "_AGREEING", 0.0)
-    monkeypatch.setattr(settling, "_by_the_steadiest", refused)
+    monkeypatch.setattr(settling, "_by_the_steadiest", noted)
     find_poses(clip_of(scene=pulled).between(0, 11))
     assert asked == [True]
 
