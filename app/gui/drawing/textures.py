@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+import cv2
 import moderngl
 import numpy as np
 from imgui_bundle import imgui
@@ -68,20 +69,24 @@ class Textures:
             patch = tinted(patch, left_out, place, pane)
         if patch is not None:
             texture = self._write(slot, patch.pixels)
+            # Pixel for pixel there is nothing between them, which a driver without a GPU would compute.
+            texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
             shown = OnPane(imgui.ImTextureRef(texture.glo), patch.x, patch.y, *texture.size)
         self._images[slot], self._parts[slot] = image, (left_out, (place, pane, zebra), shown)
         return shown
 
     def _write(self, slot: str, pixels: ByteImage) -> moderngl.Texture:
+        """With an opacity: drivers take pixels of three bytes one by one, several times slower."""
         height, width, channels = pixels.shape
         texture = self._textures.get(slot)
-        if texture is not None and (*texture.size, texture.components) != (width, height, channels):
+        if texture is not None and texture.size != (width, height):
             texture.release()
             texture = None
         if texture is None:
-            texture = self._textures[slot] = self._ctx.texture((width, height), channels, alignment=1)
+            texture = self._textures[slot] = self._ctx.texture((width, height), 4)
             texture.repeat_x = texture.repeat_y = False
-        texture.write(np.ascontiguousarray(pixels), alignment=1)
+        opaque = cv2.cvtColor(pixels, cv2.COLOR_RGB2RGBA) if channels == 3 else np.ascontiguousarray(pixels)
+        texture.write(opaque)
         return texture
 
     def release(self) -> None:

@@ -12,6 +12,7 @@ from app.gui.frame.bare import ALONE, Bare
 from app.gui.frame.below import Below
 from app.gui.frame.full_screen import FullScreen
 from app.gui.state.app_state import AppState
+from app.gui.style import theme
 
 
 class Screen:
@@ -34,6 +35,7 @@ class Screen:
         self._below.follow()
         self._full_screen.follow(glfw_utils.glfw_window_hello_imgui(), state.window.full_screen)
         self._show_bars(params, shown=not presents)
+        theme.show_window_grounds(shown=not presents)
         if self._ends:
             dockings.quit_app()
 

@@ -17,6 +17,8 @@ from renderer.clip import BoolImage, ByteImage
 
 SHARP_ZOOM = 3.0
 """From here on pixels are shown as squares."""
+NEARLY_WHOLE = 0.95
+"""From here to 1, interpolation weighs all pixels alike to 5 %, in a sixth of the time of averages."""
 STRIPE = 8
 """Screen pixels from one stripe of the zebra to the next."""
 OVER, UNDER = (255, 0, 255), (255, 220, 0)
@@ -106,6 +108,6 @@ def _halved(part: ByteImage, zoom: float) -> ByteImage:
 
 
 def _filter(zoom: float) -> int:
-    if zoom < 1:
+    if zoom < NEARLY_WHOLE:
         return cv2.INTER_AREA
     return cv2.INTER_LINEAR if zoom < SHARP_ZOOM else cv2.INTER_NEAREST

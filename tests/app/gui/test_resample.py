@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from app.enhancement.settable import MAX_ZOOM, MIN_ZOOM
 from app.gui.drawing.textures import Textures
 from app.gui.views.picture_view import PictureView, Placement
-from app.gui.views.resample import OVER, SHARP_ZOOM, UNDER, striped, visible
+from app.gui.views.resample import NEARLY_WHOLE, OVER, SHARP_ZOOM, UNDER, striped, visible
 
 PANE = (90.0, 70.0)
 
@@ -53,6 +53,20 @@ def test_a_thin_line_keeps_its_share_when_made_smaller() -> None:
         assert patch is not None
         missing = (200.0 - patch.pixels[8, :, 0]).sum()
         assert missing == pytest.approx(50.0, abs=1.5)
+
+
+@pytest.mark.parametrize("zoom", [NEARLY_WHOLE, 0.975])
+def test_a_thin_line_shown_at_nearly_its_size_keeps_its_share_nearly(zoom: float) -> None:
+    weights = []
+    for column in range(20, 60):
+        line = np.full((8, 80, 3), 200, np.uint8)
+        line[:, column] = 0
+        patch = visible(line, Placement(zoom, 0.0, 0.0), PANE)
+        assert patch is not None
+        weights.append((200.0 - patch.pixels[3, :, 0]).sum() / 200)
+    assert min(weights) > zoom - 0.02
+    assert max(weights) < 1.02
+    assert np.mean(weights) == pytest.approx(zoom, abs=0.01)
 
 
 @given(
@@ -110,6 +124,10 @@ def test_a_texture_holds_the_pixels_and_is_written_once(ctx: moderngl.Context, i
     assert other is not first
     textures.whole("view", image[:7, :5])
     textures.whole("view", image[:5, :7])
+    view = ctx.external_texture(textures.whole("view", image[2:9, 3:8]).get_tex_id(), (5, 7), 4, 0, "f1")
+    held = np.frombuffer(view.read(), np.uint8).reshape(7, 5, 4)
+    np.testing.assert_array_equal(held[..., :3], image[2:9, 3:8])
+    assert (held[..., 3] == 255).all()
     textures.release()
 
 
