@@ -1,4 +1,5 @@
-"""`python -m tests.benchmarks.train_memory [--size 640x512] [--frames 250 1000 4000]`: memory against frames.
+"""`python -m tests.benchmarks.train_memory [--size 640x512] [--frames 250 1000 4000] [--camera moving]`: memory
+and seconds against frames.
 
 Each clip has the frames of one phantom over and over, by hard links; each training is a process of its own,
 so that its peak is its own. The frames themselves are held up to a bound; the model grows with them, by the
@@ -32,12 +33,14 @@ def main() -> None:
     parser.add_argument("--frames", type=int, nargs="*", default=[250, 500, 1000, 2000, 4000])
     parser.add_argument("--iterations", type=int, default=60)
     parser.add_argument("--method", default="vesselsplat")
+    parser.add_argument("--camera", choices=("fixed", "moving"), default="fixed")
     given = parser.parse_args()
     width, height = map(int, given.size.split("x"))
     print("frames   peak MB   told MB   model MB   wall s")
     with tempfile.TemporaryDirectory(dir=os.environ.get("TMPDIR")) as scratch:
         phantom = Path(scratch) / "phantom"
-        write_phantom(phantom, PhantomParams(n_frames=ORIGINALS, width=width, height=height, seed=3))
+        shown = PhantomParams(n_frames=ORIGINALS, width=width, height=height, seed=3, camera=given.camera)
+        write_phantom(phantom, shown)
         for count in given.frames:
             clip, run = Path(scratch) / f"clip-{count}", Path(scratch) / f"run-{count}"
             repeated(phantom, clip, count)

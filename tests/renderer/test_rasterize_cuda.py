@@ -38,7 +38,7 @@ def device(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> s
     if request.param == "cpu":
         gsplat_on_cpu.install(monkeypatch)
     elif not torch.cuda.is_available():
-        pytest.skip("no NVIDIA card is at hand")
+        pytest.skip("no NVIDIA GPU with CUDA here")
     else:
         pytest.importorskip("gsplat", reason=gsplat_on_cpu.INSTALL)
     return str(request.param)
@@ -163,7 +163,7 @@ def test_a_run_begins_as_on_the_processor(device: str) -> None:
 
 
 @pytest.mark.cuda
-@pytest.mark.skipif(not torch.cuda.is_available(), reason="no NVIDIA card is at hand")
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="no NVIDIA GPU with CUDA here")
 def test_a_run_on_a_card_ends_as_on_the_processor() -> None:
     pytest.importorskip("gsplat", reason=gsplat_on_cpu.INSTALL)
     told = [list(train(moving_sheet(), SMALL, pictures=one)) for one in (None, TorchBackend("cuda"))]
