@@ -1,5 +1,6 @@
-"""`python -m tests.benchmarks.train_memory [--size 640x512] [--frames 250 1000 4000] [--camera moving]`: memory
-and seconds against frames.
+"""Memory and seconds against frames.
+
+python -m tests.benchmarks.train_memory [--size 640x512] [--frames 250 1000 4000] [--camera moving]
 
 Each clip has the frames of one phantom over and over, by hard links; each training is a process of its own,
 so that its peak is its own. The frames themselves are held up to a bound; the model grows with them, by the
