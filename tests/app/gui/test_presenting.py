@@ -198,6 +198,10 @@ def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None
         assert shown() == set()
         assert not any(map(is_there, ("##MainMenuBar", "StatusBar", "Images")))
         assert hello_imgui.get_runner_params().callbacks.edges_toolbars == {}
+        docking = hello_imgui.get_runner_params().docking_params
+        behind = imgui.internal.dock_builder_get_node(docking.dock_space_id_from_name(presentation.HOST))
+        drawn = behind.host_window.draw_list
+        assert drawn.vtx_buffer.size() == 0  # No ground below what covers it all.
         screen = imgui.get_main_viewport().size
         pane = ctx.item_info("//##presentation/right")
         assert (pane.rect_full.min.x, pane.rect_full.min.y, pane.rect_full.max.x) == (0, 0, screen.x)
@@ -207,11 +211,13 @@ def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None
         ctx.key_press(chord("Ctrl+Shift+P"))
         ctx.yield_(3)
         assert state.window.palette.shown
+        assert imgui.get_style().color_(imgui.Col_.window_bg).w == 1
         ctx.key_press(key.escape)
         ctx.yield_(3)
         ctx.key_press(key.escape)
         wait(ctx, lambda: glfw.get_window_size(window) == size, "the window")
         ctx.yield_(6)
+        assert imgui.get_style().color_(imgui.Col_.window_bg).w == 1
         assert state.presenting.pane is None
         assert (shown(), in_front(ctx)) == (panels, front)
         assert ctx.window_info("//Tuning").window.size.x == width
