@@ -52,7 +52,7 @@ class Textures:
     def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
         """The texture of an (H, W, 3) or (H, W, 4) image, first row first."""
         if self._images.get(slot) is not image:
-            self._write(slot, image)
+            self._write(slot, image, moderngl.LINEAR)
             self._images[slot] = image
         return imgui.ImTextureRef(self._textures[slot].glo)
 
@@ -68,14 +68,13 @@ class Textures:
         if patch is not None and left_out is not None:
             patch = tinted(patch, left_out, place, pane)
         if patch is not None:
-            texture = self._write(slot, patch.pixels)
             # Pixel for pixel there is nothing between them, which a driver without a GPU would compute.
-            texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+            texture = self._write(slot, patch.pixels, moderngl.NEAREST)
             shown = OnPane(imgui.ImTextureRef(texture.glo), patch.x, patch.y, *texture.size)
         self._images[slot], self._parts[slot] = image, (left_out, (place, pane, zebra), shown)
         return shown
 
-    def _write(self, slot: str, pixels: ByteImage) -> moderngl.Texture:
+    def _write(self, slot: str, pixels: ByteImage, sampling: int) -> moderngl.Texture:
         """With an opacity: drivers take pixels of three bytes one by one, several times slower."""
         height, width, channels = pixels.shape
         texture = self._textures.get(slot)
@@ -87,6 +86,7 @@ class Textures:
             texture.repeat_x = texture.repeat_y = False
         opaque = cv2.cvtColor(pixels, cv2.COLOR_RGB2RGBA) if channels == 3 else np.ascontiguousarray(pixels)
         texture.write(opaque)
+        texture.filter = (sampling, sampling)
         return texture
 
     def release(self) -> None:
