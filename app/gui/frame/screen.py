@@ -35,7 +35,7 @@ class Screen:
         self._below.follow()
         self._full_screen.follow(glfw_utils.glfw_window_hello_imgui(), state.window.full_screen)
         self._show_bars(params, shown=not presents)
-        theme.show_window_grounds(shown=not presents)
+        theme.show_ground_of_panels(shown=not presents)
         if self._ends:
             dockings.quit_app()
 

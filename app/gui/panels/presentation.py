@@ -20,9 +20,8 @@ from app.gui.views.comparison import Side
 HINT = "Esc: leave   ·   1 2 3: panes   ·   L: labels"
 FLAGS = (
     imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_docking | imgui.WindowFlags_.no_saved_settings
-    | imgui.WindowFlags_.no_background
     | imgui.WindowFlags_.no_move | imgui.WindowFlags_.no_bring_to_front_on_focus
-    | imgui.WindowFlags_.no_scroll_with_mouse
+    | imgui.WindowFlags_.no_scroll_with_mouse | imgui.WindowFlags_.no_background
 )  # fmt: skip
 HOST = "MainDockSpace"
 """The runner's window of all panels, which are hidden meanwhile."""
@@ -35,8 +34,6 @@ def draw_presentation(
     name = state.presenting.pane
     if name is None:
         return
-    # The runner's own windows, which are behind, are drawn by now.
-    theme.show_window_grounds(shown=True)
     screen, style = imgui.get_main_viewport(), imgui.StyleVar_
     imgui.set_next_window_pos(screen.pos)
     imgui.set_next_window_size(screen.size)

@@ -143,12 +143,11 @@ def apply_style() -> None:
     style.disabled_alpha = 0.45
 
 
-def show_window_grounds(*, shown: bool) -> None:
-    """What is wholly covered need not be painted: without a GPU each layer of a screen takes milliseconds."""
-    style = imgui.get_style()
-    for which in (imgui.Col_.window_bg, imgui.Col_.docking_empty_bg):
-        color = style.color_(which)
-        style.set_color_(which, ImVec4(color.x, color.y, color.z, float(shown)))
+def show_ground_of_panels(*, shown: bool) -> None:
+    """Behind them; where it is covered it need not be painted: without a GPU, a layer takes milliseconds."""
+    style, which = imgui.get_style(), imgui.Col_.docking_empty_bg
+    color = style.color_(which)
+    style.set_color_(which, ImVec4(color.x, color.y, color.z, float(shown)))
 
 
 def _lines(colors: Colors) -> int:

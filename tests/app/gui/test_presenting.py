@@ -217,7 +217,7 @@ def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None
         ctx.key_press(key.escape)
         wait(ctx, lambda: glfw.get_window_size(window) == size, "the window")
         ctx.yield_(6)
-        assert imgui.get_style().color_(imgui.Col_.window_bg).w == 1
+        assert imgui.get_style().color_(imgui.Col_.docking_empty_bg).w == 1
         assert state.presenting.pane is None
         assert (shown(), in_front(ctx)) == (panels, front)
         assert ctx.window_info("//Tuning").window.size.x == width
