@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Final
 
 import numpy as np
@@ -76,6 +76,43 @@ class FieldOfView:
             return np.ones((self.height, self.width), bool)
         columns, spans = np.arange(self.width), self.spans()
         return np.asarray((columns >= spans[:, :1]) & (columns < spans[:, 1:]))
+
+    def inset(self, by: float) -> FieldOfView:
+        """Narrower by so many px, but not along the picture's own border, as the field goes on there; the
+        same where nothing would be left."""
+        if self.circle is not None and self.circle[2] > by:
+            return replace(self, circle=(*self.circle[:2], self.circle[2] - by))
+        if self.polygon is None:
+            return self
+        corners = np.array(self.polygon, np.float64)
+        ahead = np.roll(corners, -1, axis=0) - corners
+        clockwise = np.sign((corners[:, 0] * ahead[:, 1] - corners[:, 1] * ahead[:, 0]).sum())
+        left = corners
+        for corner, side in zip(corners, ahead, strict=True):
+            length = float(np.hypot(*side))
+            if length and not self._along_border(corner, corner + side, by):
+                inward = clockwise * np.array([-side[1], side[0]]) / length
+                left = _beyond(left, inward, float(inward @ corner) + by)
+        if len(left) < 3:
+            return self
+        return replace(self, polygon=tuple((float(x), float(y)) for x, y in left[:MOST_CORNERS]))
+
+    def _along_border(self, one: NDArray[np.float64], other: NDArray[np.float64], by: float) -> bool:
+        ends, far = np.stack([one, other]), np.array([self.width - by, self.height - by])
+        return bool((ends < by).all(axis=0).any() or (ends > far).all(axis=0).any())
+
+
+def _beyond(corners: NDArray[np.float64], inward: NDArray[np.float64], least: float) -> NDArray[np.float64]:
+    """The part of a convex outline of (N, 2) corners that lies at `least` or more along the normal."""
+    inside, kept = corners @ inward - least, list[NDArray[np.float64]]()
+    for place, here in enumerate(inside):
+        before = inside[place - 1]
+        if (here >= 0) != (before >= 0):
+            share = before / (before - here)
+            kept.append(corners[place - 1] + share * (corners[place] - corners[place - 1]))
+        if here >= 0:
+            kept.append(corners[place])
+    return np.array(kept).reshape(-1, 2)
 
 
 @njit(cache=True, error_model="numpy")

@@ -10,7 +10,7 @@ import numpy as np
 
 from enhance.field import FieldOfView, typical
 from enhance.field_search import find_field
-from renderer.clip import ByteImage, Frame
+from renderer.clip import ByteImage, Clip, Frame
 from renderer.poses.burned_in import burned_in_borders
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission
@@ -19,6 +19,10 @@ LOOKED_AT: Final = 16
 """Frames, evenly spread."""
 LEAST_TISSUE: Final = 0.5
 """Of the surround: where the clip's own masks call less of it tissue, they leave it out themselves."""
+
+RIM: Final = 1 / 120
+"""Of the picture's width: reflections and blur at the edge of the lens, which stay where a camera moves. On
+training frames of a sinus, PSNR rises up to there: 36.5 dB with all of it, 37.4 without."""
 
 
 def spread(indices: Sequence[int]) -> list[int]:
@@ -43,6 +47,18 @@ def lit_field(frames: Iterable[Frame]) -> FieldOfView | None:
     if field is None or field.is_whole:
         return None
     return field if tissue[~field.mask()].mean() > LEAST_TISSUE * count else None
+
+
+def lit_part(clip: Clip) -> Clip:
+    """The same clip without the dark surround that its frames show: what is written or reflected there stays
+    where it is while a camera moves. Raises ClipError."""
+    field = lit_field(map(clip.read_frame, spread(range(len(clip)))))
+    return clip if field is None else clip.within(field.mask())
+
+
+def without_rim(field: FieldOfView) -> FieldOfView:
+    """As a camera that moves sees tissue."""
+    return field.inset(RIM * field.width)
 
 
 def without_borders(images: Sequence[ByteImage]) -> FieldOfView | None:

@@ -24,12 +24,15 @@ def with_found(
     is_followed: bool = False,
 ) -> ClipPart:
     """The part without the dark surround and the tools that some of these frames show, unless they are kept
-    or known; without bars at the border, too, where the camera `is_followed`, as bars stay where it moves."""
+    or known; where the camera `is_followed` also without the rim of the surround and bars at the border,
+    which stay where it moves."""
     looked_at = dark_surround.spread(indices)
     if "surround" not in keep and part.field_of_view is None:
         field = dark_surround.lit_field(map(read_frame, looked_at))
-        if field is None and is_followed:
+        if is_followed and field is None:
             field = dark_surround.without_borders([read_frame(index).image for index in looked_at])
+        elif is_followed and field is not None:
+            field = dark_surround.without_rim(field)
         part = replace(part, field_of_view=field)
     if "tools" not in keep and part.tools is None:
         frames = (part.cleared(read_frame(index)) for index in looked_at)

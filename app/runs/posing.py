@@ -6,6 +6,7 @@ from collections.abc import Generator
 from dataclasses import dataclass, replace
 
 from app.runs.clip_selection import ClipPart
+from app.runs.dark_surround import lit_part
 from app.runs.preparing import told_meanwhile
 from app.runs.run_folder import PosesRecord
 from renderer.camera_motion import POSES_MISSING, camera_motion, contradicted
@@ -46,7 +47,7 @@ def posed(clip: Clip, config: TrainConfig) -> Generator[Preparing, None, Posed]:
     if omitted or not _may_be_posed(clip):
         return Posed(clip, notices=(contradicted(moves),) if moves else (), omitted=omitted)
     try:
-        found = yield from told_meanwhile(STAGE, lambda tell: find_poses(clip, tell))
+        found = yield from told_meanwhile(STAGE, lambda tell: find_poses(lit_part(clip), tell))
     except PosesError as error:
         return Posed(clip, notices=(f"{contradicted(moves) if moves else POSES_MISSING}: {error}",))
     return through_found(clip, found)

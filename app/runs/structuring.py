@@ -7,6 +7,7 @@ from collections.abc import Generator
 from dataclasses import replace
 from functools import partial
 
+from app.runs.dark_surround import lit_part
 from app.runs.posing import Posed, through_found
 from app.runs.preparing import told_meanwhile
 from renderer.camera import Camera
@@ -32,7 +33,7 @@ def structured(clip: Clip, config: TrainConfig, options: ClipOptions) -> Generat
     if "poses" in config.leave_out:
         raise ClipError(f"expected poses to be found for depth from motion, got them left out: {clip.path}")
     is_known = not is_seen_by_assumption(clip) or options.field_of_view != DEFAULTS.field_of_view
-    features = yield from told_meanwhile(FOLLOWING, partial(followed_features, clip))
+    features = yield from told_meanwhile(FOLLOWING, lambda tell: followed_features(lit_part(clip), tell))
     place = partial(structure_of, clip, features, focal_is_known=is_known)
     try:
         found = yield from told_meanwhile(PLACING, lambda tell: place(tell=tell))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Final
 
@@ -36,6 +37,11 @@ _CERTAIN = math.radians(1.5)
 _LOOSE = 0.01
 """Of the width, by which such a point may be off, as of tissue that moves."""
 _MOST_POINTS = 5000
+_MOST_TRIES = 4
+_SAME_FOCAL = 0.03
+"""Of its logarithm."""
+_AS_GOOD = 1.1
+"""Times the noise of the steadier points, up to which another try counts."""
 _TOO_FEW = f"features are followed through fewer than {SHORTEST} frames"
 
 
@@ -86,7 +92,7 @@ def structure_of(
     lens = small_lens(clip.cameras[0])
     focal = None if focal_is_known else FocalGuess(lens.fx, FOCAL_SPREAD)
     try:
-        done, points, unplaced = solved(lens, features.parts, focal, tell)
+        done, points, unplaced = focused(lens, features.parts, focal, tell)
     except Lost as reason:
         said = str(reason) if features.parts else commonest([each.why for each in features.lost], _TOO_FEW)
         raise PosesError(said) from reason
@@ -95,12 +101,43 @@ def structure_of(
     return FoundStructure(found_poses(clip, done, 1.0, lost), SparsePoints(points))
 
 
+Solved = tuple[Settled, FloatArray, list[LostFrame]]
+
+
+def focused(lens: Camera, parts: Sequence[Tracked], focal: FocalGuess | None, tell: Tell) -> Solved:
+    """As `solved`, and where the focal length that comes out is far from the one it began with, once more
+    from there: a shape grown by a wrong one keeps some of its error. A try that holds fewer frames, or agrees
+    clearly less, ends it and does not count. Raises Lost: the first finds nothing, and why."""
+    best, begun = solved(lens, parts, focal, tell), lens
+    for tries in range(1, _MOST_TRIES if focal is not None else 1):
+        if _apart(best[0].lens, begun) < _SAME_FOCAL:
+            break
+        begun = replace(lens, fx=best[0].lens.fx, fy=best[0].lens.fy)
+        try:
+            again = solved(begun, parts, focal, partial(_told_later, tell, tries))
+        except Lost:
+            break
+        if len(again[0].views) < len(best[0].views) or again[0].noise.pixel > _AS_GOOD * best[0].noise.pixel:
+            break
+        best = again
+    return best
+
+
+def _apart(one: Camera, other: Camera) -> float:
+    return abs(math.log(one.fx / other.fx))
+
+
+def _told_later(tell: Tell, tries: int, done: int, total: int) -> None:
+    """Each try takes half of what the ones before have left of the whole."""
+    tell(total * (2**tries - 1) + done, total * 2**tries)
+
+
 def solved(
     lens: Camera,
     parts: Sequence[Tracked],
     focal: FocalGuess | None,
     tell: Tell = lambda done, total: None,
-) -> tuple[Settled, FloatArray, list[LostFrame]]:
+) -> Solved:
     """The views of the longest part that holds, in scene units; points (P, 3) in the axes of the first one,
     of tissue that moves as well; and frames without a pose although features were followed.
 

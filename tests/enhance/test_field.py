@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -150,3 +152,27 @@ def test_the_typical_field_of_a_clip_is_not_that_of_its_flashes() -> None:
     usual = [FieldOfView(80, 60, circle=(40, 30, 25 + 0.1 * step)) for step in range(5)]
     odd = [FieldOfView(80, 60), FieldOfView(80, 60, circle=(40, 30, 4)), FieldOfView(8, 6)]
     assert typical([*odd, *usual]) in usual
+
+
+@pytest.mark.parametrize("name", OUTLINES)
+@pytest.mark.parametrize("by", [3.0, 9.0])
+def test_an_inset_is_the_field_without_its_rim(name: str, by: float) -> None:
+    """As erosion leaves it, but for pixels cut by its outline; along the picture's border nothing is lost."""
+    field = found(seen_in(outline(name), black=3, noise=1))
+    mask, side = field.mask(), 2 * int(by) + 1
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
+    eroded = cv2.erode(mask.astype(np.uint8), kernel, borderType=cv2.BORDER_CONSTANT, borderValue=(1.0,)) > 0
+    inset = field.inset(by).mask()
+    assert not inset[~mask].any()
+    assert eroded.sum() < mask.sum()
+    assert np.count_nonzero(inset != eroded) < 0.1 * np.count_nonzero(mask != eroded)
+
+
+def test_an_inset_that_leaves_nothing_is_not_made() -> None:
+    whole = FieldOfView(width=64, height=48)
+    for field in (
+        whole,
+        replace(whole, circle=(32.0, 24.0, 10.0)),
+        replace(whole, polygon=((22.0, 14.0), (42.0, 14.0), (32.0, 34.0))),
+    ):
+        assert field.inset(20.0) == field

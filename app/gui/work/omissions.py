@@ -74,7 +74,8 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
     @cache
     def seen(keep: tuple[Part, ...]) -> tuple[ClipPart, FrameStore[Frame]]:
         """What of the frames training sees, and the frames so."""
-        part = with_found(WHOLE, frames.__getitem__, range(len(frames)), keep)
+        is_followed = clip.depth_origin == "motion"
+        part = with_found(WHOLE, frames.__getitem__, range(len(frames)), keep, is_followed)
         return part, frames if part == WHOLE else FrameStore.of(map(part.cleared, frames))
 
     def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:

@@ -5,19 +5,26 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 from app.evaluation.evaluate import open_evaluation
+from app.runs.dark_surround import lit_field, lit_part
 from app.runs.run_folder import RunFolder, run_clip
 from app.runs.train_run import TrainRequest, run_training
-from renderer.clip import ClipError
+from renderer.clip import Clip, ClipError
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.poses.from_motion import followed_features
 from renderer.readers.clip_options import ClipOptions
+from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, Warned
 
 CONFIG = TrainConfig(iterations=4, n_gaussians=500)
+PARAMS = PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
+RADIUS = 60
+"""px, of the round view."""
 MOTION = ClipOptions(depth="motion")
 
 
@@ -25,10 +32,25 @@ MOTION = ClipOptions(depth="motion")
 def images(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Nothing else is left of a clip whose camera moves."""
     path = tmp_path_factory.mktemp("moving")
-    params = PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
-    write_phantom(path / "clip", params)
+    write_phantom(path / "clip", PARAMS)
     shutil.copytree(path / "clip" / "images", path / "images")
     return path / "images"
+
+
+@pytest.fixture(scope="module")
+def round_images(images: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same through a round view, with a mark in two corners that stays where it is."""
+    path = tmp_path_factory.mktemp("round")
+    y, x = np.mgrid[:128, :160] + 0.5
+    surround = np.hypot(x - 80, y - 64) > RADIUS
+    page = np.full((128, 160, 3), 3, np.uint8)
+    mark = cv2.resize(np.random.default_rng(0).integers(60, 200, (9, 9), np.uint8), (27, 27))
+    page[:27, :27] = page[-27:, :27] = mark[..., None]
+    for file in images.iterdir():
+        image = cv2.imread(str(file))
+        assert image is not None
+        cv2.imwrite(str(path / file.name), np.where(surround[..., None], page, image))
+    return path
 
 
 def request_of(path: Path, run: Path, config: TrainConfig = CONFIG, resume: bool = False) -> TrainRequest:
@@ -80,3 +102,28 @@ def test_what_cannot_be_is_refused_before_frames_are_read(images: Path, tmp_path
     refused = TrainConfig(iterations=4, n_gaussians=500, leave_out=("poses",))
     with pytest.raises(ClipError, match="got them left out"):
         list(run_training(request_of(images, tmp_path / "run", refused)))
+
+
+def test_what_stays_beside_the_view_is_not_followed(round_images: Path) -> None:
+    def beyond(clip: Clip) -> int:
+        """How many places of features lie outside the view."""
+        parts = followed_features(clip).parts
+        places = np.concatenate([sight.places for part in parts for sight in part.sights])
+        return int((np.hypot(places[:, 0] - 80, places[:, 1] - 64) > RADIUS).sum())
+
+    clip = open_clip(round_images, MOTION)
+    assert beyond(clip) > 100
+    assert beyond(lit_part(clip)) == 0
+
+
+def test_the_rim_of_the_view_stays_where_the_camera_moves_and_is_left_out(
+    round_images: Path, tmp_path: Path
+) -> None:
+    list(run_training(request_of(round_images, tmp_path / "run")))
+    field = RunFolder(tmp_path / "run").record().clip.part.field_of_view
+    clip = open_clip(round_images, MOTION)
+    whole = lit_field(map(clip.read_frame, range(len(clip))))
+    assert field is not None
+    assert whole is not None
+    assert 0 < np.count_nonzero(whole.mask() & ~field.mask()) < 0.1 * np.count_nonzero(whole.mask())
+    assert not np.any(field.mask() & ~whole.mask())

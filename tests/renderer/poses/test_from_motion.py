@@ -9,7 +9,7 @@ import pytest
 
 from renderer.camera import Camera
 from renderer.poses.bundle import Bundle, FocalGuess, adjusted, misfit
-from renderer.poses.from_motion import MEDIAN_DEPTH, solved
+from renderer.poses.from_motion import FOCAL_SPREAD, MEDIAN_DEPTH, focused, solved
 from renderer.poses.growing import seen_at
 from renderer.poses.parts import Lost
 from renderer.poses.rigid_motion import local, moved, projected, zoomed
@@ -109,6 +109,25 @@ def test_a_path_is_found_from_tracks_and_its_points_are_a_hundred_units_away():
     depths = np.concatenate([local(view.pose, done.points)[:, 2] for view in done.views])
     assert np.median(depths) == pytest.approx(MEDIAN_DEPTH, rel=0.05)
     assert len(where) == COUNT
+
+
+@pytest.mark.parametrize("degrees", [35, 90, 100])
+def test_a_field_of_view_far_from_its_guess_is_found(degrees):
+    """Growing once from 60 degrees leaves the focal length off by a sixth, a quarter and four fifths."""
+    lens, guess, told = Camera.from_fov(degrees, 320, 256), FocalGuess(LENS.fx, FOCAL_SPREAD), []
+    truth = path(24)
+    done, _, _ = focused(LENS, [followed(truth, lens=lens)], guess, lambda *each: told.append(each))
+    assert done.lens.fx == pytest.approx(lens.fx, rel=1e-3)
+    np.testing.assert_allclose(shape_of([view.pose for view in done.views]), shape_of(truth), atol=1e-3)
+    shares = [count / total for count, total in told]
+    assert shares == sorted(shares)
+    assert shares[-1] < 1
+
+
+def test_a_field_of_view_that_is_known_is_not_sought():
+    wide = Camera.from_fov(70, 320, 256)
+    done, _, _ = focused(LENS, [followed(path(24), lens=wide)], None, lambda *each: None)
+    assert done.lens == LENS
 
 
 def test_a_third_that_moves_by_itself_does_not_pull_the_path():
