@@ -97,12 +97,14 @@ def _cost(bundle: Bundle, left: FloatArray) -> float:
 
 
 def _free(bundle: Bundle) -> IntArray:
-    """Of the 6 K + 1 unknowns of the poses and the focal length, those that are sought."""
+    """Of the 6 K + 1 unknowns of the poses and the focal length, those that are sought; not the pose of a view
+    that sees nothing."""
     count = len(bundle.poses)
-    held = [*range(6)]
+    blind = np.bincount(bundle.views, minlength=count) == 0
+    held = [*range(6), *(6 * np.flatnonzero(blind)[:, None] + np.arange(6)).ravel()]
     if count > 1 and not (bundle.seen.weights[:, 2] > 0).any():
         places = -np.einsum("kji,kj->ki", bundle.poses[:, :3, :3], bundle.poses[:, :3, 3])
-        far = int(np.argmax(np.linalg.norm(places - places[0], axis=1)))
+        far = int(np.argmax(np.where(blind, -1.0, np.linalg.norm(places - places[0], axis=1))))
         toward = bundle.poses[far, :3, :3] @ (places[far] - places[0])
         held.append(6 * far + 3 + int(np.argmax(np.abs(toward))))
     if bundle.focal is None:

@@ -40,7 +40,7 @@ _MOST_POINTS = 5000
 _MOST_TRIES = 4
 _SAME_FOCAL = 0.03
 """Of its logarithm."""
-_AS_GOOD = 1.1
+_AS_GOOD = 1.01
 """Times the noise of the steadier points, up to which another try counts."""
 _TOO_FEW = f"features are followed through fewer than {SHORTEST} frames"
 

@@ -101,6 +101,26 @@ def test_poses_points_and_a_focal_length_settle_on_exact_places_up_to_scale(fact
     np.testing.assert_array_equal(found.poses[0], truth[0])
 
 
+@pytest.mark.parametrize("blind", [3, 7])
+def test_a_view_that_sees_no_point_stays_where_it_is(blind):
+    """Also the farthest one, by which the scale would be held."""
+    rng, truth = np.random.default_rng(1), path(8)
+    off = np.stack([truth[0], *(moved(pose, 0.01 * rng.standard_normal(6)) for pose in truth[1:])])
+    views = np.repeat(np.delete(np.arange(8), blind), COUNT)
+    places = np.concatenate([places_of(truth[view], points()) for view in np.unique(views)])
+    bundle = Bundle(
+        lens=LENS,
+        poses=off,
+        points=points() + 0.01 * rng.standard_normal((COUNT, 3)),
+        views=views,
+        seen_points=np.tile(np.arange(COUNT), 7),
+        seen=seen_at(places, 0.5),
+    )
+    found = adjusted(adjusted(bundle))
+    assert np.abs(misfit(found)).max() < 1e-6
+    np.testing.assert_array_equal(found.poses[blind], off[blind])
+
+
 def test_a_path_is_found_from_tracks_and_its_points_are_a_hundred_units_away():
     truth = path(15)
     done, where, lost = solved(LENS, [followed(truth)], None)
