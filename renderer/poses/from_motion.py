@@ -16,6 +16,7 @@ from renderer.clip import Clip, SparsePoints
 from renderer.poses.bundle import FocalGuess
 from renderer.poses.growing import SEEN_BY, Growing
 from renderer.poses.lost_frame import LostFrame
+from renderer.poses.outlying_points import outlying
 from renderer.poses.parts import MOST_BRIDGED, SHORTEST, Lost, commonest, parts_of, pictures_of
 from renderer.poses.pictures import small_lens
 from renderer.poses.rigid_motion import local
@@ -232,8 +233,10 @@ def _shaped(done: Settled, keys: tuple[int, ...], part: Tracked) -> tuple[Settle
         good = often & np.isfinite(found.misfit)
     factor = MEDIAN_DEPTH / float(np.median(local(poses, found.where[ids])[good[ids], 2]))
     views = tuple(replace(view, pose=_times(view.pose, factor)) for view in done.views)
-    points = local(views[0].pose, factor * found.where[good])
-    return replace(done, views=views, points=factor * done.points), points[:: -(-len(points) // _MOST_POINTS)]
+    points = factor * found.where[good]
+    points = points[:: -(-len(points) // _MOST_POINTS)]
+    points = points[~outlying(done.lens, np.stack([views[key].pose for key in keys]), points)]
+    return replace(done, views=views, points=factor * done.points), local(views[0].pose, points)
 
 
 def _times(pose: FloatArray, factor: float) -> FloatArray:
