@@ -97,8 +97,8 @@ def _cost(bundle: Bundle, left: FloatArray) -> float:
 
 
 def _free(bundle: Bundle) -> IntArray:
-    """Of the 6 K + 1 unknowns of the poses and the focal length, those that are sought; not the pose of a view
-    that sees nothing."""
+    """Of the 6 K + 1 unknowns of the poses and the focal length, those that are sought; poses of views that
+    see nothing are not."""
     count = len(bundle.poses)
     blind = np.bincount(bundle.views, minlength=count) == 0
     held = [*range(6), *(6 * np.flatnonzero(blind)[:, None] + np.arange(6)).ravel()]
