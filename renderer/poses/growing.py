@@ -140,7 +140,7 @@ class Growing:
     def require(self, ids: IntArray) -> None:
         """Raises Lost: too few points to place a view by."""
         if len(ids) < FEWEST:
-            raise Lost(f"{len(ids)} points of known place")
+            raise Lost(f"{len(ids)} points whose place is known")
 
     def adjust(self) -> None:
         """Bundle adjustment; points that stray are no longer known. Raises Lost: too few points are."""

@@ -167,7 +167,7 @@ def test_where_a_clip_breaks_the_frame_is_named_and_the_longer_part_is_kept():
 
     _, _, lost = broken = solved(LENS, [followed(path(24), shown=shown)], None)
     assert [view.frame for view in broken[0].views] == list(range(9, 24))
-    assert lost[0].why == "5 points of known place"
+    assert lost[0].why == "5 points whose place is known"
     assert lost[0].frame in (6, 9)
 
 
