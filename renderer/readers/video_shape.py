@@ -26,8 +26,11 @@ def quarter_turns(frame: VideoFrame) -> int:
 
 
 def pixel_aspect(stream: VideoStream, frame: VideoFrame) -> Fraction:
-    """Width of a pixel by its height, in the upright picture."""
+    """Width of a pixel by its height, in the upright picture; 1 where all of them together differ by less
+    than one pixel, as is left of rounding when a video is made smaller."""
     aspect = Fraction(stream.sample_aspect_ratio or 1)
+    if abs(aspect - 1) * max(frame.width, frame.height) < 1:
+        return Fraction(1)
     return 1 / aspect if quarter_turns(frame) % 2 else aspect
 
 

@@ -30,6 +30,9 @@ BY: Final[Mapping[DepthOrigin, str]] = {
     "brightness": "Guessed, from brightness",
     "motion": "From the camera's motion",
 }
+MOVES_OR_NOT: Final = (
+    "From motion if the endoscope moves; Guessed if it is held still. Neither has a scale in mm."
+)
 READING: Final = "Reading the clip with this depth…"
 LOOKING: Final = "Looking at what this clip offers…"
 
@@ -63,7 +66,9 @@ def why_no_depth(state: AppState) -> str:
     # What is open needs no path.
     known = legible(clip.why_no_depth.removesuffix(f": {clip.path}"))
     why = f"{capital(known)}." if known else "This clip has no depth."
-    return f"{why} Guessed: no scale, so no distances in mm."
+    if why_not(state, "motion"):
+        return f"{why} Guessed: no scale, so no distances in mm."
+    return f"{why} {MOVES_OR_NOT}"
 
 
 def without_scale(state: AppState) -> str:

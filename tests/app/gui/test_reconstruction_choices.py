@@ -34,12 +34,12 @@ from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.renderer.eyes import write_eyes
 
 
-def write_video(path: Path) -> Path:
+def write_video(path: Path, n_frames: int = 6) -> Path:
     """A folder of RGB images, as a video is: no depth, no right images."""
     path.mkdir(parents=True)
     rng = np.random.default_rng(3)
     lit = np.linspace(90, 200, 48)[None, :, None] * [1.0, 0.6, 0.5]
-    for index in range(6):
+    for index in range(n_frames):
         Image.fromarray((lit + rng.normal(0, 6, (40, 48, 3))).clip(0, 255).astype(np.uint8)).save(
             path / f"{index:02d}.png"
         )
@@ -65,6 +65,7 @@ def test_a_clip_without_depth_can_be_guessed_and_loses_nothing(places: Places, t
     state, channels = opened(places, write_video(tmp_path / "video"))
     assert "Choose Depth first" in job_actions.why_not_reconstruct(state)
     assert "--depth" not in job_actions.why_not_reconstruct(state)
+    assert depth_actions.why_no_depth(state).endswith("Guessed: no scale, so no distances in mm.")
     assert depth_actions.chosen_way(state) is None
     assert "no measured depth" in depth_actions.why_not(state, "measured")
     assert "no right images" in depth_actions.why_not(state, "stereo")
@@ -89,6 +90,12 @@ def test_a_clip_without_depth_can_be_guessed_and_loses_nothing(places: Places, t
     assert depth_actions.without_scale(state) == "Guessed, from brightness: no scale, so no distances in mm."
     assert state.source.clip is not None
     assert state.source.clip.unit == "scene units"
+
+
+def test_where_there_are_frames_enough_for_it_motion_is_offered_first(places: Places, tmp_path: Path) -> None:
+    state, _ = opened(places, write_video(tmp_path / "video", 8))
+    assert depth_actions.why_not(state, "motion") == ""
+    assert "From motion if the endoscope moves" in depth_actions.why_no_depth(state)
 
 
 def test_the_choice_is_in_the_request_and_is_there_the_next_time(places: Places, tmp_path: Path) -> None:

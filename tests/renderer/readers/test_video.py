@@ -348,6 +348,14 @@ def test_pixels_that_are_not_square(tmp_path):
     assert any("1.45 times as wide as high" in notice for notice in clip.notices)
 
 
+def test_what_rounding_leaves_of_a_size_is_square(tmp_path):
+    """FFmpeg writes such a shape when it makes a video smaller."""
+    pictures = [numbered_picture(number) for number in range(3)]
+    clip = open_video(encoded(tmp_path / "a.mp4", pictures, aspect=Fraction(1120, 1119)))
+    assert clip.pixel_aspect == 1
+    assert not any("as wide as high" in notice for notice in clip.notices)
+
+
 def test_a_turned_video_is_upright(tmp_path):
     clip = open_video(turned(encoded(tmp_path / "a.mp4", [numbered_picture(number) for number in range(5)])))
     assert clip.size == (64, 128)
