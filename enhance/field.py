@@ -95,7 +95,8 @@ class FieldOfView:
                 left = _beyond(left, inward, float(inward @ corner) + by)
         if len(left) < 3:
             return self
-        return replace(self, polygon=tuple((float(x), float(y)) for x, y in left[:MOST_CORNERS]))
+        # No more corners than before: what is left has one at most for each side, moved or kept.
+        return replace(self, polygon=tuple((float(x), float(y)) for x, y in left))
 
     def _along_border(self, one: NDArray[np.float64], other: NDArray[np.float64], by: float) -> bool:
         ends, far = np.stack([one, other]), np.array([self.width - by, self.height - by])
@@ -103,14 +104,14 @@ class FieldOfView:
 
 
 def _beyond(corners: NDArray[np.float64], inward: NDArray[np.float64], least: float) -> NDArray[np.float64]:
-    """The part of a convex outline of (N, 2) corners that lies at `least` or more along the normal."""
+    """The part of a convex outline of (N, 2) corners that lies beyond `least` along the normal."""
     inside, kept = corners @ inward - least, list[NDArray[np.float64]]()
     for place, here in enumerate(inside):
         before = inside[place - 1]
-        if (here >= 0) != (before >= 0):
+        if (here > 0) != (before > 0):
             share = before / (before - here)
             kept.append(corners[place - 1] + share * (corners[place] - corners[place - 1]))
-        if here >= 0:
+        if here > 0:
             kept.append(corners[place])
     return np.array(kept).reshape(-1, 2)
 

@@ -166,6 +166,7 @@ def test_an_inset_is_the_field_without_its_rim(name: str, by: float) -> None:
     assert not inset[~mask].any()
     assert eroded.sum() < mask.sum()
     assert np.count_nonzero(inset != eroded) < 0.1 * np.count_nonzero(mask != eroded)
+    assert len(field.inset(by).polygon or ()) <= len(field.polygon or ())
 
 
 def test_an_inset_that_leaves_nothing_is_not_made() -> None:
