@@ -29,10 +29,10 @@ def with_found(
     looked_at = dark_surround.spread(indices)
     if "surround" not in keep and part.field_of_view is None:
         field = dark_surround.lit_field(map(read_frame, looked_at))
-        if is_followed and field is None:
-            field = dark_surround.without_borders([read_frame(index).image for index in looked_at])
-        elif is_followed and field is not None:
+        if is_followed and field is not None:
             field = dark_surround.without_rim(field)
+        elif is_followed:
+            field = dark_surround.without_borders([read_frame(index).image for index in looked_at])
         part = replace(part, field_of_view=field)
     if "tools" not in keep and part.tools is None:
         frames = (part.cleared(read_frame(index)) for index in looked_at)

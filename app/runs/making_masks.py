@@ -11,7 +11,7 @@ from typing import Annotated, Final
 import numpy as np
 from annotated_types import Ge, Interval
 
-from app.runs.dark_surround import lit_field, spread
+from app.runs.dark_surround import lit_part
 from renderer.clip import BoolImage, Clip, Frame
 from renderer.tools.agreement import WEAK, Agreement
 from renderer.tools.learning import Example, LearnedTools, learned_well
@@ -55,7 +55,7 @@ def make_masks(
         OnnxError: the model fails.
         OSError: a mask cannot be written.
     """
-    lit = _lit(clip)
+    lit = lit_part(clip)
     learns = model is None and len(by_hand.files) < len(clip)
     examples = [_example(lit, index, by_hand) for index in _taught_by(by_hand)] if learns else []
     report = MaskReport(0, len(by_hand.files), learned_well(examples))
@@ -91,12 +91,6 @@ def _size(frame: Frame) -> tuple[int, int]:
     """Width and height."""
     height, width = frame.tissue_mask.shape
     return width, height
-
-
-def _lit(clip: Clip) -> Clip:
-    """Without its dark surround."""
-    field = lit_field(map(clip.read_frame, spread(range(len(clip)))))
-    return clip if field is None else clip.within(field.mask())
 
 
 def _finder(examples: list[Example], model: OnnxTools | None) -> tuple[Find, MaskOrigin]:

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
+from renderer.poses.growing import BoolArray
 from renderer.poses.rigid_motion import local, projected
 
-BoolArray = NDArray[np.bool_]
 _AROUND = 8
 """Points that one is compared with."""
 _FARTHEST = 1.0

@@ -9,13 +9,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from renderer.poses.growing import Growing
+from renderer.poses.growing import BoolArray, Growing
 from renderer.poses.parts import Lost
 from renderer.poses.views import PIXEL_NOISE
 
-BoolArray = NDArray[np.bool_]
 _AT_REST = 0.6
 """Share of the tracks that agree from which on no other poses are tried."""
 _FEWEST = 0.25
