@@ -8,7 +8,9 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
+from multiprocessing.connection import wait
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 from tests.benchmarks.attack import worker
@@ -19,6 +21,9 @@ WORKERS = 2
 MOST_SECONDS = 1200
 FORKS = get_context("forkserver")
 """Each worker is a copy of a process that has loaded all modules and done nothing."""
+EXITS = Lock()
+"""Starting a process asks all others how they ended, and that can be read once: of two threads that read it,
+one finds 255."""
 
 
 @dataclass(frozen=True)
@@ -62,10 +67,13 @@ def _worked(seeds: Path, name: str, first: int, last: int) -> Done:
     with tempfile.TemporaryDirectory() as scratch:
         streams = Path(scratch) / "out", Path(scratch) / "error"
         process = FORKS.Process(target=worker.work, args=(seeds, name, range(first, last), streams))
-        process.start()
-        process.join(MOST_SECONDS)
-        process.kill()
-        process.join()
+        with EXITS:
+            process.start()
+        ended = wait([process.sentinel], MOST_SECONDS)
+        with EXITS:
+            if not ended:
+                process.kill()
+            process.join()
         assert process.exitcode is not None
         return Done(process.exitcode, *(path.read_text() if path.exists() else "" for path in streams))
 
