@@ -166,6 +166,8 @@ class Clip:
     """Where structure from motion found the tissue, for clips that come with it."""
     baseline: float | None = None
     """Between the eyes in the clip's unit, where the images are the left ones of calibrated pairs."""
+    calibrated: bool = False
+    """Its lens is known from a calibration that was given, and its images are undistorted by that."""
     read_right: Callable[[int], ByteImage] | None = None
     """The right eye's picture of a frame, where the clip's own file holds it beside the left one."""
 

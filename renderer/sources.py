@@ -10,6 +10,7 @@ from pathlib import Path
 from renderer.budget import OverBudget
 from renderer.camera import CameraError
 from renderer.clip import Clip, ClipError
+from renderer.depth.calibrated import with_calibration
 from renderer.depth.clip_depth import with_depth
 from renderer.layouts import layout_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -50,7 +51,10 @@ def open_bare(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         raise ClipError(f"expected a clip, got no such file or folder: {path}")
     with _in_one_line(path):
         layout = layout_of(path)
-        clip = _thinned(layout.open(path, options), options.frame_step, layout.usual_step(path))
+        clip = layout.open(path, options)
+        if options.calibration is not None:
+            clip = with_calibration(clip, options.calibration)
+        clip = _thinned(clip, options.frame_step, layout.usual_step(path))
         return replace(clip, split=options.split)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 from annotated_types import Interval, Unit
@@ -12,6 +13,7 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from app.errors import UserError
+from renderer.readers.calibration import Calibration
 
 AUTO = "auto"
 LONGEST = 120
@@ -60,6 +62,8 @@ def problem(error: ValidationError, flag_of: Mapping[str, str] | None = None) ->
         return f"{error.title}: {wanted}"
     place = ".".join(str(part) for part in first["loc"])
     shown = flag_of[str(first["loc"][0])] if flag_of else place
+    if isinstance(first["input"], Path):  # What is wrong is said of its content.
+        return f"{shown}: {wanted}"
     return f"{shown}: {wanted}, got {shortened(first['input'])}"
 
 
@@ -100,6 +104,8 @@ def _options(hint: Any) -> dict[str, Any]:
     if bool in parts:
         return {"action": argparse.BooleanOptionalAction}
     several = any(get_origin(part) is tuple for part in parts)
+    if Calibration in parts:
+        return {"metavar": "FILE", "type": Path}
     if choices := _choices(hint):
         return {"metavar": "NAME", "nargs": "+"} if several else {"metavar": "|".join(choices)}
     number = "F" if float in parts else "N"
@@ -132,7 +138,7 @@ def _help(field: FieldInfo) -> str:
         elif isinstance(mark, Unit):
             parts.append(f"in {mark.unit}")
     default = field.default if isinstance(field.default, tuple) else (field.default,)
-    if default:
+    if default and Calibration not in _alternatives(field.annotation):
         parts.append("default " + " ".join(AUTO if value is None else str(value) for value in default))
     return " ".join(part for part in parts if part).replace("%", "%%")
 

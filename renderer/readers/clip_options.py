@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Final, Literal
 
 from annotated_types import Interval, Unit
-from pydantic import ConfigDict
+from pydantic import BeforeValidator, ConfigDict
 from pydantic.dataclasses import dataclass
 
 from renderer.clip import Split
+from renderer.readers.calibration import Calibration
 
 DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "motion", "off"]
 
@@ -17,6 +19,15 @@ Deinterlacing = Literal["frame", "field", "off"]
 StereoLayout = Literal["side-by-side", "top-bottom"]
 """How both eyes lie in one frame, the left one at the left or at the top."""
 Stereo = Literal["auto", "off", StereoLayout]
+
+
+def _read(given: object) -> object:
+    """A file is what it says. Raises ValueError."""
+    if not isinstance(given, Path):
+        return given
+    from renderer.readers.calibration_files import read_calibration
+
+    return read_calibration(given)
 
 
 @dataclass(
@@ -60,6 +71,10 @@ class ClipOptions:
     """Keep every n-th frame. Auto: all, and for SCARED the step usual for the dataset."""
     deinterlacing: Deinterlacing = "frame"
     """For interlaced video: one image per frame, one per field (twice as many), or off, as stored."""
+    calibration: Annotated[Calibration | None, BeforeValidator(_read)] = None
+    """A file with the calibration of the lens, or of both eyes: images are undistorted by it, pairs
+    rectified, and depth of both eyes is in mm. As of OpenCV, ROS or Kalibr (YAML, JSON), or
+    StereoCalibration.ini."""
     stereo: Stereo = "auto"
     """How both eyes lie in the frames of a video, the left one first: side-by-side or top-bottom; off: they
     are of one eye. Auto: as the video says."""

@@ -126,7 +126,7 @@ def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
 
 def is_seen_by_assumption(clip: Clip) -> bool:
     """Its files state no calibration: its field of view is the one that was assumed."""
-    return clip.format in ("images", "image", "video")
+    return clip.format in ("images", "image", "video") and not clip.calibrated
 
 
 def with_field_of_view(clip: Clip, degrees: float) -> Clip:

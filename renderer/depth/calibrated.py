@@ -1,0 +1,87 @@
+"""Clips whose lens is known from a calibration: undistorted images, and pairs that are rectified."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.depth.stereo_pairs import RightEye, right_eye
+from renderer.readers.calibration import Calibration
+from renderer.readers.frames import is_seen_by_assumption
+from renderer.readers.straightening import Straightening, straight_eyes, straightening
+
+
+def with_calibration(clip: Clip, calibration: Calibration) -> Clip:
+    """The clip as a camera without distortion would show it, worked out when a frame is read; lengths of
+    pairs are in mm.
+
+    Raises:
+        ClipError: a clip that brings a calibration or depth of its own, frames of several sizes, or a
+            calibration that does not fit.
+    """
+    if not is_seen_by_assumption(clip):
+        raise ClipError(f"expected a clip without a calibration of its own, got one with: {clip.path}")
+    if clip.has_depth:
+        wanted = "expected a clip without depth maps, which would not fit undistorted images"
+        raise ClipError(f"{wanted}, got one with: {clip.path}")
+    if not clip.has_one_size:
+        raise ClipError(f"expected images of one size, as a calibration is of one, got several: {clip.path}")
+    right = right_eye(clip)
+    try:
+        return _of_one(clip, calibration) if right is None else _of_two(clip, right, calibration)
+    except ValueError as error:
+        raise ClipError(f"calibration: {error}: {clip.path}") from error
+
+
+def _of_one(clip: Clip, calibration: Calibration) -> Clip:
+    which = ", the left eye's" if calibration.right is not None else ""
+    said = f"images are undistorted by the calibration of the lens{which}"
+    return _straight(clip, straightening(calibration.lens, clip.size), said)
+
+
+def _of_two(clip: Clip, right: RightEye, calibration: Calibration) -> Clip:
+    if right.size != clip.size:
+        raise ValueError(f"expected eyes of one size, got {clip.size} and {right.size}")
+    eyes = straight_eyes(calibration, clip.size)
+    said = f"pairs are rectified by the calibration of both eyes, {eyes.baseline:.4g} mm apart"
+    return replace(
+        _straight(clip, eyes.left, said),
+        read_right=lambda index: eyes.right.image(right.read(index)),
+        baseline=eyes.baseline,
+        unit="mm",
+    )
+
+
+def _straight(clip: Clip, by: Straightening, said: str) -> Clip:
+    mask = _remembering(by.mask)
+
+    def read_frame(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        masks = mask(frame.tissue_mask), mask(frame.evaluation_mask)
+        image = by.image(frame.image)
+        return replace(frame, image=image, camera=by.camera, tissue_mask=masks[0], evaluation_mask=masks[1])
+
+    def read_image(index: int) -> ByteImage:
+        return by.image(clip.read_image(index))
+
+    return replace(
+        clip,
+        cameras=(by.camera,) * len(clip),
+        read_frame=read_frame,
+        read_image=read_image,
+        calibrated=True,
+        notices=(*clip.notices, said),
+    )
+
+
+def _remembering(change: Callable[[BoolImage], BoolImage]) -> Callable[[BoolImage], BoolImage]:
+    """The last mask is kept: most clips have one for all frames."""
+    last: list[tuple[BoolImage, BoolImage]] = []
+
+    def changed(mask: BoolImage) -> BoolImage:
+        if not last or last[0][0] is not mask:
+            last[:] = [(mask, change(mask))]
+        return last[0][1]
+
+    return changed

@@ -1,0 +1,190 @@
+"""Calibrations as programs write them: OpenCV and ROS (YAML, JSON), Kalibr (YAML), StereoCalibration.ini."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import cv2
+import numpy as np
+import yaml
+from pydantic import ValidationError
+
+from renderer.clip import ClipError
+from renderer.readers.calibration import Calibration, LensCalibration, Model, SecondEye, first_fault
+from renderer.readers.rectification import read_ini
+from renderer.regular_files import read_regular
+
+MOST_BYTES: Final = 1 << 20
+METRES: Final = 0.1
+"""Eyes of an endoscope are 3 to 10 mm apart: a distance below is in metres, as of a board measured so."""
+ONE_EYE: Final = (
+    ("camera_matrix", "distortion_coefficients"),
+    ("camera_matrix", "dist_coeffs"),
+    ("camera_matrix", "dist_coeff"),
+    ("cameramatrix", "distcoeffs"),
+    ("mtx", "dist"),
+    ("k", "d"),
+)
+"""Names of a lens's matrix and of its distortion, in lower case."""
+TWO_EYES: Final = (
+    (("m1", "d1"), ("m2", "d2")),
+    (("k1", "d1"), ("k2", "d2")),
+    (("kl", "dl"), ("kr", "dr")),
+    (("cameramatrix1", "distcoeffs1"), ("cameramatrix2", "distcoeffs2")),
+)
+MODELS: Final[Mapping[str, Model]] = {
+    "plumb_bob": "pinhole", "rational_polynomial": "pinhole", "radtan": "pinhole", "none": "pinhole",
+    "equidistant": "fisheye", "fisheye": "fisheye",
+}  # fmt: skip
+FORMS: Final = "OpenCV's or ROS's camera_matrix, M1 and M2, or Kalibr's cam0"
+
+Names = Mapping[str, Any]
+
+
+def read_calibration(path: Path) -> Calibration:
+    """What the file says.
+
+    Of two eyes the left one is the first; lengths are in mm, and below METRES in metres.
+
+    Raises:
+        ClipError: the file cannot be read, or says nothing of a lens, or something that no lens has.
+    """
+    if path.suffix.lower() == ".ini":
+        return read_ini(path)
+    try:
+        return _of_names(_named(read_regular(path, MOST_BYTES).decode()))
+    except ValidationError as error:
+        raise ClipError(f"{first_fault(error)}: {path}") from error
+    except UnicodeDecodeError as error:
+        raise ClipError(f"expected a calibration as text, got other bytes: {path}") from error
+    except ValueError as error:
+        raise ClipError(f"{error}: {path}") from error
+    except OSError as error:
+        raise ClipError(f"cannot read the calibration, {error.strerror or error}: {path}") from error
+
+
+class _Loader(yaml.SafeLoader):  # type: ignore[misc]
+    """YAML of plain values, and OpenCV's matrices as the mappings that they are."""
+
+
+_Loader.add_constructor(
+    "tag:yaml.org,2002:opencv-matrix", lambda loader, node: loader.construct_mapping(node, deep=True)
+)
+
+
+def _named(content: str) -> Names:
+    """What a text says by names, in lower case; where a single one holds them all, as SCARED's
+    "camera-calibration", what that holds."""
+    plain = (line for line in content.lstrip("\ufeff").splitlines() if not line.startswith("%YAML"))
+    try:
+        value = yaml.load("\n".join(plain), _Loader)
+    except (yaml.YAMLError, RecursionError, ValueError, TypeError, AttributeError) as error:
+        raise ValueError("expected a calibration in YAML or JSON, got another text") from error
+    if not isinstance(value, dict):
+        raise ValueError(f"expected {FORMS}, got another text")
+    for each in (value, *(inner for inner in value.values() if isinstance(inner, dict))):
+        names = {str(name).lower(): said for name, said in each.items()}
+        if "cam0" in names or any(matrix in names for matrix, _ in (*ONE_EYE, *(two[0] for two in TWO_EYES))):
+            return names
+    raise ValueError(f"expected {FORMS}, got {', '.join(map(str, [*value][:4]))}")
+
+
+def _of_names(names: Names) -> Calibration:
+    if "cam0" in names:
+        return _of_kalibr(names)
+    for left, right in TWO_EYES:
+        if left[0] in names:
+            eye = _second(_lens(names, right), names.get("r"), names.get("t"))
+            return Calibration(lens=_lens(names, left), right=eye)
+    return Calibration(lens=_lens(names, _convention(names)))
+
+
+def _convention(names: Names) -> tuple[str, str]:
+    held = [each for each in ONE_EYE if each[0] in names]
+    return next((each for each in held if each[1] in names), held[0])
+
+
+def _lens(names: Names, called: tuple[str, str]) -> LensCalibration:
+    matrix, distortion = called
+    missing = [name for name in called if name not in names]
+    if missing:
+        raise ValueError(f"expected {matrix} and {distortion}, got no {' and no '.join(missing)}")
+    values, bent = _numbers(names[matrix], matrix), _numbers(names[distortion], distortion)
+    if len(values) != 9:
+        raise ValueError(f"expected 3 times 3 numbers of {matrix}, got {len(values)}")
+    flagged = "equidistant" if str(names.get("fisheye_model", 0)) == "1" else "plumb_bob"
+    return LensCalibration(
+        fx=values[0], fy=values[4], cx=values[2], cy=values[5],
+        model=_model(names.get("distortion_model", flagged)), distortion=tuple(bent), size=_size(names),
+    )  # fmt: skip
+
+
+def _model(told: object) -> Model:
+    if str(told).lower() not in MODELS:
+        raise ValueError(f"expected a distortion model of {', '.join(MODELS)}, got {told}")
+    return MODELS[str(told).lower()]
+
+
+def _size(names: Names) -> tuple[int, int] | None:
+    if "image_width" not in names or "image_height" not in names:
+        return None
+    width, height = (_numbers(names[f"image_{side}"], f"image_{side}")[0] for side in ("width", "height"))
+    return round(width), round(height)
+
+
+def _second(lens: LensCalibration, turn: Any, shift: Any) -> SecondEye:
+    if turn is None or shift is None:
+        raise ValueError("expected R and T from the left to the right eye, got none")
+    turned, shifted = _numbers(turn, "R"), _numbers(shift, "T")
+    if len(turned) == 3:
+        turned = [float(each) for each in cv2.Rodrigues(np.array(turned))[0].ravel()]
+    unit = 1000.0 if math.hypot(*shifted) < METRES else 1.0
+    return SecondEye(lens=lens, turn=tuple(turned), shift=tuple(unit * each for each in shifted))
+
+
+def _of_kalibr(names: Names) -> Calibration:
+    left = _kalibr_lens(names["cam0"], "cam0")
+    if "cam1" not in names:
+        return Calibration(lens=left)
+    right = names["cam1"]
+    if not isinstance(right, dict) or "T_cn_cnm1" not in right:
+        raise ValueError("expected T_cn_cnm1 of cam1, got none")
+    moved = _numbers(right["T_cn_cnm1"], "T_cn_cnm1")
+    if len(moved) != 16:
+        raise ValueError(f"expected 4 times 4 numbers of T_cn_cnm1, got {len(moved)}")
+    pose = np.reshape(moved, (4, 4))
+    return Calibration(
+        lens=left, right=_second(_kalibr_lens(right, "cam1"), pose[:3, :3], 1000 * pose[:3, 3])
+    )
+
+
+def _kalibr_lens(said: Any, name: str) -> LensCalibration:
+    wanted = ("intrinsics", "distortion_coeffs", "distortion_model")
+    if not isinstance(said, dict) or any(each not in said for each in wanted):
+        raise ValueError(f"expected {', '.join(wanted)} of {name}, got less")
+    if said.get("camera_model", "pinhole") != "pinhole":
+        raise ValueError(f"expected a pinhole camera model of {name}, got {said['camera_model']}")
+    inner = _numbers(said["intrinsics"], "intrinsics")
+    if len(inner) != 4:
+        raise ValueError(f"expected 4 intrinsics of {name}, got {len(inner)}")
+    size = _numbers(said["resolution"], "resolution") if "resolution" in said else []
+    return LensCalibration(
+        fx=inner[0], fy=inner[1], cx=inner[2], cy=inner[3], model=_model(said["distortion_model"]),
+        distortion=tuple(_numbers(said["distortion_coeffs"], "distortion_coeffs")),
+        size=(round(size[0]), round(size[1])) if len(size) == 2 else None,
+    )  # fmt: skip
+
+
+def _numbers(value: Any, name: str) -> list[float]:
+    """Those of a list, of lists within it, or of a mapping with "data"."""
+    inner = value.get("data") if isinstance(value, dict) else value
+    try:
+        numbers = np.asarray(inner, dtype=np.float64).ravel()
+    except (ValueError, TypeError, RecursionError) as error:
+        raise ValueError(f"expected numbers of {name}, got other values") from error
+    if not numbers.size or not np.isfinite(numbers).all():
+        raise ValueError(f"expected finite numbers of {name}, got others")
+    return [float(each) for each in numbers]
