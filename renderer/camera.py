@@ -124,6 +124,11 @@ class Camera:
         """(3,) camera centre in world coordinates."""
         return self.world_from_camera[:3, 3]
 
+    @property
+    def field_of_view(self) -> float:
+        """Horizontal, in degrees."""
+        return math.degrees(math.atan(self.cx / self.fx) + math.atan((self.width - self.cx) / self.fx))
+
     def resized(self, width: int, height: int) -> Camera:
         """The same view sampled with another number of pixels."""
         across, down = width / self.width, height / self.height

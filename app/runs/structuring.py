@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Generator
 from dataclasses import replace
 from functools import partial
@@ -54,12 +53,8 @@ def structured(clip: Clip, config: TrainConfig, options: ClipOptions) -> Generat
 
 
 def _focal(assumed: Camera, found: FoundStructure) -> str:
-    before, now = _degrees(assumed), _degrees(found.poses.cameras[0])
+    before, now = assumed.field_of_view, found.poses.cameras[0].field_of_view
     return (
         f"the field of view is estimated along with the poses: {now:.0f} degrees, {before:.0f} were assumed "
         "(--field-of-view states it, where it is known)"
     )
-
-
-def _degrees(camera: Camera) -> float:
-    return math.degrees(2 * math.atan(camera.width / 2 / camera.fx))

@@ -256,7 +256,7 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
             down = float(np.median(np.abs(shifts[:, 1] - own[0])))
         if down > LARGEST_VERTICAL_OFFSET:
             limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
-            way = "rectify them with their calibration"
+            way = "--calibration FILE rectifies them"
             where = f"{right.names}; {way}: {clip.path}"
             raise ClipError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
     if across <= 0:

@@ -203,7 +203,7 @@ def _way(cameras: Sequence[Camera]) -> float:
 
 
 def _assumed() -> str:
-    return f"field of view {DEFAULTS.field_of_view:g} degrees assumed (--field-of-view)"
+    return f"field of view {DEFAULTS.field_of_view:g} degrees assumed (--field-of-view, or --calibration)"
 
 
 def _missing(clip: Clip) -> Iterator[str]:
@@ -212,7 +212,7 @@ def _missing(clip: Clip) -> Iterator[str]:
     if clip.format in UNCALIBRATED and len(clip) > 1:
         yield "poses, if the camera moves"
     if clip.depth_origin == "stereo" and clip.has_depth and clip.unit != "mm":
-        yield "the baseline (--baseline), for lengths in mm"
+        yield "the baseline (--baseline, or --calibration), for lengths in mm"
 
 
 def _train(clip: Clip) -> tuple[str, ...] | None:

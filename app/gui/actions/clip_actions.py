@@ -1,8 +1,9 @@
-"""Trimming and masking a clip, and which eyes its frames hold, as functions on the state."""
+"""Trimming and masking a clip, its eyes and its calibration, as functions on the state."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
 from app.gui.actions import actions
@@ -12,7 +13,9 @@ from app.gui.work.settings import FILE, UNKNOWN, KnownClip, clips_content
 from app.gui.work.writing import WriteRequest
 from app.runs.clip_selection import ClipPart
 from enhance.field_search import find_field
+from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions, Stereo
+from renderer.readers.frames import is_seen_by_assumption
 
 
 def why_no_clip(state: AppState) -> str:
@@ -98,6 +101,7 @@ def keep_reading(state: AppState, options: ClipOptions) -> None:
             baseline=options.baseline,
             field_of_view=options.field_of_view,
             stereo=options.stereo,
+            calibration=options.calibration,
         )
         _keep(state, str(state.source.clip.path), chosen)
 
@@ -113,22 +117,53 @@ def choose_eyes(state: AppState, stereo: Stereo) -> None:
     clip = state.source.clip
     if clip is None or not is_video(state) or stereo == state.source.options.stereo:
         return
-    request = OpenRequest(clip.path, replace(state.source.clip_options, stereo=stereo))
+    _open_again(state, OpenRequest(clip.path, replace(_first_options(state, clip), stereo=stereo)))
 
+
+def may_be_calibrated(state: AppState) -> bool:
+    """The open clip brings no calibration of its own, and nothing has been made of it."""
+    bare = state.source.bare
+    if bare is None or state.source.is_live_frame or state.source.path != bare.path:
+        return False
+    return bare.has_one_size and (bare.calibrated or is_seen_by_assumption(bare))
+
+
+def choose_calibration(state: AppState, path: Path) -> None:
+    """Open the clip again, undistorted by that of a file; what is unsaved comes first."""
+    if (clip := state.source.clip) is not None:
+        _open_again(state, OpenRequest(clip.path, _first_options(state, clip), calibration=path))
+
+
+def drop_calibration(state: AppState) -> None:
+    """Open the clip again as its files are."""
+    if (clip := state.source.clip) is not None:
+        _open_again(state, OpenRequest(clip.path, replace(_first_options(state, clip), calibration=None)))
+
+
+def _first_options(state: AppState, clip: Clip) -> ClipOptions:
+    return state.source.first_options(clip.path)
+
+
+def _open_again(state: AppState, request: OpenRequest) -> None:
     def go() -> None:
         state.source.opening, state.window.banner = request, None
 
     actions.leave_session(state, go)
 
 
-def keep_eyes(state: AppState, request: OpenRequest) -> None:
-    """As they were chosen, once the video could be opened so."""
-    clip, said = state.source.clip, state.source.clip_options.stereo
+def keep_lens(state: AppState, request: OpenRequest) -> None:
+    """Eyes and calibration as they were chosen, once the clip could be opened so."""
+    clip, said = state.source.clip, state.source.clip_options
     if clip is None or clip.path != request.path:
         return
-    stereo, known = request.options.stereo, state.source.known.get(str(clip.path), UNKNOWN)
-    if known.stereo != stereo and (stereo != said or known.stereo != UNKNOWN.stereo):
-        _keep(state, str(clip.path), replace(known, stereo=stereo))
+    known = state.source.known.get(str(clip.path), UNKNOWN)
+    stereo, calibration = request.options.stereo, state.source.options.calibration
+    if stereo == said.stereo and known.stereo == UNKNOWN.stereo:
+        stereo = known.stereo
+    if calibration is not None and calibration == said.calibration:
+        calibration = known.calibration
+    if (stereo, calibration) != (known.stereo, known.calibration):
+        _keep(state, str(clip.path), replace(known, stereo=stereo, calibration=calibration))
 
 
 def keep_settings(state: AppState) -> None:

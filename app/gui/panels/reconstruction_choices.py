@@ -12,7 +12,7 @@ from imgui_bundle import imgui
 from app.enhancement.settable import InputKind
 from app.enhancement.setting_words import in_letters, worded
 from app.files.legible import named
-from app.gui.actions import clip_actions, depth_actions, job_actions
+from app.gui.actions import actions, clip_actions, depth_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
 from app.gui.style.fields import declared, wants_default
@@ -47,6 +47,11 @@ BASELINE_TEXT: Final = (
     "where there is one."
 )
 VIEW_TEXT: Final = "Horizontal field of view of the left camera, in degrees. Empty: 60° is assumed."
+LENS_TEXT: Final = (
+    "A file with the calibration of the lens, or of both eyes: images are undistorted, and depth of both "
+    "eyes is in mm. As of OpenCV, ROS or Kalibr (.yml, .yaml, .json), or StereoCalibration.ini."
+)
+DROP_LENS_TEXT: Final = "Show the images as they are stored."
 NO_WAY: Final = "Choose…"
 POINTS: Final = "Sparse points"
 EYES: Final[dict[Stereo, str]] = {
@@ -72,6 +77,7 @@ def draw_choices(state: AppState) -> None:
     method = choose_row("Method", config.method, METHODS, declared(TrainConfig, "method").text)
     if state.source.clip is not None:
         _draw_eyes(state)
+        _draw_lens(state, state.source.clip)
         _draw_depth(state, state.source.clip)
     job_actions.choose_input(state, choose_row("Frames", run.input, INPUTS, INPUTS_TEXT))
     if run.input != "original":
@@ -88,6 +94,20 @@ def _draw_eyes(state: AppState) -> None:
     if clip_actions.is_video(state):
         chosen = choose_row("Eyes", state.source.options.stereo, EYES, EYES_TEXT)
         clip_actions.choose_eyes(state, chosen)
+
+
+def _draw_lens(state: AppState, clip: Clip) -> None:
+    if not clip_actions.may_be_calibrated(state):
+        return
+    row("Lens", LENS_TEXT)
+    if clip.calibrated:
+        imgui.align_text_to_frame_padding()
+        imgui.text(f"Calibrated, {clip.cameras[0].field_of_view:.0f}° wide")
+        imgui.same_line()
+        button("Remove###remove lens", partial(clip_actions.drop_calibration, state), DROP_LENS_TEXT)
+    else:
+        take = clip_actions.choose_calibration
+        button("Calibration…", partial(actions.choose_path, state, "file", take, "calibration"), LENS_TEXT)
 
 
 def _draw_depth(state: AppState, clip: Clip) -> None:

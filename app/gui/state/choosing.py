@@ -27,6 +27,7 @@ Purpose = Literal[
     "picture",
     "masks",
     "network",
+    "calibration",
 ]
 """Each remembers its own folder."""
 
@@ -64,6 +65,7 @@ MODELS: Final = Filter("Splat files", SPLATS)
 SAVED: Final = Filter("Saved images", (".png", ".jpg", ".jpeg"))
 SESSIONS: Final = Filter("Sessions", (SUFFIX,))
 NETWORKS: Final = Filter("ONNX networks", (".onnx",))
+CALIBRATIONS: Final = Filter("Calibrations", (".yml", ".yaml", ".json", ".ini"))
 VIEWS: Final = Filter("Views and cameras", (".json", ".txt"))
 OPENED: Final = Filter(
     "Everything that opens",
@@ -77,6 +79,7 @@ QUESTIONS: Final[dict[Purpose, Question]] = {
     "views": Question("Import views or cameras", (VIEWS, ALL)),
     "masks": Question("Choose a folder of tool masks"),
     "network": Question("Choose a network", (NETWORKS, ALL)),
+    "calibration": Question("Choose a calibration", (CALIBRATIONS, ALL)),
     "inputs": Question("Add to the list", (PICTURED, IMAGES, VIDEO, ALL)),
     "results": Question("Choose a folder for the results", keeps_itself=True),
     "export": Question("Choose a folder for exports", keeps_itself=True),

@@ -87,11 +87,12 @@ class Source:
         return (self.depth_wish.options if self.depth_wish is not None else self.options).depth
 
     def first_options(self, path: Path) -> ClipOptions:
-        """With which to open it: as said at the start, and how the eyes lie as it was chosen for it."""
+        """With which to open it: as said at the start, else the eyes and lens that were chosen for it."""
         known, said = self.known.get(str(path)), self.clip_options
-        if known is None or said.stereo != DEFAULTS.stereo:
+        if known is None:
             return said
-        return replace(said, stereo=known.stereo)
+        stereo = known.stereo if said.stereo == DEFAULTS.stereo else said.stereo
+        return replace(said, stereo=stereo, calibration=said.calibration or known.calibration)
 
     def kept_options(self, path: Path, options: ClipOptions) -> ClipOptions:
         """Of a clip that was read with `options`: as said at the start, else as it was chosen for it."""

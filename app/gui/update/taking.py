@@ -127,7 +127,7 @@ def take_opened(state: AppState, request: OpenRequest, answer: Opened | Failure)
         path_actions.add_views(state, answer.views, request.path)
     else:
         actions.show_opened(state, request.path, answer)
-        clip_actions.keep_eyes(state, request)
+        clip_actions.keep_lens(state, request)
         if answer.session is not None:
             session_actions.restore(state, answer.session, answer.second)
             summary_actions.restore(state, answer.session.summary, answer.pictures)

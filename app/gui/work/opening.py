@@ -21,6 +21,7 @@ from app.scenes.scene import Scene, Training, finished_scene, run_scene, series_
 from app.sweeps.folder import SWEEP, is_sweep
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
+from renderer.readers.calibration_files import read_calibration
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.listing import listed
@@ -46,6 +47,8 @@ class OpenRequest:
     options: ClipOptions = DEFAULTS
     onward: tuple[Path, ...] | None = None
     """Of one of a folder's images after another, those behind it: the first that can be read is opened."""
+    calibration: Path | None = None
+    """To be read, instead of that of the options."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +159,7 @@ def _open(request: OpenRequest) -> Iterator[Opened]:
     if series_files(request.path):
         yield _open_splats(series_scene(request.path))
         return
-    read = _read(request.path, request.options)
+    read = _calibrated(request) if request.calibration else _read_anyhow(request.path, request.options)
     # A folder that lists but does not decode is found out here, not in the middle of a session.
     read.bare.read_image(0)
     yield Opened(
@@ -170,6 +173,24 @@ class _Read:
     bare: Clip
     options: ClipOptions
     warning: str = ""
+
+
+def _calibrated(request: OpenRequest) -> _Read:
+    """Raises ClipError, also for a calibration that does not fit: it was chosen for this clip."""
+    assert request.calibration is not None
+    calibration = read_calibration(request.calibration)
+    return _read(request.path, replace(request.options, calibration=calibration))
+
+
+def _read_anyhow(path: Path, options: ClipOptions) -> _Read:
+    """Without its calibration, where the clip does not open with that. Raises ClipError."""
+    try:
+        return _read(path, options)
+    except ClipError as error:
+        if options.calibration is None:
+            raise
+        read = _read(path, replace(options, calibration=None))
+        return replace(read, warning=f"opened without the calibration: {error}")
 
 
 def _read(path: Path, options: ClipOptions) -> _Read:

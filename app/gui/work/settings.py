@@ -22,6 +22,7 @@ from app.files.provenance import strict_json
 from app.runs.clip_selection import ClipPart
 from app.runs.runs_place import runs_place
 from app.scenes.backgrounds import BackgroundName
+from renderer.readers.calibration import Calibration
 from renderer.readers.clip_options import DEFAULTS, DepthSource, Stereo
 
 RECENT_LIMIT = 8
@@ -170,6 +171,7 @@ class KnownClip:
     """Horizontal, in degrees."""
     stereo: Stereo = "auto"
     """How both eyes lie in the frames."""
+    calibration: Calibration | None = None
 
     @property
     def part(self) -> ClipPart:
