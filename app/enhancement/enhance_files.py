@@ -226,6 +226,7 @@ def _record(
         frame=series.frame(index),
         deinterlacing=setting.clip_options.deinterlacing,
         stereo=setting.clip_options.stereo,
+        calibration=setting.clip_options.calibration,
         method=setting.method,
         params=setting.params,
         pixels="all" if setting.params is None else setting.pixels,

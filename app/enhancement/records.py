@@ -15,6 +15,7 @@ from app.files.dicom.choices import DicomChoices
 from app.files.records import LENIENT, Record, Source, Told
 from enhance import Statistics
 from enhance.result import Omission
+from renderer.readers.calibration import Calibration
 from renderer.readers.clip_options import Deinterlacing, Stereo
 
 
@@ -42,6 +43,8 @@ class EnhancedPicture(Record):
     """Of a video."""
     deinterlacing: Deinterlacing = "frame"
     stereo: Stereo = "auto"
+    calibration: Calibration | None = None
+    """By which it is undistorted; a pair is rectified."""
     method: str
     params: RecordedSettings | None
     pixels: Pixels

@@ -130,7 +130,9 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
 
 
 def _series(record: EnhancedPicture, sources: Sources) -> Series:
-    options = ClipOptions(deinterlacing=record.deinterlacing, stereo=record.stereo)
+    options = ClipOptions(
+        deinterlacing=record.deinterlacing, stereo=record.stereo, calibration=record.calibration
+    )
     return sources.series(record.source, options)
 
 

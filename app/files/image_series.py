@@ -14,10 +14,12 @@ from app.files.records import Source
 from app.files.timing import Timing
 from renderer.clip import Clip
 from renderer.layouts import layout_of
+from renderer.readers.calibration import LensCalibration
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.dicom.header import holds_stream
 from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import frame_folder, left_out, map_folders
+from renderer.readers.straightening import straightening
 from renderer.sources import open_clip
 
 FRAMES_PER_SECOND = 25.0
@@ -63,7 +65,7 @@ class Series:
 
 
 def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
-    """What `options` say of a video counts.
+    """What `options` say of a video counts, and a calibration.
 
     Raises:
         UserError, ClipError: nothing there, nothing readable, or two pictures of one name.
@@ -71,13 +73,26 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
     if not path.exists():
         raise UserError(f"expected an image, a folder of images or a video, got no such file: {path}")
     if path.is_dir():
-        if not layout_of(path).frames_are_files:
-            # The pictures of a folder whose files tell more than pictures: left ones of pairs, rectified.
-            return _of_clip(path, DEFAULTS)
+        if options.calibration is not None or not layout_of(path).frames_are_files:
+            # Of files that tell more than pictures, as left ones of pairs, or as others than they are stored.
+            return _of_clip(path, replace(DEFAULTS, calibration=options.calibration))
         kinds = frames_in(path)
         series = _of_files(kinds.frames)
         return replace(series, notices=(*kinds.notices(), *_left_out(path), *series.notices))
-    return _of_files((path,)) if is_still(path) else _of_clip(path, options)
+    if not is_still(path):
+        return _of_clip(path, options)
+    still = _of_files((path,))
+    if options.calibration is None:
+        return still
+    lens = options.calibration.lens
+    return replace(still, read=lambda index: _straight(still.read(index), lens, path))
+
+
+def _straight(image: ArrayImage, lens: LensCalibration, path: Path) -> ArrayImage:
+    try:
+        return straightening(lens, (image.shape[1], image.shape[0])).image(image)
+    except ValueError as error:
+        raise UserError(f"calibration: {error}: {path}") from error
 
 
 def _left_out(path: Path) -> Iterator[str]:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from functools import lru_cache
+from typing import Any, Final, TypeVar
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
-from renderer.clip import BoolImage, ByteImage
+from renderer.clip import BoolImage
 from renderer.readers.calibration import Calibration, LensCalibration
 
+Level = TypeVar("Level", np.uint8, np.uint16)
 SAME_SHAPE: Final = 0.005
 """Of the width times the height, by which the shapes of a calibration's images and of a clip's may differ."""
 WIDEST: Final = math.radians(75)
@@ -35,9 +37,9 @@ class Straightening:
     fractions: NDArray[np.uint16]
     """(H, W), the rest in parts of _PARTS, as OpenCV's remap takes it."""
 
-    def image(self, image: ByteImage) -> ByteImage:
-        """(H, W, 3), between pixels by cubics."""
-        return np.asarray(cv2.remap(image, self.places, self.fractions, cv2.INTER_CUBIC), np.uint8)
+    def image(self, image: NDArray[Level]) -> NDArray[Level]:
+        """(H, W) or (H, W, C) of 8 or 16 bits, between pixels by cubics."""
+        return np.asarray(cv2.remap(image, self.places, self.fractions, cv2.INTER_CUBIC), image.dtype)
 
     def mask(self, kept: BoolImage) -> BoolImage:
         """(H, W), of the nearest pixel; what the lens did not show is not kept."""
@@ -58,6 +60,7 @@ class StraightEyes:
     """mm."""
 
 
+@lru_cache(4)
 def straightening(lens: LensCalibration, size: tuple[int, int]) -> Straightening:
     """Of frames of `size` (width, height), looking the same way; as much of the view as leaves no corner
     empty, and no more than WIDEST. Raises ValueError: the calibration is of images of another shape, or its

@@ -117,6 +117,8 @@ def _first_folder(state: AppState, purpose: Purpose) -> Path:
     """Where a dialog begins that was never open."""
     if purpose == "run":
         return state.places.runs
+    if purpose == "calibration" and state.source.path is not None:
+        return state.source.path.parent
     if purpose in ("export", "results", "session", "picture"):
         return state.places.pictures
     return state.folder_of("file") or state.folder_of("folder") or Path.home()
