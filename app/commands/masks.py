@@ -53,7 +53,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         metavar="CLASS",
         help="classes of it that are tools, from 0 (default: all but the first)",
     )
-    add_fields(parser, ClipOptions, ("frame_step", "deinterlacing", "stereo"))
+    add_fields(parser, ClipOptions, ("frame_step", "deinterlacing", "stereo", "calibration"))
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 

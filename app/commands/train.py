@@ -84,7 +84,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="DIR",
         help="images that mask tools, not black = tool, named or numbered as the frames; the run keeps "
-        "copies, frames without one are searched (vesselsplat masks writes such a folder)",
+        "copies, frames without one are searched (vesselsplat masks writes such a folder); "
+        "with --calibration those of undistorted frames",
     )
     parser.add_argument(
         "--device",

@@ -8,8 +8,9 @@ from dataclasses import replace
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.depth.stereo_pairs import RightEye, right_eye
 from renderer.readers.calibration import Calibration
+from renderer.readers.clip_options import StereoLayout
 from renderer.readers.frames import is_seen_by_assumption
-from renderer.readers.straightening import Straightening, straight_eyes, straightening
+from renderer.readers.straightening import Straightening, alike, straight_eyes, straightening
 
 
 def with_calibration(clip: Clip, calibration: Calibration) -> Clip:
@@ -31,19 +32,33 @@ def with_calibration(clip: Clip, calibration: Calibration) -> Clip:
     try:
         return _of_one(clip, calibration) if right is None else _of_two(clip, right, calibration)
     except ValueError as error:
-        raise ClipError(f"calibration: {error}: {clip.path}") from error
+        raise ClipError(f"calibration: {error}{_way(clip, calibration)}: {clip.path}") from error
+
+
+def _way(clip: Clip, calibration: Calibration) -> str:
+    """What a person may do whose video is twice as wide or as high as the calibration's images."""
+    full, (width, height) = calibration.lens.size, clip.size
+    if full is None or clip.format != "video":
+        return ""
+    halves: dict[StereoLayout, tuple[int, int]] = {
+        "side-by-side": (width // 2, height),
+        "top-bottom": (width, height // 2),
+    }
+    layout = next((name for name, half in halves.items() if alike(full, half)), None)
+    way = f"Eyes in the window, --stereo {layout} in commands"
+    return f"; if a frame holds both eyes: {way}" if layout else ""
 
 
 def _of_one(clip: Clip, calibration: Calibration) -> Clip:
     which = ", the left eye's" if calibration.right is not None else ""
     said = f"images are undistorted by the calibration of the lens{which}"
-    return _straight(clip, straightening(calibration.lens, clip.size), said)
+    return _straight(clip, straightening(calibration.lens, clip.size, clip.pixel_aspect), said)
 
 
 def _of_two(clip: Clip, right: RightEye, calibration: Calibration) -> Clip:
     if right.size != clip.size:
         raise ValueError(f"expected eyes of one size, got {clip.size} and {right.size}")
-    eyes = straight_eyes(calibration, clip.size)
+    eyes = straight_eyes(calibration, clip.size, clip.pixel_aspect)
     said = f"pairs are rectified by the calibration of both eyes, {eyes.baseline:.4g} mm apart"
     return replace(
         _straight(clip, eyes.left, said),

@@ -61,21 +61,22 @@ class StraightEyes:
 
 
 @lru_cache(4)
-def straightening(lens: LensCalibration, size: tuple[int, int]) -> Straightening:
+def straightening(lens: LensCalibration, size: tuple[int, int], pixel_aspect: float = 1.0) -> Straightening:
     """Of frames of `size` (width, height), looking the same way; as much of the view as leaves no corner
-    empty, and no more than WIDEST. Raises ValueError: the calibration is of images of another shape, or its
-    distortion leaves nothing."""
+    empty, and no more than WIDEST. Pixels are `pixel_aspect` times as wide as high, or as those that it was
+    made with. Raises ValueError: the calibration is of images of another shape, or its distortion folds."""
+    _require_shape(lens.size, size, pixel_aspect)
     scaled = _scaled(lens, size)
     zoom = _zoom(scaled, size)
     camera = Camera(zoom * scaled.fx, zoom * scaled.fy, scaled.cx + 0.5, scaled.cy + 0.5, *size)
     return _straightening(scaled, np.eye(3), camera)
 
 
-def straight_eyes(calibration: Calibration, size: tuple[int, int]) -> StraightEyes:
+def straight_eyes(calibration: Calibration, size: tuple[int, int], pixel_aspect: float = 1.0) -> StraightEyes:
     """Of pairs of that size, by `rectified`. Raises ValueError as `straightening`, and for one eye."""
     if calibration.right is None:
         raise ValueError("expected a calibration of both eyes, got one of a single lens")
-    turns, camera, baseline = rectified(calibration, size)
+    turns, camera, baseline = rectified(calibration, size, pixel_aspect)
     lenses = calibration.lens, calibration.right.lens
     left, right = (
         _straightening(_scaled(lens, size), turn, camera) for lens, turn in zip(lenses, turns, strict=True)
@@ -84,7 +85,7 @@ def straight_eyes(calibration: Calibration, size: tuple[int, int]) -> StraightEy
 
 
 def rectified(
-    calibration: Calibration, size: tuple[int, int]
+    calibration: Calibration, size: tuple[int, int], pixel_aspect: float = 1.0
 ) -> tuple[tuple[FloatArray, FloatArray], Camera, float]:
     """The turns (3, 3) of both eyes, the camera of rectified images of `size`, and the baseline in mm.
 
@@ -93,11 +94,13 @@ def rectified(
     left, right = calibration.lens, calibration.right
     assert right is not None
     full = left.size or size
-    _require_shape(full, size)
-    _require_shape(right.lens.size or full, size)
+    for each in (left, right.lens):
+        _require_shape(each.size, size, pixel_aspect)
     lenses = left.matrix, left.coefficients, right.lens.matrix, right.lens.coefficients
     moved = right.rotation, right.translation
     flags = cv2.CALIB_ZERO_DISPARITY
+    if (right.lens.size or full) != full:
+        raise ValueError(f"expected eyes calibrated at one size, got {full} and {right.lens.size}")
     if left.model != right.lens.model:
         raise ValueError(f"expected eyes of one distortion model, got {left.model} and {right.lens.model}")
     if left.model == "fisheye":
@@ -113,22 +116,22 @@ def rectified(
     return (first, second), camera, float(abs(new_right[0, 3] / new_right[0, 0]))
 
 
-def _require_shape(full: tuple[int, int], size: tuple[int, int]) -> None:
-    def differs(width: int, height: int) -> bool:
-        return abs(full[0] * height - full[1] * width) > SAME_SHAPE * full[0] * height
-
-    if not differs(*size):
+def _require_shape(full: tuple[int, int] | None, size: tuple[int, int], pixel_aspect: float) -> None:
+    """Raises ValueError: neither as stored nor as shown do the frames have the shape of the calibration's."""
+    if full is None or any(alike(full, (aspect * size[0], size[1])) for aspect in (1.0, pixel_aspect)):
         return
-    halves = {"side-by-side": (size[0] // 2, size[1]), "top-bottom": (size[0], size[1] // 2)}
-    eyes = [f"; both eyes in a frame: --stereo {name}" for name, half in halves.items() if not differs(*half)]
-    got = f"{full[0]}x{full[1]}, the images are {size[0]}x{size[1]}{''.join(eyes)}"
+    got = f"{full[0]}x{full[1]}, the images are {size[0]}x{size[1]}"
     raise ValueError(f"expected the calibration of such images, got one of {got}")
 
 
+def alike(full: tuple[int, int], shape: tuple[float, float]) -> bool:
+    """Whether images of two sizes have one shape."""
+    return abs(full[0] * shape[1] - full[1] * shape[0]) <= SAME_SHAPE * full[0] * shape[1]
+
+
 def _scaled(lens: LensCalibration, size: tuple[int, int]) -> LensCalibration:
-    """Of images of that size. Raises ValueError: another shape, or a middle that is not in them."""
+    """Of images of that size. Raises ValueError: the middle is not in them."""
     full = lens.size or size
-    _require_shape(full, size)
     across, down = size[0] / full[0], size[1] / full[1]
     cx, cy = (lens.cx + 0.5) * across - 0.5, (lens.cy + 0.5) * down - 0.5
     if not (0 < cx < size[0] and 0 < cy < size[1]):

@@ -17,6 +17,7 @@ from renderer.readers.calibration import Calibration
 from renderer.readers.calibration_files import read_calibration
 from renderer.readers.frames import is_seen_by_assumption
 from tests.renderer.raw_eyes import EYES, LEFT, RIGHT, SHIFT, SIZE, TURN, Seen, raw_pairs, write_calibration
+from tests.renderer.readers.numbered import encoded
 
 COUNT = 2
 
@@ -106,7 +107,7 @@ def _alone(folder: Path, size: tuple[int, int] = SIZE) -> Path:
     [
         (_endonerf, "without a calibration of its own"),
         (lambda folder: _alone(folder, (320, 240)), "got one of 320x256, the images are 320x240"),
-        (lambda folder: _alone(folder, (640, 256)), "--stereo side-by-side"),
+        (lambda folder: _alone(folder, (640, 256)), "the images are 640x256: "),
     ],
 )
 def test_what_does_not_fit_is_refused_in_a_line(folder, change, said):
@@ -115,6 +116,23 @@ def test_what_does_not_fit_is_refused_in_a_line(folder, change, said):
         open_clip(path, ClipOptions(calibration=EYES))
     assert str(caught.value).endswith(f": {path}")
     assert "\n" not in str(caught.value)
+
+
+def test_squeezed_eyes_of_a_video_are_those_of_the_calibration(tmp_path, pairs):
+    """As cables carry both in one image of usual shape."""
+    video = encoded(tmp_path / "a.mp4", [cv2.resize(np.hstack(pair), SIZE) for pair in pairs])
+    with pytest.raises(ClipError, match=r"the images are 320x512; if a frame holds both eyes: .* top-bottom"):
+        open_clip(
+            encoded(tmp_path / "b.mp4", [np.vstack(pair) for pair in pairs]), ClipOptions(calibration=EYES)
+        )
+    clip = open_clip(video, ClipOptions(calibration=EYES, stereo="side-by-side"))
+    frame = clip.read_frame(1)
+    truth = Seen(clip.cameras[0].moved(rectified_pose()), COUNT).view(1).frame
+    known = frame.depth > 0
+    assert clip.size == (160, 256)
+    assert clip.cameras[0].fy == pytest.approx(2 * clip.cameras[0].fx)
+    assert known.mean() > 0.8
+    assert np.median(np.abs(frame.depth - truth.depth)[known]) < 1.0
 
 
 def test_a_pair_needs_the_calibration_of_both_eyes(folder):
