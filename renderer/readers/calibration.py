@@ -19,6 +19,7 @@ STRAIGHT: Final = 1e-3
 """By which a turn may differ from an exact one."""
 SHORTEST, LONGEST = 1e-3, 1e3  # mm
 
+Pixels = Annotated[int, Interval(ge=1, le=100_000)]
 _STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
@@ -36,7 +37,7 @@ class LensCalibration:
     """With radial and tangential distortion, or OpenCV's fisheye model (Kannala and Brandt, 2006)."""
     distortion: tuple[Annotated[float, Interval(ge=-MOST_COEFFICIENT, le=MOST_COEFFICIENT)], ...] = ()
     """Coefficients in OpenCV's order."""
-    size: tuple[Annotated[int, Gt(0)], Annotated[int, Gt(0)]] | None = None
+    size: tuple[Pixels, Pixels] | None = None
     """Width and height in px of the images that it was made with; None: those of the frames."""
 
     def __post_init__(self) -> None:

@@ -103,11 +103,16 @@ def rectified(
         raise ValueError(f"expected eyes calibrated at one size, got {full} and {right.lens.size}")
     if left.model != right.lens.model:
         raise ValueError(f"expected eyes of one distortion model, got {left.model} and {right.lens.model}")
-    if left.model == "fisheye":
-        found: Any = cv2.fisheye.stereoRectify(*lenses, full, *moved, flags)
-    else:
-        found = cv2.stereoRectify(*lenses, full, *moved, flags=flags, alpha=0)
+    try:
+        if left.model == "fisheye":
+            found: Any = cv2.fisheye.stereoRectify(*lenses, full, *moved, flags)
+        else:
+            found = cv2.stereoRectify(*lenses, full, *moved, flags=flags, alpha=0)
+    except cv2.error as error:
+        raise ValueError("expected eyes that can be rectified, got such that OpenCV refuses") from error
     first, second, new_left, new_right = found[:4]
+    if not all(np.isfinite(each).all() for each in found[:4]) or not new_left[0, 0] > 0:
+        raise ValueError("expected eyes that can be rectified, got such that share no view")
     if abs(new_right[1, 3]) > abs(new_right[0, 3]):
         raise ValueError("expected eyes beside each other, got one above the other")
     # OpenCV counts from the centre of the first pixel, which here is at 0.5.

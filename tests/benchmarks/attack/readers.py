@@ -20,8 +20,10 @@ from app.runs.queue_file import take_over
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import holder
+from renderer.clip import ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
+from renderer.readers.calibration_files import read_calibration
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.splat_files import read_splats
@@ -94,6 +96,14 @@ def _clip_of_picture(path: Path) -> None:
         open_clip(path).read_frame(0)
 
 
+def _calibrated(calibration: Path, clip: Path) -> None:
+    try:
+        options = ClipOptions(calibration=read_calibration(calibration))
+    except ClipError:
+        return
+    open_clip(clip, options).read_frame(0)
+
+
 def _written_dicom(path: Path) -> None:
     recorded(path)
     require_dicom((path,), DicomChoices(keep_identity=True))
@@ -118,6 +128,9 @@ _FILES: dict[str, Read] = {
     "transforms.json": lambda folder: import_views(folder / "transforms.json"),
     "colmap/images.txt": lambda folder: import_views(folder / "colmap" / "images.txt"),
     "colmap/cameras.txt": lambda folder: import_views(folder / "colmap" / "cameras.txt"),
+    "lens.yml": lambda folder: _calibrated(folder / "lens.yml", folder / "picture.png"),
+    "chain.yaml": lambda folder: _calibrated(folder / "chain.yaml", folder / "picture.png"),
+    "eyes.json": lambda folder: _calibrated(folder / "eyes.json", folder / "eyes"),
     **{f"{name}.dcm": lambda folder, name=name: _clip_of_picture(folder / f"{name}.dcm")
        for name in ("still", "runs", "jpeg", "jpeg2000", "lossless", "jpegls")},
     **{f"{name}.dcm": lambda folder, name=name: _clip(folder / f"{name}.dcm") for name in ("frames", "film")},

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -65,6 +66,7 @@ def make_seeds(folder: Path) -> None:
     _window_files(folder, run)
     _cameras(folder, run)
     _pictures(folder)
+    _calibrations(folder)
     _dicom(folder)
     _exports(folder, run)
 
@@ -140,6 +142,31 @@ def _pictures(folder: Path) -> None:
         Image.fromarray(image).save(folder / f"picture.{suffix}")
     np.save(folder / "picture.npy", image)
     main(["enhance", str(folder / "picture.png"), str(folder / "enhanced.png")])
+
+
+def _calibrations(folder: Path) -> None:
+    """Of picture.png, and of a pair of 64x48."""
+    matrix, bent, shift = (
+        [[60.0, 0, 31], [0, 61.0, 25], [0, 0, 1]],
+        [-0.3, 0.1, 0.001, 0.0, 0.0],
+        [-4.0, 0, 0],
+    )
+    store = cv2.FileStorage(str(folder / "lens.yml"), cv2.FILE_STORAGE_WRITE)
+    store.write("image_width", 64)
+    store.write("image_height", 48)
+    store.write("camera_matrix", np.array(matrix))
+    store.write("distortion_coefficients", np.array(bent))
+    store.release()
+    eye = {"M1": matrix, "D1": bent, "M2": matrix, "D2": bent, "R": np.eye(3).tolist(), "T": shift}
+    (folder / "eyes.json").write_text(json.dumps(eye))
+    (folder / "chain.yaml").write_text(
+        "cam0:\n  camera_model: pinhole\n  distortion_coeffs: [0.05, -0.01, 0.003, -0.001]\n"
+        "  distortion_model: equidistant\n  intrinsics: [40.0, 40.0, 32.0, 24.0]\n  resolution: [64, 48]\n"
+    )
+    image = np.asarray(Image.open(folder / "picture.png"))
+    for eye_name, moved in (("left", 0), ("right", -3)):
+        (folder / "eyes" / eye_name).mkdir(parents=True)
+        Image.fromarray(np.roll(image, moved, axis=1)).save(folder / "eyes" / eye_name / "0.png")
 
 
 def _dicom(folder: Path) -> None:

@@ -71,7 +71,7 @@ def test_auto_says_why_pairs_are_not_matched(pairs, tmp_path):
     clip = with_depth(opened, ClipOptions())
     assert not clip.has_depth
     assert clip.notices[-1].startswith("no stereo depth: expected a rectified pair")
-    why = r"expects depth; no stereo depth: .* rows .* got \d\.\d px .*rectify"
+    why = r"expects depth; no stereo depth: .* rows .* got \d\.\d px .*rectifies them"
     with pytest.raises(ClipError, match=why):
         require_depth(clip)
     with pytest.raises(ClipError, match="rectified"):
