@@ -219,7 +219,8 @@ def _said(rig: _Rig) -> str:
     by = "depth is matched between left and right images"
     if rig.unit == "mm":
         return f"{by}, {rig.baseline:.4g} mm apart"
-    return f"{by} with an unknown baseline: lengths have no scale (--baseline gives it in mm)"
+    way = "--baseline or --calibration gives one in mm"
+    return f"{by} with an unknown baseline: lengths have no scale ({way})"
 
 
 def _may_be_one_scene(left: Path, right: Path) -> bool:
