@@ -91,12 +91,14 @@ def _straight(clip: Clip, by: Straightening, said: str) -> Clip:
 
 
 def _remembering(change: Callable[[BoolImage], BoolImage]) -> Callable[[BoolImage], BoolImage]:
-    """The last mask is kept: most clips have one for all frames."""
+    """The last mask is kept: most clips have one for all frames. Frames are read from any thread."""
     last: list[tuple[BoolImage, BoolImage]] = []
 
     def changed(mask: BoolImage) -> BoolImage:
-        if not last or last[0][0] is not mask:
-            last[:] = [(mask, change(mask))]
-        return last[0][1]
+        kept = last[0] if last else None
+        if kept is None or kept[0] is not mask:
+            kept = mask, change(mask)
+            last[:] = [kept]
+        return kept[1]
 
     return changed

@@ -106,8 +106,7 @@ def choose_path(
     purpose: Purpose | None = None,
     name: str = "",
 ) -> None:
-    """Let a person choose a folder or a file for `take`, from where one was last for this purpose: to open
-    it, unless another is named. `name` is proposed for a file to be written."""
+    """Let a person choose a folder or a file for `take`; `name` is proposed for a file to be written."""
     wanted = purpose or ("folder" if kind == "folder" else "file")
     start = state.folder_of(wanted) or _first_folder(state, wanted)
     state.window.choosing = Choosing(kind, partial(take, state), wanted, start, name)
@@ -117,11 +116,10 @@ def _first_folder(state: AppState, purpose: Purpose) -> Path:
     """Where a dialog begins that was never open."""
     if purpose == "run":
         return state.places.runs
-    if purpose == "calibration" and state.source.path is not None:
-        return state.source.path.parent
     if purpose in ("export", "results", "session", "picture"):
         return state.places.pictures
-    return state.folder_of("file") or state.folder_of("folder") or Path.home()
+    beside = state.source.path.parent if purpose == "calibration" and state.source.path else None
+    return beside or state.folder_of("file") or state.folder_of("folder") or Path.home()
 
 
 def taken_choice(state: AppState) -> Choosing | None:

@@ -13,7 +13,7 @@ from app.gui.state.source import Source
 from app.gui.work.settings import Places, Settings, load_clips
 from renderer.readers.clip_options import ClipOptions
 from tests.app.gui.settling import keep_all
-from tests.app.gui.test_reconstruction_choices import opened, turn
+from tests.app.gui.test_reconstruction_choices import opened, to_choices, turn
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.renderer.eyes import look
 from tests.renderer.readers.numbered import encoded
@@ -69,9 +69,7 @@ def test_it_is_chosen_by_hand(places: Places, video: Path) -> None:
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state) and state.source.depth_ways is not None, "the video")
-        ctx.window_focus("//Reconstruction")
-        ctx.yield_(2)
-        ctx.set_ref(ctx.window_info("//Reconstruction/choices").id_)
+        to_choices(ctx)
         ctx.combo_click("##Eyes/Left and right half")
         wait(ctx, lambda: state.source.options.stereo == "side-by-side", "both eyes")
         wait(ctx, lambda: depth_actions.without_scale(state) != "", "depth")

@@ -14,7 +14,7 @@ from app.gui.state.source import Source
 from app.gui.work.settings import Places, Settings, load_clips
 from renderer.readers.clip_options import ClipOptions
 from tests.app.gui.settling import keep_all
-from tests.app.gui.test_reconstruction_choices import opened, turn
+from tests.app.gui.test_reconstruction_choices import opened, to_choices, turn
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.renderer.raw_eyes import EYES, raw_pairs, write_calibration
 from tests.renderer.readers.numbered import encoded
@@ -95,9 +95,7 @@ def test_it_is_chosen_and_removed_by_hand(
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state) and state.source.depth_ways is not None, "the clip")
-        ctx.window_focus("//Reconstruction")
-        ctx.yield_(2)
-        ctx.set_ref(ctx.window_info("//Reconstruction/choices").id_)
+        to_choices(ctx)
         ctx.item_click("Calibration…")
         wait(ctx, lambda: state.window.browsing is not None, "a dialog")
         assert state.window.browsing is not None

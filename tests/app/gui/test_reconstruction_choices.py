@@ -34,6 +34,13 @@ from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.renderer.eyes import write_eyes
 
 
+def to_choices(ctx: imgui.test_engine.TestContext) -> None:
+    """What follows is found among the choices of a reconstruction."""
+    ctx.window_focus("//Reconstruction")
+    ctx.yield_(2)
+    ctx.set_ref(ctx.window_info("//Reconstruction/choices").id_)
+
+
 def write_video(path: Path, n_frames: int = 6) -> Path:
     """A folder of RGB images, as a video is: no depth, no right images."""
     path.mkdir(parents=True)
@@ -301,9 +308,7 @@ def test_baseline_and_field_of_view_are_typed_and_give_a_stereo_pair_a_scale(
         assert depth_actions.without_scale(state) != ""
         before = clip.read_frame(0).depth
         assert before is not None
-        ctx.window_focus("//Reconstruction")
-        ctx.yield_(2)
-        ctx.set_ref(ctx.window_info("//Reconstruction/choices").id_)
+        to_choices(ctx)
         ctx.item_input_value("##baseline", "4.5")
         wait(ctx, lambda: depth_actions.without_scale(state) == "", "a scale")
         ctx.item_input_value("##view", "80")
