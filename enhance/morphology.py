@@ -5,7 +5,7 @@ Whole numbers of 16 bits stand for floats: twice as many are compared at once, i
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import cv2
 import numpy as np
@@ -13,12 +13,17 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from enhance.image import Float32Image
+from enhance.pixel_block import HALF
+from enhance.rows import reflected
 
 STRIP: Final = 64
 """Rows of one task."""
 TILE: Final = 256
 """Columns that are worked on at once: so many in as many rows as a disc has stay in the first-level cache."""
 MOST_STEP: Final = 16
+SIDE = np.float32(np.exp(-0.5 / 0.6**2) / (1 + 2 * np.exp(-0.5 / 0.6**2)))
+MIDDLE = np.float32(1) - 2 * SIDE
+"""A Gaussian of 0.6 pixels."""
 Levels = NDArray[np.uint16]
 MOST, AS_IS = np.uint16(0xFFFF), np.uint16(0)
 """Exclusive or with MOST turns small into large and large into small, so that minima serve for maxima."""
@@ -40,17 +45,19 @@ def opened(small: Float32Image, radius: int) -> Float32Image:
     reaches = disc[radius:].sum(axis=1, dtype=np.int64) // 2
     low, high, _, _ = cv2.minMaxLoc(small)
     unit = (high - low) / int(MOST) or 1.0
-    levels = np.asarray(cv2.addWeighted(small, 1 / unit, small, 0, -low / unit, dtype=cv2.CV_16U), np.uint16)
-    eroded = np.empty_like(levels)
-    _erode(levels, reaches, AS_IS, eroded)
-    _erode(eroded, reaches, MOST, levels)
-    result = cv2.addWeighted(levels, unit, levels, 0, low, dtype=cv2.CV_32F)
-    return np.asarray(cv2.GaussianBlur(result, (3, 3), 0.6))
+    eroded, levels = np.empty(small.shape, np.uint16), np.empty(small.shape, np.uint16)
+    _erode(small, np.float32(low), np.float32(1 / unit), reaches, AS_IS, eroded)
+    _erode(eroded, np.float32(0), np.float32(1), reaches, MOST, levels)
+    result = np.empty_like(small)
+    _smooth(levels, np.float32(low), np.float32(unit), result)
+    return result
 
 
 @njit(parallel=True, nogil=True, cache=True, error_model="numpy")
 def _erode(
-    plane: Levels,  # (h, w)
+    plane: NDArray[Any],  # (h, w)
+    low: np.float32,  # its level 0
+    inverse: np.float32,  # of its step from level to level
     reaches: NDArray[np.int64],  # (radius + 1,): columns on either side, so many rows from the middle
     flip: np.uint16,  # AS_IS: the smallest value under the disc; MOST: the largest
     out: Levels,  # (h, w), out
@@ -69,16 +76,42 @@ def _erode(
             start, end = max(x0 - radius, 0), min(x0 + TILE + radius, columns)
             count = min(TILE, columns - x0)
             for y in range(max(top - radius, 0), min(bottom + radius, rows)):
-                _read(plane[y, start:end], flip, row[start - x0 + radius :])
+                _read(plane[y, start:end], low, inverse, flip, row[start - x0 + radius :])
                 _count(row, y - top, reaches, narrow, least)
             for y in range(top, bottom):
-                _read(least[y - top, :count], flip, out[y, x0 : x0 + count])
+                for x in range(count):
+                    out[y, x0 + x] = least[y - top, x] ^ flip
+
+
+@njit(parallel=True, nogil=True, cache=True, error_model="numpy")
+def _smooth(levels: Levels, low: np.float32, unit: np.float32, out: NDArray[np.float32]) -> None:
+    """Weighted by SIDE, MIDDLE, SIDE both ways; the border reflects, without the pixel at it."""
+    rows, columns = levels.shape
+    for strip in prange((rows + STRIP - 1) // STRIP):
+        line = np.empty(columns + 2, np.float32)
+        for y in range(strip * STRIP, min((strip + 1) * STRIP, rows)):
+            above, below = reflected(y - 1, rows), reflected(y + 1, rows)
+            _weigh(levels[above], levels[y], levels[below], line[1:])
+            line[0], line[columns + 1] = (
+                line[1 + reflected(-1, columns)],
+                line[1 + reflected(columns, columns)],
+            )
+            _weigh(line, line[1:], line[2:], out[y])
+            for x in range(columns):
+                out[y, x] = low + unit * out[y, x]
 
 
 @njit(error_model="numpy")
-def _read(line: Levels, flip: np.uint16, out: Levels) -> None:
+def _weigh(left: NDArray[Any], middle: NDArray[Any], right: NDArray[Any], out: NDArray[np.float32]) -> None:
+    for x in range(min(len(right), len(out))):
+        beside = np.float32(left[x]) + np.float32(right[x])
+        out[x] = MIDDLE * np.float32(middle[x]) + SIDE * beside
+
+
+@njit(error_model="numpy")
+def _read(line: NDArray[Any], low: np.float32, inverse: np.float32, flip: np.uint16, out: Levels) -> None:
     for x in range(len(line)):
-        out[x] = line[x] ^ flip
+        out[x] = np.uint16(np.int32((np.float32(line[x]) - low) * inverse + HALF)) ^ flip
 
 
 @njit(error_model="numpy")

@@ -29,6 +29,7 @@ from app.gui.actions import (
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import Keyboard
+from app.gui.drawing.backdrop import Backdrop
 from app.gui.drawing.chosen_viewport import ChosenViewport, SecondViewport
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import Viewport
@@ -146,6 +147,7 @@ class Window:
         self._worn: tuple[Theme, int] | None = None
         self._dropped: list[str] = []
         self._textures: Textures | None = None
+        self._backdrop: Backdrop | None = None
         self._viewport: Viewport | None = None
         self._second_viewport: Viewport | None = None
         self._second_window: SecondWindow | None = None
@@ -260,6 +262,7 @@ class Window:
         """The OpenGL context is there."""
         self._ctx = ctx = starting.attach()
         self._textures = Textures(ctx)
+        self._backdrop = Backdrop(ctx, self._textures)
         self._viewport = ChosenViewport(ctx, self._textures, self.state)
         self._second_viewport = SecondViewport(ctx, self._textures)
         self._second_window = SecondWindow(SecondContent(ctx, self._textures, self._viewport))
@@ -334,14 +337,11 @@ class Window:
         shoot_window(self._ctx, self.state, self._channels.saving)
         self._second_window.follow(self.state)
 
-    def _draw_presentation(self) -> None:
-        assert self._textures is not None
+    def _draw_over(self) -> None:
+        assert self._backdrop is not None
         assert self._viewport is not None
         over = partial(self._texture, "frame over view")
-        draw_presentation(self.state, self._textures, self._viewport, over)
-
-    def _draw_over(self) -> None:
-        self._draw_presentation()
+        draw_presentation(self.state, self._backdrop, self._viewport, over)
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
         overlays.draw_help(self.state, self._commands)
@@ -375,7 +375,7 @@ class Window:
         queue_actions.keep_now(self.state)
         if self._second_window is not None:
             self._second_window.close()
-        for item in (self._viewport, self._second_viewport, self._textures):
+        for item in (self._viewport, self._second_viewport, self._backdrop, self._textures):
             if item is not None:
                 item.release()
 

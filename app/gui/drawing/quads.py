@@ -62,14 +62,24 @@ class QuadView:
 
     def draw(self, quads: Sequence[Quad], size: tuple[int, int]) -> None:
         """One over the other on black, over the whole window of `size` pixels."""
-        screen = self._ctx.detect_framebuffer(0)
-        screen.use()
-        screen.viewport = (0, 0, *size)
-        screen.clear()
+        self._screen(size).clear()
         self._ctx.enable_only(moderngl.BLEND)
         self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         for quad in quads:
             self._draw(quad, size)
+
+    def lay(self, quads: Sequence[Quad], size: tuple[int, int]) -> None:
+        """In place of what is there, as if all were opaque."""
+        self._screen(size)
+        self._ctx.enable_only(moderngl.NOTHING)
+        for quad in quads:
+            self._draw(quad, size)
+
+    def _screen(self, size: tuple[int, int]) -> moderngl.Framebuffer:
+        screen = self._ctx.detect_framebuffer(0)
+        screen.use()
+        screen.viewport = (0, 0, *size)
+        return screen
 
     def _draw(self, quad: Quad, size: tuple[int, int]) -> None:
         left, top, right, bottom = quad.box

@@ -8,7 +8,7 @@ from typing import Protocol
 import cv2
 import moderngl
 import numpy as np
-from imgui_bundle import imgui
+from imgui_bundle import ImVec2, imgui
 
 from app.gui.views.picture_view import Placement
 from app.gui.views.resample import striped, tinted, visible
@@ -38,6 +38,7 @@ class ShowsPictures(Protocol):
     def part(
         self, slot: str, image: ByteImage, place: Placement, pane: Size, marks: Marks = PLAIN
     ) -> OnPane | None: ...
+    def lay(self, shown: OnPane, low: ImVec2, high: ImVec2) -> None: ...
 
 
 class Textures:
@@ -73,6 +74,10 @@ class Textures:
             shown = OnPane(imgui.ImTextureRef(texture.glo), patch.x, patch.y, *texture.size)
         self._images[slot], self._parts[slot] = image, (left_out, (place, pane, zebra), shown)
         return shown
+
+    def lay(self, shown: OnPane, low: ImVec2, high: ImVec2) -> None:
+        """In the panel that is being drawn."""
+        imgui.get_window_draw_list().add_image(shown.texture, low, high)
 
     def _write(self, slot: str, pixels: ByteImage, sampling: int) -> moderngl.Texture:
         """With an opacity: drivers take pixels of three bytes one by one, several times slower."""

@@ -188,7 +188,7 @@ def draw_part(
     if shown is not None:
         low = ImVec2(round(area.corner.x) + shown.x / scale, round(area.corner.y) + shown.y / scale)
         high = low + ImVec2(shown.width / scale, shown.height / scale)
-        imgui.get_window_draw_list().add_image(shown.texture, low, high)
+        textures.lay(shown, low, high)
     fill_around(area, low, high, theme.SURROUND)
 
 

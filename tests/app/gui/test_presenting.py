@@ -5,23 +5,27 @@ from __future__ import annotations
 from typing import Any
 
 import glfw
+import numpy as np
 import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
 from app.gui.actions import actions, presenting, tuning_actions
 from app.gui.commands.keys import chord
+from app.gui.frame import starting
 from app.gui.panels import presentation
 from app.gui.panels.presentation import draw_presentation
 from app.gui.state.app_state import AppState
 from app.gui.style import widgets
 from app.gui.style.widgets import Area
+from app.gui.views.resample import visible
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
+from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
 from tests.app.gui.test_bare import in_front, shown
 from tests.app.gui.test_keys import keyboard
-from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.test_window import Driver, enhanced, is_settled, wait
 from tests.app.gui.ui import Draw, Shown, StillViewport, Ui, compare, no_texture, pictures
 
 
@@ -172,6 +176,46 @@ def test_it_ends_with_what_it_shows(opened: AppState, model: DynamicGaussians) -
     opened.picture.pictures = None
     presenting.follow(opened)
     assert (opened.presenting.pane, opened.window.full_screen) == (None, False)
+
+
+@pytest.mark.display
+def test_the_image_is_on_the_screen_pixel_for_pixel(places: Places) -> None:
+    """It is no part of the panels, but drawn behind them."""
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state, screens = driver.state, list[ByteImage]()
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        presenting.show(state, "right")
+        wait(ctx, lambda: state.window.now > state.presenting.labels_until, "the labels to go")
+        calls = hello_imgui.get_runner_params().callbacks
+        calls.before_swap = lambda: screens.append(on_screen())
+        ctx.yield_(2)
+        area, image = ctx.item_info("//##presentation/right").rect_full, enhanced(state)
+        pane = area.max.x - area.min.x, area.max.y - area.min.y
+        patch = visible(image, state.picture.view.place((image.shape[1], image.shape[0]), pane), pane)
+        assert patch is not None
+        height, width = patch.pixels.shape[:2]
+        shown = screens[-1][patch.y : patch.y + height, patch.x : patch.x + width]
+        # Two notes lie in corners.
+        np.testing.assert_array_equal(
+            shown[height // 4 : -height // 4], patch.pixels[height // 4 : -height // 4]
+        )
+        panel: imgui.internal.Window | None = imgui.internal.find_window_by_name("##presentation")
+        assert panel is not None
+        # That of the letters.
+        assert len({command.get_tex_id() for command in panel.draw_list.cmd_buffer}) == 1
+
+    driver.run(drive)
+
+
+def on_screen() -> ByteImage:
+    """(H, W, 3), what is drawn and not yet shown."""
+    screen = starting.attach().detect_framebuffer(0)
+    size = glfw.get_framebuffer_size(glfw_utils.glfw_window_hello_imgui())
+    pixels = np.frombuffer(screen.read((0, 0, *size), alignment=1), np.uint8)
+    return pixels.reshape(size[1], size[0], 3)[::-1]
 
 
 @pytest.mark.display

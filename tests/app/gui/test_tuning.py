@@ -248,6 +248,8 @@ class NoTextures:
     def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
         return imgui.ImTextureRef(0)
 
+    def lay(self, *args: object) -> None: ...
+
 
 def test_the_panel_draws_in_every_state(ui: Ui, state: AppState, channels: Channels, clip: Clip) -> None:
     textures = NoTextures()

@@ -89,6 +89,8 @@ class Shown:
         self.images[slot] = image
         return OnPane(imgui.ImTextureRef(1), 0, 0, 10, 10)
 
+    def lay(self, shown: OnPane, low: ImVec2, high: ImVec2) -> None: ...
+
 
 class StillViewport:
     """Shows the wanted view at once."""

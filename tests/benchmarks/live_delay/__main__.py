@@ -29,7 +29,7 @@ from typing import Any, Final
 import numpy as np
 
 from tests.benchmarks.live_delay.screen import Screen, display
-from tests.benchmarks.live_delay.time_code import age, read
+from tests.benchmarks.live_delay.time_code import age, middles, read
 from tests.benchmarks.live_delay.window import METHODS, PAINTED, Trial
 from tests.ports import free_port
 
@@ -107,14 +107,19 @@ class Looking:
     """At the row of the screen through the painted time."""
 
     def __init__(self, screen: Screen, y: int, left: int, right: int) -> None:
-        self._screen, self._row = screen, (y, left, right)
+        self._row, self._places = screen.row(y, left, right), middles(right - left)
         self.delays: list[float] = []
         """Seconds, of each painted time when it was first on the screen."""
 
     def look(self, over: threading.Event) -> None:
-        last = None
-        while not over.wait(LOOK):
-            shown, now = read(self._screen.row(*self._row)), time.perf_counter()
+        """What has not changed is not read again: looking takes time from what is looked at."""
+        before, last = np.zeros(0, np.uint8), None
+        while not over.is_set():
+            time.sleep(LOOK)
+            levels, now = self._row[self._places], time.perf_counter()
+            if np.array_equal(levels, before):
+                continue
+            before, shown = levels, read(levels)
             if shown is not None and shown != last and age(shown, now) < OLDEST:
                 self.delays.append(age(shown, now))
                 last = shown

@@ -30,12 +30,12 @@ class Screen:
         header = struct.unpack(">25I", file.read_bytes()[:100])
         width, height, stride = (header[place] for place in PIXELS)
         start = header[0] + header[COLORS] * COLOR_BYTES
-        self._pixels = np.memmap(file, np.uint8, "r", start, (height, stride))
+        self._pixels = np.asarray(np.memmap(file, np.uint8, "r", start, (height, stride)))
         self._width = width
 
     def row(self, y: int, left: int, right: int) -> ByteImage:
-        """(W,) green levels of a part of a row, now."""
-        return np.array(self._pixels[y, 4 * left + 1 : 4 * right : 4])
+        """(W,) green levels of a part of a row: what is there whenever it is read."""
+        return self._pixels[y, 4 * left + 1 : 4 * right : 4]
 
 
 @contextmanager

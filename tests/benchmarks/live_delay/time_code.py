@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from renderer.clip import ByteImage
 
@@ -34,10 +35,14 @@ def paint(image: ByteImage, seconds: float) -> None:
         image[top : top + high, left:right] = 255 * bit
 
 
+def middles(width: int) -> NDArray[np.intp]:
+    """(BLOCKS,) of a row of so many pixels, where `read` looks."""
+    return ((np.arange(BLOCKS) + 0.5) * width / BLOCKS).astype(np.intp)
+
+
 def read(levels: ByteImage) -> float | None:
-    """The time that a row of grey levels (W,) through the code shows, modulo LIFE; None where it is none."""
-    middles = (np.arange(BLOCKS) + 0.5) * levels.size / BLOCKS
-    seen = levels[middles.astype(int)].astype(int)
+    """The time that the (BLOCKS,) grey levels at `middles` show, modulo LIFE; None where they show none."""
+    seen = levels.astype(int)
     if seen[1] - seen[0] < CONTRAST:
         return None
     bits = seen[2:] > (seen[0] + seen[1]) / 2
