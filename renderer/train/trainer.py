@@ -27,6 +27,7 @@ from renderer.train.events import (
     TrainEvent,
     Warned,
 )
+from renderer.train.fading import faded_out_of_sight
 from renderer.train.frame_store import FrameStore, nearest_folder
 from renderer.train.frames import TrainFrame, halved, train_frame, unseen_by
 from renderer.train.gradient_backend import GradientBackend
@@ -111,7 +112,8 @@ def train_window(
     smooths = "hidden" not in config.keep and hides and isinstance(model.gaussians.motion, SplineMotion)
     measured = held_out or clip.test_indices
     after = RENDERED * len(measured)
-    after += len(fit) * (RENDERED * ("unseen" not in config.keep) + SMOOTHED * smooths)
+    fades = unseen is not None and bool(unseen.any()) and isinstance(model.gaussians.motion, SplineMotion)
+    after += len(fit) * (RENDERED * ("unseen" not in config.keep) + SMOOTHED * (smooths + fades))
     meter = Meter(recipe, seconds, after)
     held = HeldOut(clip, measured, size, recipe.mode)
     for iteration in range(start, recipe.iterations):
@@ -150,6 +152,11 @@ def train_window(
         yield Finishing("smoothing hidden motion", left * (1 - RENDERED * len(fit) / total))
         gaussians, resting = smooth_occluded_motion(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
         omitted += resting
+    if unseen is not None and fades:
+        yield Finishing(
+            "fading what moves out of sight", left * (1 - (RENDERED + SMOOTHED) * len(fit) / total)
+        )
+        gaussians = faded_out_of_sight(gaussians, pool.full, unseen, NEAR_SHARE * size, recipe.mode)
     yield Finishing("measuring held-out frames", left * RENDERED * len(measured) / total)
     if measured:
         views = (clip.read_frame(index) for index in measured)

@@ -1,0 +1,124 @@
+"""What moves out of sight fades there and nowhere else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from renderer.camera import Camera
+from renderer.clip import Frame
+from renderer.deformation.spline_motion import SplineMotion
+from renderer.gaussians import DynamicGaussians
+from renderer.rasterize.cpu import render
+from renderer.raw_gaussians import RawGaussians
+from renderer.train.fading import FADES, LEAST, TRACE, _shares_beyond, faded_out_of_sight
+from renderer.train.frames import TrainFrame, train_frame, unseen_by
+
+CONTROLS, WIDTH, HEIGHT = 9, 96, 64
+FOCAL, DEPTH = 80.0, 10.0
+CAMERA = Camera(FOCAL, FOCAL, WIDTH / 2, HEIGHT / 2, WIDTH, HEIGHT)
+TIMES = np.linspace(0, 1, 30)
+BAR = 48
+"""First row of what is burned in, under which nothing is seen."""
+STAYS, LEAVES = 0, 1
+
+
+def frames() -> list[TrainFrame]:
+    shown = []
+    for index, time in enumerate(TIMES):
+        mask = np.ones((HEIGHT, WIDTH), bool)
+        mask[BAR:] = False
+        image = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+        shown.append(train_frame(Frame(index, float(time), image, CAMERA, mask, mask)))
+    return shown
+
+
+def model(down: float) -> DynamicGaussians:
+    """Two small Gaussians on row 32; the second moves by so many rows from the first frame to the last."""
+    raw = RawGaussians(
+        means=np.float32([[-2, 0, DEPTH], [2, 0, DEPTH]]),
+        quats=np.tile(np.float32([1, 0, 0, 0]), (2, 1)),
+        log_scales=np.full((2, 3), np.log(0.2), np.float32),
+        opacity_logits=np.float32([2, 2]),
+        colors=np.full((2, 3), 0.5, np.float32),
+        harmonics=np.zeros((2, 0, 3), np.float32),
+    )
+    positions = np.zeros((2, CONTROLS, 3), np.float32)
+    positions[LEAVES, :, 1] = np.linspace(0, down * DEPTH / FOCAL, CONTROLS)
+    motion = SplineMotion(
+        position_controls=positions,
+        color_controls=np.zeros((0, CONTROLS, 3), np.float32),
+        opacity_controls=np.zeros((0, CONTROLS, 1), np.float32),
+        node_controls=np.zeros((0, CONTROLS, 3), np.float32),
+        node_indices=np.zeros((0, 4), np.int32),
+        node_weights=np.zeros((0, 4), np.float32),
+    )
+    return DynamicGaussians(raw, motion)
+
+
+def faded(before: DynamicGaussians) -> DynamicGaussians:
+    return faded_out_of_sight(before, frames(), hidden(), near=0.1)
+
+
+def hidden() -> NDArray[np.bool_]:
+    mask = np.ones((HEIGHT, WIDTH), bool)
+    mask[BAR:] = False
+    return unseen_by([Frame(0, 0.0, np.zeros((HEIGHT, WIDTH, 3), np.uint8), CAMERA, mask, mask)])
+
+
+def test_it_is_gone_where_nothing_is_seen_and_as_it_was_before() -> None:
+    before = model(down=40)
+    after = faded(before)
+    ways = np.array([[one.at(float(time)).opacities for time in TIMES] for one in (before, after)])
+    rows = np.array([before.at(float(time)).means[LEAVES, 1] * FOCAL / DEPTH + HEIGHT / 2 for time in TIMES])
+    within, beyond = rows < BAR - 4, rows > BAR + 8
+    assert within.sum() > 8
+    assert beyond.sum() > 3
+    np.testing.assert_array_equal(ways[1, :, STAYS], ways[0, :, STAYS])
+    assert ways[1, within, LEAVES].min() > 0.9 * ways[0, 0, LEAVES]
+    assert ways[1, beyond, LEAVES].max() < 0.1
+
+
+def test_nothing_becomes_more_opaque_between_frames() -> None:
+    before = model(down=28)
+    after = faded(before)
+    for time in np.linspace(0, 1, 301):
+        assert (after.at(float(time)).opacities <= before.at(float(time)).opacities + 1e-6).all()
+
+
+def test_what_stays_in_sight_is_the_same_model() -> None:
+    before = model(down=8)
+    assert faded(before) is before
+    nowhere = np.zeros((HEIGHT, WIDTH), bool)
+    away = model(down=28)
+    assert faded_out_of_sight(away, frames(), nowhere, near=0.1) is away
+
+
+def test_a_curve_of_opacity_that_is_there_is_kept() -> None:
+    before = model(down=28)
+    assert isinstance(before.motion, SplineMotion)
+    own = np.zeros((2, CONTROLS, 1), np.float32)
+    own[STAYS] = 1.5
+    after = faded(replace(before, motion=replace(before.motion, opacity_controls=own)))
+    assert isinstance(after.motion, SplineMotion)
+    np.testing.assert_array_equal(after.motion.opacity_controls[STAYS], own[STAYS])
+    assert after.motion.opacity_controls[LEAVES].min() < -3
+
+
+@pytest.mark.parametrize("down", [0.0, 10.0, 14.0, 18.0, 28.0])
+def test_shares_are_those_of_what_is_drawn(down: float) -> None:
+    """One Gaussian alone, as it is drawn at the last frame."""
+    one = model(down).rows(np.array([LEAVES]))
+    beyond = hidden()
+    (share,) = list(_shares_beyond(one, frames()[-1:], beyond, 0.1, "default"))
+    alpha = render(one.at(1.0), CAMERA, near=0.1).alpha.astype(np.float64)
+    wanted = alpha[beyond].sum() / (alpha.sum() + TRACE)
+    assert share[0] == pytest.approx(wanted, abs=1e-3)
+    kept = faded(model(down)).at(1.0).opacities[LEAVES] / model(down).at(1.0).opacities[LEAVES]
+    if wanted < FADES[0]:
+        assert kept == pytest.approx(1, abs=1e-6)
+    if wanted > FADES[1]:
+        assert kept < 3 * LEAST
