@@ -37,8 +37,10 @@ TRACE: Final = np.float32(0.1)
 """Blending weight, in pixels, that is too little to tell by."""
 RING: Final = 2
 """Tiles beside those in which there is nothing to see; no other is drawn."""
-STIFFNESS: Final = 0.01
-"""Of curves where no frame holds them, as a share of what a frame does."""
+STIFFNESS: Final = 1e-4
+"""Of curves where no frame holds them; a frame holds them by up to 0.25."""
+BATCH: Final = 256
+"""Curves that are fitted at once."""
 
 
 def faded_out_of_sight(
@@ -62,13 +64,14 @@ def faded_out_of_sight(
     if not len(strays):
         return gaussians
     times, count = [frame.time for frame in frames], motion.n_controls
-    kept = _kept(beyond[:, strays])
     opacities = np.stack([gaussians.at(time).opacities[strays] for time in times]).astype(np.float64)
-    curves = _fitted(_logit(kept * opacities) - _logit(opacities), times, count)
+    wanted = _kept(beyond[:, strays]) * opacities
+    # What a step of the logit does to the opacity: of next to nothing left, little matters.
+    weights = wanted * (1 - wanted)
+    curves = _fitted(_logit(wanted) - _logit(opacities), weights, times, count)
     controls = motion.opacity_controls
     controls = controls.copy() if len(controls) else np.zeros((len(gaussians), count, 1), np.float32)
-    # Between frames a curve may swing; nothing becomes more opaque by it.
-    controls[strays, :, 0] += np.minimum(curves, 0).astype(np.float32)
+    controls[strays, :, 0] += curves.astype(np.float32)
     return replace(gaussians, motion=replace(motion, opacity_controls=controls))
 
 
@@ -104,12 +107,20 @@ def _logit(opacities: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.log(within / (1 - within))
 
 
-def _fitted(values: NDArray[np.float64], times: Sequence[float], count: int) -> NDArray[np.float64]:
-    """(S, count) control values of the splines through (T, S) values at T times, by least squares."""
-    basis = np.zeros((len(times), count))
-    for row, time in zip(basis, times, strict=True):
-        first, weights = spline_taps(time, count)
-        row[first : first + len(weights)] = weights
+def _fitted(
+    values: NDArray[np.float64], weights: NDArray[np.float64], times: Sequence[float], count: int
+) -> NDArray[np.float64]:
+    """(S, count) control values of splines for (T, S) values at T times, by weighted least squares."""
     steps = np.diff(np.eye(count), axis=0)
-    normal = basis.T @ basis + STIFFNESS * steps.T @ steps
-    return np.asarray(np.linalg.solve(normal, basis.T @ values).T, np.float64)
+    curves = np.empty((values.shape[1], count))
+    for begin in range(0, len(curves), BATCH):
+        part = slice(begin, begin + BATCH)
+        normal = np.tile(STIFFNESS * steps.T @ steps, (len(curves[part]), 1, 1))
+        right = np.zeros((len(normal), count))
+        for time, value, weight in zip(times, values[:, part], weights[:, part], strict=True):
+            first, taps = spline_taps(time, count)
+            near = slice(first, first + len(taps))
+            normal[:, near, near] += weight[:, None, None] * np.outer(taps, taps)
+            right[:, near] += (weight * value)[:, None] * taps
+        curves[part] = np.linalg.solve(normal, right[..., None])[..., 0]
+    return curves
