@@ -35,12 +35,14 @@ class EyePair:
     image: ByteImage
     """(H, W, 3) RGB."""
     layout: StereoLayout
+    pixel_aspect: float = 1.0
+    """Width of a pixel by its height, as the source says."""
 
     @property
-    def pixel_aspect(self) -> float:
-        """Width of a pixel by its height."""
+    def eye_aspect(self) -> float:
+        """The same of each eye, which may come squeezed."""
         height, width = self.image.shape[:2]
-        return eye_aspect(eye_size((width, height), self.layout), self.layout)
+        return eye_aspect(eye_size((width, height), self.layout), self.layout, self.pixel_aspect)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +64,8 @@ class LivePicture:
     """Of the enhancement alone."""
     pair: EyePair | None = None
     """Where the frame held both eyes."""
+    pixel_aspect: float = 1.0
+    """Width of a pixel of the original by its height."""
 
 
 Signal = Literal["connecting", "live", "black", "stale", "lost", "ended", "failed"]

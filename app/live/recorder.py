@@ -133,17 +133,17 @@ class Recorder:
         if self._start is None:
             self._start = picture.arrived
         seconds = picture.arrived - self._start
-        stereo = layout_shown(picture, self._written.what)
-        if self._segment is None or self._segment.shape != (image.shape[1], image.shape[0], stereo):
-            self._begin(image, seconds, stereo)
+        stereo, aspect = layout_shown(picture, self._written.what)
+        if self._segment is None or self._segment.shape != (image.shape[1], image.shape[0], stereo, aspect):
+            self._begin(image, seconds, stereo, aspect)
         assert self._segment is not None
         if picture.setting != self._setting:
             self._note(picture.setting, seconds)
         self._segment.write(image, seconds)
         self._written = replace(self._written, seconds=seconds, pictures=self._written.pictures + 1)
 
-    def _begin(self, image: ByteImage, seconds: float, stereo: StereoLayout | None) -> None:
-        """Another file where another size goes on."""
+    def _begin(self, image: ByteImage, seconds: float, stereo: StereoLayout | None, aspect: float) -> None:
+        """Another file where another shape goes on."""
         self._stereo = stereo
         if self._segment is not None:
             self._segment.finish()
@@ -151,7 +151,7 @@ class Recorder:
             path = _numbered(self._first, files)
             self._written = replace(self._written, path=path, files=files)
         size = image.shape[1], image.shape[0]
-        self._segment = Segment(self._written.path, size, seconds, self._facts(), stereo)
+        self._segment = Segment(self._written.path, size, seconds, self._facts(), stereo, aspect)
 
     def _note(self, setting: LiveSetting, seconds: float) -> None:
         """From now on pictures are enhanced otherwise: said beside the file, which has a beginning only."""
@@ -204,9 +204,11 @@ def shown(picture: LivePicture, what: What) -> ByteImage:
     return np.ascontiguousarray(image[:height, :width])
 
 
-def layout_shown(picture: LivePicture, what: What) -> StereoLayout | None:
-    """How both eyes lie in what is recorded; None: it is of one."""
-    return picture.pair.layout if what == "original" and picture.pair is not None else None
+def layout_shown(picture: LivePicture, what: What) -> tuple[StereoLayout | None, float]:
+    """How both eyes lie in what is recorded (None: it is of one), and the width of a pixel by its height."""
+    if what == "original" and picture.pair is not None:
+        return picture.pair.layout, picture.pair.pixel_aspect
+    return None, picture.pixel_aspect
 
 
 def _without_path(done: Recording) -> dict[str, Any]:

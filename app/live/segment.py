@@ -28,6 +28,8 @@ FRAGMENTED: Final = {
     "movflags": "frag_keyframe+empty_moov+default_base_moof",
     "flush_packets": "1",
 }
+MOST_ASPECT: Final = 1000
+"""Up to which either number of the shape of a pixel goes; H.264 has 16 bits for each."""
 RATE: Final = Fraction(30)
 """Of which nothing depends: each picture has its own time."""
 
@@ -42,10 +44,11 @@ class Segment:
         seconds: float,
         facts: dict[str, Any],
         stereo: StereoLayout | None = None,
+        pixel_aspect: float = 1.0,
     ) -> None:
-        """seconds: at which the first picture is taken; stereo: how both eyes lie in them, which the stream
-        says itself. Raises OSError: it cannot be written."""
-        self.shape = (*size, stereo)
+        """seconds: at which the first picture is taken; stereo: how both eyes lie in them, pixel_aspect:
+        width of a pixel by its height, which the stream says itself. Raises OSError: it cannot be written."""
+        self.shape = (*size, stereo, pixel_aspect)
         self._start = seconds
         self._container = av.open(f"file:{path.absolute()}", "w", container_options=FRAGMENTED)
         self._container.metadata["comment"] = strict_json(facts)
@@ -54,6 +57,8 @@ class Segment:
         self._stream.width, self._stream.height, self._stream.pix_fmt = *size, "yuv420p"
         codec = self._stream.codec_context
         codec.time_base = Fraction(1, TICKS)
+        if pixel_aspect != 1:
+            codec.sample_aspect_ratio = Fraction(pixel_aspect).limit_denominator(MOST_ASPECT)
         codec.color_primaries = codec.color_trc = codec.colorspace = BT709
         codec.color_range = 1
         self._last, self._key = -1, 0.0

@@ -148,7 +148,8 @@ class LiveSession:
                 if enhancer is None or original.shape != of_size:
                     enhancer, of_size = MethodEnhancer(self._statistics()), original.shape
                 picture = _enhanced(enhancer, next(numbers), arrived, original, self.setting)
-                self._deliver(picture if pair is None else replace(picture, pair=pair))
+                aspect = arrived.pixel_aspect if pair is None else pair.eye_aspect
+                self._deliver(replace(picture, pair=pair, pixel_aspect=aspect))
             except (SourceLost, ClipError, ImageError, UserError) as error:
                 # One damaged frame is passed over; where all are, the picture goes stale with this reason.
                 self._trouble = sentence(error)
@@ -192,7 +193,7 @@ def _split(arrived: Arrived) -> tuple[ByteImage, EyePair | None]:
     if arrived.stereo is None:
         return image, None
     left, _ = eyes(image, arrived.stereo)
-    return np.ascontiguousarray(left), EyePair(image, arrived.stereo)
+    return np.ascontiguousarray(left), EyePair(image, arrived.stereo, arrived.pixel_aspect)
 
 
 def _enhanced(

@@ -129,7 +129,7 @@ def toggle_freeze(state: AppState) -> None:
 
 def still_of(picture: LivePicture) -> Clip:
     """The frame as a clip of its own, by the name under which it is kept when something is made of it."""
-    return clip_of(Path(f"live-{stamp()}.png"), picture.original, _pixel_aspect(picture))
+    return clip_of(Path(f"live-{stamp()}.png"), picture.original, picture.pixel_aspect)
 
 
 def clip_of(path: Path, image: ByteImage, pixel_aspect: float = 1.0) -> Clip:
@@ -145,11 +145,6 @@ def clip_of(path: Path, image: ByteImage, pixel_aspect: float = 1.0) -> Clip:
     )
 
 
-def _pixel_aspect(picture: LivePicture) -> float:
-    """Of an eye that comes squeezed another than 1."""
-    return 1.0 if picture.pair is None else picture.pair.pixel_aspect
-
-
 def following(source: LiveInput, live: Live, first: LivePicture) -> Clip:
     """The clip that stands for what is live: its frame is the newest."""
 
@@ -157,7 +152,7 @@ def following(source: LiveInput, live: Live, first: LivePicture) -> Clip:
         picture = first if live.newest is None else live.newest
         return (picture.original,)[index]
 
-    clip = clip_of(Path("live.png"), first.original, _pixel_aspect(first))
+    clip = clip_of(Path("live.png"), first.original, first.pixel_aspect)
     return replace(clip, name=source.name, labels=(source.name,), read_image=newest)
 
 

@@ -119,8 +119,8 @@ def _show(state: AppState, picture: LivePicture) -> None:
         clip = live_actions.following(live.source, live, picture)
         actions.show_opened(state, Path(live.source.name), Opened(clip=clip, in_passing=True))
         live.clip, state.source.path = clip, None
-    elif live.clip.size != size:
-        actions.say(state, f"the live frames have another size now: {size[0]} × {size[1]}")
+    elif (live.clip.size, live.clip.pixel_aspect) != (size, picture.pixel_aspect):
+        actions.say(state, f"the live frames have another shape now: {size[0]} × {size[1]}")
         live.clip = state.source.clip = live_actions.following(live.source, live, picture)
         state.picture.view = replace(state.picture.view, pixel_aspect=live.clip.pixel_aspect)
     setting = picture.setting

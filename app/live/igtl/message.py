@@ -1,8 +1,8 @@
 """A live picture as an OpenIGTLink IMAGE message, version 1.
 
 3D Slicer puts the first axis of the message (columns, rightwards) towards the patient's left and the second
-(rows, downwards) towards posterior, a pixel to a millimetre, the first pixel at the origin: the axial slice,
-which Slicer looks at from the feet, then shows the picture upright and not mirrored.
+(rows, downwards) towards posterior, a pixel's height to 1 mm, the first pixel at the origin: the axial
+slice, which Slicer looks at from the feet, then shows the picture upright and not mirrored.
 """
 
 from __future__ import annotations
@@ -33,17 +33,17 @@ def message_of(picture: LivePicture) -> memoryview:
     image = picture.original if picture.enhanced is None else picture.enhanced
     message = np.empty(HEADER.size + IMAGE.size + image.nbytes, np.uint8)
     body = message[HEADER.size :]
-    IMAGE.pack_into(body.data, 0, *_about(image.shape[1], image.shape[0]))
+    IMAGE.pack_into(body.data, 0, *_about(image.shape[1], image.shape[0], picture.pixel_aspect))
     body[IMAGE.size :].reshape(image.shape)[:] = image
     arrived = time.time() - (time.perf_counter() - picture.arrived)
     HEADER.pack_into(message.data, 0, 1, b"IMAGE", DEVICE, _stamp(arrived), body.size, crc64(body))
     return message.data
 
 
-def _about(width: int, height: int) -> tuple[float, ...]:
+def _about(width: int, height: int, aspect: float) -> tuple[float, ...]:
     """What an IMAGE says before its pixels; its place is that of its centre."""
-    columns, rows, slices = (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)
-    center = (-(width - 1) / 2, -(height - 1) / 2, 0.0)
+    columns, rows, slices = (-aspect, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)
+    center = (-aspect * (width - 1) / 2, -(height - 1) / 2, 0.0)
     size = (width, height, 1)
     return (1, 3, UINT8, LITTLE, RAS, *size, *columns, *rows, *slices, *center, 0, 0, 0, *size)
 

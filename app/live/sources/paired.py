@@ -151,6 +151,7 @@ def _arrived(pair: Pair) -> Arrived:
         "side-by-side",
         pair.apart,
         pair.unpaired,
+        pair.left.pixel_aspect,
     )
 
 

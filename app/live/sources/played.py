@@ -46,7 +46,8 @@ class PlayedSource:
         time.sleep(max(taken - now, 0.0))
         self._next = number + 1
         read = partial(self._clip.read_image, number % len(self._clip))
-        return Arrived(read, self._start + taken, taken, missed)
+        aspect = self._clip.pixel_aspect
+        return Arrived(read, self._start + taken, taken, missed, pixel_aspect=aspect)
 
     def close(self) -> None:
         """It holds nothing that is not let go of by itself."""

@@ -45,6 +45,8 @@ class Arrived:
     """Seconds from the arrival of one eye to that of the other, where they come from two sources."""
     unpaired: int = 0
     """Pairs that were too far apart since the one before, and were left out."""
+    pixel_aspect: float = 1.0
+    """Width of a pixel by its height, as the source says; of both eyes, in all of the frame."""
 
 
 class Source(Protocol):

@@ -12,7 +12,7 @@ from app.errors import UserError
 from app.live.sources.source import Arrived, SourceLost, Wish
 from renderer.clip import ByteImage
 from renderer.pyav_presence import has_pyav, why_not_pyav
-from renderer.readers.video_shape import UNSPECIFIED, usual_matrix
+from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, usual_matrix
 
 if TYPE_CHECKING:
     from av import Packet, VideoFrame
@@ -86,10 +86,10 @@ class StreamSource:
         except (av.error.FFmpegError, OSError) as error:
             raise SourceLost(_reason(error)) from error
 
-    @staticmethod
-    def _arrived(frame: VideoFrame, at: float) -> Arrived:
+    def _arrived(self, frame: VideoFrame, at: float) -> Arrived:
         seconds = at if frame.pts is None else frame.time
-        return Arrived(lambda: rgb(frame), at, seconds)
+        aspect = float(pixel_aspect(self._stream, frame))
+        return Arrived(lambda: rgb(frame), at, seconds, pixel_aspect=aspect)
 
 
 def _frames(packet: Packet[VideoStream]) -> list[VideoFrame]:

@@ -62,10 +62,11 @@ def test_the_checksum_is_that_of_dividing_bit_by_bit(size: int) -> None:
     assert crc64(data) == rest
 
 
-def test_a_client_gets_the_enhanced_picture_bit_for_bit_with_its_time_and_axes() -> None:
+@pytest.mark.parametrize("aspect", [1.0, 1.5])
+def test_a_client_gets_the_enhanced_picture_bit_for_bit_with_its_time_and_axes(aspect: float) -> None:
     enhanced = np.random.default_rng(0).integers(0, 256, (48, 64, 3), np.uint8)
     now, arrived = time.time(), time.perf_counter()
-    picture = LivePicture(1, arrived, painted(9), enhanced, PLAIN, None, (), 0.0)
+    picture = LivePicture(1, arrived, painted(9), enhanced, PLAIN, None, (), 0.0, pixel_aspect=aspect)
     with sending() as sender:
         with client_of(sender.endpoint) as client:
             wait_for(lambda: sender.state.clients == 1, "the client")
@@ -79,7 +80,7 @@ def test_a_client_gets_the_enhanced_picture_bit_for_bit_with_its_time_and_axes()
     assert abs(got.timestamp - now) < 0.02
     # Columns go to the left of the patient, rows to the back, from the first pixel at the origin.
     assert got.world_coordinate_system == "ras"
-    assert np.allclose(got.ijk_to_world_matrix, np.diag((-1, -1, 1, 1)), atol=1e-4)
+    assert np.allclose(got.ijk_to_world_matrix, np.diag((-aspect, -1, 1, 1)), atol=1e-4)
 
 
 def test_a_client_that_never_reads_holds_up_neither_the_picture_nor_another_client() -> None:

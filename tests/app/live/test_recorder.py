@@ -17,6 +17,8 @@ import pytest
 from app.errors import UserError
 from app.live.picture import LivePicture, LiveSetting
 from app.live.recorder import WHATS, Recorder, Recording, require_new, shown
+from app.live.sources.played import PlayedSource
+from app.live.sources.source import Wish
 from enhance import EnhanceParams
 from renderer.sources import open_clip
 from tests.app.conftest import ROOT
@@ -102,6 +104,18 @@ def test_another_size_goes_on_in_another_file(tmp_path: Path) -> None:
     done = recorded(tmp_path / "a.mp4", pictures)
     assert (done.files, done.path.name) == (2, "a-2.mp4")
     assert [open_clip(tmp_path / name).size for name in ("a.mp4", "a-2.mp4")] == [(128, 96), (64, 64)]
+
+
+def test_pixels_that_are_not_square_stay_so_and_play_so(tmp_path: Path) -> None:
+    """As of a standard-definition camera; another shape goes on in another file."""
+    wide = [replace(picture(number, number / 25), pixel_aspect=64 / 45) for number in (1, 2)]
+    done = recorded(tmp_path / "a.mp4", [*wide, picture(3, 3 / 25)])
+    assert done.files == 2
+    for name, aspect in (("a.mp4", 64 / 45), ("a-2.mp4", 1.0)):
+        assert open_clip(tmp_path / name).pixel_aspect == pytest.approx(aspect)
+        arrived = PlayedSource(tmp_path / name, Wish(loop=False)).read()
+        assert arrived is not None
+        assert arrived.pixel_aspect == pytest.approx(aspect)
 
 
 def test_without_a_picture_there_is_no_file(tmp_path: Path) -> None:

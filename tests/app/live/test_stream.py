@@ -18,6 +18,8 @@ from tests.app.live.painted import painted
 from tests.ports import free_port
 
 LEVELS = (60, 120, 180)
+ASPECT = Fraction(64, 45)
+"""Of pixels, as of a standard-definition camera with a wide picture."""
 
 
 class Camera:
@@ -38,6 +40,7 @@ class Camera:
         with av.open(self._address, "w", format="mpegts") as container:
             stream = container.add_stream("libx264", rate=25, options=options)
             stream.width, stream.height, stream.pix_fmt, stream.gop_size = 128, 96, "yuv420p", 5
+            stream.codec_context.sample_aspect_ratio = ASPECT
             number = 0
             while not self._unplugged.wait(0.04):
                 image = painted(LEVELS[number // 12 % len(LEVELS)], (96, 128))
@@ -56,6 +59,7 @@ def test_frames_come_as_they_are_sent_and_silence_is_a_loss() -> None:
         arrived = source.read()
         assert arrived is not None
         assert arrived.at >= start
+        assert arrived.pixel_aspect == pytest.approx(float(ASPECT))
         level = int(np.median(arrived.read()[:40, :, 0]))
         levels.add(min(LEVELS, key=lambda one: abs(one - level)))
         assert min(abs(one - level) for one in LEVELS) < 6
