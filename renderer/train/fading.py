@@ -27,6 +27,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.projection import SUM_GREEN, SUM_RED
 from renderer.rasterize.cpu import Rasterizer
 from renderer.rasterize.tiles import BY_GREEN, BY_RED
+from renderer.raw_gaussians import logits
 from renderer.splats import RenderMode
 from renderer.train.frames import TrainFrame, tissue_tiles
 
@@ -34,6 +35,8 @@ FADES: Final = (0.3, 0.7)
 """Shares of the blending weight of a Gaussian that lie where no frame shows tissue."""
 LEAST: Final = 0.01
 """Of the opacity that is left: a curve to nothing would swing between frames."""
+WITHIN: Final = (1e-6, 1 - 1e-6)
+"""Opacities whose logits are reckoned with."""
 TRACE: Final = np.float32(0.1)
 """Blending weight, in pixels, that is too little to tell by."""
 RING: Final = 2
@@ -65,11 +68,12 @@ def faded_out_of_sight(
     if not len(strays):
         return gaussians
     times, count = [frame.time for frame in frames], motion.n_controls
-    opacities = np.stack([gaussians.at(time).opacities[strays] for time in times]).astype(np.float64)
-    wanted = _kept(beyond[:, strays]) * opacities
+    leaving = gaussians.rows(strays)
+    opacities = np.stack([leaving.at(time).opacities for time in times]).clip(*WITHIN)
+    wanted = (_kept(beyond[:, strays]) * opacities).clip(*WITHIN)
     # What a step of the logit does to the opacity: of next to nothing left, little matters.
     weights = wanted * (1 - wanted)
-    curves = _fitted(_logit(wanted) - _logit(opacities), weights, times, count)
+    curves = _fitted(logits(wanted) - logits(opacities), weights, times, count)
     controls = motion.opacity_controls
     controls = controls.copy() if len(controls) else np.zeros((len(gaussians), count, 1), np.float32)
     controls[strays, :, 0] += curves.astype(np.float32)
@@ -103,13 +107,8 @@ def _kept(shares: NDArray[np.float32]) -> NDArray[np.float64]:
     return LEAST + (1 - LEAST) * (1 - t * t * (3 - 2 * t))
 
 
-def _logit(opacities: NDArray[np.float64]) -> NDArray[np.float64]:
-    within = np.clip(opacities, 1e-6, 1 - 1e-6)
-    return np.log(within / (1 - within))
-
-
 def _fitted(
-    values: NDArray[np.float64], weights: NDArray[np.float64], times: Sequence[float], count: int
+    values: NDArray[np.float32], weights: NDArray[np.float64], times: Sequence[float], count: int
 ) -> NDArray[np.float64]:
     """(S, count) control values of splines for (T, S) values at T times, by weighted least squares."""
     steps = np.diff(np.eye(count), axis=0)

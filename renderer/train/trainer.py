@@ -108,11 +108,12 @@ def train_window(
     del checkpoint
     yield Started(start, recipe.iterations, len(model), needs.omitted)
 
+    bends = isinstance(model.gaussians.motion, SplineMotion)
     hides = needs.has_masks or not clip.camera_is_fixed
-    smooths = "hidden" not in config.keep and hides and isinstance(model.gaussians.motion, SplineMotion)
+    smooths = "hidden" not in config.keep and hides and bends
+    fades = unseen is not None and bool(unseen.any()) and bends
     measured = held_out or clip.test_indices
     after = RENDERED * len(measured)
-    fades = unseen is not None and bool(unseen.any()) and isinstance(model.gaussians.motion, SplineMotion)
     after += len(fit) * (RENDERED * ("unseen" not in config.keep) + SMOOTHED * (smooths + fades))
     meter = Meter(recipe, seconds, after)
     held = HeldOut(clip, measured, size, recipe.mode)
@@ -153,9 +154,8 @@ def train_window(
         gaussians, resting = smooth_occluded_motion(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
         omitted += resting
     if unseen is not None and fades:
-        yield Finishing(
-            "fading what moves out of sight", left * (1 - (RENDERED + SMOOTHED) * len(fit) / total)
-        )
+        passed = (RENDERED + SMOOTHED * smooths) * len(fit)
+        yield Finishing("fading what moves out of sight", left * (1 - passed / total))
         gaussians = faded_out_of_sight(gaussians, pool.full, unseen, NEAR_SHARE * size, recipe.mode)
     yield Finishing("measuring held-out frames", left * RENDERED * len(measured) / total)
     if measured:

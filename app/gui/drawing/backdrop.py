@@ -30,7 +30,7 @@ class Backdrop:
         io = imgui.get_io()
         size, scale = io.display_size, io.display_framebuffer_scale
         box = low.x * scale.x, low.y * scale.y, high.x * scale.x, high.y * scale.y
-        self._view.lay((Quad(shown.texture, box, None),), (round(size.x * scale.x), round(size.y * scale.y)))
+        self._view.lay(Quad(shown.texture, box, None), (round(size.x * scale.x), round(size.y * scale.y)))
 
     def release(self) -> None:
         self._view.release()

@@ -1,4 +1,4 @@
-"""Textures of the first window's context, drawn as rectangles by the context of another window."""
+"""Textures of the first window's context, drawn as rectangles by it or by that of another window."""
 
 from __future__ import annotations
 
@@ -68,12 +68,11 @@ class QuadView:
         for quad in quads:
             self._draw(quad, size)
 
-    def lay(self, quads: Sequence[Quad], size: tuple[int, int]) -> None:
-        """In place of what is there, as if all were opaque."""
+    def lay(self, quad: Quad, size: tuple[int, int]) -> None:
+        """In place of what is there, as if it were opaque."""
         self._screen(size)
         self._ctx.enable_only(moderngl.NOTHING)
-        for quad in quads:
-            self._draw(quad, size)
+        self._draw(quad, size)
 
     def _screen(self, size: tuple[int, int]) -> moderngl.Framebuffer:
         screen = self._ctx.detect_framebuffer(0)

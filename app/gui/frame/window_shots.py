@@ -20,11 +20,11 @@ def shoot_window(
     """Once a frame, when it has been drawn and not yet shown: asks `channel` to write what it has read. There
     is no `ctx` before OpenGL is there."""
     if ctx is not None and window_actions.is_due(state):
-        channel.ask(window_actions.window_request(state, _read(ctx)))
+        channel.ask(window_actions.window_request(state, read_window(ctx)))
 
 
-def _read(ctx: moderngl.Context) -> ByteImage:
-    """(H, W, 3)."""
+def read_window(ctx: moderngl.Context) -> ByteImage:
+    """(H, W, 3), what is drawn and not yet shown."""
     width, height = glfw.get_framebuffer_size(glfw_utils.glfw_window_hello_imgui())
     content = ctx.detect_framebuffer(0).read(viewport=(0, 0, width, height), components=3, alignment=1)
     return np.ascontiguousarray(np.frombuffer(content, np.uint8).reshape(height, width, 3)[::-1])

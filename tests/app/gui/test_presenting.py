@@ -12,6 +12,7 @@ from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 from app.gui.actions import actions, presenting, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.frame import starting
+from app.gui.frame.window_shots import read_window
 from app.gui.panels import presentation
 from app.gui.panels.presentation import draw_presentation
 from app.gui.state.app_state import AppState
@@ -190,7 +191,7 @@ def test_the_image_is_on_the_screen_pixel_for_pixel(places: Places) -> None:
         presenting.show(state, "right")
         wait(ctx, lambda: state.window.now > state.presenting.labels_until, "the labels to go")
         calls = hello_imgui.get_runner_params().callbacks
-        calls.before_swap = lambda: screens.append(on_screen())
+        calls.before_swap = lambda: screens.append(read_window(starting.attach()))
         ctx.yield_(2)
         area, image = ctx.item_info("//##presentation/right").rect_full, enhanced(state)
         pane = area.max.x - area.min.x, area.max.y - area.min.y
@@ -208,14 +209,6 @@ def test_the_image_is_on_the_screen_pixel_for_pixel(places: Places) -> None:
         assert len({command.get_tex_id() for command in panel.draw_list.cmd_buffer}) == 1
 
     driver.run(drive)
-
-
-def on_screen() -> ByteImage:
-    """(H, W, 3), what is drawn and not yet shown."""
-    screen = starting.attach().detect_framebuffer(0)
-    size = glfw.get_framebuffer_size(glfw_utils.glfw_window_hello_imgui())
-    pixels = np.frombuffer(screen.read((0, 0, *size), alignment=1), np.uint8)
-    return pixels.reshape(size[1], size[0], 3)[::-1]
 
 
 @pytest.mark.display
