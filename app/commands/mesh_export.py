@@ -19,9 +19,10 @@ from app.exports.usd_file import require_usd
 from app.files.atomic import filled
 from app.files.stepping import run_to_end
 from app.scenes.scene import Scene
-from app.scenes.surfaces import surface
+from app.scenes.surfaces import surface, window_surface
 from app.scenes.view_selection import Moment
 from renderer.surface.fineness import VERTICES, Fineness
+from renderer.surface.mesh import Mesh
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -70,14 +71,20 @@ def check(flags: argparse.Namespace) -> None:
 def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
     """A folder has the moments that are asked for, a file all of the clip."""
     path: Path = flags.mesh
-    mesh = surface(scene, Fineness(flags.vertices, flags.faces)).mesh
-    said = f"{len(mesh.vertices)} vertices, {len(mesh.faces)} triangles"
+    fineness = Fineness(flags.vertices, flags.faces)
     if path.suffix.lower() in CLIPS:
+        said = _size(surface(scene, fineness).mesh)
         _write_file(flags, scene)
         sys.stdout.write(f"{path}: {said}, {path.stat().st_size / 1e6:.1f} MB\n")
     else:
+        sizes = dict.fromkeys(_size(window_surface(scene, one.time, fineness).mesh) for one in wanted)
+        said = " or ".join(sizes)
         _write_folder(flags, scene, wanted)
         sys.stdout.write(f"{path}: {len(wanted)} meshes of {said}\n")
+
+
+def _size(mesh: Mesh) -> str:
+    return f"{len(mesh.vertices)} vertices, {len(mesh.faces)} triangles"
 
 
 def _write_file(flags: argparse.Namespace, scene: Scene) -> None:

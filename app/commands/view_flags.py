@@ -40,8 +40,8 @@ def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment])
     """One a moment. Raises UserError for a difference where there are no frames, or what does not draw it."""
     if flags.view in BY_PROCESSOR and flags.renderer != "cpu":
         raise UserError(f"--with: expected cpu for --view {flags.view}, got {flags.renderer}")
-    if flags.view in ("motion", "surface") and scene.split_by_time:
-        raise UserError(f"--view {flags.view}: expected one model that moves, got {scene.split_by_time}")
+    if flags.view in ("motion", "surface") and scene.is_series:
+        raise UserError(f"--view {flags.view}: expected a model that moves, got {scene.split_by_time}")
     clip = _references(flags) if flags.view == "difference" else None
     finer, views = flags.supersampling, []
     for moment in wanted:

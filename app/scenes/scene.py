@@ -95,6 +95,16 @@ class Scene:
         motion = self.model.motion
         return f"a model in {len(motion)} windows" if isinstance(motion, WindowedMotion) else ""
 
+    @property
+    def motion_since(self) -> str:
+        """The moment from which its Gaussians are followed."""
+        return "the start of the window" if isinstance(self.model.motion, WindowedMotion) else "the start"
+
+    def require_same_tissue(self) -> None:
+        """Raises UserError: nothing says which of its Gaussians are the same tissue at another moment."""
+        if self.is_series:
+            raise UserError(f"expected a model that moves, got {self.split_by_time}: {self.name}")
+
     def require_one_model(self) -> None:
         """Raises UserError: its Gaussians are others at other times."""
         if self.split_by_time:

@@ -10,6 +10,7 @@ from app.errors import UserError
 from app.scenes.cpu_rendering import Draw, Drawn
 from app.scenes.scene import Scene
 from renderer.camera import Camera
+from renderer.model_windows import ModelWindow, window_at, windows_of
 from renderer.splats import RenderMode, Shape, Splats
 from renderer.surface.fineness import AS_IT_COMES, Fineness
 from renderer.surface.mesh import Mesh
@@ -26,7 +27,8 @@ MOST_MESHES: Final = 256
 class _Known:
     """What has been worked out of a scene."""
 
-    followers: dict[Fineness, Follower] = field(default_factory=dict)
+    followers: dict[tuple[Fineness, int], Follower] = field(default_factory=dict)
+    """By window."""
     meshes: dict[float, Mesh] = field(default_factory=dict)
     """By time, the oldest first."""
 
@@ -36,41 +38,60 @@ _known: Final[WeakKeyDictionary[Scene, _Known]] = WeakKeyDictionary()
 
 
 def surface(scene: Scene, fineness: Fineness = AS_IT_COMES) -> Follower:
-    """Takes a second or less. Raises UserError: there is none, or it cannot be simplified here."""
-    follower = _follower(scene, fineness)
-    if not len(follower.mesh.faces):
-        raise UserError(f"expected a surface, got none: {scene.name} covers nothing of what its cameras see")
-    return follower
+    """One mesh for all of the clip. Takes a second or less.
+
+    Raises:
+        UserError: there is none, it cannot be simplified here, or its Gaussians are others at other times.
+    """
+    scene.require_one_model()
+    return _required(scene, _follower(scene, fineness, windows_of(scene.model)[0]))
 
 
-def _follower(scene: Scene, fineness: Fineness) -> Follower:
-    followers = _known.setdefault(scene, _Known()).followers
-    if fineness not in followers:
-        followers[fineness] = _made(scene, fineness)
-    return followers[fineness]
-
-
-def _made(scene: Scene, fineness: Fineness) -> Follower:
-    # Its kernels take seconds to import on a first start; the window must not wait for them.
-    from renderer.surface.of_model import surface_of
-
-    try:
-        return surface_of(scene.model, scene.cameras, scene.near, scene.mode, fineness)
-    except RuntimeError as error:
-        raise UserError(str(error)) from error
+def window_surface(scene: Scene, time: float, fineness: Fineness = AS_IT_COMES) -> Follower:
+    """Of the window that shows most at a time in [0, 1], by the clock of that window. Raises UserError: there
+    is none, it cannot be simplified here, or nothing says what moves where."""
+    return _required(scene, _follower(scene, fineness, window_at(scene.model, time)))
 
 
 def surface_at(scene: Scene, time: float) -> Mesh:
-    """At a time in [0, 1]; of no faces where nothing is left of a scene. Raises UserError: it cannot be
-    worked out."""
-    follower, meshes = _follower(scene, AS_IT_COMES), _known[scene].meshes
+    """The same as it comes, remembered; of no faces where nothing is left of a scene. Raises UserError: it
+    cannot be worked out."""
+    window = window_at(scene.model, time)
+    follower, meshes = _follower(scene, AS_IT_COMES, window), _known[scene].meshes
     if not len(follower.mesh.faces):
         return follower.mesh
     if time not in meshes:
         if len(meshes) == MOST_MESHES:
             del meshes[next(iter(meshes))]
-        meshes[time] = follower.at(time)
+        meshes[time] = follower.at(window.local(time))
     return meshes[time]
+
+
+def _required(scene: Scene, follower: Follower) -> Follower:
+    if not len(follower.mesh.faces):
+        raise UserError(f"expected a surface, got none: {scene.name} covers nothing of what its cameras see")
+    return follower
+
+
+def _follower(scene: Scene, fineness: Fineness, window: ModelWindow) -> Follower:
+    scene.require_same_tissue()
+    followers = _known.setdefault(scene, _Known()).followers
+    key = fineness, window.index
+    if key not in followers:
+        followers[key] = _made(scene, fineness, window)
+    return followers[key]
+
+
+def _made(scene: Scene, fineness: Fineness, window: ModelWindow) -> Follower:
+    # Its kernels take seconds to import on a first start; the window must not wait for them.
+    from renderer.surface.of_model import surface_of
+
+    count = len(scene.cameras)
+    first, end = round(window.start * count), round((window.start + window.length) * count)
+    try:
+        return surface_of(window.model, scene.cameras[first:end], scene.near, scene.mode, fineness)
+    except RuntimeError as error:
+        raise UserError(str(error)) from error
 
 
 def drawing_surface(scene: Scene, time: float) -> Draw:

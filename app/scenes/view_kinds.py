@@ -16,6 +16,8 @@ from app.scenes.backgrounds import Background
 from app.scenes.cpu_rendering import Drawn
 from renderer.camera import Camera
 from renderer.clip import ByteImage
+from renderer.gaussians import DynamicGaussians
+from renderer.model_windows import first_at
 from renderer.paint import by_motion, by_normal
 from renderer.splats import Float32Array, Shape, Splats
 from renderer.unobserved import BLACK
@@ -37,7 +39,7 @@ EXPLAINED: Final[Mapping[ViewKind, str]] = MappingProxyType(
         "opacity": "How much of the background the Gaussians hide.",
         "ellipsoids": "Every Gaussian of 10 % opacity or more as a solid of 1.5 standard deviations.",
         "points": "The centre of every Gaussian.",
-        "motion": "How far each point has moved since the start of the clip.",
+        "motion": "How far each point has moved since the start of the clip, in a long clip of its window.",
         "difference": "Difference to the frame, averaged over the channels, in grey levels of 255.",
         "surface": "The tissue as one mesh that moves, as it is exported; lit from the camera.",
     }
@@ -126,7 +128,10 @@ def splats_for(kind: ViewKind, model: Moments, time: float, camera: Camera) -> S
     splats = model.at(time)
     if kind == "normals":
         return by_normal(splats, camera)
-    return by_motion(splats, model.at(0.0)) if kind == "motion" else splats
+    if kind == "motion":
+        first = first_at(model, time) if isinstance(model, DynamicGaussians) else model.at(0.0)
+        return by_motion(splats, first)
+    return splats
 
 
 def composed(
@@ -136,11 +141,12 @@ def composed(
     reference: ByteImage | None = None,
     scale: Scale | None = None,
     background: Background = BLACK,
+    since: str = "the start",
 ) -> Composed:
     """The view of splats drawn in its shape and colours; `reference` (H', W', 3) is what a difference is to.
 
     What has no scale is laid over the background. Without a `scale`, values have that which holds those of
-    this picture.
+    this picture. Motion is told `since` a moment.
     """
     if kind == "depth":
         scale = scale or _scale_of(drawn.depth[drawn.depth > 0], unit)
@@ -151,7 +157,7 @@ def composed(
     if kind == "motion":
         seen = drawn.alpha > 0
         way = np.divide(drawn.image[..., 0], drawn.alpha, out=np.zeros_like(drawn.alpha), where=seen)
-        scale = scale or Scale(0.0, _nice_end(way[seen], 99.5), f"{unit} since the start")
+        scale = scale or Scale(0.0, _nice_end(way[seen], 99.5), f"{unit} since {since}")
         return Composed(scale.colored(way, seen), scale)
     if kind == "difference":
         assert reference is not None

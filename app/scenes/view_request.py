@@ -131,7 +131,8 @@ class ViewRequest:
     def composed(self, drawn: Drawn) -> Composed:
         """The picture that is asked for, of its splats drawn in their shape. Raises ClipError."""
         reference = self.reference.image if self.reference else None
-        return composed(self.kind, drawn, self.scene.unit, reference, self.scale, self.background)
+        unit, since = self.scene.unit, self.scene.motion_since
+        return composed(self.kind, drawn, unit, reference, self.scale, self.background, since)
 
     def picture(self, draw: Draw) -> Composed:
         """Raises ClipError for a reference, UserError where it cannot be drawn."""

@@ -71,6 +71,11 @@ class WindowedMotion:
         before = int(np.searchsorted(first, frame, side="right")) - 1
         return tuple(found.tolist()) or (max(before, 0),)
 
+    def main_window_at(self, time: float) -> int:
+        """The one that shows most at a time in [0, 1]: of two that overlap, up to the middle the former."""
+        there = self.windows_at(time)
+        return there[0] if len(there) == 1 or self._share_of_overlap(there[0], time) < 0.5 else there[1]
+
     def rows_at(self, time: float) -> IntArray:
         """Of `moved`: the Gaussians that there are at a time in [0, 1], ascending."""
         return np.concatenate([np.arange(*self._span(window)) for window in self.windows_at(time)])
@@ -84,6 +89,14 @@ class WindowedMotion:
         share = self._share_of_overlap(there[0], time)
         fades = min(1.0, 2 * (1 - share)), min(1.0, 2 * share)
         return joined_rows([faded(part, fade) for part, fade in zip(parts, fades, strict=True)])
+
+    def all_moved(self, raw: RawGaussians, time: float) -> RawGaussians:
+        """Of all windows, each at the moment nearest to `time` in [0, 1] at which it is there."""
+        return joined_rows([self._moved_in(raw, window, time) for window in range(len(self))])
+
+    def first_moved(self, raw: RawGaussians, time: float) -> RawGaussians:
+        """Those that there are at `time`, at the first moment of their window."""
+        return joined_rows([self._moved_in(raw, window, 0.0) for window in self.windows_at(time)])
 
     def rows(self, index: NDArray[np.int64]) -> Self:
         """See Motion. Raises ValueError: the index is not in the order of the windows."""

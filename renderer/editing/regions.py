@@ -85,7 +85,15 @@ class Range:
         return (values >= np.float32(self.low)) & (values <= np.float32(self.high))
 
 
-Region = Rectangle | Lasso | Sphere | Box | Range
+@dataclass(frozen=True)
+class Present:
+    """What is drawn at the time that is seen: of a model in windows, the Gaussians of one or two of them."""
+
+    def contains(self, sight: Sight) -> NDArray[np.bool_]:
+        return sight.there
+
+
+Region = Rectangle | Lasso | Sphere | Box | Range | Present
 
 
 def found(region: Region, sight: Sight) -> Mask:

@@ -61,6 +61,16 @@ def runs(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str,
     return paths
 
 
+@pytest.fixture(scope="session")
+def windowed_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A finished run of 112 frames with a moving camera in three windows. Read only."""
+    folder = tmp_path_factory.mktemp("long")
+    clip, config = folder / "clip", replace(CONFIG, iterations=40, n_gaussians=2500, window_frames=48)
+    write_phantom(clip, PhantomParams(n_frames=112, width=64, height=48, camera="moving"))
+    list(run_training(request_of(clip, folder / "run", config=config)))
+    return folder / "run"
+
+
 @pytest.fixture
 def bin_files(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Where an empty bin of the system keeps what is moved into it."""

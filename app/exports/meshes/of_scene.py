@@ -17,8 +17,10 @@ def surface_mesh(
     vertices: int = VERTICES,
     faces: int | None = None,
 ) -> SurfaceMesh:
-    """At `time` in [0, 1], or through the clip. Raises UserError: its Gaussians are others at other times."""
-    scene.require_one_model()
+    """At `time` in [0, 1], or through the clip as one mesh. Raises UserError: a model that has no such."""
+    if time is None:
+        scene.require_one_model()
+    scene.require_same_tissue()
     clip = scene.record.clip
     return extended(
         SurfaceMesh,

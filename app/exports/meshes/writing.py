@@ -15,7 +15,8 @@ from app.exports.records import SurfaceMesh
 from app.exports.usd_file import require_usd
 from app.files.atomic import write_bytes
 from app.scenes.scene import Scene
-from app.scenes.surfaces import surface
+from app.scenes.surfaces import surface, window_surface
+from renderer.model_windows import window_at
 from renderer.surface.fineness import Fineness
 
 CLIPS: Final = (".glb", ".usdc")
@@ -31,15 +32,17 @@ def write_surface(record: SurfaceMesh, scene: Scene, target: Path) -> Generator[
     if suffix == ".usdc":
         # Before minutes of work for nothing.
         require_usd()
-    follower = surface(scene, Fineness(record.vertices, record.faces))
+    fineness = Fineness(record.vertices, record.faces)
     if record.time is None and suffix in CLIPS:
-        film = yield from filmed(follower, scene)
+        film = yield from filmed(surface(scene, fineness), scene)
         if suffix == ".usdc":
             write_usd(target, film, scene.unit, len(scene.cameras), record.seconds, record.signed)
             return
         content = glb_bytes(film, scene.unit, record.seconds, record.title, record.signed)
     elif record.time is not None and suffix in MOMENTS:
-        content = MOMENTS[suffix](follower.at(record.time), scene.unit, record.signed)
+        follower = window_surface(scene, record.time, fineness)
+        mesh = follower.at(window_at(scene.model, record.time).local(record.time))
+        content = MOMENTS[suffix](mesh, scene.unit, record.signed)
     else:
         raise UserError(
             f"expected one moment as {', '.join(MOMENTS)}, or a clip as {', '.join(CLIPS)}, got {target.name}"

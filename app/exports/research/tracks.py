@@ -18,10 +18,12 @@ from app.files.atomic import together, write_bytes
 from app.files.provenance import write_sidecar
 from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene
+from renderer.camera import Camera
+from renderer.model_windows import ModelWindow, handover, window_at, windows_of
 from renderer.picking import surface_point
 from renderer.splats import Float32Array
 from renderer.surface.following import NEAR, Follower
-from renderer.surface.maps import maps_of, read
+from renderer.surface.maps import Maps, maps_of, read
 from renderer.surface.mesh import Mesh
 
 COLUMNS: Final = ("point", "frame", "time", "x", "y", "z", "column", "row", "seen")
@@ -29,7 +31,8 @@ DEFINITIONS: Final = {
     "point": "its place in the lists that were asked for, pixels before places, from 0",
     "frame": "of the run, from 0; empty: a moment that is none of its frames",
     "time": "in [0, 1] over the clip",
-    "x, y, z": "in the world, in {unit}; x right, y down, z forward",
+    "x, y, z": "in the world, in {unit}; x right, y down, z forward; a point that is hidden where one window "
+    "of a long clip goes over into the next stays there",
     "column, row": "where the camera of the moment sees it, in pixels; the middle of the first is at 0.5",
     "seen": f"1: inside the image, and within {NEAR:.0%} of the depth that is rendered there; else 0",
 }
@@ -39,18 +42,18 @@ def write_tracks(record: Tracks, scene: Scene, target: Path) -> Generator[int, N
     """The table as CSV, and what its columns mean beside it with the record; yields moments done.
 
     Raises:
-        UserError: a pixel where there is no surface, or Gaussians that are others at every moment.
+        UserError: a pixel where there is no surface, or a splat file per moment.
     """
-    scene.require_one_model()
+    scene.require_same_tissue()
     if not (record.points or record.places) or not record.moments:
         raise UserError(f"expected a point and a moment at least: {scene.name}")
-    follower = _follower(record, scene)
+    points = _Points(record, scene)
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(COLUMNS)
     rows = []
     for done, moment in enumerate(record.moments, start=1):
-        rows.append(_rows(follower.at(moment.time).vertices, moment, scene))
+        rows.append(_rows(points.at(moment.time), moment, scene))
         yield done
     for of_point in zip(*rows, strict=True):
         table.writerows(of_point)
@@ -60,21 +63,50 @@ def write_tracks(record: Tracks, scene: Scene, target: Path) -> Generator[int, N
         write_sidecar(place, record.signed | {"definitions": told})
 
 
-def _follower(record: Tracks, scene: Scene) -> Follower:
-    """Of the points alone, seen through the camera that they were chosen in."""
-    start = record.start
-    lifted = [_lifted(pixel, start, scene) for pixel in record.points]
-    points = np.array([*lifted, *record.places], np.float32)
-    return Follower(
-        model=scene.model,
-        cameras=(start.camera,),
-        near=_near(start, scene),
-        mode=scene.mode,
-        mesh=Mesh(points, np.zeros((0, 3), np.int32), np.zeros_like(points)),
-        time=start.time,
-        sights=(np.ones(len(points), np.float32),),
-        taken=(start.time,),
-    )
+class _Points:
+    """Followed through time, in windows from one to the next."""
+
+    def __init__(self, record: Tracks, scene: Scene) -> None:
+        start = record.start
+        lifted = [_lifted(pixel, start, scene) for pixel in record.points]
+        points = np.array([*lifted, *record.places], np.float32)
+        self._scene, self._near = scene, _near(start, scene)
+        self._windows = windows_of(scene.model)
+        self._first = window_at(scene.model, start.time)
+        seen = np.ones(len(points), np.bool_)
+        self._followers = {
+            self._first.index: self._follower(self._first, points, start.time, start.camera, seen)
+        }
+
+    def at(self, time: float) -> Float32Array:
+        """(P, 3) in the world at a time in [0, 1] of the clip."""
+        window = window_at(self._scene.model, time)
+        return self._in(window).at(window.local(time)).vertices
+
+    def _in(self, window: ModelWindow) -> Follower:
+        """From where the points are when the window beside it, nearer to the first one, hands them over."""
+        if window.index not in self._followers:
+            beside = self._windows[window.index + (1 if window.index < self._first.index else -1)]
+            time = handover(self._windows[min(window.index, beside.index)])
+            points, camera = self._in(beside).at(beside.local(time)).vertices, self._scene.camera_at(time)
+            view = maps_of(window.model, window.local(time), camera, self._near, self._scene.mode)
+            self._followers[window.index] = self._follower(window, points, time, camera, _seen(points, view))
+        return self._followers[window.index]
+
+    def _follower(
+        self, window: ModelWindow, points: Float32Array, time: float, camera: Camera, seen: NDArray[np.bool_]
+    ) -> Follower:
+        """Of points alone, through one camera; those that it does not see stay where they are."""
+        return Follower(
+            model=window.model,
+            cameras=(camera,),
+            near=self._near,
+            mode=self._scene.mode,
+            mesh=Mesh(points, np.zeros((0, 3), np.int32), np.zeros_like(points)),
+            time=window.local(time),
+            sights=(seen.astype(np.float32),),
+            taken=(window.local(time),),
+        )
 
 
 def _lifted(pixel: tuple[int, int], start: MomentRecord, scene: Scene) -> NDArray[np.float64]:
@@ -94,12 +126,19 @@ def _near(moment: MomentRecord, scene: Scene) -> float:
 
 def _rows(points: Float32Array, moment: MomentRecord, scene: Scene) -> list[tuple[object, ...]]:
     camera = moment.camera
-    pixels, depths = camera.project(points.astype(np.float64))
-    view = maps_of(scene.model, moment.time, camera, _near(moment, scene), scene.mode)
-    inside = ((pixels >= 0) & (pixels < [camera.width, camera.height])).all(axis=1) & (depths > 0)
-    seen = inside & (np.abs(read(view.depth, pixels) - depths) < NEAR * depths)
+    pixels, _ = camera.project(points.astype(np.float64))
+    seen = _seen(points, maps_of(scene.model, moment.time, camera, _near(moment, scene), scene.mode))
     frame = "" if moment.frame is None else moment.frame
     return [
         (point, frame, moment.time, *(f"{value:.6g}" for value in (*place, *pixel)), int(is_seen))
         for point, (place, pixel, is_seen) in enumerate(zip(points, pixels, seen, strict=True))
     ]
+
+
+def _seen(points: Float32Array, view: Maps) -> NDArray[np.bool_]:
+    """(P,) inside the picture, and where it shows a surface."""
+    pixels, depths = view.camera.project(points.astype(np.float64))
+    size = [view.camera.width, view.camera.height]
+    inside = ((pixels >= 0) & (pixels < size)).all(axis=1) & (depths > 0)
+    seen: NDArray[np.bool_] = inside & (np.abs(read(view.depth, pixels) - depths) < NEAR * depths)
+    return seen

@@ -144,10 +144,10 @@ def _carry(state: AppState, view: FreeView) -> None:
 
 
 def choices(state: AppState) -> tuple[ViewKind, ...]:
-    """The views that this model has: without frames there is no difference to them, and Gaussians that are
-    others at every moment have not moved."""
+    """The views that this model has: without frames there is no difference to them, and a splat file per
+    moment does not say what has moved."""
     model = state.scene.model
-    lacks = {"motion", "surface"} if model is not None and model.split_by_time else set()
+    lacks = {"motion", "surface"} if model is not None and model.is_series else set()
     lacks |= set() if state.has_frames else {"difference"}
     return tuple(kind for kind in EXPLAINED if kind not in lacks)
 

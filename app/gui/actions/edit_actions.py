@@ -13,7 +13,7 @@ from app.gui.work.saving_edits import SavedEdits, SaveRequest
 from app.gui.work.selecting import Around, Limits, Selected, SelectRequest
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
-from renderer.editing.regions import Lasso, Range, Rectangle, Region
+from renderer.editing.regions import Lasso, Present, Range, Rectangle, Region
 from renderer.editing.sight import Trait
 
 SHORTEST = 3.0
@@ -25,7 +25,7 @@ def follow(state: AppState) -> None:
     editing, model = state.editing, state.scene.model
     if model is editing.edited:
         return
-    if model is None or model.live or model.split_by_time:
+    if model is None or model.live or model.is_series:
         state.editing = Editing(edited=model)
         return
     edits = model.saved_edits or Edits.none(len(model.model))
@@ -125,6 +125,11 @@ def select_again(state: AppState) -> None:
 
 def select_range(state: AppState, trait: Trait, limits: Limits) -> None:
     _ask(state, Range(trait, *limits), state.editing.how)
+
+
+def select_present(state: AppState) -> None:
+    """What is drawn at this moment: of a model in windows, the Gaussians of one or two of them."""
+    _ask(state, Present(), state.editing.how)
 
 
 def _ask(state: AppState, wish: Region | Around | None, how: Combination) -> None:

@@ -23,6 +23,7 @@ from app.gui.actions.export_offers import (
     FOLDERS,
     OF_MODEL,
     OF_MOVING,
+    OF_TISSUE,
     OFFERS,
     ONE_COLOR,
     Form,
@@ -145,12 +146,13 @@ def _too_large(state: AppState) -> str:
 
 
 def _lacks_model(state: AppState, offer: Offer) -> str:
-    if state.scene.model is None:
+    model = state.scene.model
+    if model is None:
         return "There is no 3D model yet: reconstruct the clip or open a run."
-    if offer.form != "cameras" and state.scene.model.live:
+    if offer.form != "cameras" and model.live:
         return "The reconstruction is not finished: wait for it or continue it."
-    if (split := state.scene.model.split_by_time) and offer.form in OF_MOVING:
-        return f"This is {split}, not one model that moves."
+    if model.split_by_time and offer.form in (OF_TISSUE if model.is_series else OF_MOVING):
+        return f"This is {model.split_by_time}, not one model that moves."
     if offer.form == "tracks" and not _is_measured(state):
         return "Nothing is measured yet: press M and click the tissue in the 3D view."
     if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:

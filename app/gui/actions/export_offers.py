@@ -31,11 +31,11 @@ OF_MOVING: Final[tuple[Form, ...]] = (
     "moving splats",
     "browser model",
     "surface mesh",
-    "surface folder",
     "model arrays",
-    "tracks",
 )
 """Of one whose Gaussians are the same at every moment."""
+OF_TISSUE: Final[tuple[Form, ...]] = (*OF_MOVING, "surface folder", "tracks")
+"""Of one that says where tissue goes: a model in windows does, a splat file per moment does not."""
 DICOM: Final[tuple[Form, ...]] = ("DICOM still", "DICOM video")
 """Of the enhanced frames alone."""
 VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video", "DICOM video")

@@ -35,13 +35,17 @@ TRAIT_TEXTS: dict[Trait, tuple[str, str]] = {
     "opacity": ("Opacity", "Opacity at this time, from 0 (transparent) to 1 (opaque)."),
     "size": ("Size", "Largest standard deviation at this time, in the clip's unit."),
     "depth": ("Depth", "Distance along this view's axis at this time, in the clip's unit."),
-    "motion": ("Motion", "Largest distance from its position at the start of the clip, in the clip's unit."),
+    "motion": ("Motion", "Largest distance from its position at the start, in the clip's unit."),
 }
 HOW_TEXT = (
     "What a tool does to the selection. Shift adds, Ctrl subtracts, Shift+Ctrl intersects, "
     "whatever is set here."
 )
 HIDE_TEXT = "H: hide the selection; it is neither rendered, exported nor edited until shown again."
+WINDOW_TEXT = (
+    "Select the Gaussians of the window that this frame lies in, by the rule set above: with Intersect, a "
+    "selection is kept in this window alone. Without it, tools select in all windows."
+)
 UNDO_TEXT = "Ctrl+Z in edit mode: undo an edit or selection."
 REDO_TEXT = "Ctrl+Y in edit mode: redo an edit or selection."
 
@@ -84,6 +88,11 @@ def _draw_radius(state: AppState, editing: Editing) -> None:
         edit_actions.select_again(state)
 
 
+def of_windows(editing: Editing) -> bool:
+    """The model has other Gaussians at other times."""
+    return editing.base is not None and bool(editing.base.split_by_time)
+
+
 def _draw_counts(editing: Editing) -> None:
     edits = editing.edits
     chosen, seen = len(edits.selected), len(edits.visible)
@@ -109,6 +118,7 @@ def _draw_changes(state: AppState, editing: Editing) -> None:
             ("All", edit_actions.select_all, True, "Ctrl+A: select everything visible."),
             ("None", edit_actions.select_none, some, "Ctrl+D: clear the selection."),
             ("Invert", edit_actions.invert, True, "Ctrl+Shift+I: invert the selection."),
+            *([("Window", edit_actions.select_present, True, WINDOW_TEXT)] if of_windows(editing) else []),
         ),
         (
             ("Delete", edit_actions.delete, some, "Del: delete the selected Gaussians, at all times."),
@@ -138,7 +148,8 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
     speed = max(whole[1] - whole[0], 1e-6) / 400
     unit = editing.base.unit if editing.base is not None and trait != "opacity" else ""
     form, flags = f"%.3g {unit}".rstrip(), imgui.SliderFlags_.always_clamp
-    ends = (f"from {form}", f"to {form}")
+    # The field is narrow: the unit is told once.
+    ends = ("from %.3g", f"to {form}")
     changed, low, high = imgui.drag_float_range2(f"##{trait}", low, high, speed, *whole, *ends, flags)
     ended = imgui.is_item_deactivated_after_edit()
     imgui.end_disabled()

@@ -20,6 +20,7 @@ from renderer.editing.edits import Combination
 from renderer.editing.mask import Mask
 from renderer.editing.regions import Box, Region, Sphere, found
 from renderer.editing.sight import Sight, Trail, Trait
+from renderer.model_windows import windows_of
 
 if TYPE_CHECKING:
     from renderer.picking import SurfacePoint
@@ -29,6 +30,8 @@ TRAITS: tuple[Trait, ...] = ("opacity", "size", "depth", "motion")
 Limits = tuple[float, float]
 MOST_TIMES = 32
 """Moments at which the motion over a clip is looked at."""
+TIMES_OF_WINDOW = 12
+"""The same, over each window of a long clip."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +145,8 @@ class Selector:
     def _at(self, request: SelectRequest) -> Sight:
         base, view = request.base, request.view
         if self._trail is None or self._trail.model is not base.model:
-            self._trail = Trail(base.model, tuple(np.linspace(0, 1, min(len(base.cameras), MOST_TIMES))))
+            most = MOST_TIMES if len(windows_of(base.model)) == 1 else TIMES_OF_WINDOW
+            self._trail = Trail(base.model, tuple(np.linspace(0, 1, min(len(base.cameras), most))))
         seen = (base, view.camera, view.time)
         if self._sight is None or self._seen != seen:
             self._sight = Sight.of(self._trail, view.camera, view.time, view.near)

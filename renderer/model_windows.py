@@ -1,0 +1,98 @@
+"""A model by its windows, each with a clock of its own; one that is not cut is one window."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.deformation.windowed_motion import WindowedMotion
+from renderer.gaussians import DynamicGaussians
+from renderer.raw_gaussians import RawGaussians
+from renderer.splats import Splats
+
+
+@dataclass(frozen=True, eq=False)
+class ModelWindow:
+    """Some of the Gaussians of a model: those that are there in a part of its clip."""
+
+    whole: DynamicGaussians
+    index: int
+    """Of it among the windows."""
+    start: float
+    """Its first moment as a time of the clip, in [0, 1]."""
+    length: float
+    """Of its part of the clip, in (0, 1]."""
+
+    @property
+    def rows(self) -> slice:
+        """Of the whole model."""
+        if isinstance(motion := self.whole.motion, WindowedMotion):
+            return slice(int(motion.first_rows[self.index]), int(motion.first_rows[self.index + 1]))
+        return slice(0, len(self.whole))
+
+    @property
+    def model(self) -> DynamicGaussians:
+        """Its Gaussians, which move by its own clock."""
+        if not isinstance(motion := self.whole.motion, WindowedMotion):
+            return self.whole
+        raw = {name: value[self.rows] for name, value in self.whole.raw.arrays().items()}
+        return DynamicGaussians(RawGaussians(**raw), motion.motions[self.index])
+
+    def local(self, time: float) -> float:
+        """By its clock, in [0, 1]; its first or last moment before or after it."""
+        return min(max((time - self.start) / self.length, 0.0), 1.0)
+
+    def time(self, local: float) -> float:
+        """Of the clip."""
+        return self.start + local * self.length
+
+
+def windows_of(model: DynamicGaussians) -> tuple[ModelWindow, ...]:
+    """In the order of time; their rows follow each other."""
+    motion = model.motion
+    if not isinstance(motion, WindowedMotion):
+        return (ModelWindow(model, 0, 0.0, 1.0),)
+    starts, lengths = motion.frames[:, 0] / motion.count, (np.diff(motion.frames)[:, 0] + 1) / motion.count
+    return tuple(
+        ModelWindow(model, index, float(start), float(length))
+        for index, (start, length) in enumerate(zip(starts, lengths, strict=True))
+    )
+
+
+def window_at(model: DynamicGaussians, time: float) -> ModelWindow:
+    """The one that shows most of the model at a time in [0, 1]."""
+    motion = model.motion
+    return windows_of(model)[motion.main_window_at(time) if isinstance(motion, WindowedMotion) else 0]
+
+
+def handover(former: ModelWindow) -> float:
+    """The time in [0, 1] from which the next window shows more than this one."""
+    motion = former.whole.motion
+    assert isinstance(motion, WindowedMotion)
+    return float(motion.frames[former.index, 1] + motion.frames[former.index + 1, 0]) / (2 * motion.count)
+
+
+def whole_at(model: DynamicGaussians, time: float) -> Splats:
+    """All of its Gaussians, each at the moment nearest to `time` in [0, 1] at which it is there."""
+    motion = model.motion
+    return (
+        motion.all_moved(model.raw, time).splats() if isinstance(motion, WindowedMotion) else model.at(time)
+    )
+
+
+def first_at(model: DynamicGaussians, time: float) -> Splats:
+    """Those that are drawn at a time in [0, 1], at the first moment of the clip or of their window."""
+    motion = model.motion
+    first = motion.first_moved(model.raw, time).splats() if isinstance(motion, WindowedMotion) else None
+    return first or model.at(0.0)
+
+
+def there_at(model: DynamicGaussians, time: float) -> NDArray[np.bool_]:
+    """(N,) which of its Gaussians are drawn at a time in [0, 1]."""
+    there = np.ones(len(model), np.bool_)
+    if isinstance(model.motion, WindowedMotion):
+        there[:] = False
+        there[model.motion.rows_at(time)] = True
+    return there

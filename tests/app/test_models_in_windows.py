@@ -1,0 +1,164 @@
+"""A model in windows: rendered, exported and edited as one that is not cut, or refused in a line."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app.exports.records import Tracks
+from app.exports.replay.recorded import recorded
+from app.exports.research.tracks import write_tracks
+from app.files.records import extended
+from app.files.stepping import run_to_end
+from app.runs.run_edits import save_edits
+from app.runs.run_folder import RunFolder
+from app.scenes.records import MomentRecord
+from app.scenes.scene import Scene, open_scene
+from app.scenes.surfaces import surface_at
+from renderer.deformation.motion import Still
+from renderer.editing.edits import Edits
+from renderer.editing.mask import Mask
+from renderer.gaussians import DynamicGaussians
+from renderer.model_windows import windows_of
+from tests.app.conftest import Call
+from tests.app.exports.test_research import Drift, slope
+from tests.renderer.windowed import windowed
+
+Cli = Callable[..., Call]
+FIRST, LATER = 4, 107
+"""Frames of the first window and of the last one."""
+
+
+@pytest.fixture
+def run(windowed_run: Path, tmp_path: Path) -> Path:
+    """One that a test may edit."""
+    return Path(shutil.copytree(windowed_run, tmp_path / "run"))
+
+
+def picture(path: Path) -> np.ndarray:
+    image = cv2.imread(str(path))
+    assert image is not None
+    return image
+
+
+def test_motion_and_surface_are_rendered_and_come_again(
+    windowed_run: Path, vesselsplat: Cli, tmp_path: Path
+) -> None:
+    assert len(windows_of(open_scene(windowed_run).model)) == 3
+    for view in ("motion", "surface"):
+        out = tmp_path / view
+        done = vesselsplat("render", windowed_run, "--out", out, "--view", view, "--frames", FIRST, LATER)
+        assert done.code == 0, done.error
+        first, later = (picture(out / f"frame-{frame:06d}.png") for frame in (FIRST, LATER))
+        assert first.std() > 5 < later.std()
+        again = vesselsplat("replay", out / f"frame-{LATER:06d}.png", "--source", windowed_run)
+        assert again.out.rstrip().endswith("identical"), again.error + again.out
+
+
+def test_the_surface_of_each_moment_is_that_of_its_window(
+    windowed_run: Path, vesselsplat: Cli, tmp_path: Path
+) -> None:
+    scene, out = open_scene(windowed_run), tmp_path / "meshes"
+    done = vesselsplat(
+        "export", windowed_run, "--mesh", out, "--mesh-format", "obj", "--frames", FIRST, LATER
+    )
+    assert done.code == 0, done.error
+    assert "2 meshes of" in done.out
+    for frame in (FIRST, LATER):
+        text = (out / f"frame-{frame:06d}.obj").read_text().splitlines()
+        vertices = np.array([line.split()[1:4] for line in text if line.startswith("v ")], float)
+        camera = scene.cameras[frame]
+        pixels, depths = camera.project(vertices)
+        inside = ((pixels > 2) & (pixels < [camera.width - 2, camera.height - 2])).all(axis=1)
+        assert inside.mean() > 0.5
+        seen = surface_at(scene, scene.time(frame))
+        assert len(seen.vertices) > 500
+        assert np.median(depths[inside]) == pytest.approx(60, rel=0.15)  # The phantom's tissue, in mm.
+    refused = vesselsplat("export", windowed_run, "--mesh", tmp_path / "a.glb")
+    assert (refused.code, (tmp_path / "a.glb").exists()) == (2, False)
+    assert "expected one model that moves, got a model in 3 windows" in refused.error
+
+
+def drifting(scene: Scene) -> tuple[Scene, np.ndarray]:
+    """A known surface that goes along `way` in each of three windows, and begins again where it ended."""
+    way, raw, ends, frames = np.array([1.5, -1.0, 2.0]), slope(scene), ((0, 39), (24, 75), (60, 99)), 100
+    parts = []
+    for first, last in ends:
+        length = (last - first + 1) / frames
+        began = replace(raw, means=(raw.means + first / frames * way).astype(np.float32))
+        parts.append((first, last, DynamicGaussians(began, Drift(tuple(length * way)))))
+    cameras = (scene.cameras[0],) * frames
+    return replace(scene, model=windowed(frames, *parts), cameras=cameras), way
+
+
+@pytest.mark.parametrize("start", [0.0, 0.5, 0.99])
+def test_points_are_followed_from_window_to_window(windowed_run: Path, tmp_path: Path, start: float) -> None:
+    scene, way = drifting(open_scene(windowed_run))
+    camera, path, points = scene.cameras[0], tmp_path / "a.csv", ((20, 20), (40, 30))
+    times = (0.0, 0.2, 0.33, 0.5, 0.68, 0.9, 0.99)
+    moments = tuple(MomentRecord(time=time, camera=camera, near=0.1) for time in times)
+    begun = MomentRecord(time=start, camera=camera, near=0.1)
+    record = extended(Tracks, scene.record, points=points, start=begun, moments=moments)
+    run_to_end(write_tracks(record, scene, path))
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    places = np.array([[float(row[axis]) for axis in "xyz"] for row in rows]).reshape(2, len(times), 3)
+    gone = places - places[:, :1]
+    assert np.abs(gone - np.outer(times, way)).max() < 0.35
+    assert {row["seen"] for row in rows} == {"1"}
+    for place, (column, line) in zip(places, points, strict=True):
+        at_start = place[0] + start * way
+        pixel, _ = camera.project(at_start[None])
+        assert np.abs(pixel[0] - [column + 0.5, line + 0.5]).max() < 0.6
+
+
+def test_points_that_the_next_window_does_not_see_stay(windowed_run: Path, tmp_path: Path) -> None:
+    scene, _ = drifting(open_scene(windowed_run))
+    whole = scene.model
+    bare = whole.rows(np.arange(windows_of(whole)[0].rows.stop))
+    scene = replace(scene, model=bare)
+    camera, path = scene.cameras[0], tmp_path / "a.csv"
+    moments = tuple(MomentRecord(time=time, camera=camera, near=0.1) for time in (0.0, 0.3, 0.5, 0.9))
+    record = extended(Tracks, scene.record, points=((20, 20),), start=moments[0], moments=moments)
+    run_to_end(write_tracks(record, scene, path))
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    assert [row["seen"] for row in rows] == ["1", "1", "0", "0"]
+    assert rows[2]["x"] == rows[3]["x"]
+
+
+def test_edits_are_kept_beside_the_run_and_hold_in_every_window(
+    run: Path, vesselsplat: Cli, tmp_path: Path
+) -> None:
+    scene = open_scene(run)
+    gone = Mask.of(np.arange(len(scene.model)) < windows_of(scene.model)[0].rows.stop)
+    edits = Edits.none(len(scene.model)).selecting(gone, "replace").deleting()
+    save_edits(RunFolder(run), edits)
+    assert "are removed" in open_scene(run).notices[0]
+    for flags, name in (((), "edited"), (("--as-trained",), "trained")):
+        out = tmp_path / name
+        done = vesselsplat(
+            "render", run, "--out", out, "--frames", FIRST, LATER, "--background", "black", *flags
+        )
+        assert done.code == 0, done.error
+    edited, whole = (
+        [picture(tmp_path / name / f"frame-{at:06d}.png") for at in (FIRST, LATER)]
+        for name in ("edited", "trained")
+    )
+    assert edited[0].max() == 0
+    assert np.array_equal(edited[1], whole[1])
+    again = vesselsplat("replay", tmp_path / "edited" / f"frame-{FIRST:06d}.png", "--source", run)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
+    told = recorded(tmp_path / "edited" / f"frame-{FIRST:06d}.png")
+    assert told["edits"]["n_deleted"] == len(gone)
+
+
+def test_a_run_that_does_not_move_has_a_surface_at_once(windowed_run: Path) -> None:
+    scene = open_scene(windowed_run)
+    still = replace(scene, model=DynamicGaussians(slope(scene), Still()))
+    assert len(surface_at(still, 0.9).faces) > 100
