@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ByteImage, Clip
+from renderer.unobserved import GREY
 
 SELDOM: Final = 0.3
 """Tissue that at most this share of the training frames shows is seldom seen."""
@@ -64,11 +65,14 @@ def highlights(clip: Clip, fit: Sequence[int]) -> BoolImage:
 def specks(render: ByteImage, seen: BoolImage, shown: BoolImage) -> int:
     """Pixels that differ glaringly from those around them, near the edge of what was ever seen (`seen`).
 
-    What frames show so themselves (`shown`) is no speck but a highlight.
+    What frames show so themselves (`shown`) is no speck but a highlight, and what looks like the grey that
+    the render lies over is none but a place that was not observed.
     """
+    fill = np.array([round(255 * level) for level in GREY], np.int16)
+    painted = np.abs(render.astype(np.int16) - fill).max(axis=2) > GLARING
     ever, disc = seen.astype(np.uint8), _disc(NEAR)
     edge = (cv2.dilate(ever, disc) > 0) & (cv2.erode(ever, disc, borderValue=1) == 0)
-    return int(np.count_nonzero(_glaring(render) & edge & ~shown))
+    return int(np.count_nonzero(_glaring(render) & painted & edge & ~shown))
 
 
 def _disc(radius: int) -> ByteImage:

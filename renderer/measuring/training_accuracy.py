@@ -8,14 +8,16 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
+from renderer.camera import FloatArray
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.measuring.closeness import closeness
 from renderer.measuring.tissue_seen import highlights, is_seldom, shares_seen, specks
 from renderer.metrics import depth_rmse, psnr_masked
 from renderer.near_plane import near_plane
-from renderer.phantom import Phantom
+from renderer.phantom import Phantom, View
 from renderer.rasterize.cpu import Rendered, render
 from renderer.splats import RenderMode
 from renderer.train.config import Method, TrainConfig
@@ -148,18 +150,28 @@ def behind_tools(
     mode: RenderMode = "default",
 ) -> float:
     """PSNR in dB against the same scene without tools, where some frame of `fit` shows the tissue that they
-    hide in a frame; NaN where there is none, or the camera moves."""
-    if truth.params.camera == "moving":
-        return math.nan
-    bare = Phantom(replace(truth.params, tools=0))
-    ever = np.any([truth.view(index).frame.tissue_mask for index in fit], axis=0)
+    hide in a frame, wherever it has moved; NaN where there is none."""
+    bare, views = Phantom(replace(truth.params, tools=0)), [truth.view(index) for index in fit]
     found = []
     for index in indices:
-        frame = truth.view(index).frame
-        hidden = ~frame.tissue_mask & ever
-        image = bare.view(index).frame.image / 255
+        frame, without = truth.view(index).frame, bare.view(index)
+        hidden = ~frame.tissue_mask
+        hidden[hidden] = np.any([_shows(view, truth, without.material[hidden]) for view in views], axis=0)
+        image = without.frame.image / 255
         found.append(psnr_masked(_rounded(_drawn(model, frame, mode)) / 255, image, hidden))
     return _mean(found)
+
+
+def _shows(view: View, truth: Phantom, material: FloatArray) -> NDArray[np.bool_]:
+    """(N,) whether a view shows points (N, 2) of the tissue."""
+    camera = view.frame.camera
+    places, _, _ = truth.surface.evaluate(material[:, 0], material[:, 1], view.frame.time)
+    columns, rows = np.floor(camera.project(places)[0]).astype(np.int64).T
+    shown: NDArray[np.bool_] = (
+        (columns >= 0) & (columns < camera.width) & (rows >= 0) & (rows < camera.height)
+    )
+    shown[shown] = view.frame.tissue_mask[rows[shown], columns[shown]]
+    return shown
 
 
 def _drawn(model: DynamicGaussians, frame: Frame, mode: RenderMode) -> Rendered:

@@ -15,7 +15,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from renderer.train import hidden as hidden_tissue
 from renderer.train.frames import TrainFrame, train_frame
-from renderer.train.hidden import REST, SLACK, _seen_shares, smooth_occluded_motion
+from renderer.train.hidden import EDGE, REST, SLACK, _seen_shares, smooth_occluded_motion
 
 CONTROLS, COUNT, SIDE = 9, 12, 32
 CAMERA = Camera(40.0, 40.0, SIDE / 2, SIDE / 2, SIDE, SIDE)
@@ -79,7 +79,7 @@ def test_what_is_seen_stays_within_the_slack() -> None:
     roughness = (np.diff(model.motion.color_controls, axis=1) ** 2).sum(axis=(1, 2))
     size = (model.motion.color_controls**2).sum(axis=(1, 2))
     apart = np.zeros(COUNT)
-    for frame, seen in zip(shown, list(_seen_shares(model, shown, 0.1)), strict=True):
+    for frame, (_, seen) in zip(shown, list(_seen_shares(model, shown, 0.1)), strict=True):
         change = values(still, frame.time) - values(model, frame.time)
         apart += seen * (change**2).sum(axis=1)
     assert apart.max() > 0
@@ -93,7 +93,7 @@ def test_curves_rest_while_tissue_is_hidden() -> None:
     hidden = slice(COUNT // 2 + 1, None)
     wandered = np.abs(values(model, 1.0))[hidden].max()
     assert np.abs(values(still, 1.0))[hidden].max() < 0.1 * wandered
-    seen = slice(0, COUNT // 2 - 1)
+    seen = slice(0, COUNT // 2 - 3)  # Farther than EDGE from the mask.
     np.testing.assert_allclose(values(still, 1.0)[seen], values(model, 1.0)[seen], atol=0.05 * wandered)
 
 
@@ -113,7 +113,8 @@ def test_curves_are_the_minimiser_of_the_stated_sum(monkeypatch: pytest.MonkeyPa
     model = gaussians(rng)
     shares = [rng.uniform(0, 1, COUNT).astype(np.float32) for _ in TIMES]
     shares = [share * (rng.uniform(size=COUNT) < 0.3) for share in shares]
-    monkeypatch.setattr(hidden_tissue, "_seen_shares", lambda *_: shares)
+    pairs = [(share[::-1].copy(), share) for share in shares]
+    monkeypatch.setattr(hidden_tissue, "_seen_shares", lambda *_: pairs)
     still, _ = smooth_occluded_motion(model, frames(hidden_after=2.0), near=0.1)
     basis = np.zeros((len(TIMES), CONTROLS))
     for row, time in zip(basis, TIMES, strict=True):
@@ -131,6 +132,37 @@ def test_curves_are_the_minimiser_of_the_stated_sum(monkeypatch: pytest.MonkeyPa
         right = np.vstack([root * basis @ model.motion.color_controls[n], np.zeros((2 * CONTROLS - 1, 3))])
         expected = np.linalg.lstsq(left, right, rcond=None)[0]
         np.testing.assert_allclose(still.motion.color_controls[n], expected, atol=2e-5)
+
+
+@pytest.mark.parametrize(("edge", "ghost"), [(EDGE, False), (0.0, True)])
+def test_hidden_tissue_has_the_colour_of_before_not_that_beside_the_tool(
+    monkeypatch: pytest.MonkeyPatch, edge: float, ghost: bool
+) -> None:
+    """A tool comes from the right, and tissue within three pixels of it has its colour."""
+    monkeypatch.setattr(hidden_tissue, "EDGE", edge)
+    model, shown = gaussians(np.random.default_rng(5)), []
+    motion, tool = model.motion, 1.0
+    assert isinstance(motion, SplineMotion)
+    columns = CAMERA.project(model.means.astype(np.float64))[0][:, 0]
+    reached = np.clip(np.round(SIDE * (1.5 - TIMES)), SIDE // 4, SIDE)
+    basis = np.zeros((len(TIMES), CONTROLS))
+    for index, (time, column) in enumerate(zip(TIMES, reached, strict=True)):
+        mask = np.ones((SIDE, SIDE), bool)
+        mask[:, int(column) :] = False
+        shown.append(
+            train_frame(Frame(index, float(time), np.zeros((SIDE, SIDE, 3), np.uint8), CAMERA, mask, mask))
+        )
+        first, weights = spline_taps(float(time), CONTROLS)
+        basis[index, first : first + 4] = weights
+    wanted = tool * (columns[None] > reached[:, None] - 3)
+    curves = np.linalg.lstsq(basis, wanted, rcond=None)[0].T[..., None].repeat(3, axis=2)
+    model = replace(model, motion=replace(motion, color_controls=curves.astype(np.float32)))
+    still, _ = smooth_occluded_motion(model, shown, near=0.1)
+    hidden = columns > SIDE * 0.6
+    assert 2 < hidden.sum() < COUNT
+    assert (np.median(values(still, 1.0)[hidden]) > 0.5 * tool) == ghost
+    apart = columns < SIDE * 0.25 - EDGE / 2
+    np.testing.assert_allclose(values(still, 0.2)[apart], values(model, 0.2)[apart], atol=0.05)
 
 
 def test_what_no_frame_sees_rests() -> None:

@@ -12,6 +12,7 @@ from renderer.clip import Clip, Frame
 from renderer.measuring.tissue_seen import NEAR, STRAYS, highlights, seldom_seen, shares_seen, specks
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
+from renderer.unobserved import GREY
 
 SHAPE = (80, 120)
 SEEN = np.ones(SHAPE, bool)
@@ -61,6 +62,14 @@ def test_what_frames_show_is_no_speck() -> None:
     shown[at] = True
     assert specks(image(at), SEEN, shown) == 0
     assert specks(image(at), SEEN, NOWHERE) == 1
+
+
+def test_a_thin_part_that_was_not_observed_is_no_speck_but_colour_in_it_is() -> None:
+    grey = np.full((*SHAPE, 3), 200, np.uint8)
+    grey[38:41, 60:] = [round(255 * level) for level in GREY]
+    assert specks(grey, SEEN, NOWHERE) == 0
+    grey[39, 85] = (150, 40, 40)
+    assert specks(grey, SEEN, NOWHERE) == 1
 
 
 def test_highlights_are_those_of_tissue_in_any_frame_and_what_lies_beside_them(clip: Clip) -> None:

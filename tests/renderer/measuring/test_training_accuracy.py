@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from renderer.gaussians import DynamicGaussians
-from renderer.measuring.training_accuracy import motion_rmse, outcome, settings
+from renderer.measuring.training_accuracy import _shows, motion_rmse, outcome, settings
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.raw_gaussians import RawGaussians
 from renderer.sources import open_clip
@@ -76,6 +76,19 @@ def test_the_first_setting_is_the_default_and_none_comes_twice() -> None:
     configs = [config for _, config in settings()]
     assert configs[0] == TrainConfig()
     assert len(set(configs)) == len(configs)
+
+
+@pytest.mark.parametrize("camera", ["fixed", "moving"])
+def test_tissue_is_shown_where_a_view_has_it_before_its_tools(camera: Any) -> None:
+    truth = Phantom(replace(PARAMS, camera=camera))
+    for index in (0, 7):
+        view = truth.view(index)
+        points = view.material.reshape(-1, 2)
+        assert np.array_equal(_shows(view, truth, points), view.frame.tissue_mask.ravel())
+        assert not _shows(view, truth, points + 1000).any()
+    # A breath later, the same tissue is elsewhere.
+    moved = _shows(truth.view(7), truth, truth.view(0).material.reshape(-1, 2))
+    assert 0 < (moved != truth.view(7).frame.tissue_mask.ravel()).mean() < 0.3
 
 
 def test_an_outcome_measures_all_that_the_phantom_knows(tmp_path: Any) -> None:
