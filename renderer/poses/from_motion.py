@@ -53,6 +53,8 @@ class FoundStructure:
     poses: FoundPoses
     """Its cameras have the focal length that was found."""
     points: SparsePoints
+    depth_error: float
+    """See Solved."""
 
 
 def find_structure(clip: Clip, *, focal_is_known: bool) -> FoundStructure:
@@ -93,16 +95,28 @@ def structure_of(
     lens = small_lens(clip.cameras[0])
     focal = None if focal_is_known else FocalGuess(lens.fx, FOCAL_SPREAD)
     try:
-        done, points, unplaced = focused(lens, features.parts, focal, tell)
+        found = focused(lens, features.parts, focal, tell)
     except Lost as reason:
         said = str(reason) if features.parts else commonest([each.why for each in features.lost], _TOO_FEW)
         raise PosesError(said) from reason
-    each_lost = {each.frame: each for each in (*features.lost, *unplaced)}
+    each_lost = {each.frame: each for each in (*features.lost, *found.lost)}
     lost = [each_lost[frame] for frame in sorted(each_lost)]
-    return FoundStructure(found_poses(clip, done, 1.0, lost), SparsePoints(points))
+    poses = found_poses(clip, found.done, 1.0, lost)
+    return FoundStructure(poses, SparsePoints(found.points), found.depth_error)
 
 
-Solved = tuple[Settled, FloatArray, list[LostFrame]]
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """Views in scene units, and what they show."""
+
+    done: Settled
+    points: FloatArray
+    """(P, 3) in the axes of the first view, of tissue that moves as well."""
+    depth_error: float
+    """Of points in the median, as a share of their depth, by how far they are from where they are seen; a
+    focal length that is wrong, or tissue that moves along, comes on top."""
+    lost: list[LostFrame]
+    """Without a pose although features were followed."""
 
 
 def focused(lens: Camera, parts: Sequence[Tracked], focal: FocalGuess | None, tell: Tell) -> Solved:
@@ -111,14 +125,15 @@ def focused(lens: Camera, parts: Sequence[Tracked], focal: FocalGuess | None, te
     clearly less, ends it and does not count. Raises Lost: the first finds nothing, and why."""
     best, begun = solved(lens, parts, focal, tell), lens
     for tries in range(1, _MOST_TRIES if focal is not None else 1):
-        if _apart(best[0].lens, begun) < _SAME_FOCAL:
+        if _apart(best.done.lens, begun) < _SAME_FOCAL:
             break
-        begun = replace(lens, fx=best[0].lens.fx, fy=best[0].lens.fy)
+        begun = replace(lens, fx=best.done.lens.fx, fy=best.done.lens.fy)
         try:
             again = solved(begun, parts, focal, partial(_told_later, tell, tries))
         except Lost:
             break
-        if len(again[0].views) < len(best[0].views) or again[0].noise.pixel > _AS_GOOD * best[0].noise.pixel:
+        fewer = len(again.done.views) < len(best.done.views)
+        if fewer or again.done.noise.pixel > _AS_GOOD * best.done.noise.pixel:
             break
         best = again
     return best
@@ -139,8 +154,7 @@ def solved(
     focal: FocalGuess | None,
     tell: Tell = lambda done, total: None,
 ) -> Solved:
-    """The views of the longest part that holds, in scene units; points (P, 3) in the axes of the first one,
-    of tissue that moves as well; and frames without a pose although features were followed.
+    """The longest part that holds.
 
     Raises Lost: no part of SHORTEST frames tells distances, and why.
     """
@@ -166,7 +180,7 @@ def solved(
     if best is None or len(best[0].views) < SHORTEST:
         raise Lost(commonest([*why, *(each.why for each in lost)], _TOO_FEW))
     rough, part = best
-    return *_shaped(settled(rough), rough.keys, part), lost
+    return Solved(*_shaped(settled(rough), rough.keys, part), lost)
 
 
 def _rest(part: Tracked, growing: Growing) -> Iterator[Tracked]:
@@ -219,8 +233,9 @@ def _unbroken(rough: Rough) -> Rough:
     return replace(rough, views=rough.views[start:end], keys=keys)
 
 
-def _shaped(done: Settled, keys: tuple[int, ...], part: Tracked) -> tuple[Settled, FloatArray]:
-    """The same in scene units, and all points (P, 3) that keyframes tell the distance of."""
+def _shaped(done: Settled, keys: tuple[int, ...], part: Tracked) -> tuple[Settled, FloatArray, float]:
+    """The same in scene units, all points (P, 3) that keyframes tell the distance of, and how well points
+    that are seen often are told, see Solved."""
     sights = {sight.frame: sight for sight in part.sights}
     shown = [sights[done.views[key].frame] for key in keys]
     ids, places = (np.concatenate([getattr(sight, name) for sight in shown]) for name in ("ids", "places"))
@@ -228,7 +243,9 @@ def _shaped(done: Settled, keys: tuple[int, ...], part: Tracked) -> tuple[Settle
     poses = np.repeat(each, [len(sight.ids) for sight in shown], axis=0)
     found = triangulated(done.lens, poses, ids, places, part.count)
     often = np.bincount(ids, minlength=part.count) >= min(SEEN_BY, len(keys))
-    good = often & (found.misfit < _LOOSE * done.lens.width) & (found.angle > _CERTAIN)
+    close = often & (found.misfit < _LOOSE * done.lens.width)
+    error = float(np.median(found.depth_error(done.lens)[close])) if close.any() else math.inf
+    good = close & (found.angle > _CERTAIN)
     if not good.any():
         good = often & np.isfinite(found.misfit)
     factor = MEDIAN_DEPTH / float(np.median(local(poses, found.where[ids])[good[ids], 2]))
@@ -236,7 +253,7 @@ def _shaped(done: Settled, keys: tuple[int, ...], part: Tracked) -> tuple[Settle
     points = factor * found.where[good]
     points = points[:: -(-len(points) // _MOST_POINTS)]
     points = points[~outlying(done.lens, np.stack([views[key].pose for key in keys]), points)]
-    return replace(done, views=views, points=factor * done.points), local(views[0].pose, points)
+    return replace(done, views=views, points=factor * done.points), local(views[0].pose, points), error
 
 
 def _times(pose: FloatArray, factor: float) -> FloatArray:

@@ -22,8 +22,16 @@ class Triangulated:
     """(L, 3) in world coordinates."""
     angle: FloatArray
     """(L,) in radians, about the widest between two rays to it; 0 where fewer than two views see it."""
+    spread: FloatArray
+    """(L,) in radians, root of the summed squares of the angles between rays to it and their mean."""
     misfit: FloatArray
     """(L,) px, root mean square of the distance from where it is seen; inf behind a camera."""
+
+    def depth_error(self, lens: Camera) -> FloatArray:
+        """(L,) share of its depth by which each point may be off: as much as would move it in the images by
+        its misfit, all of which is taken to lie along the way that tells depth."""
+        told = lens.fx * np.maximum(self.spread, 1e-12)
+        return np.asarray(self.misfit / told)
 
 
 def triangulated(
@@ -51,19 +59,23 @@ def judged(
     lens: Camera, where: FloatArray, poses: FloatArray, points: IntArray, places: FloatArray
 ) -> Triangulated:
     """The same of points (L, 3) that are known."""
-    angle = _angles(rays(lens, places), poses, points, len(where))
-    return Triangulated(where, angle, _misfits(lens, where, poses, points, places))
+    angle, spread = _angles(rays(lens, places), poses, points, len(where))
+    return Triangulated(where, angle, spread, _misfits(lens, where, poses, points, places))
 
 
-def _angles(seen: FloatArray, poses: FloatArray, points: IntArray, count: int) -> FloatArray:
+def _angles(
+    seen: FloatArray, poses: FloatArray, points: IntArray, count: int
+) -> tuple[FloatArray, FloatArray]:
+    """(L,) twice the farthest ray from the mean of a point's rays, and the root of their summed squares."""
     toward = np.einsum("nji,nj->ni", poses[:, :3, :3], seen)
     mean = np.zeros((count, 3))
     np.add.at(mean, points, toward)
     mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-12)
     apart = np.linalg.norm(toward - mean[points], axis=1)
-    widest = np.zeros(count)
+    widest, squares = np.zeros(count), np.zeros(count)
     np.maximum.at(widest, points, apart)
-    return 2 * widest
+    np.add.at(squares, points, apart**2)
+    return 2 * widest, np.sqrt(squares)
 
 
 def _misfits(

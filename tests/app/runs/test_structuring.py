@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
 from app.evaluation.evaluate import open_evaluation
+from app.runs import structuring
 from app.runs.dark_surround import lit_field, lit_part
 from app.runs.run_folder import RunFolder, run_clip
 from app.runs.train_run import TrainRequest, run_training
 from renderer.clip import Clip, ClipError
 from renderer.phantom import PhantomParams, write_phantom
-from renderer.poses.from_motion import followed_features
+from renderer.poses.from_motion import FoundStructure, followed_features
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
@@ -67,6 +70,7 @@ def test_poses_shape_and_what_is_guessed_are_recorded_and_a_run_resumes_with_the
     told = [event.message for event in said if isinstance(event, Warned)]
     assert any("lengths have no scale" in message for message in told)
     assert any("field of view is estimated" in message for message in told)
+    assert not any("distances are uncertain" in message for message in told)
     before = RunFolder(tmp_path / "run").record()
     poses = before.clip.poses
     assert poses is not None
@@ -83,6 +87,19 @@ def test_poses_shape_and_what_is_guessed_are_recorded_and_a_run_resumes_with_the
     frames = open_evaluation(tmp_path / "run")
     assert frames.clip.points is not None
     assert frames.clip.cameras == before.cameras
+
+
+def test_uncertain_distances_are_said(images: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sure = structuring.structure_of
+
+    def doubtful(*given: Any, **named: Any) -> FoundStructure:
+        return replace(sure(*given, **named), depth_error=0.12)
+
+    monkeypatch.setattr(structuring, "structure_of", doubtful)
+    events = run_training(request_of(images, tmp_path / "run"))
+    told = next(event for event in events if isinstance(event, Warned) and "uncertain" in event.message)
+    events.close()
+    assert "a point's depth may be off by some 12%" in told.message
 
 
 def test_a_camera_that_keeps_its_place_is_refused_and_leaves_no_run(images: Path, tmp_path: Path) -> None:

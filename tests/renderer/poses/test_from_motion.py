@@ -81,6 +81,20 @@ def test_points_are_triangulated_exactly():
     assert found.angle.min() > 0.05
 
 
+@pytest.mark.parametrize("way", [1.0, 0.2])
+def test_how_far_depths_may_be_off_follows_from_misfit_and_parallax(way):
+    """A fifth of the way of the camera makes them five times as uncertain."""
+    rng = np.random.default_rng(2)
+    poses, ids = [moved(np.eye(4), share * way * STEP) for share in np.linspace(0, 1, 6)], np.arange(COUNT)
+    places = np.concatenate([places_of(pose, points()) for pose in poses])
+    noisy = places + rng.normal(0, 0.3, places.shape)
+    found = triangulated(LENS, np.repeat(poses, COUNT, axis=0), np.tile(ids, 6), noisy, COUNT)
+    off = np.abs(found.where[:, 2] / points()[:, 2] - 1)
+    said = np.median(found.depth_error(LENS))
+    assert 1 < said / (1.48 * np.median(off)) < 2.5
+    assert said == pytest.approx(0.0103 / way, rel=0.3)
+
+
 @pytest.mark.parametrize("factor", [1.0, 1.15])
 def test_poses_points_and_a_focal_length_settle_on_exact_places_up_to_scale(factor):
     rng, truth = np.random.default_rng(1), path(8)
@@ -123,8 +137,10 @@ def test_a_view_that_sees_no_point_stays_where_it_is(blind):
 
 def test_a_path_is_found_from_tracks_and_its_points_are_a_hundred_units_away():
     truth = path(15)
-    done, where, lost = solved(LENS, [followed(truth)], None)
-    assert not lost
+    found = solved(LENS, [followed(truth)], None)
+    done, where = found.done, found.points
+    assert not found.lost
+    assert found.depth_error < 1e-6
     np.testing.assert_allclose(shape_of([view.pose for view in done.views]), shape_of(truth), atol=1e-6)
     depths = np.concatenate([local(view.pose, done.points)[:, 2] for view in done.views])
     assert np.median(depths) == pytest.approx(MEDIAN_DEPTH, rel=0.05)
@@ -136,7 +152,7 @@ def test_a_field_of_view_far_from_its_guess_is_found(degrees):
     """Growing once from 60 degrees leaves the focal length off by a sixth, a quarter and four fifths."""
     lens, guess, told = Camera.from_fov(degrees, 320, 256), FocalGuess(LENS.fx, FOCAL_SPREAD), []
     truth = path(24)
-    done, _, _ = focused(LENS, [followed(truth, lens=lens)], guess, lambda *each: told.append(each))
+    done = focused(LENS, [followed(truth, lens=lens)], guess, lambda *each: told.append(each)).done
     assert done.lens.fx == pytest.approx(lens.fx, rel=1e-3)
     np.testing.assert_allclose(shape_of([view.pose for view in done.views]), shape_of(truth), atol=1e-3)
     shares = [count / total for count, total in told]
@@ -146,7 +162,7 @@ def test_a_field_of_view_far_from_its_guess_is_found(degrees):
 
 def test_a_field_of_view_that_is_known_is_not_sought():
     wide = Camera.from_fov(70, 320, 256)
-    done, _, _ = focused(LENS, [followed(path(24), lens=wide)], None, lambda *each: None)
+    done = focused(LENS, [followed(path(24), lens=wide)], None, lambda *each: None).done
     assert done.lens == LENS
 
 
@@ -157,7 +173,7 @@ def test_a_third_that_moves_by_itself_does_not_pull_the_path():
         return points() + alone[:, None] * np.sin(frame / 5) * (0.03, 0.06, -0.05)
 
     truth = path(15)
-    done, _, _ = solved(LENS, [followed(truth, pulled)], None)
+    done = solved(LENS, [followed(truth, pulled)], None).done
     np.testing.assert_allclose(shape_of([view.pose for view in done.views]), shape_of(truth), atol=1e-3)
 
 
@@ -165,8 +181,9 @@ def test_where_a_clip_breaks_the_frame_is_named_and_the_longer_part_is_kept():
     def shown(frame):
         return slice(0, 65) if frame < 9 else slice(60, COUNT)
 
-    _, _, lost = broken = solved(LENS, [followed(path(24), shown=shown)], None)
-    assert [view.frame for view in broken[0].views] == list(range(9, 24))
+    broken = solved(LENS, [followed(path(24), shown=shown)], None)
+    lost = broken.lost
+    assert [view.frame for view in broken.done.views] == list(range(9, 24))
     assert lost[0].why == "5 points whose place is known"
     assert lost[0].frame in (6, 9)
 
