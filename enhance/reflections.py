@@ -38,19 +38,19 @@ def without_reflections(absorbed: Float32Image, value: Float32Image, radius: int
         value: V, of any size, the mean of 2 x 2 pixels or coarser.
         radius: blocks up to which the surroundings count, twice.
     """
-    if not (value > BRIGHT[0]).any():
+    if value.max(initial=ZERO) <= BRIGHT[0]:
         return absorbed
     height, width = absorbed.shape
     if value.shape != absorbed.shape:
         value = np.asarray(cv2.resize(value, (width, height)), np.float32)
-    seen, filled = np.empty_like(absorbed), np.empty_like(absorbed)
+    seen = np.empty_like(absorbed)
     means = np.empty((2, -(-height // COARSE), -(-width // COARSE)), np.float32)
     _look(absorbed, value, seen, means)
     reach = radius // COARSE * 4 + 1
     sums, shares = (cv2.blur(plane, (reach, reach)) for plane in means)
     around = np.asarray(sums / np.maximum(shares, np.float32(1e-3)), np.float32)
-    _fill(absorbed, seen, around[None], filled)
-    return filled
+    _fill(absorbed, around[None], seen)
+    return seen
 
 
 @njit(parallel=True, nogil=True, cache=True, error_model="numpy")
@@ -83,9 +83,8 @@ def _look(
 @njit(parallel=True, nogil=True, cache=True, error_model="numpy")
 def _fill(
     absorbed: NDArray[np.float32],  # (h, w)
-    seen: NDArray[np.float32],  # (h, w)
     around: NDArray[np.float32],  # (1, h / COARSE, w / COARSE)
-    filled: NDArray[np.float32],  # (h, w), out
+    seen: NDArray[np.float32],  # (h, w), replaced by what is filled: no other memory is touched
 ) -> None:
     rows, columns = seen.shape
     for strip in prange((rows + STRIP - 1) // STRIP):
@@ -93,7 +92,7 @@ def _fill(
         held = np.full(2, -1)
         for y in range(strip * STRIP, min((strip + 1) * STRIP, rows)):
             weight = bring_up(around, y, COARSE, lines, held)
-            _blend(absorbed[y], seen[y], lines[0, 0], lines[1, 0], weight, filled[y])
+            _blend(absorbed[y], lines[0, 0], lines[1, 0], weight, seen[y])
 
 
 @njit(error_model="numpy")
@@ -144,13 +143,12 @@ def _average(piles: NDArray[np.float32], height: int, columns: int, means: NDArr
 @njit(error_model="numpy")
 def _blend(
     absorbed: NDArray[np.float32],
-    seen: NDArray[np.float32],
     even: NDArray[np.float32],
     odd: NDArray[np.float32],
     weight: np.float32,
-    out: NDArray[np.float32],
+    seen: NDArray[np.float32],
 ) -> None:
     for i in range(len(absorbed)):
         around = even[i] + weight * (odd[i] - even[i])
         lack = around - absorbed[i] if around > absorbed[i] else ZERO
-        out[i] = absorbed[i] + (ONE - seen[i]) * lack
+        seen[i] = absorbed[i] + (ONE - seen[i]) * lack

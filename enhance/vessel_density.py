@@ -71,7 +71,7 @@ def _shrunk(plane: Float32Image, side: int) -> Float32Image:
     if side == 1:
         return plane
     below, beside = -plane.shape[0] % side, -plane.shape[1] % side
-    whole = cv2.copyMakeBorder(plane, 0, below, 0, beside, cv2.BORDER_REPLICATE)
+    whole = cv2.copyMakeBorder(plane, 0, below, 0, beside, cv2.BORDER_REPLICATE) if below or beside else plane
     size = whole.shape[1] // side, whole.shape[0] // side
     return np.asarray(cv2.resize(whole, size, interpolation=cv2.INTER_AREA), np.float32)
 
