@@ -24,6 +24,7 @@ from app.runs.making_masks import MaskReport
 from app.runs.tool_masks import ToolMasks
 from renderer.clip import BoolImage
 from renderer.tools.brush import Point, Stroke, drawn
+from renderer.tools.onnx_model import Values
 
 STEP = 1.25
 """By which the brush grows and shrinks."""
@@ -196,8 +197,28 @@ def take_kept(state: AppState, request: KeepMask, answer: KeepMask | Failure) ->
 def make_all(state: AppState, source: Path | None = None) -> None:
     """Mask all frames that are not masked by hand, by what `MakingRequest` says of the source."""
     clip = state.masks_clip
-    if clip is not None and state.masking.making is None:
-        state.masking.making, state.masking.report = MakingRequest(clip, state.masks_folder, source), None
+    masking = state.masking
+    if clip is None or masking.making is not None:
+        return
+    values, tools = masking.network_values, network_tools(state) or ()
+    masking.making = MakingRequest(clip, state.masks_folder, source, values, tools)
+    masking.report = None
+
+
+def network_tools(state: AppState) -> tuple[int, ...] | None:
+    """The classes of a network that are tools, empty: all but the first; None: what is typed are none."""
+    words = state.masking.network_tools.replace(",", " ").split()
+    return tuple(map(int, words)) if all(word.isdecimal() and len(word) < 6 for word in words) else None
+
+
+def choose_network_values(state: AppState, values: Values) -> None:
+    """What a network takes."""
+    state.masking.network_values = values
+
+
+def type_network_tools(state: AppState, text: str) -> None:
+    """Classes of a network, apart by spaces or commas."""
+    state.masking.network_tools = text
 
 
 def choose_folder(state: AppState) -> None:

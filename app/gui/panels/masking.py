@@ -15,10 +15,12 @@ from app.gui.state.app_state import AppState
 from app.gui.state.masking import THICKEST, THINNEST, Masking
 from app.gui.style import theme
 from app.gui.style.fields import number
-from app.gui.style.widgets import Area, button, em, explain, in_line, muted, note, row
+from app.gui.style.widgets import Area, button, choose_row, em, explain, in_line, muted, note, row
 from app.gui.views.picture_view import Placement
 from app.gui.work.masking import BY_HAND, FrameMask
+from app.runs.making_masks import MaskReport
 from renderer.tools.brush import Stroke
+from renderer.tools.onnx_model import Values
 
 PANEL: Final = "Masks"
 TOOL_TEXTS: Final[dict[Stroke, str]] = {
@@ -52,9 +54,17 @@ FOLDER_TEXT: Final = (
     "Take masks of another program: images named or numbered as the frames, not black = tool."
 )
 NETWORK_TEXT: Final = (
-    "An ONNX file of yours finds the tools in frames that are not masked by hand: RGB less ImageNet's mean, "
-    "by its spread. For other inputs and classes: vesselsplat masks --onnx."
+    "An ONNX file of yours finds the tools in frames that are not masked by hand. What it takes and which of "
+    "its classes are tools is set below."
 )
+VALUES_TEXT: Final = "Pixel values that the network takes, red first."
+VALUE_NAMES: Final[dict[Values, str]] = {
+    "imagenet": "ImageNet's mean and spread",
+    "unit": "0 to 1",
+    "bytes": "0 to 255",
+}
+CLASSES_TEXT: Final = "Numbers of the classes that are tools, from 0. Empty: all but the first."
+NO_CLASSES: Final = "Classes are whole numbers from 0, such as 1 3."
 NONE_YET: Final = "None by hand: two or three teach the others."
 MOST_LISTED: Final = 6
 
@@ -178,14 +188,19 @@ def _draw_making(state: AppState, masking: Masking) -> None:
     button(
         "Mask all other frames###make masks", make, MAKE_TEXT, reason=waits, color=theme.now().lit, width=-1
     )
+    wrong = NO_CLASSES if masking_actions.network_tools(state) is None else ""
     others = (
-        ("From a folder…", masking_actions.choose_folder, FOLDER_TEXT),
-        ("By a network…", masking_actions.choose_network, NETWORK_TEXT),
+        ("From a folder…", masking_actions.choose_folder, FOLDER_TEXT, waits),
+        ("By a network…", masking_actions.choose_network, NETWORK_TEXT, waits or wrong),
     )
-    for (label, act, text), width in in_line(others):
-        button(f"{label}###masks {label}", partial(act, state), text, reason=waits, width=width)
-    if report is None or not report.done:
-        return
+    for (label, act, text, reason), width in in_line(others):
+        button(f"{label}###masks {label}", partial(act, state), text, reason=reason, width=width)
+    _draw_network(state, masking, wrong)
+    if report is not None and report.done:
+        _draw_report(state, report)
+
+
+def _draw_report(state: AppState, report: MaskReport) -> None:
     note(f"Tools in {report.with_tools} of {report.done} frames, {report.share:.0%} of the pixels")
     if report.held_out is not None:
         note(f"Overlap with masks by hand: {report.held_out:.2f}")
@@ -197,6 +212,22 @@ def _draw_making(state: AppState, masking: Masking) -> None:
         imgui.text_colored(theme.now().warning, "Look at")
         imgui.same_line(0, em(0.5))
         _draw_frames(state, "weak", report.weak[:MOST_LISTED])
+
+
+def _draw_network(state: AppState, masking: Masking, wrong: str) -> None:
+    """What the network of a user takes and gives."""
+    if not imgui.tree_node("Network settings###network"):
+        return
+    values = choose_row("Pixel values", masking.network_values, VALUE_NAMES, VALUES_TEXT)
+    masking_actions.choose_network_values(state, values)
+    row("Tool classes", CLASSES_TEXT)
+    changed, text = imgui.input_text_with_hint("##classes", "all but the first", masking.network_tools)
+    explain(CLASSES_TEXT)
+    if changed:
+        masking_actions.type_network_tools(state, text)
+    if wrong:
+        imgui.text_colored(theme.now().warning, wrong)
+    imgui.tree_pop()
 
 
 def follow_brush(state: AppState, place: Placement, area: Area) -> None:

@@ -11,6 +11,7 @@ from app.gui.work.masking import FrameMask, GrowRequest, KeepMask, MakingRequest
 from app.runs.making_masks import MaskReport
 from renderer.clip import BoolImage
 from renderer.tools.brush import Point, Stroke
+from renderer.tools.onnx_model import Values
 
 THINNEST, THICKEST = 0.002, 0.2
 """Radius of the brush, as a share of the frame's width."""
@@ -38,6 +39,10 @@ class Masking:
     """Those that are being written."""
     there: MasksThere | None = None
     """Which there are of the open clip."""
+    network_values: Values = "imagenet"
+    """Of the pixels that a network takes."""
+    network_tools: str = ""
+    """Classes of a network that are tools, as typed; empty: all but the first."""
     making: MakingRequest | None = None
     """Masks of all frames are being made."""
     report: MaskReport | None = None

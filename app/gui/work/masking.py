@@ -24,7 +24,7 @@ from renderer.tools.mask_files import (
     read_all,
     write_mask,
 )
-from renderer.tools.onnx_model import OnnxTools
+from renderer.tools.onnx_model import OnnxTools, Values
 from renderer.tools.search import find_tools
 
 BY_HAND: MaskOrigin = "by hand"
@@ -158,13 +158,19 @@ class MakingRequest:
     folder: Path
     source: Path | None = None
     """The file or the folder."""
+    values: Values = "imagenet"
+    """Of the pixels that the network takes."""
+    tools: tuple[int, ...] = ()
+    """Classes of the network that are tools; empty: all but the first."""
 
 
 def make_all(request: MakingRequest) -> Iterator[MaskReport]:
     """Raises ClipError, OnnxError or OSError."""
     clip, folder, source = request.clip, request.folder, request.source
     taken = masks_in(source, clip.labels) if source is not None and source.is_dir() else None
-    model = OnnxTools.open(source) if source is not None and taken is None else None
+    model = None
+    if source is not None and taken is None:
+        model = OnnxTools.open(source, request.values, request.tools)
     folder.mkdir(parents=True, exist_ok=True)
     if taken is not None:
         yield from _taken(request, taken)

@@ -216,11 +216,41 @@ def test_a_network_masks_the_other_frames_and_a_broken_one_is_named(
     np.testing.assert_array_equal(masks[0], before)
     assert masks[4][20, 15:18].all()
     assert not masks[4][20, 20:].any()
+    # The same values in [0, 1] and its only class named: another bias, and two classes.
+    masking_actions.choose_network_values(masking, "unit")
+    masking_actions.type_network_tools(masking, "1")
+    two = np.array([[0, 0, 0], [-1, 0, 0]], np.float32), np.array([0, 0.58], np.float32)
+    masking_actions.make_all(masking, write_convolution(tmp_path / "two.onnx", *two))
+    settle(masking, channels)
+    assert np.array_equal(on_disk(masking)[4], masks[4])
+    masking_actions.type_network_tools(masking, "0, 1")
+    masking_actions.make_all(masking, tmp_path / "two.onnx")
+    settle(masking, channels)
+    assert on_disk(masking)[4].all()
     network.write_text("nothing")
     masking_actions.make_all(masking, network)
     settle(masking, channels)
     assert masking.window.banner is not None
     assert "expected an ONNX network" in masking.window.banner.message
+
+
+@pytest.mark.parametrize(
+    ("text", "classes"),
+    [
+        ("", ()),
+        (" 1 3", (1, 3)),
+        ("2,4", (2, 4)),
+        ("-1", None),
+        ("1.5", None),
+        ("tool", None),
+        ("9" * 9, None),
+    ],
+)
+def test_classes_of_a_network_are_whole_numbers(
+    masking: AppState, text: str, classes: tuple[int, ...] | None
+) -> None:
+    masking_actions.type_network_tools(masking, text)
+    assert masking_actions.network_tools(masking) == classes
 
 
 def test_making_can_be_stopped(masking: AppState) -> None:
