@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from renderer.surface.following import Follower
 
 
+MOST_FOLLOWED: Final = 4
+"""Windows, or finenesses, of a scene whose surface can be followed at once: each holds the motion of its
+window."""
 MOST_MESHES: Final = 256
 """Moments of a scene whose surface is kept: half a megabyte each."""
 
@@ -78,6 +81,8 @@ def _follower(scene: Scene, fineness: Fineness, window: ModelWindow) -> Follower
     followers = _known.setdefault(scene, _Known()).followers
     key = fineness, window.index
     if key not in followers:
+        if len(followers) == MOST_FOLLOWED:
+            del followers[next(iter(followers))]
         followers[key] = _made(scene, fineness, window)
     return followers[key]
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Generator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -63,8 +64,22 @@ def write_tracks(record: Tracks, scene: Scene, target: Path) -> Generator[int, N
         write_sidecar(place, record.signed | {"definitions": told})
 
 
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """Points from which they are followed through a window."""
+
+    window: ModelWindow
+    points: Float32Array
+    """(P, 3) in the world, at `time`."""
+    time: float
+    """Of the clip."""
+    camera: Camera
+    seen: NDArray[np.bool_]
+    """(P,) those that the camera sees; the others stay where they are."""
+
+
 class _Points:
-    """Followed through time, in windows from one to the next."""
+    """Followed through time, in windows from one to the next; the motion of one window is held."""
 
     def __init__(self, record: Tracks, scene: Scene) -> None:
         start = record.start
@@ -72,40 +87,48 @@ class _Points:
         points = np.array([*lifted, *record.places], np.float32)
         self._scene, self._near = scene, _near(start, scene)
         self._windows = windows_of(scene.model)
-        self._first = window_at(scene.model, start.time)
-        seen = np.ones(len(points), np.bool_)
-        self._followers = {
-            self._first.index: self._follower(self._first, points, start.time, start.camera, seen)
-        }
+        first = _Start(
+            window_at(scene.model, start.time),
+            points,
+            start.time,
+            start.camera,
+            np.ones(len(points), np.bool_),
+        )
+        self._first, self._starts = first.window.index, {first.window.index: first}
+        self._held = first.window.index, self._follower(first)
 
     def at(self, time: float) -> Float32Array:
         """(P, 3) in the world at a time in [0, 1] of the clip."""
-        window = window_at(self._scene.model, time)
-        return self._in(window).at(window.local(time)).vertices
+        return self._in(window_at(self._scene.model, time), time)
 
-    def _in(self, window: ModelWindow) -> Follower:
-        """From where the points are when the window beside it, nearer to the first one, hands them over."""
-        if window.index not in self._followers:
-            beside = self._windows[window.index + (1 if window.index < self._first.index else -1)]
+    def _in(self, window: ModelWindow, time: float) -> Float32Array:
+        start = self._start_of(window)
+        if self._held[0] != window.index:
+            self._held = window.index, self._follower(start)
+        return self._held[1].at(window.local(time)).vertices
+
+    def _start_of(self, window: ModelWindow) -> _Start:
+        """Where the points are when the window beside it, nearer to the first one, hands them over."""
+        if window.index not in self._starts:
+            beside = self._windows[window.index + (1 if window.index < self._first else -1)]
             time = handover(self._windows[min(window.index, beside.index)])
-            points, camera = self._in(beside).at(beside.local(time)).vertices, self._scene.camera_at(time)
+            points, camera = self._in(beside, time), self._scene.camera_at(time)
             view = maps_of(window.model, window.local(time), camera, self._near, self._scene.mode)
-            self._followers[window.index] = self._follower(window, points, time, camera, _seen(points, view))
-        return self._followers[window.index]
+            self._starts[window.index] = _Start(window, points, time, camera, _seen(points, view))
+        return self._starts[window.index]
 
-    def _follower(
-        self, window: ModelWindow, points: Float32Array, time: float, camera: Camera, seen: NDArray[np.bool_]
-    ) -> Follower:
-        """Of points alone, through one camera; those that it does not see stay where they are."""
+    def _follower(self, start: _Start) -> Follower:
+        """Of points alone, through one camera."""
+        time = start.window.local(start.time)
         return Follower(
-            model=window.model,
-            cameras=(camera,),
+            model=start.window.model,
+            cameras=(start.camera,),
             near=self._near,
             mode=self._scene.mode,
-            mesh=Mesh(points, np.zeros((0, 3), np.int32), np.zeros_like(points)),
-            time=window.local(time),
-            sights=(seen.astype(np.float32),),
-            taken=(window.local(time),),
+            mesh=Mesh(start.points, np.zeros((0, 3), np.int32), np.zeros_like(start.points)),
+            time=time,
+            sights=(start.seen.astype(np.float32),),
+            taken=(time,),
         )
 
 
