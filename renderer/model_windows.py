@@ -85,8 +85,9 @@ def whole_at(model: DynamicGaussians, time: float) -> Splats:
 def first_at(model: DynamicGaussians, time: float) -> Splats:
     """Those that are drawn at a time in [0, 1], at the first moment of the clip or of their window."""
     motion = model.motion
-    first = motion.first_moved(model.raw, time).splats() if isinstance(motion, WindowedMotion) else None
-    return first or model.at(0.0)
+    if isinstance(motion, WindowedMotion):
+        return motion.first_moved(model.raw, time).splats()
+    return model.at(0.0)
 
 
 def there_at(model: DynamicGaussians, time: float) -> NDArray[np.bool_]:

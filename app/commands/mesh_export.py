@@ -77,10 +77,10 @@ def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> 
         _write_file(flags, scene)
         sys.stdout.write(f"{path}: {said}, {path.stat().st_size / 1e6:.1f} MB\n")
     else:
-        sizes = dict.fromkeys(_size(window_surface(scene, one.time, fineness).mesh) for one in wanted)
-        said = " or ".join(sizes)
+        said = _size(window_surface(scene, wanted[0].time, fineness).mesh)
         _write_folder(flags, scene, wanted)
-        sys.stdout.write(f"{path}: {len(wanted)} meshes of {said}\n")
+        others = ", the first" if scene.split_by_time else ""
+        sys.stdout.write(f"{path}: {len(wanted)} meshes{others} of {said}\n")
 
 
 def _size(mesh: Mesh) -> str:

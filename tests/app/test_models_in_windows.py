@@ -70,7 +70,7 @@ def test_the_surface_of_each_moment_is_that_of_its_window(
         "export", windowed_run, "--mesh", out, "--mesh-format", "obj", "--frames", FIRST, LATER
     )
     assert done.code == 0, done.error
-    assert "2 meshes of" in done.out
+    assert "2 meshes, the first of" in done.out
     for frame in (FIRST, LATER):
         text = (out / f"frame-{frame:06d}.obj").read_text().splitlines()
         vertices = np.array([line.split()[1:4] for line in text if line.startswith("v ")], float)
