@@ -56,6 +56,11 @@ def window_surface(scene: Scene, time: float, fineness: Fineness = AS_IT_COMES) 
     return _required(scene, _follower(scene, fineness, window_at(scene.model, time)))
 
 
+def moment_of_surface(scene: Scene, time: float, fineness: Fineness) -> Mesh:
+    """The same at that time. Raises UserError as `window_surface`."""
+    return window_surface(scene, time, fineness).at(window_at(scene.model, time).local(time))
+
+
 def surface_at(scene: Scene, time: float) -> Mesh:
     """The same as it comes, remembered; of no faces where nothing is left of a scene. Raises UserError: it
     cannot be worked out."""

@@ -20,7 +20,8 @@ def surface_mesh(
     """At `time` in [0, 1], or through the clip as one mesh. Raises UserError: a model that has no such."""
     if time is None:
         scene.require_one_model()
-    scene.require_same_tissue()
+    else:
+        scene.require_same_tissue()
     clip = scene.record.clip
     return extended(
         SurfaceMesh,

@@ -15,8 +15,7 @@ from app.exports.records import SurfaceMesh
 from app.exports.usd_file import require_usd
 from app.files.atomic import write_bytes
 from app.scenes.scene import Scene
-from app.scenes.surfaces import surface, window_surface
-from renderer.model_windows import window_at
+from app.scenes.surfaces import moment_of_surface, surface
 from renderer.surface.fineness import Fineness
 
 CLIPS: Final = (".glb", ".usdc")
@@ -40,8 +39,7 @@ def write_surface(record: SurfaceMesh, scene: Scene, target: Path) -> Generator[
             return
         content = glb_bytes(film, scene.unit, record.seconds, record.title, record.signed)
     elif record.time is not None and suffix in MOMENTS:
-        follower = window_surface(scene, record.time, fineness)
-        mesh = follower.at(window_at(scene.model, record.time).local(record.time))
+        mesh = moment_of_surface(scene, record.time, fineness)
         content = MOMENTS[suffix](mesh, scene.unit, record.signed)
     else:
         raise UserError(

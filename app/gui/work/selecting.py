@@ -20,7 +20,6 @@ from renderer.editing.edits import Combination
 from renderer.editing.mask import Mask
 from renderer.editing.regions import Box, Region, Sphere, found
 from renderer.editing.sight import Sight, Trail, Trait
-from renderer.model_windows import windows_of
 
 if TYPE_CHECKING:
     from renderer.picking import SurfacePoint
@@ -145,7 +144,7 @@ class Selector:
     def _at(self, request: SelectRequest) -> Sight:
         base, view = request.base, request.view
         if self._trail is None or self._trail.model is not base.model:
-            most = MOST_TIMES if len(windows_of(base.model)) == 1 else TIMES_OF_WINDOW
+            most = TIMES_OF_WINDOW if base.split_by_time else MOST_TIMES
             self._trail = Trail(base.model, tuple(np.linspace(0, 1, min(len(base.cameras), most))))
         seen = (base, view.camera, view.time)
         if self._sight is None or self._seen != seen:
