@@ -40,6 +40,10 @@ class ModelWindow:
         raw = {name: value[self.rows] for name, value in self.whole.raw.arrays().items()}
         return DynamicGaussians(RawGaussians(**raw), motion.motions[self.index])
 
+    def frames(self, count: int) -> range:
+        """Its own among those of the clip, which has so many."""
+        return range(round(self.start * count), round((self.start + self.length) * count))
+
     def local(self, time: float) -> float:
         """By its clock, in [0, 1]; its first or last moment before or after it."""
         return min(max((time - self.start) / self.length, 0.0), 1.0)

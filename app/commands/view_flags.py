@@ -55,6 +55,8 @@ def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment])
 
 def _references(flags: argparse.Namespace) -> Clip:
     """What each frame of a run should look like. Raises UserError where there is none."""
+    if flags.window is not None:
+        raise UserError("--view difference: expected all windows, with --frames for some, got --window")
     if is_named_as_splats(flags.scene) or flags.camera or flags.path or flags.time is not None:
         raise UserError("--view difference: expected frames of a run from its own cameras")
     record = RunFolder(flags.scene).record()

@@ -61,6 +61,8 @@ class SceneRecord(Record):
     """Of a file of splats."""
     notices: Annotated[tuple[str, ...] | None, Told] = None
     edits: LeftOut | None = None
+    window: Annotated[int, Interval(ge=1)] | None = None
+    """Of a model in windows the one that it is, counted from 1; None: all of them."""
 
     @property
     def signed(self) -> dict[str, Any]:

@@ -96,6 +96,14 @@ class Scene:
         return f"a model in {len(motion)} windows" if isinstance(motion, WindowedMotion) else ""
 
     @property
+    def title(self) -> str:
+        """Of the clip, and which frames of it a window is of; of a file its name."""
+        name = self.record.clip.name if self.record.clip else self.name
+        if self.record.window is None:
+            return name
+        return f"{name}, frames {1 + self.start} to {self.start + len(self.cameras)}"
+
+    @property
     def motion_since(self) -> str:
         """The moment from which its Gaussians are followed."""
         return "the start of the window" if isinstance(self.model.motion, WindowedMotion) else "the start"
@@ -107,8 +115,14 @@ class Scene:
 
     def require_one_model(self) -> None:
         """Raises UserError: its Gaussians are others at other times."""
-        if self.split_by_time:
-            raise UserError(f"expected one model that moves, got {self.split_by_time}: {self.name}")
+        if not self.split_by_time:
+            return
+        said = f"expected one model that moves, got {self.split_by_time}"
+        motion = self.model.motion
+        one = (
+            f" (--window 1 to {len(motion)} takes one of them)" if isinstance(motion, WindowedMotion) else ""
+        )
+        raise UserError(f"{said}{one}: {self.name}")
 
     def time(self, index: int) -> float:
         """Of frame `index`, in [0, 1)."""

@@ -96,10 +96,10 @@ def _made(scene: Scene, fineness: Fineness, window: ModelWindow) -> Follower:
     # Its kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.surface.of_model import surface_of
 
-    count = len(scene.cameras)
-    first, end = round(window.start * count), round((window.start + window.length) * count)
+    frames = window.frames(len(scene.cameras))
+    cameras = scene.cameras[frames.start : frames.stop]
     try:
-        return surface_of(window.model, scene.cameras[first:end], scene.near, scene.mode, fineness)
+        return surface_of(window.model, cameras, scene.near, scene.mode, fineness)
     except RuntimeError as error:
         raise UserError(str(error)) from error
 

@@ -13,6 +13,7 @@ from app.console.frame_numbers import frame_numbers
 from app.errors import UserError
 from app.scenes.scene import Scene, open_scene
 from app.scenes.supersampling import FACTORS
+from app.scenes.window_scene import scene_of_window
 from renderer.camera import Camera
 from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
 from renderer.view_files import read_views
@@ -42,7 +43,16 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--as-trained", action="store_true", help="ignore edits made in the app")
     parser.add_argument(
-        "--frames", nargs="+", metavar="all|test|I|A:B", help="frames to render, from 0 (default all)"
+        "--window",
+        type=int,
+        metavar="N",
+        help="of a reconstruction in windows that of this number, from 1, as one of its own (default all)",
+    )
+    parser.add_argument(
+        "--frames",
+        nargs="+",
+        metavar="all|test|I|A:B",
+        help="frames to render, from 0, of a window from its first one (default all)",
     )
     parser.add_argument("--time", type=float, metavar="T", help="one time in [0, 1] instead of frames")
     parser.add_argument(
@@ -89,6 +99,8 @@ def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
     if not 0 < flags.frames_per_second <= 1000:
         raise UserError(f"--frames-per-second: expected up to 1000, got {flags.frames_per_second}")
     scene = open_scene(flags.scene, as_trained=flags.as_trained)
+    if flags.window is not None:
+        scene = scene_of_window(scene, flags.window)
     asked = list(_moments(flags, scene))
     wanted = [replace(one, camera=_resized(one.camera, flags.size)) for one in asked]
     most = flags.supersampling * max(max(one.camera.width, one.camera.height) for one in wanted)

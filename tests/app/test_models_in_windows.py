@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
+from app.errors import UserError
 from app.exports.records import Tracks
 from app.exports.replay.recorded import recorded
 from app.exports.research.tracks import write_tracks
@@ -22,6 +23,7 @@ from app.runs.run_folder import RunFolder
 from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene, open_scene
 from app.scenes.surfaces import surface_at
+from app.scenes.window_scene import scene_of_window
 from renderer.deformation.motion import Still
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
@@ -81,9 +83,6 @@ def test_the_surface_of_each_moment_is_that_of_its_window(
         seen = surface_at(scene, scene.time(frame))
         assert len(seen.vertices) > 500
         assert np.median(depths[inside]) == pytest.approx(60, rel=0.15)  # The phantom's tissue, in mm.
-    refused = vesselsplat("export", windowed_run, "--mesh", tmp_path / "a.glb")
-    assert (refused.code, (tmp_path / "a.glb").exists()) == (2, False)
-    assert "expected one model that moves, got a model in 3 windows" in refused.error
 
 
 def drifting(scene: Scene) -> tuple[Scene, np.ndarray]:
@@ -162,3 +161,68 @@ def test_a_run_that_does_not_move_has_a_surface_at_once(windowed_run: Path) -> N
     scene = open_scene(windowed_run)
     still = replace(scene, model=DynamicGaussians(slope(scene), Still()))
     assert len(surface_at(still, 0.9).faces) > 100
+
+
+@pytest.mark.parametrize(("flag", "name"), [("--html", "a.html"), ("--npz", "a.npz"), ("--mesh", "a.glb")])
+def test_one_window_is_exported_as_a_model_of_its_own(
+    windowed_run: Path, vesselsplat: Cli, tmp_path: Path, flag: str, name: str
+) -> None:
+    path = tmp_path / name
+    refused = vesselsplat("export", windowed_run, flag, path)
+    assert (refused.code, path.exists()) == (2, False)
+    assert "--window 1 to 3 takes one of them" in refused.error
+    done = vesselsplat("export", windowed_run, flag, path, "--window", 2)
+    assert done.code == 0, done.error
+    assert recorded(path)["window"] == 2
+    again = vesselsplat("replay", path, "--source", windowed_run)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
+
+
+def test_a_window_alone_is_where_it_is_in_the_whole(windowed_run: Path) -> None:
+    whole = open_scene(windowed_run)
+    windows = windows_of(whole.model)
+    assert {index for window in windows for index in window.frames(112)} == set(range(112))
+    for number, window in enumerate(windows, start=1):
+        one = scene_of_window(whole, number)
+        frames = window.frames(112)
+        middle = frames[len(frames) // 2]
+        assert not one.split_by_time
+        assert one.number_at(one.time(middle - frames.start)) == middle + 1
+        assert one.cameras[middle - frames.start] == whole.cameras[middle]
+        alone, beside = one.model.at(one.time(middle - frames.start)), whole.model.at(whole.time(middle))
+        assert np.allclose(alone.means, beside.means, atol=1e-4)
+        assert [index + frames.start for index in one.test_indices] == [
+            index for index in whole.test_indices if index in frames
+        ]
+
+
+def test_no_other_window_is_there(windowed_run: Path, vesselsplat: Cli, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    for number in (0, 4):
+        refused = vesselsplat("render", windowed_run, "--out", out, "--window", number)
+        assert (refused.code, out.exists()) == (2, False)
+        assert f"expected a window from 1 to 3, got {number}" in refused.error
+    compared = vesselsplat("render", windowed_run, "--out", out, "--window", 1, "--view", "difference")
+    assert (compared.code, out.exists()) == (2, False)
+    assert "--view difference" in compared.error
+    uncut = replace(open_scene(windowed_run), model=windows_of(open_scene(windowed_run).model)[0].model)
+    with pytest.raises(UserError, match="not cut"):
+        scene_of_window(uncut, 1)
+
+
+def test_a_window_is_that_of_the_edited_model(run: Path, vesselsplat: Cli, tmp_path: Path) -> None:
+    scene = open_scene(run)
+    half = Mask.of(np.arange(len(scene.model)) % 2 == 0)
+    save_edits(RunFolder(run), Edits.none(len(scene.model)).selecting(half, "replace").deleting())
+    edited = open_scene(run)
+    assert len(scene_of_window(edited, 2).model) == pytest.approx(
+        len(scene_of_window(scene, 2).model) / 2, abs=1
+    )
+    path = tmp_path / "a.npz"
+    assert vesselsplat("export", run, "--npz", path, "--window", 2, "--frames", 0, 5).code == 0
+    again = vesselsplat("replay", path, "--source", run)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
+    first = Mask.of(np.arange(len(scene.model)) < windows_of(scene.model)[0].rows.stop)
+    bare = scene.edited(Edits.none(len(scene.model)).selecting(first, "replace").deleting())
+    with pytest.raises(UserError, match="all are removed"):
+        scene_of_window(bare, 1)

@@ -11,11 +11,11 @@ from renderer.camera import Camera
 def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> BrowserModel:
     """All of its time, as `camera` sees it first. Raises UserError: its Gaussians change over time."""
     scene.require_one_model()
-    clip, frames = scene.record.clip, len(scene.cameras)
+    frames = len(scene.cameras)
     return extended(
         BrowserModel,
         scene.record,
-        title=clip.name if clip else scene.name,
+        title=scene.title,
         camera=camera,
         near=scene.near,
         clip_frames=frames,

@@ -22,11 +22,10 @@ def surface_mesh(
         scene.require_one_model()
     else:
         scene.require_same_tissue()
-    clip = scene.record.clip
     return extended(
         SurfaceMesh,
         scene.record,
-        title=clip.name if clip else scene.name,
+        title=scene.title,
         time=time,
         frame=frame,
         seconds=len(scene.cameras) / frames_per_second,

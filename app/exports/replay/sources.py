@@ -19,6 +19,7 @@ from app.scenes.records import RunSource, SceneRecord
 from app.scenes.renderers import Renderer, drawer
 from app.scenes.scene import Scene, open_scene
 from app.scenes.view_request import FrameRequest
+from app.scenes.window_scene import scene_of_window
 from assets import phantom_path
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
@@ -49,7 +50,7 @@ class Found:
 
     def scene(self, record: SceneRecord) -> Scene:
         """Without the edits of the run, whatever has been edited since, and with those of the record."""
-        key = record.run, record.splats, record.edits
+        key = record.run, record.splats, record.edits, record.window
         if key not in self._scenes:
             self._scenes[key] = self._opened(record)
         return self._scenes[key]
@@ -61,9 +62,10 @@ class Found:
             scene = open_scene(self.find(record.splats))
         else:
             raise UserError("expected the run or splat file it was made from, got neither")
-        if record.edits is None:
-            return scene
-        return scene.edited(unpacked(record.edits.deleted, record.edits.hidden, len(scene.model), self.file))
+        if record.edits is not None:
+            left = unpacked(record.edits.deleted, record.edits.hidden, len(scene.model), self.file)
+            scene = scene.edited(left)
+        return scene if record.window is None else scene_of_window(scene, record.window)
 
     def reference(self, record: SceneRecord, frame: int | None, *, trained: bool) -> FrameRequest:
         if record.run is None:

@@ -33,7 +33,7 @@ OF_MOVING: Final[tuple[Form, ...]] = (
     "surface mesh",
     "model arrays",
 )
-"""Of one whose Gaussians are the same at every moment."""
+"""Of Gaussians that are the same at every moment: of a model in windows, of the one that is shown."""
 OF_TISSUE: Final[tuple[Form, ...]] = (*OF_MOVING, "surface folder", "tracks")
 """Of one that says where tissue goes: a model in windows does, a splat file per moment does not."""
 DICOM: Final[tuple[Form, ...]] = ("DICOM still", "DICOM video")
