@@ -21,7 +21,7 @@ from app.live.igtl.sender import Sender
 from app.live.picture import LiveSetting, LiveStatus
 from app.live.recorder import WHATS, Recorder, require_new
 from app.live.session import LiveSession, load
-from app.live.sources.device import devices
+from app.live.sources.device import devices, require_device
 from app.live.sources.opening import open_input
 from app.live.sources.source import Wish
 from app.live.start import start_of
@@ -92,6 +92,9 @@ def run(flags: argparse.Namespace) -> None:
     reading = parameters(ClipOptions, flags)
     start = start_of(flags.source, flags.right, reading.stereo, flags.igtl, known)
     asked, wish, setting = start.source, wish_of(flags), setting_of(flags)
+    for one in (asked.address, asked.right):
+        if one is not None and one.kind == "device":
+            require_device(one.where)
     if flags.record is not None:
         require_new(flags.record)
     # Compiling may take a minute, in which no source is to wait.
@@ -150,11 +153,16 @@ def _sender(endpoint: Endpoint) -> Sender:
 
 def _follow(session: LiveSession, sender: Sender | None, seconds: float | None, report: Report) -> None:
     """Until the time is over, the source has ended, or it never came. Raises UserError: it cannot come."""
-    began = time.perf_counter()
+    began, is_awaited = time.perf_counter(), False
     while not session.is_over:
         time.sleep(LOOK)
         now, passed = session.status(), time.perf_counter() - began
-        report(now.made, line_of(now) if sender is None else f"{line_of(now)}, {sender.state}")
+        if now.arrived:
+            report(now.made, line_of(now) if sender is None else f"{line_of(now)}, {sender.state}")
+        elif now.signal == "lost" and not is_awaited:
+            # It was never there, and so is not lost.
+            is_awaited = True
+            sys.stderr.write(f"live: waiting for the source: {now.reason}\n")
         if seconds is not None and passed >= seconds:
             return
         if now.made == 0 and passed > PATIENCE:

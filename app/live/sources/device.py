@@ -11,6 +11,7 @@ from typing import Final
 import cv2
 import numpy as np
 
+from app.errors import UserError
 from app.live.address import Device
 from app.live.sources.source import Arrived, SourceLost, Wish
 from renderer.clip import ByteImage
@@ -23,6 +24,13 @@ TRIED = 6
 LISTED = Path("/sys/class/video4linux")
 
 OpenDevice = Callable[[int | str], cv2.VideoCapture]
+
+
+def require_device(where: str) -> None:
+    """Raises UserError: there is none, as far as the system tells without opening it."""
+    node = Path(f"/dev/video{where}" if where.isdecimal() else where)
+    if sys.platform == "linux" and not node.exists():
+        raise UserError(f"expected a capture device (--list names them), got no such device: {node}")
 
 
 def opened(where: int | str) -> cv2.VideoCapture:

@@ -39,7 +39,9 @@ def test_a_clip_as_if_live_is_enhanced_recorded_and_measured(vesselsplat: Comman
         ((), "expected a SOURCE"),
         (("nosuch",), "expected a capture device"),
         (("gopher://x",), "expected a stream by"),
-        (("77", "--seconds", "0.6"), "no frame came from device 77"),
+        (("77",), "got no such device: /dev/video77"),
+        ((str(phantom_path()), "--right", "/dev/video78"), "got no such device: /dev/video78"),
+        (("tcp://127.0.0.1:9", "--seconds", "0.6"), "no frame came from tcp://127.0.0.1:9"),
         ((str(phantom_path()), "--seconds", "0"), "--seconds"),
         ((str(phantom_path()), "--fps", "-1"), "--fps"),
         ((str(phantom_path()), "--record", "film.avi"), "expected a recording to end in .mp4"),
@@ -51,6 +53,16 @@ def test_mistakes_are_one_line(vesselsplat: Command, flags: tuple[str, ...], sai
     assert done.code == 2
     assert said in done.error
     assert "Traceback" not in done.error
+
+
+def test_a_source_that_never_came_is_told_once_and_not_as_lost(
+    vesselsplat: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.commands.live.PATIENCE", 2.5)
+    done = vesselsplat("live", "tcp://127.0.0.1:9")
+    refused = "nothing can be received from tcp://127.0.0.1:9 (connection refused)"
+    assert done.code == 2
+    assert done.error.splitlines() == [f"live: waiting for the source: {refused}", f"vesselsplat: {refused}"]
 
 
 def test_devices_are_listed(vesselsplat: Command) -> None:
