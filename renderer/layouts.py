@@ -17,8 +17,10 @@ from renderer.depth.stereo_pairs import eye_folders, is_stereo_folder, open_ster
 from renderer.readers import hamlyn, stereomis
 from renderer.readers.clip_files import ClipFiles, numbered_pictures
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.coded_still import is_coded_still, open_coded_still
 from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
 from renderer.readers.dicom.header import dicom_kind
+from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.endonerf import endonerf_files, is_endonerf, open_endonerf
 from renderer.readers.frames import frames_of, open_image, open_images
 from renderer.readers.picture_kinds import frame_folder
@@ -105,16 +107,17 @@ def _frames_and_maps(path: Path, folder: Path) -> ClipFiles:
 
 
 def _is_still(path: Path) -> bool:
-    """By its name; of DICOM, whose names tell nothing, by its header."""
+    """By its name; of DICOM, whose names tell nothing, by its header; of a coded still by its first bytes."""
     if path.is_dir():
         return False
     kind = dicom_kind(path)
-    return is_picture(path) if kind is None else kind != "clip"
+    return is_picture(path) or is_coded_still(path) if kind is None else kind != "clip"
 
 
 def _open_picture(path: Path, options: ClipOptions) -> Clip:
     require_regular(path)
-    return open_image(path, options.field_of_view)
+    opens = open_image if is_picture(path) or is_dicom(path) else open_coded_still
+    return opens(path, options.field_of_view)
 
 
 def _open_video(path: Path, options: ClipOptions) -> Clip:

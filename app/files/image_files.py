@@ -20,6 +20,7 @@ from app.files.provenance import ascii_json, encode_png, write_sidecar
 from renderer.budget import OverBudget
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
+from renderer.readers.coded_still import is_coded_still, open_coded_still
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
@@ -55,7 +56,7 @@ def is_image(path: Path) -> bool:
 
 
 def is_still(path: Path) -> bool:
-    """Whether a file holds one picture: by its name, or of DICOM by its header."""
+    """Whether a file holds one picture: by its name, or of DICOM and of coded stills by its head."""
     return path.suffix.lower() == ".npy" or layout_of(path).name == "image"
 
 
@@ -102,6 +103,8 @@ def read_image(path: Path) -> ArrayImage:
         return _read_array(path)
     if is_dicom(path):
         return _read_dicom(path)
+    if not is_picture(path) and is_coded_still(path):
+        return open_coded_still(path).read_image(0)
     _require_size(path)
     orientation = UPRIGHT if path.suffix.lower() in TIFF else _checked(path)
     stored = _decoded(path)

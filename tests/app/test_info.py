@@ -13,6 +13,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from app.gui.session_file import Session, SessionSource, write_session
 from app.runs.run_folder import RunFolder
@@ -142,6 +143,15 @@ def test_a_video_by_its_header(tmp_path: Path, vesselsplat: Cli) -> None:
     assert facts["frame_rate"] == {"frames_per_second": 10.0}
     assert facts["size"] == [64, 48]
     assert facts["next"][0] == f"vesselsplat enhance {path} OUT.mp4"
+
+
+def test_an_image_that_a_decoder_of_videos_reads(
+    tmp_path: Path, told: Callable[[Path], dict[str, Any]]
+) -> None:
+    path = tmp_path / "still.avif"
+    Image.fromarray(tissue(1)).save(path)
+    facts = told(path)
+    assert (facts["what"]["layout"], facts["next"][0]) == ("image", f"vesselsplat enhance {path} OUT.png")
 
 
 def test_a_finished_run_and_one_that_was_cut_short(
