@@ -34,7 +34,7 @@ VESSEL_FIELDS = ("radius", "shading", "coring", "lift", "gamma", "most_color")
 OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "strength", "d_factor"}}
 PICTURES = frozenset({".avif", ".exr", ".gif", ".heic", ".jp2", ".jxl", ".psd", ".svg"})
 NOT_WRITTEN = (VIDEOS | PICTURES) - {VIDEO, WEBM}
-"""Formats that are not written; any other name, such as 2024.05.01, is that of a folder."""
+"""Formats that are not written; see `_check_output` for other names."""
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -167,7 +167,10 @@ def _check_output(given: Path, output: Path, series: Series, choices: DicomChoic
         codec_for(output)
     if (ending_of(output) or is_dicom_name(output)) and given.is_dir():
         common_size(path for path in files if is_picture(path))
-    if output.suffix.lower() in NOT_WRITTEN and not output.is_dir():
+    is_written = is_image(output) or is_dicom_name(output) or ending_of(output)
+    # Of one file, letters alone are meant as a format; out.v1 and 2024.05.01 are folders.
+    is_unknown = given.is_file() and output.suffix[1:].isalpha() and not is_written
+    if (output.suffix.lower() in NOT_WRITTEN or is_unknown) and not output.is_dir():
         raise UserError(f"expected an image, a folder, {VIDEO}, {WEBM} or .dcm to write, got {output}")
 
 

@@ -105,6 +105,15 @@ def test_a_new_folder_may_have_a_dot_in_its_name(
     assert [path.name for path in (tmp_path / name).iterdir()] == ["1.png"]
 
 
+def test_an_unknown_format_is_no_new_folder(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    refused = vesselsplat("enhance", folder / "1.png", tmp_path / "out.xyz")
+    assert (refused.code, refused.error.count("\n")) == (2, 1)
+    assert "expected an image, a folder, .mp4, .webm or .dcm to write, got" in refused.error
+    assert not (tmp_path / "out.xyz").exists()
+    (tmp_path / "out.xyz").mkdir()
+    assert vesselsplat("enhance", folder / "1.png", tmp_path / "out.xyz").code == 0
+
+
 def test_sixteen_bits_and_alpha_are_kept(tmp_path: Path, vesselsplat: Cli) -> None:
     colors = tissue(1).astype(np.uint16) * 257
     alpha = np.random.default_rng(0).integers(1, 65535, colors.shape[:2], dtype=np.uint16)
