@@ -6,6 +6,7 @@ Only the module of the chosen command is imported, so that `--help`, `--version`
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -71,7 +72,17 @@ def run(arguments: Sequence[str]) -> None:
     command = load(name)
     parser = Parser(prog=f"vesselsplat {name}", description=COMMANDS[name], allow_abbrev=False)
     command.add_flags(parser)
-    command.run(parser.parse_args(rest))
+    try:
+        flags = parser.parse_args(rest)
+    except UserError as error:
+        raise UserError(f"{error}{_of_dashes(rest)}") from error
+    command.run(flags)
+
+
+def _of_dashes(arguments: Sequence[str]) -> str:
+    """What to do about the first file that is taken for a flag, as the end of a sentence; else empty."""
+    name = next((one for one in arguments if one.startswith("-") and os.path.exists(one)), None)
+    return "" if name is None else f" (a name that begins with a dash is given as {os.path.join('.', name)})"
 
 
 def chosen(arguments: Sequence[str]) -> tuple[str, list[str]]:

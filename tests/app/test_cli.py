@@ -266,3 +266,15 @@ def test_light_modules_stay_light(module: str, absent: tuple[str, ...]) -> None:
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment)
     assert (done.stdout, done.stderr) == ("[]\n", "")
+
+
+@pytest.mark.parametrize("arguments", [["info", "-dash.png"], ["enhance", "-dash.png", "out"], ["-dash.png"]])
+def test_a_file_that_is_taken_for_a_flag(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, vesselsplat: Cli, arguments: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    hint = f" (a name that begins with a dash is given as {os.path.join('.', '-dash.png')})\n"
+    assert hint not in vesselsplat(*arguments).error
+    picture(tmp_path / "-dash.png")
+    refused = vesselsplat(*arguments)
+    assert (refused.code, refused.error.endswith(hint)) == (2, True)
