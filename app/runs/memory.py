@@ -15,6 +15,7 @@ import psutil
 
 from app.errors import UserError
 from renderer.clip import Clip
+from renderer.readers.listing import count
 from renderer.train.config import TrainConfig
 from renderer.train.demand import demand
 from renderer.train.events import Planned
@@ -80,7 +81,8 @@ def planned_in(folder: Path, clip: Clip, config: TrainConfig) -> Planned:
         UserError: there is less free memory than that, or less room on the disk that `folder` will lie on.
     """
     planned, (width, height) = demand(clip, config), clip.size
-    what = f"{len(clip.train_indices)} frames of {width}x{height} and {config.n_gaussians} Gaussians"
+    frames, gaussians = count(len(clip.train_indices), "frame"), count(config.n_gaussians, "Gaussian")
+    what = f"{frames} of {width}x{height} and {gaussians}"
     disk = shutil.disk_usage(nearest_folder(folder)).free
     for needed, free, where in ((planned.memory, free_memory(), "memory"), (planned.disk, disk, "disk")):
         if needed > free:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.clip import Clip
+from renderer.readers.listing import count
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission
 
@@ -124,8 +125,10 @@ def left_out(windows: Sequence[Window], config: TrainConfig) -> tuple[Omission, 
     if len(windows) > 1:
         return ()
     longest = config.window_frames or LONGEST
-    limit = f"{longest} frames" + ("" if config.window_frames else f" or {MOST_VIEWS:g} views")
-    why = f"the clip has {len(windows[0])} frames, and windows are for more than {limit}"
+    limit = count(longest, "frame")
+    if config.window_frames is None:
+        limit += f" or {count(round(MOST_VIEWS), 'view')} beside the first"
+    why = f"the clip has {count(len(windows[0]), 'frame')}, and windows are for more than {limit}"
     return (Omission("windows", why, "Gaussians and curves for each window"),)
 
 

@@ -20,7 +20,7 @@ from renderer.train.events import Evaluated, Finished, Progress, Snapshot, Start
 from renderer.train.trainer import TrainingError
 from renderer.train.training import train
 from renderer.train.window_files import FOLDER, in_windows, next_of, unfinished
-from renderer.train.windows import OVERLAP, SHORTEST, Window, cut, new_views, windows_of
+from renderer.train.windows import OVERLAP, SHORTEST, Window, cut, left_out, new_views, windows_of
 from tests.renderer.plane import plane_clip
 
 FRAMES, STEPS = 112, 6
@@ -114,6 +114,14 @@ def test_a_short_clip_has_one_window_and_says_so() -> None:
     assert [each.why for each in started.omitted if each.what == "windows"] == [
         "the clip has 12 frames, and windows are for more than 48 frames"
     ]
+
+
+def test_one_of_a_kind_is_told_as_one() -> None:
+    (told,) = left_out((Window(0, 0),), TrainConfig())
+    assert (
+        told.why
+        == "the clip has 1 frame, and windows are for more than 400 frames or 1 view beside the first"
+    )
 
 
 def test_steps_of_all_windows_are_counted(whole: tuple[list[TrainEvent], Path]) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.commands.described.fact import Fact, count, next_steps, notices
+from app.commands.described.fact import Fact, next_steps, notices
 from app.files.image_files import frames_in
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
@@ -21,7 +21,7 @@ from renderer.depth.monocular import monocular_maps
 from renderer.depth.stereo_pairs import eye_folders, right_eye
 from renderer.layouts import LAYOUTS, layout_of
 from renderer.readers.clip_options import DEFAULTS, StereoLayout
-from renderer.readers.listing import listed
+from renderer.readers.listing import count, listed
 from renderer.readers.pictures import SeveralSizes
 from renderer.readers.video_header import read_video_header
 from renderer.sources import open_clip

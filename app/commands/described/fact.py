@@ -58,7 +58,3 @@ def made(utc: Any, version: Any) -> Fact:
     """When, and by which version of the program."""
     when = "at an unrecorded time" if utc is None else utc
     return Fact("made", f"{when} by version {version}", {"utc": utc, "version": version})
-
-
-def count(number: int, one: str) -> str:
-    return f"{number} {one}" if number == 1 else f"{number} {one}s"

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from app.commands.described.fact import Fact, count, made, next_steps, notices
+from app.commands.described.fact import Fact, made, next_steps, notices
 from app.console.flags import problem
 from app.errors import UserError
 from app.exports.replay.recorded import recorded
@@ -22,6 +22,7 @@ from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all
 from renderer.json_files import read_json, read_text
 from renderer.readers.clip_files import files_in
+from renderer.readers.listing import count
 from renderer.splat_files import SplatFileError, read_splats, whole
 from renderer.splat_files.splat_records import RECORD
 

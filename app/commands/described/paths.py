@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from app.commands.described.clips import of_clip, of_video
-from app.commands.described.fact import Fact, count, next_steps
+from app.commands.described.fact import Fact, next_steps
 from app.commands.described.files import (
     can_replay,
     is_export,
@@ -23,7 +23,7 @@ from app.gui.session_file import SUFFIX
 from app.runs.run_folder import RunFolder
 from app.sweeps.folder import SWEEP, is_sweep
 from renderer.layouts import layout_of
-from renderer.readers.listing import listed
+from renderer.readers.listing import count, listed
 from renderer.readers.picture_kinds import frame_folder
 from renderer.readers.pictures import is_frame, is_visible, moves, natural_key
 from renderer.regular_files import require_regular
