@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Generator, Mapping
 from contextlib import ExitStack, nullcontext
 from dataclasses import dataclass, replace
@@ -277,9 +276,13 @@ def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
         raise UserError(f"{run.path} already holds {state} run: {hint}")
     if not run.is_run:
         run.require_vacant()
-    there = next(folder for folder in (run.path.absolute(), *run.path.absolute().parents) if folder.exists())
-    if not os.access(there, os.W_OK):
-        raise UserError(f"expected a writable folder for the run, got one that is not: {there}")
+    there = nearest_folder(run.path)
+    try:
+        # Rights alone do not tell: the superuser has all, also where nothing can be made.
+        with TemporaryDirectory(prefix=".vesselsplat-", dir=there):
+            pass
+    except OSError as error:
+        raise UserError(f"expected a writable folder for the run, got one that is not: {there}") from error
 
 
 def _check_same(request: TrainRequest, record: RunRecord, whole: Clip) -> None:

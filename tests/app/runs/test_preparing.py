@@ -188,9 +188,19 @@ def test_a_run_that_cannot_be_written_is_refused_before_the_clip_is_opened(
 ) -> None:
     monkeypatch.setattr("app.runs.train_run.open_clip", no_clip)
     # The superuser may write everywhere.
-    monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != tmp_path)
+    def no_folder(path: str, *_: object) -> None:
+        raise PermissionError(path)
+
+    monkeypatch.setattr(os, "mkdir", no_folder)
     with pytest.raises(UserError, match=r"expected a writable folder for the run.*test_a_run"):
         next(run_training(request_of(clip_path, tmp_path / "deep" / "run")))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="only Linux has /proc")
+def test_a_place_where_no_folder_can_be_made_is_not_called_full(clip_path: Path) -> None:
+    with pytest.raises(UserError, match="expected a writable folder for the run, got one that is not: /proc"):
+        next(run_training(request_of(clip_path, Path("/proc/run"))))
 
 
 def test_pairs_that_match_nowhere_are_refused_after_a_few(clip_path: Path, tmp_path: Path) -> None:
