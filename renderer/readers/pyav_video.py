@@ -7,7 +7,6 @@ import weakref
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
-from statistics import median
 from typing import TYPE_CHECKING
 
 import cv2
@@ -19,7 +18,7 @@ from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.decoders import DECODERS
 from renderer.readers.deinterlacing import deinterlaced
 from renderer.readers.stereo_layout import told_layout
-from renderer.readers.video_index import decoded, index_of, nominal_rate, open_container, video_stream
+from renderer.readers.video_index import decoded, index_of, open_container, video_stream
 from renderer.readers.video_shape import UNSPECIFIED, bits_of, pixel_aspect, quarter_turns, usual_matrix
 
 if TYPE_CHECKING:
@@ -38,8 +37,6 @@ INTERLACED = {
     "field": "interlaced video: deinterlaced, one image per field",
     "off": "interlaced video: not deinterlaced, as requested; moving edges show combing",
 }
-SMOOTH = 8
-"""Units of time in a frame from which on a difference of one unit is rounding."""
 
 
 class PyAvVideo:
@@ -66,7 +63,6 @@ class PyAvVideo:
         self._close: weakref.finalize[..., PyAvVideo] | None = None
         stream = self._start()
         first = self._frame(0)
-        self._nominal_rate = nominal_rate(stream)
         self.pixel_aspect = float(pixel_aspect(stream, first))
         self.stereo = told_layout(first)
         self.notices = tuple(self._oddities(first))
@@ -76,21 +72,8 @@ class PyAvVideo:
         return len(self._index.stamps) * self._per_frame
 
     @property
-    def is_steady(self) -> bool:
-        """Whether frames come evenly."""
-        steps = [later - one for one, later in pairwise(self._index.stamps)]
-        return not steps or max(steps) - min(steps) <= (median(steps) >= SMOOTH)
-
-    @property
     def frames_per_second(self) -> float:
-        """The file's own rate where its frames come evenly, else their number by the time they take."""
-        nominal, stamps = self._nominal_rate, self._index.stamps
-        if len(stamps) > 1:
-            mean = (stamps[-1] - stamps[0]) * self._index.time_base / (len(stamps) - 1)
-            rounding = self._index.time_base / (len(stamps) - 1)
-            if not self.is_steady or abs(mean - 1 / nominal) > rounding:
-                nominal = 1 / mean
-        return float(nominal * self._per_frame)
+        return float(self._index.frames_per_second * self._per_frame)
 
     @property
     def frame_times(self) -> tuple[float, ...]:
@@ -98,7 +81,7 @@ class PyAvVideo:
         times = self._index.times
         if self._per_frame == 1:
             return times
-        lasting = [later - one for one, later in pairwise(times)] or [float(1 / self._nominal_rate)]
+        lasting = [later - one for one, later in pairwise(times)] or [float(1 / self._index.nominal_rate)]
         lasting.append(lasting[-1])
         return tuple(
             time + half * last / 2 for time, last in zip(times, lasting, strict=True) for half in (0, 1)
@@ -224,7 +207,7 @@ class PyAvVideo:
         count = len(self._index.stamps)
         if self._index.is_cut:
             yield f"{CUT_OFF}: {count} frames are whole"
-        if not self.is_steady:
+        if not self._index.is_steady:
             rate = f"{self.frames_per_second:.3g}"
             yield f"the frame rate varies, {rate} frames per second on average; frame times are kept"
         if self._index.is_interlaced:

@@ -1,10 +1,10 @@
-"""What a video file says of itself, with its first frame alone decoded."""
+"""What a video file says of itself, with few of its frames decoded."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from renderer.clip import ClipError
 from renderer.pyav_presence import has_pyav
@@ -15,6 +15,9 @@ from renderer.readers.dicom.opening import is_dicom
 if TYPE_CHECKING:
     from av.container import InputContainer
     from av.video.stream import VideoStream
+
+QUICKLY_READ: Final = 256_000_000
+"""Bytes of a file that is read in a few seconds, wherever it lies."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,10 @@ class VideoHeader:
     """Width of a pixel by its height."""
     stereo: StereoLayout | None = None
     """How both eyes lie in its frames, where it says so."""
+    is_steady: bool = True
+    """Whether frames come evenly, as far as that is known."""
+    is_announced: bool = True
+    """Whether the number of frames, and with it their rate, is what the file states, and not what decodes."""
 
 
 def read_video_header(path: Path) -> VideoHeader:
@@ -45,6 +52,25 @@ def read_video_header(path: Path) -> VideoHeader:
     if is_dicom(path) and not (told := read_header(path)).is_stream:
         return _of_frames(told)
     return _by_pyav(path) if has_pyav() else _by_opencv(path)
+
+
+def read_counted_header(path: Path) -> VideoHeader:
+    """With the frames and their rate as the reader finds them, where the file tells them quickly.
+
+    Raises ClipError as `read_video_header`.
+    """
+    header = read_video_header(path)
+    of_frames = is_dicom(path) and not read_header(path).is_stream
+    if of_frames or not has_pyav() or path.stat().st_size > QUICKLY_READ:
+        return header
+    from renderer.readers.video_index import told_index
+
+    if (index := told_index(path)) is None:
+        return header
+    frames, rate = len(index.stamps), float(index.frames_per_second)
+    seconds = frames / rate if index.is_cut else header.seconds
+    found = replace(header, frames=frames, frames_per_second=rate, seconds=seconds)
+    return replace(found, is_steady=index.is_steady, is_announced=False)
 
 
 def _of_frames(told: DicomHeader) -> VideoHeader:

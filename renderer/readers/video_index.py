@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from renderer.budget import OverBudget, budget
@@ -33,6 +34,8 @@ ERRORS = 100
 """Places where a file may be damaged before the rest is given up."""
 DICOM_HOLDS = "mov,mp4,mpegts,mpeg,mpegvideo,h264,hevc"
 """Forms of video in it, as FFmpeg calls them."""
+SMOOTH = 8
+"""Units of time in a frame from which on a difference of one unit is rounding."""
 NO_VIDEO = frozenset({"ansi", "bintext", "xbin", "idf"})
 """Text, of which FFmpeg makes pictures."""
 
@@ -50,6 +53,24 @@ class VideoIndex:
     is_cut: bool
     """Whether the end of the file is missing or damaged."""
     is_interlaced: bool
+    nominal_rate: Fraction
+    """Frames a second as the file says it."""
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether frames come evenly."""
+        steps = [later - one for one, later in pairwise(self.stamps)]
+        return not steps or max(steps) - min(steps) <= (median(steps) >= SMOOTH)
+
+    @property
+    def frames_per_second(self) -> Fraction:
+        """The file's own rate where its frames come evenly, else their number by the time they take."""
+        if len(self.stamps) > 1:
+            unit = self.time_base / (len(self.stamps) - 1)
+            mean = (self.stamps[-1] - self.stamps[0]) * unit
+            if not self.is_steady or abs(mean - 1 / self.nominal_rate) > unit:
+                return 1 / mean
+        return self.nominal_rate
 
     @property
     def times(self) -> tuple[float, ...]:
@@ -128,11 +149,40 @@ def _packets_of(container: InputContainer, stream: VideoStream) -> Iterator[Pack
 
 
 def index_of(path: Path) -> VideoIndex:
-    """Reads the whole file once, without decoding more than its first and last frames.
+    """Reads the whole file once, and decodes no more than its first and last frames where its packets tell.
 
     Raises:
         ClipError: no video, or no frame that decodes.
     """
+    scan = _scanned(path)
+    index = _timed(path, scan)
+    if index is not None:
+        return index
+    count = _count(path)
+    cut = scan.packets.is_short or count < len(scan.packets.stamps)
+    return VideoIndex(tuple(range(count)), 1 / scan.rate, True, cut, scan.is_interlaced, scan.rate)
+
+
+def told_index(path: Path) -> VideoIndex | None:
+    """The same where packets tell it, and so quickly; else None. Raises as `index_of`."""
+    return _timed(path, _scanned(path))
+
+
+@dataclass(frozen=True)
+class _Scan:
+    """A file that was read once."""
+
+    packets: _Packets
+    head: tuple[int | None, ...]
+    """When the first frames that decode are shown."""
+    time_base: Fraction
+    rate: Fraction
+    is_interlaced: bool
+    is_sure: bool
+    """Whether its container tells of no frame that is not there."""
+
+
+def _scanned(path: Path) -> _Scan:
     with open_container(path) as container:
         stream = video_stream(container, path)
         time_base, rate = stream.time_base or Fraction(1, 25), nominal_rate(stream)
@@ -143,15 +193,17 @@ def index_of(path: Path) -> VideoIndex:
     if not head:
         raise ClipError(f"expected a video, got a file without a frame that decodes: {path}")
     interlaced = any(frame.interlaced_frame for frame in head)
-    first = head[0].pts
+    return _Scan(packets, tuple(frame.pts for frame in head), time_base, rate, interlaced, sure)
+
+
+def _timed(path: Path, scan: _Scan) -> VideoIndex | None:
+    first, packets = scan.head[0], scan.packets
     stamps = [stamp for stamp in packets.stamps if first is not None and stamp >= first]
-    if not packets.are_timed or [frame.pts for frame in head] != stamps[: len(head)]:
-        count = _count(path)
-        cut = packets.is_short or count < len(packets.stamps)
-        return VideoIndex(tuple(range(count)), 1 / rate, True, cut, interlaced)
-    whole = stamps if sure and not packets.is_short else _whole(path, stamps)
+    if not packets.are_timed or scan.head != tuple(stamps[: len(scan.head)]):
+        return None
+    whole = stamps if scan.is_sure and not packets.is_short else _whole(path, stamps)
     cut = packets.is_short or len(whole) < len(stamps)
-    return VideoIndex(tuple(whole), time_base, False, cut, interlaced)
+    return VideoIndex(tuple(whole), scan.time_base, False, cut, scan.is_interlaced, scan.rate)
 
 
 def start_of(path: Path) -> Fraction:

@@ -19,8 +19,10 @@ from app.gui.session_file import Session, SessionSource, write_session
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.sources import open_clip
 from tests.app.conftest import CONFIG, Call, request_of, tissue
 from tests.renderer.eyes import write_eyes
+from tests.renderer.readers.numbered import encoded, numbered_picture
 
 Cli = Callable[..., Call]
 
@@ -140,9 +142,21 @@ def test_a_video_by_its_header(tmp_path: Path, vesselsplat: Cli) -> None:
     writer.release()
     facts = json.loads(vesselsplat("info", path, "--json").out)
     assert facts["frames"] == {"count": 5}
-    assert facts["frame_rate"] == {"frames_per_second": 10.0}
+    assert facts["frame_rate"] == {"frames_per_second": 10.0, "steady": True}
     assert facts["size"] == [64, 48]
     assert facts["next"][0] == f"vesselsplat enhance {path} OUT.mp4"
+
+
+def test_a_video_has_the_rate_and_the_frames_that_the_window_tells(tmp_path: Path, vesselsplat: Cli) -> None:
+    times = [0.0, 0.1, 0.14, 0.18, 0.5, 1.3, 1.34, 1.7]
+    path = encoded(tmp_path / "varies.mp4", [numbered_picture(number) for number in range(8)], times=times)
+    facts = json.loads(vesselsplat("info", path, "--json").out)
+    clip = open_clip(path)
+    assert facts["frames"] == {"count": len(clip)}
+    assert facts["frame_rate"] == {"frames_per_second": clip.frames_per_second, "steady": False}
+    said = vesselsplat("info", path).out
+    assert "frame rate   varies, 4.118 a second on average\n" in said
+    assert "frames       8, " in said
 
 
 def test_an_image_that_a_decoder_of_videos_reads(

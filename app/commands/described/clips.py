@@ -23,7 +23,7 @@ from renderer.layouts import LAYOUTS, layout_of
 from renderer.readers.clip_options import DEFAULTS, StereoLayout
 from renderer.readers.listing import count, listed
 from renderer.readers.pictures import SeveralSizes
-from renderer.readers.video_header import read_video_header
+from renderer.readers.video_header import read_counted_header
 from renderer.sources import open_clip
 
 TITLES = {layout.name: layout.title for layout in LAYOUTS}
@@ -53,16 +53,20 @@ INTERLACED = "interlaced; deinterlaced on reading (change with --deinterlacing f
 
 
 def of_video(path: Path) -> tuple[Fact, ...]:
-    """By its header. Raises ClipError: it is none."""
-    header = read_video_header(path)
+    """By its header, and of a file that is not large by its packets. Raises ClipError: it is none."""
+    header = read_counted_header(path)
     rate, frames = header.frames_per_second, header.frames
-    length = f", {header.seconds:.1f} s" if header.seconds else ""
+    length = ", as the file states" if header.is_announced else ""
+    length += f", {header.seconds:.1f} s" if header.seconds else ""
+    pace = "unknown" if rate is None else f"{rate:.4g} a second"
+    if not header.is_steady:
+        pace = f"varies, {pace} on average"
     width, height = header.size
     shape = "square" if header.pixel_aspect == 1 else f"{header.pixel_aspect:.3g} (width to height)"
     return (
         Fact("what", "clip: video", "video"),
-        Fact("frames", f"{frames or 'unknown number'}, as the file states{length}", {"count": frames}),
-        Fact("frame rate", f"{rate:.4g} a second" if rate else "unknown", {"frames_per_second": rate}),
+        Fact("frames", f"{frames or 'unknown number'}{length}", {"count": frames}),
+        Fact("frame rate", pace, {"frames_per_second": rate, "steady": header.is_steady}),
         Fact("size", f"{width}x{height}", [width, height]),
         Fact("pixels", shape, header.pixel_aspect),
         Fact("codec", header.codec or "unknown", header.codec),

@@ -34,7 +34,7 @@ from renderer.splat_series import series_files
 def described(path: Path) -> tuple[Fact, ...]:
     """What it is read as, what is missing, and what to do next.
 
-    Reads headers and a handful of frames, and writes nothing.
+    Reads headers, a handful of frames and the packets of a video that is not large, and writes nothing.
 
     Raises:
         UserError, ClipError, OSError: nothing there, or nothing that can be read.

@@ -187,6 +187,7 @@ def test_a_run_that_cannot_be_written_is_refused_before_the_clip_is_opened(
     clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("app.runs.train_run.open_clip", no_clip)
+
     # The superuser may write everywhere.
     def no_folder(path: str, *_: object) -> None:
         raise PermissionError(path)
