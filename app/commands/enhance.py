@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, cast
 
-from app.console.flags import add_fields, parameters
+from app.console.flags import add_fields, highest, parameters
 from app.console.progress import progress
 from app.enhancement.batch import Item, enhance_batch, items_in
 from app.enhancement.dicom_files import is_dicom_name, require_dicom
@@ -32,6 +32,11 @@ from renderer.readers.pictures import VIDEOS, common_size, is_picture
 FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below", "strength")
 VESSEL_FIELDS = ("radius", "shading", "coring", "lift", "gamma", "most_color")
 OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "strength", "d_factor"}}
+MOST = {
+    PAPER: highest(EnhanceParams, "strength"),
+    VESSEL: highest(VesselParams, "strength"),
+}
+"""Of the strength, by the method."""
 PICTURES = frozenset({".avif", ".exr", ".gif", ".heic", ".jp2", ".jxl", ".psd", ".svg"})
 NOT_WRITTEN = (VIDEOS | PICTURES) - {VIDEO, WEBM}
 """Formats that are not written; see `_check_output` for other names."""
@@ -132,6 +137,8 @@ def params_of(flags: argparse.Namespace) -> Params:
     for name in (*FIELDS, *VESSEL_FIELDS):
         if name in flags and name not in OWN_FIELDS.get(flags.method, set()):
             raise UserError(f"--{name.replace('_', '-')} has no effect with --method {flags.method}")
+    if "strength" in flags:
+        _require_strength(flags.method, flags.strength)
     if flags.method == PAPER:
         return parameters(EnhanceParams, flags)
     if flags.method == VESSEL:
@@ -141,6 +148,20 @@ def params_of(flags: argparse.Namespace) -> Params:
             given = getattr(flags, name)
             raise UserError(f"--{name} {given} has no effect with --method {flags.method}")
     return None
+
+
+def _require_strength(method: str, text: str) -> None:
+    """Raises UserError: the method does not take that much; which one does, if one does."""
+    try:
+        strength = float(text)
+    except ValueError:
+        return  # Its dataclass says what is wrong.
+    if not 0 <= strength <= MOST[method]:
+        takes = [
+            f" (--method {one} takes up to {most:g})" for one, most in MOST.items() if 0 < strength <= most
+        ]
+        expected = f"expected 0 to {MOST[method]:g} for the method {method}"
+        raise UserError(f"--strength: {expected}, got {strength:g}{''.join(takes)}")
 
 
 def _dicom(flags: argparse.Namespace) -> DicomChoices:

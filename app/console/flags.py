@@ -6,7 +6,7 @@ import argparse
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, TypeVar, get_args, get_origin
+from typing import Any, Literal, TypeVar, cast, get_args, get_origin
 
 from annotated_types import Interval, Unit
 from pydantic import ValidationError
@@ -141,6 +141,13 @@ def _help(field: FieldInfo) -> str:
     if default and Calibration not in _alternatives(field.annotation):
         parts.append("default " + " ".join(AUTO if value is None else str(value) for value in default))
     return " ".join(part for part in parts if part).replace("%", "%%")
+
+
+def highest(kind: type[Any], name: str) -> float:
+    """The highest value of a field that has one."""
+    field = _fields(kind)[name]
+    found = (*field.metadata, *marks(field.annotation))
+    return next(float(cast(float, mark.le)) for mark in found if isinstance(mark, Interval))
 
 
 def marks(hint: Any) -> list[Any]:

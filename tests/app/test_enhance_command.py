@@ -309,7 +309,16 @@ def test_flags_of_the_preset_reach_it(folder: Path, tmp_path: Path, vesselsplat:
         (("--method", "clahe", "--pixels", "tissue"), "--pixels tissue has no effect"),
         (("--method", "vessel", "--omit-below", "1"), "--omit-below has no effect with --method vessel"),
         (("--pixels", "some"), "--pixels"),
-        (("--method", "vessel", "--strength", "9"), "--strength: .*4"),
+        (
+            ("--method", "vessel", "--strength", "9"),
+            r"--strength: expected 0 to 4 for the method vessel, got 9\n",
+        ),
+        (
+            ("--strength", "2.4"),
+            r"--strength: expected 0 to 2 for the method paper, got 2.4 \(--method vessel takes up to 4\)\n",
+        ),
+        (("--strength", "-1"), r"--strength: expected 0 to 2 for the method paper, got -1\n"),
+        (("--strength", "much"), "--strength: .*got 'much'"),
         (("--method", "tao"), "tao"),
     ],
 )
