@@ -155,8 +155,14 @@ class Scene:
     def has_clip_frame(self, frame: int) -> bool:
         return 0 <= frame - self.start < len(self.cameras)
 
+    def is_of_other(self, clip: Clip) -> bool:
+        """It was made of a clip of another name: of two patients, the cameras may be the same."""
+        return self.record.clip is not None and self.record.clip.name != clip.name
+
     def is_of(self, clip: Clip) -> bool:
         """Its cameras are those of the clip, or of a part of it; of estimated poses, the lens is."""
+        if self.is_of_other(clip):
+            return False
         theirs = (
             clip.cameras if self.first is None else clip.cameras[self.first : self.first + len(self.cameras)]
         )

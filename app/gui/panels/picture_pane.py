@@ -16,7 +16,7 @@ from app.gui.state.live_words import is_not_live
 from app.gui.state.panes import Pane, pixel, tinted
 from app.gui.state.tags import Tag
 from app.gui.style import theme
-from app.gui.style.widgets import Area, em, fill_around, stack_tags, tag, tag_height
+from app.gui.style.widgets import Area, dragged, em, fill_around, stack_tags, tag, tag_height
 from app.gui.views.comparison import Side
 from app.gui.views.picture_view import PictureView, Placement
 from app.live.picture import LIVE
@@ -146,13 +146,13 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left) and not state.masking.active:
             picture_actions.fit(state)
             return
-    dragged = io.mouse_delta.x != 0 or io.mouse_delta.y != 0
+    by = dragged()
     if state.picture.mask_tool:
         _draw_mask(state, image, area)
     elif state.masking.active and not imgui.is_mouse_down(imgui.MouseButton_.right):
         follow_brush(state, _placement(state, image, area), area)
-    elif imgui.is_item_active() and dragged:
-        picture_actions.pan(state, (io.mouse_delta.x, io.mouse_delta.y), picture, pane)
+    elif by.x or by.y:
+        picture_actions.pan(state, (by.x, by.y), picture, pane)
     zoom = state.picture.view.place(picture, pane).zoom
     laid_out.size_picture(state, io.display_framebuffer_scale.x * zoom)
 

@@ -134,7 +134,9 @@ def _draw_hold(state: AppState) -> None:
 
 
 def _draw_status(state: AppState, run: Reconstruction) -> None:
-    progress, words = run.progress, doing(state)
+    progress, words, clip = run.progress, doing(state), state.source.clip
+    if run.clip is not None and (clip is None or clip.name != run.clip.name):
+        note(f"Of another clip: {legible(run.clip.name)}", theme.now().warning)
     note(words, theme.now().text)
     if run.request is not None:
         needs = f"\n{capital(run.planned)}." if run.planned else ""

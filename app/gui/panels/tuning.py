@@ -29,6 +29,7 @@ from app.gui.style.widgets import (
     button,
     centered,
     choose,
+    dragged,
     em,
     explain,
     muted,
@@ -304,5 +305,6 @@ def _look_around(state: AppState, picture: tuple[int, int], area: Area) -> None:
             tuning_actions.zoom_cell(state, WHEEL_STEP**io.mouse_wheel, area.mouse(), picture, area.inside)
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
             tuning_actions.fit_cell(state)
-    if imgui.is_item_active() and (io.mouse_delta.x or io.mouse_delta.y):
-        tuning_actions.pan_cell(state, (io.mouse_delta.x, io.mouse_delta.y), picture, area.inside)
+    by = dragged()
+    if by.x or by.y:
+        tuning_actions.pan_cell(state, (by.x, by.y), picture, area.inside)

@@ -18,7 +18,18 @@ from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import frame_share, hides_enhancement
 from app.gui.style import theme
-from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, stack_tags
+from app.gui.style.widgets import (
+    Area,
+    beside,
+    beside_of,
+    button,
+    centered,
+    choose,
+    dragged,
+    em,
+    explain,
+    stack_tags,
+)
 from app.kernels.progress import rounded
 from app.scenes.backgrounds import Background
 from app.scenes.scene import Scene
@@ -127,7 +138,7 @@ def _draw_toolbar(state: AppState) -> None:
     _draw_second(state)
     _draw_snap(state)
     _draw_kind(state)
-    if state.source.clip is None:
+    if state.source.clip is None or state.shows_other_clip:
         _draw_time(state)
         return
     beside_of(em(12))
@@ -195,12 +206,13 @@ def _move(state: AppState, area: Area) -> None:
     held = held and not (state.editing.takes_drags and not io.key_alt and left)
     if held and any(imgui.is_mouse_down(index) for index in range(3)):
         laid_out.drag_view(state)
-    if held and (io.mouse_delta.x or io.mouse_delta.y):
+    by = dragged()
+    if held and (by.x or by.y):
         if left:
-            camera_actions.turn(state, -TURN * io.mouse_delta.x / across, TURN * io.mouse_delta.y / across)
+            camera_actions.turn(state, -TURN * by.x / across, TURN * by.y / across)
         else:
             zoom = Sight(state.scene.model.cameras[0], area).place.zoom if state.scene.model else 1.0
-            camera_actions.pan(state, io.mouse_delta.x / zoom, io.mouse_delta.y / zoom)
+            camera_actions.pan(state, by.x / zoom, by.y / zoom)
     if imgui.is_item_hovered():
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         if io.mouse_wheel:
@@ -282,6 +294,8 @@ def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
             of_enhanced = model.record.input == "enhanced"
             color = theme.TAG_ENHANCED if of_enhanced else theme.TAG_ORIGINAL
             tags.append((f"from {legible(model.record.trained_on)}", color))
+    if state.shows_other_clip:
+        tags.insert(0, (f"OF ANOTHER CLIP · {legible(model.title)}", theme.TAG_CAUTION))
     tags += _guess_tags(model)
     if hides_enhancement(state, model) and not _is_under_frame(state):
         tags.append((f"OF {str(model.record.input).upper()} FRAMES · not white light", theme.TAG_CAUTION))

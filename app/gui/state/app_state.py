@@ -95,10 +95,21 @@ class AppState:
     @property
     def time(self) -> float:
         """Time of the 3D view in [0, 1]."""
-        if self.scene.linked and self.source.clip is not None:
+        if self.follows_clip:
             first, count = self.timed
             return min(max(self.timeline.frame_index - first, 0), count - 1) / count
         return self.scene.own_time
+
+    @property
+    def follows_clip(self) -> bool:
+        """The 3D view is at the time of the open clip: it is to be, and is not of another one."""
+        return self.scene.linked and self.source.clip is not None and not self.shows_other_clip
+
+    @property
+    def shows_other_clip(self) -> bool:
+        """The 3D view is of another clip than the open one."""
+        model, clip = self.scene.model, self.source.clip
+        return model is not None and clip is not None and model.is_of_other(clip)
 
     @property
     def timed(self) -> tuple[int, int]:

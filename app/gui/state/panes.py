@@ -67,7 +67,9 @@ def why_not(state: AppState, source: str) -> str:
 def _renders(state: AppState) -> bool:
     """The open model was made through this clip's cameras."""
     model, clip = state.scene.model, state.source.clip
-    if model is None or clip is None or not (state.has_frames or len(model.cameras) == len(clip)):
+    if model is None or clip is None or model.is_of_other(clip):
+        return False
+    if not (state.has_frames or len(model.cameras) == len(clip)):
         return False
     camera = model.cameras[0]
     return (camera.width, camera.height) == clip.size

@@ -336,3 +336,10 @@ def floating(width: float) -> int:
     imgui.set_next_window_size_constraints(ImVec2(across, 0), ImVec2(across, viewport.work_size.y - em(3)))
     flags = imgui.WindowFlags_
     return int(flags.no_collapse | flags.no_docking | flags.always_auto_resize)
+
+
+def dragged() -> ImVec2:
+    """How far the last item has been dragged since the frame before; nowhere as it is pressed, where a tap,
+    or a pen, has come from anywhere."""
+    held = imgui.is_item_active() and not imgui.is_item_activated()
+    return imgui.get_io().mouse_delta if held else ImVec2(0, 0)
