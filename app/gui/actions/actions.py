@@ -138,6 +138,7 @@ def open_path(state: AppState, path: Path) -> None:
     def go() -> None:
         state.source.opening = OpenRequest(path.absolute(), state.source.first_options(path.absolute()))
         state.window.banner = None
+        state.live.stop_connecting()
 
     if path.suffix.lower() in VIEW_SUFFIXES:
         go()  # What joins the session ends no edits.
@@ -150,7 +151,7 @@ def stop_opening(state: AppState) -> None:
     for request in filter(None, (state.source.opening, state.scene.second.opening)):
         say(state, f"stopped waiting for {request.path}")
     state.source.opening = state.scene.second.opening = state.window.banner = None
-    state.live.leaving = state.live.connects
+    state.live.stop_connecting()
 
 
 def leave(state: AppState, go: Callable[[], None]) -> None:
@@ -180,8 +181,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         say(state, f"opened {path.name}")
         return
     state.source.opening, state.source.path, state.session.path = None, opened.path or path, None
-    state.session.is_unsaved = False
-    state.source.asked = True
+    state.session.is_unsaved, state.source.asked = False, True
     if opened.clip is None or state.source.clip is None or opened.clip.path != state.source.clip.path:
         state.scene.cameras = CameraList()
     state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
@@ -315,7 +315,7 @@ def toggle_freeze(state: AppState) -> None:
 
 def seek_view(state: AppState, time: float) -> None:
     """Time of the 3D view; moves the clip's frame when they are linked."""
-    if state.scene.linked and state.source.clip is not None:
+    if state.follows_clip:
         first, count = state.timed
         seek(state, first + min(round(time * count), count - 1))
     else:

@@ -122,6 +122,11 @@ class Live:
         """Nothing has come yet."""
         return self.asked is not None or (self.session is not None and self.clip is None)
 
+    def stop_connecting(self) -> None:
+        """What has not given a frame yet is waited for no longer."""
+        if self.connects:
+            self.asked, self.leaving = None, self.session is not None
+
     @property
     def recording(self) -> Recording | None:
         """How far it is; None where nothing is recorded."""

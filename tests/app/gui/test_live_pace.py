@@ -7,15 +7,20 @@ from dataclasses import dataclass
 
 import pytest
 
+from app.gui.actions import actions, live_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.live import Drawing, Live
+from app.gui.state.live_words import live_tags
 from app.gui.update.live import follow_live
 from app.gui.update.live_pace import LONGEST, wait_for_picture
+from app.gui.work.opening import Opened
 from app.gui.work.settings import Places, Settings
 from app.live.address import LiveAddress, LiveInput
 from app.live.picture import LivePicture, LiveSetting, LiveStatus
 from app.live.recorder import Recorder
 from app.live.session import LiveSession
+from app.live.sources.source import Wish
+from renderer.clip import Clip
 from tests.app.gui.test_live import PHANTOM
 from tests.app.live.painted import PaintedSource, painted, wait_for
 
@@ -84,3 +89,18 @@ def test_leaving_waits_neither_for_the_source_nor_for_the_recording(places: Plac
     wait_for(completed, "the end of the recording")
     assert state.exports.last == recorder.state.path
     assert not recorder.state.trouble
+
+
+def test_what_is_opened_ends_a_connection_that_has_given_nothing(state: AppState, clip: Clip) -> None:
+    silent = PaintedSource((), then="wait")
+    for begun in (False, True):
+        live_actions.go_live(state, PHANTOM, Wish())
+        if begun:
+            follow_live(state, lambda _, setting: LiveSession(lambda: silent, setting))
+        assert state.live.connects
+        actions.open_path(state, clip.path)
+        actions.show_opened(state, clip.path, Opened(clip))
+        follow_live(state, LiveSession)
+        assert state.live.session is None
+        assert not state.live.connects
+        assert not live_tags(state.live)
