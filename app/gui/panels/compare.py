@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 from imgui_bundle import ImVec2, imgui
@@ -9,7 +10,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.settable import MODES, SLOTS, SOURCES
-from app.files.legible import capital
+from app.files.legible import capital, without_flags
 from app.gui.actions import actions, comparing, laid_out, live_actions, picture_actions
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
@@ -36,6 +37,7 @@ FAINTER_TEXT = (
 )
 NOTICES_TEXT = "Hide this. It stays in the log."
 VESSEL_TEXT = "Switch to the preset that darkens and reddens narrow dark structures as blood would."
+LIFT_TEXT = "Brightening the whole image takes contrast from dark lines: set Brightening to 0."
 ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, yellow where all are at 0."
 
 
@@ -154,7 +156,7 @@ def _draw_notices(state: AppState) -> None:
         else:
             imgui.dummy(ImVec2(start, 0))
         imgui.same_line(0, em(0.5))
-        note(f"{capital(notice)}.", theme.now().text)
+        note(f"{capital(without_flags(notice))}.", theme.now().text)
 
 
 def draw_fainter(state: AppState) -> None:
@@ -170,3 +172,10 @@ def draw_fainter(state: AppState) -> None:
     if isinstance(params, EnhanceParams):
         beside("Use Vessel")
         button("Use Vessel", partial(actions.choose_method, state, VesselParams), VESSEL_TEXT)
+    elif params.lift > 0:
+        beside("No brightening")
+        plain = partial(actions.use_params, state, replace(params, lift=0.0), "no brightening")
+        button("No brightening", plain, LIFT_TEXT)
+    else:
+        beside("Turn off")
+        button("Turn off", partial(actions.toggle_enhancement, state), "E: the frame as it was recorded.")

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from imgui_bundle import imgui
 
+from app.enhancement.frame_enhancer import PictureMaker
 from app.gui.actions import actions, comparing
 from app.gui.panels.compare import draw_fainter
 from app.gui.state.app_state import AppState
@@ -51,7 +52,8 @@ def test_it_is_not_said_where_vessels_are_as_clear_as_before(seen: AppState, aft
     assert fainter(seen) is None
 
 
-def test_one_click_changes_to_the_preset(ui: Ui, seen: AppState) -> None:
+def click(ui: Ui, seen: AppState) -> None:
+    """What is offered last on the line."""
     spots: list[tuple[float, float]] = []
 
     def draw() -> None:
@@ -61,5 +63,23 @@ def test_one_click_changes_to_the_preset(ui: Ui, seen: AppState) -> None:
 
     ui.frame(draw)
     ui.drag(draw, spots[0], spots[0])
+
+
+def test_one_click_changes_to_the_preset(ui: Ui, seen: AppState) -> None:
+    click(ui, seen)
     assert seen.enhancement.params == VesselParams()
     assert fainter(seen) is None
+
+
+def test_the_preset_is_offered_without_brightening_and_at_last_the_frame(ui: Ui, seen: AppState) -> None:
+    for before, after in ((VesselParams(), VesselParams(lift=0.0)), (VesselParams(lift=0.0), None)):
+        actions.set_params(seen, before)
+        assert seen.picture_request is not None
+        seen.picture.pictures = list(PictureMaker().make(seen.picture_request))[-1]
+        measured = seen.picture.measured
+        assert measured is not None
+        seen.picture.measured = replace(measured, pictures=seen.picture.pictures)
+        assert fainter(seen) is not None
+        click(ui, seen)
+        assert seen.enhancement.active == (after is not None)
+        assert after is None or seen.enhancement.params == after
