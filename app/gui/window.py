@@ -8,9 +8,8 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-import glfw
 import moderngl
-from imgui_bundle import glfw_utils, hello_imgui, imgui, immapp
+from imgui_bundle import hello_imgui, imgui, immapp
 
 from app.console.ending import noted
 from app.console.log_file import logged
@@ -266,7 +265,7 @@ class Window:
         self._viewport = ChosenViewport(ctx, self._textures, self.state)
         self._second_viewport = SecondViewport(ctx, self._textures)
         self._second_window = SecondWindow(SecondContent(ctx, self._textures, self._viewport))
-        glfw.set_drop_callback(glfw_utils.glfw_window_hello_imgui(), self.drop)  # type: ignore[arg-type]
+        starting.connect(self.drop)
 
     def _advance(self) -> None:
         """Before each frame: news from the background, what can be done, how soon the next is wanted."""

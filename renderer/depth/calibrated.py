@@ -45,7 +45,7 @@ def _way(clip: Clip, calibration: Calibration) -> str:
         "top-bottom": (width, height // 2),
     }
     layout = next((name for name, half in halves.items() if alike(full, half)), None)
-    way = f"Eyes in the window, --stereo {layout} in commands"
+    way = f"set Eyes (--stereo {layout})"
     return f"; if a frame holds both eyes: {way}" if layout else ""
 
 

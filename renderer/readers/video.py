@@ -80,7 +80,7 @@ def _hint(first: ByteImage) -> str:
     layout = likely_layout(first)
     if layout is None:
         return ""
-    way = f"Eyes in the window, --stereo {layout} in commands"
+    way = f"set Eyes (--stereo {layout})"
     return f"the {HALVES[layout]} of a frame look alike; if they are the two eyes: {way}"
 
 

@@ -54,10 +54,28 @@ def _show(state: AppState) -> None:
     editing.tinted = tinted_model(editing.edited, edits) if editing.active else None
 
 
+def may_edit(state: AppState) -> bool:
+    """There is a model: one that cannot be edited says why."""
+    return state.scene.model is not None
+
+
+def _why_not_edit(state: AppState) -> str:
+    """In a sentence; empty where the model can be edited."""
+    if state.editing.base is not None:
+        return ""
+    model = state.scene.model
+    if model is None:
+        return "There is no 3D model yet: reconstruct the clip or open a run."
+    if model.live:
+        return "The reconstruction is not finished: wait for it or continue it, then edit."
+    return f"This is {model.split_by_time}, which cannot be edited."
+
+
 def toggle(state: AppState) -> None:
     """Into edit mode and out of it; edits stay, selected Gaussians lose their colour."""
     editing = state.editing
-    if editing.base is None:
+    if reason := _why_not_edit(state):
+        actions.announce(state, reason)
         return
     editing.active, editing.stroke = not editing.active, ()
     _show(state)

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import glcontext  # type: ignore[import-untyped]
+import glfw
 import moderngl
-from imgui_bundle import hello_imgui, imgui
+from imgui_bundle import glfw_utils, hello_imgui, imgui
 
 from app.gui.frame.title import NAME
 from app.gui.work import kept_layout
 
 SIZE = (1280, 720)
+LEAST = (800, 480)
+"""Below which images have no room beside the panels."""
 
 
 def can_hold_files(folder: Path) -> bool:
@@ -28,6 +32,14 @@ def attach() -> moderngl.Context:
     """The window's own context; named, so that one left by an earlier window is never taken for it."""
     current = glcontext.default_backend()(mode="detect", glversion=330)
     return moderngl.create_context(require=330, context=current)
+
+
+def connect(drop: Callable[[object, list[str]], None]) -> None:
+    """The system's window: how small it can be made, and what takes files that are dropped on it."""
+    window, factor = glfw_utils.glfw_window_hello_imgui(), hello_imgui.dpi_window_size_factor()
+    width, height = (round(factor * side) for side in LEAST)
+    glfw.set_window_size_limits(window, width, height, glfw.DONT_CARE, glfw.DONT_CARE)
+    glfw.set_drop_callback(window, drop)  # type: ignore[arg-type]
 
 
 def configure(layout: Path) -> None:

@@ -19,6 +19,7 @@ from app.gui.style import theme
 from app.gui.style.widgets import Area, ask, button, choose_row, em, explain, in_line, muted, row, tag
 from app.gui.work.selecting import TRAITS, Limits
 from app.scenes.free_camera import Vector
+from app.scenes.view_kinds import SCENE_UNITS
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.sight import Trait
 
@@ -147,6 +148,7 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
     imgui.begin_disabled(not enabled)
     speed = max(whole[1] - whole[0], 1e-6) / 400
     unit = editing.base.unit if editing.base is not None and trait != "opacity" else ""
+    unit = "" if unit == SCENE_UNITS else unit  # Too long for the field, and no length that anything has.
     form, flags = f"%.3g {unit}".rstrip(), imgui.SliderFlags_.always_clamp
     # The field is narrow: the unit is told once.
     ends = ("from %.3g", f"to {form}")

@@ -22,7 +22,7 @@ DETAILS = (
     "VesselSplat makes vessels easier to see. It does not detect, measure or assess them, and "
     "enhanced images may show structures that are not there. Screens and cameras are not "
     "calibrated. You are responsible for how you use it. Nothing leaves this computer "
-    "unless you start it with --igtl and another address."
+    "unless you have live images sent to another one."
 )
 BANNER = "##banner"
 MIDDLE = ("Images", "Splats", "Tuning", "Report")

@@ -57,6 +57,11 @@ class Question:
     """Of folders: a file opens as well where its path is typed."""
 
 
+ALSO_READ: Final = (
+    ".3gp", ".apng", ".asf", ".avif", ".flv", ".gif", ".heic", ".heif", ".jp2", ".m2ts", ".m2v", ".mxf",
+    ".ts", ".vob", ".y4m",
+)  # fmt: skip
+"""Rarer names of what the reader of videos opens."""
 ALL: Final = Filter("All files")
 IMAGES: Final = Filter("Images", (*sorted(SUFFIXES), ".npy"))
 VIDEO: Final = Filter("Videos", tuple(sorted(VIDEOS | DICOM)))
@@ -69,7 +74,7 @@ CALIBRATIONS: Final = Filter("Calibrations", (".yml", ".yaml", ".json", ".ini"))
 VIEWS: Final = Filter("Views and cameras", (".json", ".txt"))
 OPENED: Final = Filter(
     "Everything that opens",
-    (*PICTURED.suffixes, *MODELS.suffixes, *SESSIONS.suffixes, *VIEWS.suffixes),
+    (*PICTURED.suffixes, *ALSO_READ, *MODELS.suffixes, *SESSIONS.suffixes, *VIEWS.suffixes),
 )
 QUESTIONS: Final[dict[Purpose, Question]] = {
     "folder": Question("Open a folder", takes_files=True),

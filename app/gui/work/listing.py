@@ -175,6 +175,7 @@ def _frame_by_pyav(path: Path) -> ByteImage | None:
     import av
 
     from renderer.readers.video_index import decoded, open_container, video_stream
+    from renderer.readers.video_shape import quarter_turns
 
     try:
         with open_container(path) as container:
@@ -185,6 +186,8 @@ def _frame_by_pyav(path: Path) -> ByteImage | None:
         if frame is None:  # A transport stream has no list of places to go to.
             with open_container(path) as container:
                 frame = next(decoded(container, video_stream(container, path)), None)
-        return None if frame is None else np.asarray(frame.to_ndarray(format="rgb24"), np.uint8)
+        if frame is None:
+            return None
+        return np.rot90(np.asarray(frame.to_ndarray(format="rgb24"), np.uint8), quarter_turns(frame))
     except av.error.FFmpegError:
         return None

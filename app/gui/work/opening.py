@@ -100,8 +100,9 @@ class Opened:
 
     @property
     def to_be_read(self) -> tuple[str, ...]:
-        """What is said beside the images: of a video what it is read as, but for the warning above them."""
-        if self.clip is None or self.clip.format != "video":
+        """What is said beside the images, but for the warning above them: of a video or of one image what it
+        is read as."""
+        if self.clip is None or not (self.clip.format == "video" or len(self.clip) == 1):
             return ()
         return tuple(notice for notice in self.clip.notices if notice != self.warning)
 

@@ -278,3 +278,13 @@ def test_what_is_gone_is_said_in_a_line_that_fits() -> None:
     few = edits.selecting_all().deleting()
     assert gone(few) == "30,000 deleted"
     assert gone(edits.selecting_all().hiding()) == "30,000 hidden"
+
+
+def test_what_cannot_be_edited_says_why(state: AppState, model: DynamicGaussians) -> None:
+    assert state.source.clip is not None
+    state.scene.model = replace(scene_of(model, state.source.clip.cameras), live=True)
+    edit_actions.follow(state)
+    edit_actions.toggle(state)
+    assert not state.editing.active
+    assert state.window.toast is not None
+    assert "not finished" in state.window.toast.message

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 from imgui_bundle import imgui
+from PIL import Image
 
 from app.gui.actions import actions
 from app.gui.panels import compare
 from app.gui.state.app_state import AppState
-from app.gui.work.opening import Opened
+from app.gui.work.opening import Opened, OpenRequest, open_path
 from tests.app.gui.conftest import make_clip
 from tests.app.gui.ui import Ui
 
@@ -52,3 +53,11 @@ def test_they_stand_above_the_images_until_they_have_been_read(
     warned = Opened(clip, bare=clip, notices=clip.notices, warning=SAID[0])
     assert warned.to_be_read == SAID[1:]
     assert Opened(replace(clip, format="images")).to_be_read == ()
+
+
+def test_of_one_image_it_is_said_that_it_is_the_first_of_several(tmp_path: Path) -> None:
+    path = tmp_path / "moves.png"
+    pages = [Image.new("RGB", (32, 24), (200, shade, 90)) for shade in (60, 90, 120)]
+    pages[0].save(path, save_all=True, append_images=pages[1:])
+    (found,) = open_path(OpenRequest(path))
+    assert found.to_be_read == ("only the first image of a multi-page file is read: moves.png of 3",)

@@ -80,7 +80,7 @@ def test_a_video_that_says_nothing_is_told_to_look_like_two_eyes(tmp_path, momen
     path = film(tmp_path / "a.mp4", moments, layout, told=False)
     whole = open_clip(path)
     assert whole.read_right is None
-    assert any("look alike" in said and f"--stereo {layout} in commands" in said for said in whole.notices)
+    assert any("look alike" in said and f"set Eyes (--stereo {layout})" in said for said in whole.notices)
     for stereo in ("off", layout):
         assert not any("look alike" in n for n in open_clip(path, ClipOptions(stereo=stereo)).notices)
 
