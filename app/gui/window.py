@@ -65,7 +65,7 @@ from app.gui.panels.tuning import draw_tuning
 from app.gui.panels.view3d import draw_view3d
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
-from app.gui.style import theme
+from app.gui.style import fonts, theme
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import MakeJob, start_due
 from app.gui.update.live import close_live, follow_live, shown
@@ -206,7 +206,7 @@ class Window:
 
     def _connect(self, params: hello_imgui.RunnerParams) -> None:
         calls = params.callbacks
-        calls.load_additional_fonts = theme.load_fonts
+        calls.load_additional_fonts = fonts.load_fonts
         calls.setup_imgui_style = theme.apply_style
         calls.setup_imgui_config = partial(starting.configure, self._layout_file)
         calls.post_init = self._begin

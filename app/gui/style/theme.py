@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from imgui_bundle import ImVec2, ImVec4, hello_imgui, imgui, implot
+from imgui_bundle import ImVec2, ImVec4, imgui, implot
 
 from app.gui.work.settings import Theme
 from app.report.colors import COLORS
@@ -116,11 +116,6 @@ def wear(theme: Theme, text_percent: int) -> None:
         plots.set_color_(part, color)
     plots.plot_padding = ImVec2(4, 4)
     plots.colormap = _lines(colors)
-
-
-def load_fonts() -> None:
-    """Roboto with icons, from imgui-bundle's own assets (Apache 2.0 and OFL)."""
-    hello_imgui.load_font_ttf_with_font_awesome_icons("fonts/Roboto/Roboto-Regular.ttf", FONT_SIZE)
 
 
 def apply_style() -> None:
