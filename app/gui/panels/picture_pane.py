@@ -22,6 +22,8 @@ from app.gui.views.picture_view import PictureView, Placement
 from app.live.picture import LIVE
 from renderer.clip import ByteImage
 
+LOW = 14.0
+"""Text heights of a pane that has little room for labels."""
 WHEEL_STEP = 1.15
 TONES = {"plain": theme.TAG_ORIGINAL, "enhanced": theme.TAG_ENHANCED, "caution": theme.TAG_CAUTION}
 PANE_BUTTONS = imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
@@ -56,7 +58,7 @@ def draw_pane(
         if is_not_live(state.live):
             _draw_rim(area)
         said = pane.tags if labels else [one for one in pane.tags if one.tone == "caution"]
-        _draw_tags(said, area.corner, area.size.x)
+        _draw_tags(said, area.corner, area.size)
         if labels:
             _draw_readout(state, read, area)
     return pointer
@@ -75,7 +77,7 @@ def draw_divider(
         for side, pane, start, end in (("left", left, area.corner.x, x), ("right", right, x, area.end.x)):
             with imgui_ctx.push_clip_rect(ImVec2(start, area.corner.y), ImVec2(end, area.end.y), True):
                 _draw_image(state, textures, side, pane.image, area)
-                _draw_tags(pane.tags, ImVec2(start, area.corner.y), end - start)
+                _draw_tags(pane.tags, ImVec2(start, area.corner.y), ImVec2(end - start, area.size.y))
         if is_not_live(state.live):
             _draw_rim(area)
         _draw_line(area, x)
@@ -199,8 +201,11 @@ def _draw_rim(area: Area) -> None:
     imgui.get_window_draw_list().add_rect(area.corner + half, area.end - half, ink, 0, width)
 
 
-def _draw_tags(tags: Sequence[Tag], corner: ImVec2, width: float) -> None:
-    stack_tags([(one.text, TONES[one.tone]) for one in tags], corner, width)
+def _draw_tags(tags: Sequence[Tag], corner: ImVec2, size: ImVec2) -> None:
+    """In a low pane without how the image was made, which would hide it and stands in the panel beside it."""
+    low = size.y < em(LOW)
+    said = [one for place, one in enumerate(tags) if not low or place == 0 or one.tone != "plain"]
+    stack_tags([(one.text, TONES[one.tone]) for one in said], corner, size.x)
 
 
 def _draw_readout(state: AppState, panes: Sequence[Pane], area: Area) -> None:

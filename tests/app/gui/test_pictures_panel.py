@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from imgui_bundle import ImVec2
 
 from app.enhancement.methods import VESSEL
+from app.gui.panels import picture_pane
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, pane
+from app.gui.state.tags import Tag
 from app.gui.update.channels import Channels
 from app.gui.views.comparison import SIDES
 from app.kernels.progress import Preparation, tasks
@@ -110,3 +113,18 @@ def test_during_the_preparation_the_original_is_shown_with_the_time_left(opened:
     opened.window.preparation = Preparation(tasks(VESSEL), 1)
     settle(opened, channels)
     assert "ENHANCED" in said(pane(opened, pictures(opened), "right"))
+
+
+def test_a_low_pane_says_what_it_shows_and_not_how_that_was_made(
+    ui: Ui, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[list[str]] = []
+    monkeypatch.setattr(picture_pane, "stack_tags", lambda tags, *_: said.append([text for text, _ in tags]))
+    tags = (Tag("ENHANCED", "enhanced"), Tag("UPDATING…", "caution"), Tag("Vessel · Strength 2.40"))
+
+    def draw() -> None:
+        for height in (100, 600):
+            picture_pane._draw_tags(tags, ImVec2(0, 0), ImVec2(400, height))
+
+    ui.frame(draw)
+    assert said == [["ENHANCED", "UPDATING…"], ["ENHANCED", "UPDATING…", "Vessel · Strength 2.40"]]
