@@ -107,6 +107,8 @@ def _draw_entries(state: AppState, browsing: Browsing, texture: Texture) -> None
         centered("Reading…")
     elif browsing.listing.trouble:
         centered(browsing.listing.trouble, theme.now().warning)
+    elif not browsing.listing.entries:
+        centered("This folder is empty.")
     elif not browsing.entries:
         centered(EMPTY[browsing.choosing.kind])
     else:
