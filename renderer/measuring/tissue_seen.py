@@ -66,13 +66,12 @@ def specks(render: ByteImage, seen: BoolImage, shown: BoolImage) -> int:
     """Pixels that differ glaringly from those around them, near the edge of what was ever seen (`seen`).
 
     What frames show so themselves (`shown`) is no speck but a highlight, and what looks like the grey that
-    the render lies over is none but a place that was not observed.
+    the render lies over, or like a mixture of that and what is around, is none but a place that was not
+    observed, or its edge.
     """
-    fill = np.array([round(255 * level) for level in GREY], np.int16)
-    painted = np.abs(render.astype(np.int16) - fill).max(axis=2) > GLARING
     ever, disc = seen.astype(np.uint8), _disc(NEAR)
     edge = (cv2.dilate(ever, disc) > 0) & (cv2.erode(ever, disc, borderValue=1) == 0)
-    return int(np.count_nonzero(_glaring(render) & painted & edge & ~shown))
+    return int(np.count_nonzero(_is_no_mixture(render) & edge & ~shown))
 
 
 def _disc(radius: int) -> ByteImage:
@@ -81,6 +80,20 @@ def _disc(radius: int) -> ByteImage:
 
 
 def _glaring(image: ByteImage) -> BoolImage:
-    medians = [cv2.medianBlur(np.ascontiguousarray(image[..., channel]), AROUND) for channel in range(3)]
-    apart = np.abs(image.astype(np.int16) - np.stack(medians, axis=2))
+    apart = np.abs(image.astype(np.int16) - _around(image))
     return np.asarray(apart.max(axis=2) > GLARING)
+
+
+def _is_no_mixture(image: ByteImage) -> BoolImage:
+    """(H, W) True where it differs glaringly from all that lies between its surroundings and GREY."""
+    around = _around(image).astype(np.float32)
+    to_grey, apart = np.float32(255) * np.array(GREY, np.float32) - around, image - around
+    share = (apart * to_grey).sum(axis=2) / np.maximum((to_grey * to_grey).sum(axis=2), 1)
+    left = apart - np.clip(share, 0, 1)[..., None] * to_grey
+    return np.asarray(np.abs(left).max(axis=2) > GLARING)
+
+
+def _around(image: ByteImage) -> ByteImage:
+    """(H, W, 3) the median about each pixel."""
+    medians = [cv2.medianBlur(np.ascontiguousarray(image[..., channel]), AROUND) for channel in range(3)]
+    return np.stack(medians, axis=2)

@@ -72,6 +72,19 @@ def test_a_thin_part_that_was_not_observed_is_no_speck_but_colour_in_it_is() -> 
     assert specks(grey, SEEN, NOWHERE) == 1
 
 
+def test_the_soft_edge_of_what_was_not_observed_is_no_speck() -> None:
+    grey, tissue = np.array([255 * level for level in GREY]), np.array((220.0, 140.0, 120.0))
+    soft = np.tile(tissue, (*SHAPE, 1))
+    # A finger three pixels wide, with a pixel on both sides that is half of it.
+    for rows, share in ((slice(37, 42), 0.5), (slice(38, 41), 1.0)):
+        soft[rows, 60:] = tissue + share * (grey - tissue)
+    soft = np.rint(soft).astype(np.uint8)
+    assert specks(soft, SEEN, NOWHERE) == 0
+    for place, color in (((37, 70), (250, 250, 250)), ((37, 85), (0, 0, 0)), ((41, 90), (220, 140, 20))):
+        soft[place] = color
+    assert specks(soft, SEEN, NOWHERE) == 3
+
+
 def test_highlights_are_those_of_tissue_in_any_frame_and_what_lies_beside_them(clip: Clip) -> None:
     lit, on_tool = (30, 40), (50, 20)
 
