@@ -32,6 +32,13 @@ from renderer.train.starting_motion import StartingMotion, node_view
 
 OPACITY: Final = 0.03
 """Weight of the loss on alpha."""
+RESTING: Final = 10.0
+"""Times as far as other rates those of positions fall where nothing moves: steps from single frames keep
+positions astray by about the rate.
+
+On held-out training frames, 1000 steps: phantoms at rest 47.16 -> 49.88 dB, before a camera that moves
+43.07 -> 44.23 dB; the sinus has 39.95 dB either way, and 39.89 or 39.76 with a rate that is lower from the
+start by 3 or by 10."""
 AVERAGED: Final = 0.25
 """Share of the steps, at the end, whose mean is the model; with it, rates fall by 3 in place of 10.
 
@@ -78,7 +85,7 @@ def row_rates(config: TrainConfig, needs: Needs) -> RowRates:
     falling = _falling(config)
     colors = falling(config.color_rate if needs.recolors else config.color_motion_rate)
     return RowRates(
-        means=falling(config.mean_rate if needs.moves else config.motion_rate),
+        means=falling(config.mean_rate) if needs.moves else _to_rest(config),
         quats=falling(config.quat_rate),
         log_scales=falling(config.scale_rate),
         opacity_logits=falling(config.opacity_rate),
@@ -96,6 +103,12 @@ def _spline_rates(config: TrainConfig, size: float) -> SplineRates:
         smoothing=falling(config.smoothing),
         every_moment="moments" in config.keep,
     )
+
+
+def _to_rest(config: TrainConfig) -> Rate:
+    """Of positions that no curve moves."""
+    fall = RESTING * config.rate_decay
+    return Rate(config.motion_rate, config.motion_rate / fall, config.iterations)
 
 
 def _falling(config: TrainConfig) -> Callable[[float], Rate]:
