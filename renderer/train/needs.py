@@ -36,6 +36,8 @@ class Needs:
     """0 to 3."""
     moves: bool
     """Gaussians are displaced over time."""
+    rests: bool
+    """Positions come to rest: nothing moves them but steps from one frame and another."""
     recolors: bool
     """Colours follow curves in time, where the method has such."""
     n_controls: int
@@ -71,6 +73,7 @@ def decide(
     needs = Needs(
         sh_degree=_sh_degree(clip, recolors, config),
         moves=moves,
+        rests=not moves and len(frames) > 1,
         recolors=recolors,
         n_controls=n_controls or _n_controls(clip, moves, config, followed),
         followed=followed,

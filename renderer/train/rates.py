@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Rate:
-    """Log-linear from `start` to `end` over `steps`, then constant."""
+    """Constant for `held` steps, then log-linear from `start` to `end` up to `steps`, then constant."""
 
     start: float
     end: float
     steps: int
+    held: int = 0
 
     @classmethod
     def constant(cls, value: float) -> Rate:
@@ -21,7 +22,8 @@ class Rate:
         """At an iteration, counted from 0."""
         if self.start == 0:
             return 0.0
-        return float(self.start * (self.end / self.start) ** min(iteration / self.steps, 1.0))
+        gone = max(iteration - self.held, 0) / max(self.steps - self.held, 1)
+        return float(self.start * (self.end / self.start) ** min(gone, 1.0))
 
 
 @dataclass(frozen=True, kw_only=True)

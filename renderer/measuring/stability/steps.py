@@ -32,7 +32,9 @@ FloatArray = NDArray[np.float64]
 Values = dict[str, FloatArray]
 HAZARD: Final = "one step of training"
 SIZE: Final = 10.0
-NEEDS: Final = Needs(sh_degree=3, moves=True, recolors=True, n_controls=5, has_depth=True, has_masks=True)
+NEEDS: Final = Needs(
+    sh_degree=3, moves=True, rests=False, recolors=True, n_controls=5, has_depth=True, has_masks=True
+)
 WEIGHTS: Final[dict[Method, LossWeights]] = {
     "vesselsplat": LossWeights(opacity=OPACITY, depth=0.2),
     "deform3dgs": LossWeights(inverse_depth=1 / 68),

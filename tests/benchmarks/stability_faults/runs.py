@@ -289,7 +289,7 @@ FAULTS: tuple[Fault, ...] = (
         "dropped",
         "rates that fall",
         "renderer.train.rates",
-        "self.start * (self.end / self.start) ** min(iteration / self.steps, 1.0)",
+        "self.start * (self.end / self.start) ** min(gone, 1.0)",
         "self.start",
         METHODS,
     ),
