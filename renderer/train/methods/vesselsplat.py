@@ -38,7 +38,7 @@ frames keep them astray by about the rate.
 
 On held-out training frames, 1000 steps, for a fall by 3 over all steps: phantoms at rest 47.16 -> 49.90 dB
 and, of 640 x 512 pixels, 45.04 -> 48.81 dB; before a camera that moves 43.07 -> 43.55 dB. Falling from the
-first step gives the last one 44.4 dB, but what is found in few steps suffers: depth after 60 by up to a half."""
+first step gives the last one 44.4 dB, but what few steps find suffers: depth after 60 by up to a half."""
 AVERAGED: Final = 0.25
 """Share of the steps, at the end, whose mean is the model; with it, rates fall by 3 in place of 10.
 
