@@ -174,7 +174,7 @@ def draw_fainter(state: AppState) -> None:
         button("Use Vessel", partial(actions.choose_method, state, VesselParams), VESSEL_TEXT)
     elif params.lift > 0:
         beside("No brightening")
-        plain = partial(actions.use_params, state, replace(params, lift=0.0), "no brightening")
+        plain = partial(actions.use_params, state, replace(params, lift=0.0), "Vessel without brightening")
         button("No brightening", plain, LIFT_TEXT)
     else:
         beside("Turn off")
