@@ -101,7 +101,7 @@ class TrainConfig:
     quat_rate: Annotated[float, Interval(ge=0, le=1)] = 1e-3
     """Learning rate of the quaternions."""
     rate_decay: Annotated[float, Interval(ge=1, le=1000)] = 3.0
-    """Rates fall by this factor, log-linearly, over the run, but for that of positions at rest."""
+    """Rates fall by this factor, log-linearly, over the run; those of positions fall farther."""
     sh_degree: Annotated[int, Interval(ge=0, le=3)] | None = None
     """Degree of the spherical harmonics for view-dependent colour; auto: as the clip needs."""
     render_mode: RenderMode = "default"

@@ -8,7 +8,7 @@ import pytest
 
 from renderer.measuring.stability.steps import NEEDS
 from renderer.train.config import TrainConfig
-from renderer.train.methods.vesselsplat import row_rates
+from renderer.train.methods.vesselsplat import row_rates, spline_rates
 from renderer.train.rates import Rate
 
 
@@ -28,3 +28,11 @@ def test_positions_come_to_rest_where_nothing_moves_and_frames_are_several() -> 
     assert one_frame.at(0) / one_frame.at(last) == pytest.approx(config.rate_decay)
     assert resting.at(0) == resting.at(middle) == one_frame.at(0) == config.motion_rate
     assert resting.at(last) < one_frame.at(last) / 10
+
+
+@pytest.mark.parametrize(("steps", "fall"), [(60, 3.0), (900, 3.0), (3000, 10.0), (6000, 20.0)])
+def test_positions_on_curves_settle_the_more_the_longer_a_run_is(steps: int, fall: float) -> None:
+    rates = spline_rates(TrainConfig(iterations=steps), 50.0)
+    assert rates.position.at(0) == 50 * TrainConfig().motion_rate
+    assert rates.position.at(0) / rates.position.at(steps) == pytest.approx(fall)
+    assert rates.color.at(0) / rates.color.at(steps) == pytest.approx(TrainConfig().rate_decay)
