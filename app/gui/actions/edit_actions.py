@@ -11,6 +11,7 @@ from app.gui.state.editing import Change, Editing, Tool, tinted_model
 from app.gui.work.background import Failure
 from app.gui.work.saving_edits import SavedEdits, SaveRequest
 from app.gui.work.selecting import Around, Limits, Selected, SelectRequest
+from app.scenes.scene import Scene
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
 from renderer.editing.regions import Lasso, Present, Range, Rectangle, Region
@@ -59,13 +60,8 @@ def may_edit(state: AppState) -> bool:
     return state.scene.model is not None
 
 
-def _why_not_edit(state: AppState) -> str:
-    """In a sentence; empty where the model can be edited."""
-    if state.editing.base is not None:
-        return ""
-    model = state.scene.model
-    if model is None:
-        return "There is no 3D model yet: reconstruct the clip or open a run."
+def _why_not(model: Scene) -> str:
+    """Of one that cannot be edited, in a sentence."""
     if model.live:
         return "The reconstruction is not finished: wait for it or continue it, then edit."
     return f"This is {model.split_by_time}, which cannot be edited."
@@ -73,9 +69,10 @@ def _why_not_edit(state: AppState) -> str:
 
 def toggle(state: AppState) -> None:
     """Into edit mode and out of it; edits stay, selected Gaussians lose their colour."""
-    editing = state.editing
-    if reason := _why_not_edit(state):
-        actions.announce(state, reason)
+    editing, model = state.editing, state.scene.model
+    if editing.base is None:
+        if model is not None:
+            actions.announce(state, _why_not(model))
         return
     editing.active, editing.stroke = not editing.active, ()
     _show(state)

@@ -26,9 +26,8 @@ from app.kernels.progress import Preparation, tasks
 from app.runs.run_folder import RunFolder
 from app.scenes.backgrounds import BackgroundName
 from app.scenes.drawer import draw_view
-from app.scenes.records import ClipSource
 from app.scenes.view_request import read_frame
-from renderer.clip import ByteImage, Clip
+from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from renderer.unobserved import GREY
 from tests.app.gui.conftest import start_live
@@ -396,49 +395,3 @@ def test_a_reconstruction_says_from_which_frames(places: Places, runs: dict[str,
     assert isinstance(request.record, PanesPicture)
     assert (request.record.views[0].caption or "").endswith(f"from {frames}")
     assert request.record.panes[0].title.endswith(f"from {frames}")
-
-
-def test_a_tap_from_afar_turns_nothing(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
-    start_live(opened, model)
-    draw: Draw = lambda: view3d(opened)  # noqa: E731
-    ui.io.add_mouse_pos_event(820, 60)
-    ui.frame(draw)
-    before = opened.view_request
-    assert before is not None
-    # A pen or a finger comes down without having been above the place.
-    ui.io.config_input_trickle_event_queue = False
-    ui.io.add_mouse_pos_event(400, 300)
-    ui.io.add_mouse_button_event(0, True)
-    ui.frame(draw)
-    ui.frame(draw)
-    ui.io.add_mouse_button_event(0, False)
-    ui.frame(draw)
-    after = opened.view_request
-    assert after is not None
-    assert after.camera == before.camera
-
-
-def test_another_clip_than_the_open_one_is_named_and_keeps_its_own_time(
-    ui: Ui, opened: AppState, model: DynamicGaussians, clip: Clip, tmp_path: Path
-) -> None:
-    start_live(opened, model)
-    scene = opened.scene.model
-    assert scene is not None
-    whole = ClipSource(name=clip.name, sha256="")
-    opened.scene.model = replace(scene, record=replace(scene.record, clip=whole))
-    assert not opened.shows_other_clip
-    assert opened.has_frames
-    actions.seek(opened, 3)
-    assert opened.time == pytest.approx(0.5)
-    other = replace(clip, name="another patient")
-    opened.source.clip = other
-    assert opened.shows_other_clip
-    assert not opened.has_frames
-    assert opened.time == opened.scene.own_time == 0.0
-    actions.seek_view(opened, 0.25)
-    assert (opened.time, opened.timeline.frame_index) == (0.25, 3)
-    opened.scene.size = (96, 80)
-    assert view_tags(opened, StillViewport().show(opened))[0] == (
-        f"OF ANOTHER CLIP · {clip.name}",
-        theme.TAG_CAUTION,
-    )

@@ -1,0 +1,63 @@
+"""The 3D view beside what it is not of: another clip than the open one, a tap that comes from afar."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from app.gui.actions import actions
+from app.gui.panels.view3d import view_tags
+from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.scenes.records import ClipSource
+from renderer.clip import Clip
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.conftest import start_live
+from tests.app.gui.ui import Draw, StillViewport, Ui, view3d
+
+
+def test_a_tap_from_afar_turns_nothing(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
+    ui.io.add_mouse_pos_event(820, 60)
+    ui.frame(draw)
+    before = opened.view_request
+    assert before is not None
+    # A pen or a finger comes down without having been above the place.
+    ui.io.config_input_trickle_event_queue = False
+    ui.io.add_mouse_pos_event(400, 300)
+    ui.io.add_mouse_button_event(0, True)
+    ui.frame(draw)
+    ui.frame(draw)
+    ui.io.add_mouse_button_event(0, False)
+    ui.frame(draw)
+    after = opened.view_request
+    assert after is not None
+    assert after.camera == before.camera
+
+
+def test_another_clip_than_the_open_one_is_named_and_keeps_its_own_time(
+    ui: Ui, opened: AppState, model: DynamicGaussians, clip: Clip
+) -> None:
+    start_live(opened, model)
+    scene = opened.scene.model
+    assert scene is not None
+    whole = ClipSource(name=clip.name, sha256="")
+    opened.scene.model = replace(scene, record=replace(scene.record, clip=whole))
+    assert not opened.shows_other_clip
+    assert opened.has_frames
+    actions.seek(opened, 3)
+    assert opened.time == pytest.approx(0.5)
+    other = replace(clip, name="another patient")
+    opened.source.clip = other
+    assert opened.shows_other_clip
+    assert not opened.has_frames
+    assert opened.time == opened.scene.own_time == 0.0
+    actions.seek_view(opened, 0.25)
+    assert (opened.time, opened.timeline.frame_index) == (0.25, 3)
+    opened.scene.size = (96, 80)
+    assert view_tags(opened, StillViewport().show(opened))[0] == (
+        f"OF ANOTHER CLIP · {clip.name}",
+        theme.TAG_CAUTION,
+    )
