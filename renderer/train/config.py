@@ -31,8 +31,9 @@ Part = Literal[
 
 CHOSEN: Final = (
     "depth_weight, color_motion_rate and scale_rate were chosen on training frames of the pulling clip "
-    "that were held out of the fit (hold_out); rate_decay, the mean over the last quarter of the steps, "
-    "the start from tracks and n_controls on those of pulling, mesentery and phantom. The other numbers of "
+    "that were held out of the fit (hold_out); rate_decay, how far rates of positions fall, the mean over "
+    "the last quarter of the steps, the start from tracks and n_controls on those of pulling, mesentery and "
+    "phantom. The other numbers of "
     "vesselsplat come from trials with an earlier program, about 30 runs on the pulling clip, chosen by "
     "hand with its test frames in view: figures on that clip's test frames are optimistic by an unknown "
     "amount. Rates of deform3dgs and endogaussian are the published ones, but for the departures"
