@@ -12,6 +12,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
+from renderer.stack_arrays import stack_array64
 
 LOW_PASS = 0.3
 """Variance in square pixels added on both axes of the screen covariance."""
@@ -134,7 +135,7 @@ def project(
     sums of squares, which makes up for the low-pass filter. Source: Mip-Splatting (Yu et al. 2024).
     """
     for n in prange(means.shape[0]):
-        rotation, local, axes = np.empty((3, 3)), np.empty(3), np.empty((2, 3))
+        rotation, local, axes = stack_array64(3, 3), stack_array64(3), stack_array64(2, 3)
         visible[n] = False
         _to_camera(means[n], view, local)
         opacity = np.float64(opacities[n])
@@ -292,9 +293,10 @@ def project_backward(
             by_scales[n] = 0.0
             by_opacities[n] = 0.0
             continue
-        rotation, local, axes = np.empty((3, 3)), np.empty(3), np.empty((2, 3))
-        by_cov, by_axes, by_rotation = np.empty(3), np.empty((2, 3)), np.empty((3, 3))
-        by_scale, by_local = np.empty(3), np.zeros(3)
+        rotation, local, axes = stack_array64(3, 3), stack_array64(3), stack_array64(2, 3)
+        by_cov, by_axes, by_rotation = stack_array64(3), stack_array64(2, 3), stack_array64(3, 3)
+        by_scale, by_local = stack_array64(3), stack_array64(3)
+        by_local[0] = by_local[1] = by_local[2] = 0.0
         _to_camera(means[n], view, local)
         _rotation(quats[n], rotation)
         _screen_axes(local, view, rotation, scales[n], axes)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from renderer.rasterize.stack import stack_array
 from renderer.splats import Float32Array
+from renderer.stack_arrays import stack_array
 
 TOGETHER = 4
 """Rows that share what is loaded of the matrix."""

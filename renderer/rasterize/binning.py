@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 from numpy.typing import NDArray
 
 from renderer.projection import CENTER_X, CENTER_Y, DEPTH, HALF_HEIGHT, HALF_WIDTH
@@ -48,12 +48,38 @@ def depth_order(records: NDArray[np.float32], visible: NDArray[np.bool_]) -> NDA
     return order
 
 
-@njit(cache=True)
-def count_entries(
+@njit(parallel=True, cache=True)
+def find_rectangles(
     records: NDArray[np.float32],
     visible: NDArray[np.bool_],
-    tile_wanted: NDArray[np.bool_],  # (tile rows, tile columns)
+    rows: int,
+    columns: int,
     rectangles: NDArray[np.int16],  # (N, 4), out: first and last tile column, first and last tile row
+) -> None:
+    """The tiles that each splat reaches; the last column lies before the first where it reaches none."""
+    for n in prange(len(visible)):
+        rectangles[n, 0], rectangles[n, 1], rectangles[n, 2], rectangles[n, 3] = 0, -1, 0, -1
+        if visible[n]:
+            u, v = np.float64(records[n, CENTER_X]), np.float64(records[n, CENTER_Y])
+            half_width, half_height = np.float64(records[n, HALF_WIDTH]), np.float64(records[n, HALF_HEIGHT])
+            first_column = _tile_at(math.ceil(u - half_width - 0.5), columns)
+            last_column = _tile_at(math.floor(u + half_width - 0.5), columns)
+            first_row = _tile_at(math.ceil(v - half_height - 0.5), rows)
+            last_row = _tile_at(math.floor(v + half_height - 0.5), rows)
+            rectangles[n, 0], rectangles[n, 1] = max(first_column, 0), min(last_column, columns - 1)
+            rectangles[n, 2], rectangles[n, 3] = max(first_row, 0), min(last_row, rows - 1)
+
+
+@njit(forceinline=True)
+def _tile_at(pixel: float, tiles: int) -> int:
+    """Tile of a pixel coordinate of any size; -1 before the first tile, `tiles` behind the last."""
+    return math.floor(min(max(pixel, -1.0), tiles * float(TILE)) * (1.0 / TILE))
+
+
+@njit(cache=True)
+def count_entries(
+    rectangles: NDArray[np.int16],  # (N, 4)
+    tile_wanted: NDArray[np.bool_],  # (tile rows, tile columns)
     slot_starts: NDArray[
         np.int64
     ],  # (N + 1,), out: entries of splat n are slot_starts[n] up to slot_starts[n + 1]
@@ -63,58 +89,46 @@ def count_entries(
     rows, columns = tile_wanted.shape
     tile_starts[:] = 0
     slot_starts[0] = 0
-    for n in range(len(visible)):
+    for n in range(len(rectangles)):
         entries = 0
-        if visible[n]:
-            u, v = np.float64(records[n, CENTER_X]), np.float64(records[n, CENTER_Y])
-            half_width, half_height = np.float64(records[n, HALF_WIDTH]), np.float64(records[n, HALF_HEIGHT])
-            first_column = _tile_at(math.ceil(u - half_width - 0.5), columns)
-            last_column = _tile_at(math.floor(u + half_width - 0.5), columns)
-            first_row = _tile_at(math.ceil(v - half_height - 0.5), rows)
-            last_row = _tile_at(math.floor(v + half_height - 0.5), rows)
-            first_column, first_row = max(first_column, 0), max(first_row, 0)
-            last_column, last_row = min(last_column, columns - 1), min(last_row, rows - 1)
-            rectangles[n, 0], rectangles[n, 1] = first_column, last_column
-            rectangles[n, 2], rectangles[n, 3] = first_row, last_row
-            for row in range(first_row, last_row + 1):
-                for column in range(first_column, last_column + 1):
-                    if tile_wanted[row, column]:
-                        tile_starts[row * columns + column + 1] += 1
-                        entries += 1
+        for row in range(rectangles[n, 2], rectangles[n, 3] + 1):
+            for column in range(rectangles[n, 0], rectangles[n, 1] + 1):
+                if tile_wanted[row, column]:
+                    tile_starts[row * columns + column + 1] += 1
+                    entries += 1
         slot_starts[n + 1] = slot_starts[n] + entries
     for tile in range(rows * columns):
         tile_starts[tile + 1] += tile_starts[tile]
-    return int(slot_starts[len(visible)])
+    return int(slot_starts[len(rectangles)])
 
 
-@njit(forceinline=True)
-def _tile_at(pixel: float, tiles: int) -> int:
-    """Tile of a pixel coordinate of any size; -1 before the first tile, `tiles` behind the last."""
-    return int(min(max(pixel, -1.0), tiles * float(TILE)) // TILE)
-
-
-@njit(cache=True)
+@njit(parallel=True, cache=True)
 def fill_entries(
     order: NDArray[np.int32],
     tile_wanted: NDArray[np.bool_],
     rectangles: NDArray[np.int16],
     slot_starts: NDArray[np.int64],
     tile_starts: NDArray[np.int64],
+    bands: int,  # of tile rows, each filled by one thread
     entry_splats: NDArray[np.int32],  # out, grouped by tile, front to back in each
     slot_entries: NDArray[np.int32],  # out: the entries grouped by splat, row by row
 ) -> None:
-    columns = tile_wanted.shape[1]
+    """The tile lists; they are the same whatever the number of bands."""
+    rows, columns = tile_wanted.shape
     cursors = tile_starts[:-1].copy()
-    for n in order:
-        slot = slot_starts[n]
-        for row in range(rectangles[n, 2], rectangles[n, 3] + 1):
-            for column in range(rectangles[n, 0], rectangles[n, 1] + 1):
-                if tile_wanted[row, column]:
-                    tile = row * columns + column
-                    place = cursors[tile]
-                    entry_splats[place], slot_entries[slot] = n, place
-                    cursors[tile] = place + 1
-                    slot += 1
+    for band in prange(bands):
+        top, bottom = rows * band // bands, rows * (band + 1) // bands
+        for n in order:
+            slot = slot_starts[n]
+            for row in range(rectangles[n, 2], min(rectangles[n, 3] + 1, bottom)):
+                for column in range(rectangles[n, 0], rectangles[n, 1] + 1):
+                    if tile_wanted[row, column]:
+                        if row >= top:
+                            tile = row * columns + column
+                            place = cursors[tile]
+                            entry_splats[place], slot_entries[slot] = n, place
+                            cursors[tile] = place + 1
+                        slot += 1
 
 
 def balanced_order(tile_starts: NDArray[np.int64], n_threads: int) -> NDArray[np.int32]:

@@ -21,7 +21,14 @@ from renderer.projection import (
     project,
     project_backward,
 )
-from renderer.rasterize.binning import TILE, balanced_order, count_entries, depth_order, fill_entries
+from renderer.rasterize.binning import (
+    TILE,
+    balanced_order,
+    count_entries,
+    depth_order,
+    fill_entries,
+    find_rectangles,
+)
 from renderer.rasterize.picture import adjoint_of, compose
 from renderer.rasterize.tiles import (
     ADJOINT_PLANES,
@@ -156,14 +163,13 @@ class Rasterizer:
 
     def blend_records(self) -> int:
         """Sort, bin and blend the records as they stand."""
-        entries = count_entries(
-            self.records, self.visible, self.wanted, self._rectangles, self._slot_starts, self._tile_starts
-        )
+        find_rectangles(self.records, self.visible, self.rows, self.columns, self._rectangles)
+        entries = count_entries(self._rectangles, self.wanted, self._slot_starts, self._tile_starts)
         if entries > len(self._entry_splats):
             self._reserve_entries(entries + entries // 4)
         order = depth_order(self.records, self.visible)
         fill_entries(
-            order, self.wanted, self._rectangles, self._slot_starts, self._tile_starts,
+            order, self.wanted, self._rectangles, self._slot_starts, self._tile_starts, get_num_threads(),
             self._entry_splats, self._slot_entries,
         )  # fmt: skip
         self._tile_order = balanced_order(self._tile_starts, get_num_threads())

@@ -3,8 +3,9 @@
 The shape of these loops is what makes them fast, so that LLVM turns each `for lane` loop into straight
 vector code: a tile is 16 blocks of 4x4 pixels, a block is one vector, and only blocks that a splat's
 rectangle reaches are visited; state lies on the stack, aligned, so that its planes cannot overlap; the trip
-count is the constant 16; arithmetic is float32 only; choices are selects, not branches. Within a block the
-exponent is its value at the corner, its slopes there, and `bend`, the same for all blocks of a splat.
+count is the constant 16; arithmetic is float32 only; choices are selects, not branches; nothing calls out of
+the loop, as math.floor would. Within a block the exponent is its value at the corner, its slopes there, and a
+bend, the same for all blocks of a splat, which LLVM takes out of their loop.
 `contract` lets multiplications and additions fuse; the order of sums is fixed when compiled, so that results
 repeat bit for bit whatever the number of threads.
 """
@@ -26,7 +27,6 @@ from renderer.projection import (
     HALF_HEIGHT,
     HALF_WIDTH,
     LOG2_OPACITY,
-    RECORD_SIZE,
     RED,
     SUM_BLUE,
     SUM_DEPTH,
@@ -45,7 +45,8 @@ from renderer.projection import (
 )
 from renderer.rasterize.binning import TILE
 from renderer.rasterize.exp2 import exp2
-from renderer.rasterize.stack import stack_array
+from renderer.rasterize.prefetch import prefetch_row
+from renderer.stack_arrays import stack_array
 
 # Planes of the blended picture: what light is left, colour without background, and sum of w z.
 LEFT, PLANE_RED, PLANE_GREEN, PLANE_BLUE, PLANE_DEPTH = range(5)
@@ -61,7 +62,11 @@ ZERO, ONE, TWO, HALF = np.float32(0.0), np.float32(1.0), np.float32(2.0), np.flo
 BLOCK = 4
 """Side of a block in pixels. Its 16 pixels are one vector; a splat costs nothing where it does not reach."""
 BLOCKS_ACROSS = TILE // BLOCK
+LAST = np.float32(TILE - 1)
 BLOCKS, LANES = BLOCKS_ACROSS**2, BLOCK**2
+# Rows of a block's grid: each lane's pixel within the block, and the products of its coordinates.
+X, Y, XX, XY, YY = range(5)
+GRID_ROWS = 5
 ALPHA_CAP = np.float32(0.99)
 LOG2_CUT = np.float32(math.log2(1.0 / 255.0))
 LOWEST = np.float32(-9.0)
@@ -69,15 +74,17 @@ LOWEST = np.float32(-9.0)
 STOP = np.float32(1e-4)
 """A pixel takes no more splats once less light than this is left."""
 BATCH = 16
-"""Records fetched together, which hides their way from memory; then a look at whether all have stopped."""
+"""Splats between two looks at whether all pixels have stopped."""
+AHEAD = 8
+"""Splats whose records are on their way from memory."""
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _blocks(center: np.float32, half: np.float32) -> tuple[int, int]:
     """First and last block, of the tile's four, that center +- half reaches; in pixels of the tile."""
-    first = max(0, math.ceil(center - half))
-    last = min(TILE - 1, math.floor(center + half))
-    return first // BLOCK, last // BLOCK
+    first = max(ZERO, np.ceil(center - half))
+    last = max(-ONE, min(LAST, np.floor(center + half)))
+    return int(first) // BLOCK, int(last) // BLOCK
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
@@ -90,34 +97,27 @@ def _alpha(exponent: np.float32, light: np.float32) -> np.float32:
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def _set_lanes(across: NDArray[np.float32], down: NDArray[np.float32]) -> None:
-    """Each lane's pixel within a block."""
+def _set_grid(grid: NDArray[np.float32]) -> None:
     for lane in range(LANES):
-        across[lane] = np.float32(lane % BLOCK)
-        down[lane] = np.float32(lane // BLOCK)
+        x, y = np.float32(lane % BLOCK), np.float32(lane // BLOCK)
+        grid[X, lane], grid[Y, lane] = x, y
+        grid[XX, lane], grid[XY, lane], grid[YY, lane] = x * x, x * y, y * y
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def _set_bend(
-    a: np.float32,
-    b: np.float32,
-    c: np.float32,
-    across: NDArray[np.float32],
-    down: NDArray[np.float32],
-    bend: NDArray[np.float32],
-) -> None:
-    """What a splat's exponent bends by at each lane, beside its slopes at the block's corner."""
-    for lane in range(LANES):
-        x, y = across[lane], down[lane]
-        bend[lane] = x * (a * x + b * y) + c * y * y
+def _bend(a: np.float32, b: np.float32, c: np.float32, grid: NDArray[np.float32], lane: int) -> np.float32:
+    """What a splat's exponent bends by at a lane, beside its slopes at the block's corner."""
+    bend: np.float32 = a * grid[XX, lane] + b * grid[XY, lane] + c * grid[YY, lane]
+    return bend
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def _fetch(records: NDArray[np.float32], splats: NDArray[np.int32], batch: NDArray[np.float32]) -> None:
-    """Copy the records of at most BATCH splats."""
-    for i in range(len(splats)):
-        for column in range(RECORD_SIZE):
-            batch[i, column] = records[splats[i], column]
+@njit(forceinline=True)
+def _record(records: NDArray[np.float32], splats: NDArray[np.int32], i: int) -> NDArray[np.float32]:
+    """That of the i-th splat; one further on is fetched."""
+    if i + AHEAD < len(splats):
+        prefetch_row(records, splats[i + AHEAD])  # type: ignore[call-arg]
+    record: NDArray[np.float32] = records[splats[i]]
+    return record
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
@@ -130,11 +130,8 @@ def _blend_tile(
 ) -> int:
     """Blend one tile at (left, top); returns how many of its splats were taken."""
     state = stack_array(PLANES, BLOCKS, LANES)
-    across = stack_array(LANES)
-    down = stack_array(LANES)
-    bend = stack_array(LANES)
-    batch = stack_array(BATCH, RECORD_SIZE)
-    _set_lanes(across, down)
+    grid = stack_array(GRID_ROWS, LANES)
+    _set_grid(grid)
     for block in range(BLOCKS):
         for lane in range(LANES):
             state[LEFT, block, lane] = ONE
@@ -143,16 +140,14 @@ def _blend_tile(
     end = len(splats)
     for begin in range(0, len(splats), BATCH):
         count = min(BATCH, len(splats) - begin)
-        _fetch(records, splats[begin : begin + count], batch)
-        for i in range(count):
-            record = batch[i]
+        for i in range(begin, begin + count):
+            record = _record(records, splats, i)
             a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
             red, green, blue, depth = record[RED], record[GREEN], record[BLUE], record[DEPTH]
             center_x = record[CENTER_X] - np.float32(left) - HALF
             center_y = record[CENTER_Y] - np.float32(top) - HALF
             first_column, last_column = _blocks(center_x, record[HALF_WIDTH])
             first_row, last_row = _blocks(center_y, record[HALF_HEIGHT])
-            _set_bend(a, b, c, across, down, bend)
             for row in range(first_row, last_row + 1):
                 dy = np.float32(BLOCK * row) - center_y
                 for column in range(first_column, last_column + 1):
@@ -161,7 +156,8 @@ def _blend_tile(
                     slope_x, slope_y = TWO * a * dx + b * dy, TWO * c * dy + b * dx
                     block = BLOCKS_ACROSS * row + column
                     for lane in range(LANES):
-                        exponent = level + bend[lane] + across[lane] * slope_x + down[lane] * slope_y
+                        bend = _bend(a, b, c, grid, lane)
+                        exponent = level + bend + grid[X, lane] * slope_x + grid[Y, lane] * slope_y
                         light = state[LEFT, block, lane]
                         alpha = _alpha(exponent, light)
                         weight = alpha * light
@@ -209,12 +205,11 @@ def blend(
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _stopped(state: NDArray[np.float32]) -> bool:
-    most = ZERO
     for block in range(BLOCKS):
         for lane in range(LANES):
-            light = state[LEFT, block, lane]
-            most = light if light > most else most
-    return bool(most < STOP)
+            if state[LEFT, block, lane] >= STOP:
+                return False
+    return True
 
 
 # Rows of the lane sums that the backward pass keeps for one entry; the moments are of the blocks' corners.
@@ -234,11 +229,8 @@ def _blend_tile_backward(
     """Gradient sums of one tile's splats."""
     state = stack_array(_STATE_PLANES, BLOCKS, LANES)
     lanes = stack_array(_LANE_SUMS, LANES)
-    across = stack_array(LANES)
-    down = stack_array(LANES)
-    bend = stack_array(LANES)
-    batch = stack_array(BATCH, RECORD_SIZE)
-    _set_lanes(across, down)
+    grid = stack_array(GRID_ROWS, LANES)
+    _set_grid(grid)
     for plane in range(ADJOINT_PLANES):
         for y in range(TILE):
             for column in range(BLOCKS_ACROSS):
@@ -252,16 +244,14 @@ def _blend_tile_backward(
             state[ADJOINT_PLANES + 1, block, lane] = ZERO
     for begin in range(0, len(splats), BATCH):
         count = min(BATCH, len(splats) - begin)
-        _fetch(records, splats[begin : begin + count], batch)
-        for i in range(count):
-            record = batch[i]
+        for i in range(begin, begin + count):
+            record = _record(records, splats, i)
             a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
             red, green, blue, depth = record[RED], record[GREEN], record[BLUE], record[DEPTH]
             center_x = record[CENTER_X] - np.float32(left) - HALF
             center_y = record[CENTER_Y] - np.float32(top) - HALF
             first_column, last_column = _blocks(center_x, record[HALF_WIDTH])
             first_row, last_row = _blocks(center_y, record[HALF_HEIGHT])
-            _set_bend(a, b, c, across, down, bend)
             for total in range(_LANE_SUMS):
                 for lane in range(LANES):
                     lanes[total, lane] = ZERO
@@ -274,7 +264,8 @@ def _blend_tile_backward(
                     dxx, dxy, dyy = dx * dx, dx * dy, dy * dy
                     block = BLOCKS_ACROSS * row + column
                     for lane in range(LANES):
-                        exponent = level + bend[lane] + across[lane] * slope_x + down[lane] * slope_y
+                        bend = _bend(a, b, c, grid, lane)
+                        exponent = level + bend + grid[X, lane] * slope_x + grid[Y, lane] * slope_y
                         light = state[ADJOINT_PLANES, block, lane]
                         alpha = _alpha(exponent, light)
                         weight = alpha * light
@@ -301,7 +292,7 @@ def _blend_tile_backward(
                         lanes[_WG, lane] += weight * state[BY_GREEN, block, lane]
                         lanes[_WB, lane] += weight * state[BY_BLUE, block, lane]
                         lanes[_WD, lane] += weight * state[BY_DEPTH, block, lane]
-            _store(lanes, across, down, sums[begin + i])
+            _store(lanes, grid, sums[i])
 
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
@@ -338,14 +329,13 @@ def blend_backward(
 @njit(fastmath={"contract", "reassoc"})
 def _store(
     lanes: NDArray[np.float32],
-    across: NDArray[np.float32],
-    down: NDArray[np.float32],
+    grid: NDArray[np.float32],
     slot: NDArray[np.float32],
 ) -> None:
     """Sum the lanes, with the moments within a block taken here once for the whole entry."""
     q = qx = qy = qxx = qxy = qyy = red = green = blue = depth = ZERO
     for lane in range(LANES):
-        x, y = across[lane], down[lane]
+        x, y = grid[X, lane], grid[Y, lane]
         by, by_x, by_y = lanes[_Q, lane], lanes[_QX, lane], lanes[_QY, lane]
         q += by
         qx += by_x + by * x

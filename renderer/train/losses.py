@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from renderer.depth.alignment import aligned
 from renderer.rasterize.binning import TILE
 from renderer.rasterize.cpu import Rasterizer
-from renderer.rasterize.stack import stack_array
 from renderer.rasterize.tiles import (
     ADJOINT_PLANES,
     BY_BLUE,
@@ -27,6 +26,7 @@ from renderer.rasterize.tiles import (
     PLANES,
     TOTAL,
 )
+from renderer.stack_arrays import stack_array
 from renderer.train.frames import TrainFrame
 from renderer.train.similarity import add_dissimilarity
 from renderer.train.variation import add_variation
