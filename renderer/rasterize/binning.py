@@ -9,10 +9,13 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from renderer.projection import CENTER_X, CENTER_Y, DEPTH, HALF_HEIGHT, HALF_WIDTH
+from renderer.rasterize.prefetch import prefetch_row
 
 TILE = 16
 """Side of a tile in pixels: one row of a tile is one vector of 16 float32."""
 _RADIX_BITS = 11
+_AHEAD = 16
+"""Splats whose rectangles are on their way from memory."""
 
 
 @njit(cache=True)
@@ -118,9 +121,16 @@ def fill_entries(
     cursors = tile_starts[:-1].copy()
     for band in prange(bands):
         top, bottom = rows * band // bands, rows * (band + 1) // bands
-        for n in order:
+        for i in range(len(order)):
+            if i + _AHEAD < len(order):
+                prefetch_row(rectangles, order[i + _AHEAD])  # type: ignore[call-arg]
+                prefetch_row(slot_starts, order[i + _AHEAD])  # type: ignore[call-arg]
+            n = order[i]
+            first, last = rectangles[n, 2], rectangles[n, 3]
+            if last < top or first >= bottom:
+                continue
             slot = slot_starts[n]
-            for row in range(rectangles[n, 2], min(rectangles[n, 3] + 1, bottom)):
+            for row in range(first, min(last + 1, bottom)):
                 for column in range(rectangles[n, 0], rectangles[n, 1] + 1):
                     if tile_wanted[row, column]:
                         if row >= top:
