@@ -123,8 +123,8 @@ def fill_entries(
         top, bottom = rows * band // bands, rows * (band + 1) // bands
         for i in range(len(order)):
             if i + _AHEAD < len(order):
-                prefetch_row(rectangles, order[i + _AHEAD])  # type: ignore[call-arg]
-                prefetch_row(slot_starts, order[i + _AHEAD])  # type: ignore[call-arg]
+                prefetch_row(rectangles, order[i + _AHEAD])
+                prefetch_row(slot_starts, order[i + _AHEAD])
             n = order[i]
             first, last = rectangles[n, 2], rectangles[n, 3]
             if last < top or first >= bottom:

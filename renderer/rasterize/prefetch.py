@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, cast
 
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array
+from numpy.typing import NDArray
 
 _READ, _KEPT_CLOSE, _DATA = 0, 3, 1
 """What llvm.prefetch is asked for."""
 
 
 @intrinsic
-def prefetch_row(typing_context: Any, array: Any, row: Any) -> Any:
-    """Fetch the cache lines at both ends of array[row]: all of a row of at most 64 bytes and a little."""
+def _prefetch_row(typing_context: Any, array: Any, row: Any) -> Any:
+    """See prefetch_row."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         view = make_array(signature.args[0])(context, builder, arguments[0])
@@ -33,3 +35,8 @@ def prefetch_row(typing_context: Any, array: Any, row: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(array, row), codegen
+
+
+prefetch_row = cast("Callable[[NDArray[Any], int], None]", _prefetch_row)
+"""For kernels only: `prefetch_row(array, row)` fetches the cache lines at both ends of array[row], which is all
+of a row of at most 64 bytes."""

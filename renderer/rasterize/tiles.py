@@ -115,7 +115,7 @@ def _bend(a: np.float32, b: np.float32, c: np.float32, grid: NDArray[np.float32]
 def _record(records: NDArray[np.float32], splats: NDArray[np.int32], i: int) -> NDArray[np.float32]:
     """That of the i-th splat; one further on is fetched."""
     if i + AHEAD < len(splats):
-        prefetch_row(records, splats[i + AHEAD])  # type: ignore[call-arg]
+        prefetch_row(records, splats[i + AHEAD])
     record: NDArray[np.float32] = records[splats[i]]
     return record
 
