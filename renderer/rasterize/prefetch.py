@@ -38,5 +38,5 @@ def _prefetch_row(typing_context: Any, array: Any, row: Any) -> Any:
 
 
 prefetch_row = cast("Callable[[NDArray[Any], int], None]", _prefetch_row)
-"""For kernels only: `prefetch_row(array, row)` fetches the cache lines at both ends of array[row], which is all
-of a row of at most 64 bytes."""
+"""For kernels only: `prefetch_row(array, row)` fetches the cache lines at both ends of array[row]:
+all of a row of at most 64 bytes."""
