@@ -19,8 +19,8 @@ from renderer.regular_files import require_regular
 
 Arrays = dict[str, NDArray[Any]]
 Result = TypeVar("Result")
-DTYPES: Final = {"<f4": "F32", "<i4": "I32", "<i8": "I64"}
-"""Of a model, as safetensors calls them."""
+DTYPES: Final = {"<f2": "F16", "<f4": "F32", "<f8": "F64", "<i4": "I32", "<i8": "I64", "|b1": "BOOL"}
+"""As safetensors calls them."""
 OR_NONE = "?"
 FIRST, SECOND = "first.", "second."
 """Moments of the array whose name follows."""
@@ -169,11 +169,12 @@ def check_state(given: Mapping[str, NDArray[Any]], own: Mapping[str, NDArray[Any
         array = given[name]
         _check_type(name, array, expected.dtype)
         of = name.removeprefix(FIRST).removeprefix(SECOND)
-        if name != of and of in given:
+        if name != of and of in given:  # Each trainer lays out moments as it needs them, in copies.
             fits = array.shape == given[of].shape
         else:
             grown = (len(own[ROWS]), len(given[ROWS]))
             fits = _same_but_grown(array.shape, expected.shape, grown, free=1 if of == "harmonics" else None)
+            _check_layout(name, array)
         if not fits:
             raise ValueError(f"expected {name} of shape {_told(expected.shape)}, got {_told(array.shape)}")
         if not np.isfinite(array).all() or (name.startswith(SECOND) and (array < 0).any()):
@@ -192,6 +193,7 @@ def _same_but_grown(
 
 def _check_shape(name: str, array: NDArray[Any], stored: Stored, lengths: dict[str, int]) -> None:
     _check_type(name, array, np.dtype(stored.dtype))
+    _check_layout(name, array)
     axes = stored.shape.split()
     fits = array.ndim == len(axes)
     for length, axis in zip(array.shape, axes, strict=False):
@@ -207,6 +209,9 @@ def _check_shape(name: str, array: NDArray[Any], stored: Stored, lengths: dict[s
 def _check_type(name: str, array: NDArray[Any], dtype: np.dtype[Any]) -> None:
     if array.dtype != dtype:
         raise ValueError(f"expected {name} of {dtype}, got {array.dtype}")
+
+
+def _check_layout(name: str, array: NDArray[Any]) -> None:
     if not array.flags.c_contiguous:
         raise ValueError(f"expected {name} in contiguous memory, row by row")
 

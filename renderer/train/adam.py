@@ -49,8 +49,8 @@ def update_rows(
 @njit(parallel=True, cache=True, error_model="numpy")
 def coast_taps(
     controls: NDArray[np.float32],  # (N, K, C), updated
-    first: NDArray[np.float32],  # (N, K, C), updated
-    second: NDArray[np.float32],  # (N, K, C), updated
+    first: NDArray[np.float32],  # (K, N, C), updated
+    second: NDArray[np.float32],  # (K, N, C), updated
     start: int,
     rates: NDArray[np.float32],  # (K,)
 ) -> None:
@@ -60,8 +60,8 @@ def coast_taps(
             if start <= k < start + 4:
                 continue
             for c in range(controls.shape[2]):
-                controls[n, k, c], first[n, k, c], second[n, k, c] = _update(
-                    controls[n, k, c], np.float32(0.0), first[n, k, c], second[n, k, c], rates[k]
+                controls[n, k, c], first[k, n, c], second[k, n, c] = _update(
+                    controls[n, k, c], np.float32(0.0), first[k, n, c], second[k, n, c], rates[k]
                 )
 
 
@@ -69,8 +69,8 @@ def coast_taps(
 def update_taps(
     controls: NDArray[np.float32],  # (N, K, C), updated
     gradients: NDArray[np.float32],  # (N, C), by the curves' values
-    first: NDArray[np.float32],  # (N, K, C), updated
-    second: NDArray[np.float32],  # (N, K, C), updated
+    first: NDArray[np.float32],  # (K, N, C), updated
+    second: NDArray[np.float32],  # (K, N, C), updated
     seen: NDArray[np.bool_],  # (N,)
     start: int,
     weights: NDArray[np.float32],  # (4,)
@@ -86,11 +86,11 @@ def update_taps(
         for c in range(controls.shape[2]):
             for tap in range(4):
                 k = start + tap
-                controls[n, k, c], first[n, k, c], second[n, k, c] = _update(
+                controls[n, k, c], first[k, n, c], second[k, n, c] = _update(
                     controls[n, k, c],
                     weights[tap] * gradients[n, c],
-                    first[n, k, c],
-                    second[n, k, c],
+                    first[k, n, c],
+                    second[k, n, c],
                     rates[tap],
                 )
             for k in range(max(start, 1), min(start + 3, last - 1) + 1):

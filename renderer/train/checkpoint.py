@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from renderer.atomic_files import written_atomically
 from renderer.json_files import parsed
-from renderer.stored_arrays import read_arrays, write_arrays
+from renderer.stored_arrays import LazyArrays, read_arrays, write_arrays
 
 KEPT = 2
 _NAME = re.compile(r"checkpoint-(\d+)\.safetensors")
@@ -33,7 +33,7 @@ class Checkpoint:
 
 
 def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
-    """Write `checkpoint-NNNNNNN.safetensors` and drop all but the last two."""
+    """Write `checkpoint-NNNNNNN.safetensors`, one array after the other, and drop all but the last two."""
     state = {
         "iteration": checkpoint.iteration,
         "seconds": checkpoint.seconds,
@@ -41,7 +41,8 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
     }
     path = folder / f"checkpoint-{checkpoint.iteration:07d}.safetensors"
     with written_atomically(path) as partial:
-        write_arrays(partial, checkpoint.arrays, {"state": json.dumps(state)})
+        arrays = LazyArrays(list(checkpoint.arrays), checkpoint.arrays.__getitem__)
+        write_arrays(partial, arrays, {"state": json.dumps(state)})
     for old in checkpoint_paths(folder)[:-KEPT]:
         old.unlink()
     return path

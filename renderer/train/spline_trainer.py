@@ -33,14 +33,14 @@ class SplineRates:
 
 
 class SplineTrainer:
-    """See MotionTrainer."""
+    """See MotionTrainer. Moments lie by control value, (K, N, C), as a step touches four of these."""
 
     def __init__(self, motion: SplineMotion, rates: SplineRates) -> None:
         self._rates = rates
         self._tap_steps = np.zeros(motion.n_controls, np.int64)
         curves = {name: getattr(motion, name) for name in CURVES}
-        self._first = {name: np.zeros_like(curve) for name, curve in curves.items()}
-        self._second = {name: np.zeros_like(curve) for name, curve in curves.items()}
+        self._first = {name: np.zeros_like(_by_control(curve)) for name, curve in curves.items()}
+        self._second = {name: np.zeros_like(_by_control(curve)) for name, curve in curves.items()}
         self._take(motion)
 
     def _take(self, motion: SplineMotion) -> None:
@@ -88,18 +88,24 @@ class SplineTrainer:
         """See MotionTrainer."""
         for moments in (self._first, self._second):
             for name in CURVES[:-1]:
-                moments[name] = moments[name][index] if len(moments[name]) else moments[name]
+                if moments[name].size:
+                    moments[name] = moments[name].take(index, axis=1)
         self._take(self.motion.rows(index))
 
     def state(self) -> Arrays:
         """See MotionTrainer."""
-        first = {f"first.{name}": value for name, value in self._first.items()}
-        second = {f"second.{name}": value for name, value in self._second.items()}
+        first = {f"first.{name}": value.swapaxes(0, 1) for name, value in self._first.items()}
+        second = {f"second.{name}": value.swapaxes(0, 1) for name, value in self._second.items()}
         return self.motion.arrays() | first | second | {"tap_steps": self._tap_steps}
 
     def restore(self, arrays: Arrays) -> None:
         """See MotionTrainer."""
-        self._first = {name: arrays[f"first.{name}"].copy() for name in CURVES}
-        self._second = {name: arrays[f"second.{name}"].copy() for name in CURVES}
+        self._first = {name: _by_control(arrays[f"first.{name}"]) for name in CURVES}
+        self._second = {name: _by_control(arrays[f"second.{name}"]) for name in CURVES}
         self._tap_steps = arrays["tap_steps"].copy()
         self._take(SplineMotion.from_arrays({name: value.copy() for name, value in arrays.items()}))
+
+
+def _by_control(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(K, N, C) of (N, K, C), in memory of its own."""
+    return values.swapaxes(0, 1).copy()

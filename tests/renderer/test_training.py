@@ -231,7 +231,7 @@ def test_adam_rows_follow_the_published_algorithm_and_skip_unseen_rows() -> None
 
 def test_only_the_active_control_values_move() -> None:
     controls = np.zeros((2, 8, 1), np.float32)
-    first, second = np.zeros_like(controls), np.zeros_like(controls)
+    first, second = np.zeros((2, 8, 2, 1), np.float32)
     weights = np.array([0.1, 0.6, 0.2, 0.1], np.float32)
     seen = np.array([True, False])
     rates = np.full(4, 0.5, np.float32)
@@ -244,7 +244,7 @@ def test_only_the_active_control_values_move() -> None:
 def test_far_control_values_coast_as_adam_is_published() -> None:
     """Five steps with a gradient, then five without, of one value; in float64 with no special case."""
     controls = np.zeros((1, 6, 1), np.float32)
-    first, second = np.zeros_like(controls), np.zeros_like(controls)
+    first, second = np.zeros((2, 6, 1, 1), np.float32)
     weights, seen = np.full(4, 0.25, np.float32), np.array([True])
     value = m = v = 0.0
     for step in range(1, 11):
