@@ -9,6 +9,7 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from typing import NoReturn, Protocol, cast
@@ -38,6 +39,11 @@ COMMANDS = {
 }
 
 
+GENERAL = ("--help", "--version")
+UNKNOWN = "unrecognized arguments: "
+"""How argparse begins to say so."""
+
+
 class Command(Protocol):
     """What each module of app.commands offers."""
 
@@ -50,7 +56,9 @@ class Parser(argparse.ArgumentParser):
     """argparse whose mistakes are one line, like every other mistake of the user."""
 
     def error(self, message: str) -> NoReturn:
-        raise UserError(f"{message} (see {self.prog} --help)")
+        known = [name for action in self._actions for name in action.option_strings]
+        flag = message.removeprefix(UNKNOWN).split()[0].split("=")[0] if message.startswith(UNKNOWN) else ""
+        raise UserError(f"{message} ({_meant(flag, known)}see {self.prog} --help)")
 
 
 def run(arguments: Sequence[str]) -> None:
@@ -89,12 +97,25 @@ def chosen(arguments: Sequence[str]) -> tuple[str, list[str]]:
     """Name of the command and its own arguments; without a command, or with a path, it is the app."""
     if not arguments:
         return "gui", []
+    if "" in arguments:
+        raise UserError(f"expected no empty name or value, got one as argument {arguments.index('') + 1}")
     first, rest = arguments[0], list(arguments[1:])
     if first in COMMANDS:
         return first, rest
     if Path(first).exists() or len(Path(first).parts) > 1 or Path(first).suffix:
         return "gui", [first, *rest]
-    raise UserError(f"expected a command ({', '.join(COMMANDS)}) or the path of a clip, got {first!r}")
+    if first.startswith("-"):
+        nearest = _meant(first, GENERAL)
+        raise UserError(f"expected a command before its flags, got {first} ({nearest}see vesselsplat --help)")
+    wanted = f"expected a command ({', '.join(COMMANDS)}) or the path of a clip"
+    nearest = _meant(first, tuple(COMMANDS)).rstrip()
+    raise UserError(f"{wanted}, got {first!r}{f' ({nearest})' if nearest else ''}")
+
+
+def _meant(word: str, known: Sequence[str]) -> str:
+    """A question with the nearest of the known words; empty where none is near."""
+    near = get_close_matches(word, known, n=1)
+    return f"did you mean {near[0]}? " if near else ""
 
 
 def load(name: str) -> Command:

@@ -49,7 +49,7 @@ def read_cameras(path: Path) -> tuple[NamedCamera, ...]:
             return _of_colmap(path)
         return _of_json(read_json(path), path.stem)
     except OSError as error:
-        raise CameraFileError(f"expected a camera file, {error.strerror}: {path}") from error
+        raise CameraFileError(f"expected a camera file, got {error.strerror}: {path}") from error
     except (ValueError, LookupError, TypeError, ArithmeticError, AttributeError) as error:
         text = f"no {error}" if isinstance(error, KeyError) else str(error)
         raise CameraFileError(f"expected a camera or several, got {text}: {path}") from error

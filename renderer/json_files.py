@@ -22,6 +22,8 @@ def parsed(content: str | bytes) -> Any:
     """
     try:
         value = json.loads(content, parse_constant=_refuse)
+    except UnicodeDecodeError:
+        raise ValueError("expected text in UTF-8, got other bytes") from None
     except RecursionError:
         raise ValueError(TOO_DEEP) from None
     if _is_deeper(value, DEEPEST):

@@ -71,7 +71,7 @@ def read_views(path: Path) -> Views:
     try:
         content = read_json(path)
     except OSError as error:
-        raise CameraFileError(f"expected a file of views, {error.strerror}: {path}") from error
+        raise CameraFileError(f"expected a file of views, got {error.strerror}: {path}") from error
     except ValueError as error:
         raise CameraFileError(f"expected a file of views in JSON, got {error}: {path}") from error
     try:

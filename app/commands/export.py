@@ -17,6 +17,7 @@ from app.exports.sources import Opened
 from app.exports.splats import fourdgs
 from app.exports.splats.writing import COMPRESSED, MOVING, layout_of
 from app.files.atomic import filled
+from app.files.codecs import CODECS, ending_of
 from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes import view_selection
@@ -119,6 +120,9 @@ def run(flags: argparse.Namespace) -> None:
         )
     if flags.sh_degree is not None and not any(splats.values()):
         raise UserError("--sh-degree: expected --ply or another kind of splat files, to which it applies")
+    if flags.video and not ending_of(flags.video):
+        endings = ", ".join(CODECS)
+        raise UserError(f"--video: expected a name that ends in {endings}, got {flags.video.name}")
     mesh_export.check(flags)
     moving = {"--usd": (flags.usd, ".usdc"), "--4dgs": (flags.fourdgs, fourdgs.SUFFIX)}
     for flag, (path, suffix) in moving.items():

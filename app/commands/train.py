@@ -160,6 +160,9 @@ def _part(flags: argparse.Namespace) -> ClipPart:
         raise UserError(f"--frames: expected frames that follow one another to train on, got {said}")
     trim = (numbers[0], numbers[-1]) if numbers else None
     text, view = flags.text_box, flags.view_circle
+    if text and not (text[0] < text[2] and text[1] < text[3]):
+        said = " ".join(f"{edge:g}" for edge in text)
+        raise UserError(f"--text-box: expected LEFT below RIGHT and TOP below BOTTOM, got {said}")
     try:
         mask = PictureMask(text=text and tuple(text), view=view and tuple(view))
     except ValidationError as error:

@@ -44,8 +44,8 @@ STATE_AFTER: Final[Mapping[type, State]] = MappingProxyType(
 )
 """Of a job, by the event; after any other it stays."""
 
-SECONDS_TO_END = 2.0
-"""How long the process may take to end by itself when the job is closed."""
+SECONDS_TO_END = 5.0
+"""How long the process may take to end by itself when the job is closed: it writes a checkpoint."""
 
 
 class TrainingJob:
@@ -92,7 +92,7 @@ class TrainingJob:
         self._say("resume")
 
     def cancel(self) -> None:
-        """Ask to end, also while paused; `Cancelled` comes when it has. The last checkpoint is kept."""
+        """Ask to end, also while paused; `Cancelled` comes when it has. The steps done are kept."""
         self._say("cancel")
 
     def close(self) -> None:

@@ -222,6 +222,8 @@ class RunFolder:
     def require_vacant(self) -> None:
         """Raises UserError: something is here that a new run could harm."""
         there = self.path
+        if there.exists() and not there.is_dir():
+            raise UserError(f"expected an empty or new folder for the run, got a file: {there}")
         is_vacant = there.is_dir() and all(PARTIAL.match(each.name) for each in there.iterdir())
         if there.exists() and not is_vacant:
             raise UserError(f"expected an empty or new folder for the run, got one with other files: {there}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack, closing, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
@@ -181,12 +181,14 @@ def _train(
         config = as_dense(record.config, record.clip.part.field_of_view)
         events = train(clip, config, folder=run.path, resume=run.is_run, pictures=pictures)
         first = yield from told_meanwhile("analysing the clip", lambda _: next(events))
-        for event in chain((first,), events):
-            # A clip that cannot be trained on has failed by now: nothing is left behind for it.
-            if not run.is_run:
-                begin()
-                meanwhile.enter_context(locked(run.path))
-            yield from _told(event, run, posed, record.clip.part, clock)
+        # Closed while the run is locked: a checkpoint is written then.
+        with closing(events):
+            for event in chain((first,), events):
+                # A clip that cannot be trained on has failed by now: nothing is left behind for it.
+                if not run.is_run:
+                    begin()
+                    meanwhile.enter_context(locked(run.path))
+                yield from _told(event, run, posed, record.clip.part, clock)
 
 
 def _begin(run: RunFolder, record: RunRecord, copies: ToolMasks | None) -> None:

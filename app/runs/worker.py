@@ -39,7 +39,8 @@ class Resumed:
 
 @dataclass(frozen=True)
 class Cancelled:
-    """Training ended because it was asked to, in a word or by SIGTERM; the last checkpoint is kept."""
+    """Training ended because it was asked to. By a word the steps done are kept, by SIGTERM the last
+    checkpoint."""
 
 
 @dataclass(frozen=True)

@@ -97,7 +97,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
     """The scene, what was repaired of it told on stderr. Raises UserError for what there is not."""
     if not 0 < flags.frames_per_second <= 1000:
-        raise UserError(f"--frames-per-second: expected up to 1000, got {flags.frames_per_second}")
+        said = flags.frames_per_second
+        raise UserError(f"--frames-per-second: expected more than 0 and at most 1000, got {said}")
     scene = open_scene(flags.scene, as_trained=flags.as_trained)
     if flags.window is not None:
         scene = scene_of_window(scene, flags.window)
@@ -120,8 +121,10 @@ def _moments(flags: argparse.Namespace, scene: Scene) -> Iterator[Moment]:
         return
     given = _read_cameras(flags.camera) if flags.camera else ()
     fixed = given[0].camera if len(given) == 1 else None
-    if flags.time is not None and (flags.frames or not 0 <= flags.time <= 1):
-        raise UserError(f"expected --time in [0, 1] without --frames, got {flags.time}")
+    if flags.time is not None and flags.frames:
+        raise UserError("expected --time or --frames, got both")
+    if flags.time is not None and not 0 <= flags.time <= 1:
+        raise UserError(f"--time: expected 0 to 1, got {flags.time}")
     if len(given) > 1:
         yield from _views(given, flags)
         return

@@ -72,7 +72,7 @@ class Tracks:
         self._of_key = 0
         self._open_keyframe(picture, np.zeros(0, np.int64), self._in_key)
         if self.count < FEWEST_TRACKS:
-            raise Lost(f"{self.count} features found, of {FEWEST_TRACKS} that it takes")
+            raise Lost(f"{self.count} features found, at least {FEWEST_TRACKS} are needed")
 
     @property
     def last(self) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -80,8 +80,11 @@ def train_window(
     folder: Path | None = None,
     resume: bool = False,
     pictures: GradientBackend | None = None,
-) -> Iterator[TrainEvent]:
-    """Reconstruct all of `clip` with one set of Gaussians, see `renderer.train.training.train`."""
+) -> Generator[TrainEvent, None, None]:
+    """Reconstruct all of `clip` with one set of Gaussians, see `renderer.train.training.train`.
+
+    Closed between two steps, it leaves a checkpoint of those that are done.
+    """
     opened, spilled = time.perf_counter(), nearest_folder(folder) if folder else None
     fit, held_out = split(clip, config)
     frames = FrameStore.of((clip.read_frame(index) for index in fit), spilled)
@@ -100,10 +103,10 @@ def train_window(
     taken = (train_frame(frames.take(place), unseen) for place in range(len(frames)))
     pool = _Pool(FrameStore.of(taken, spilled), config.seed, needs.has_masks, spilled)
     del frames, seeds, taken
-    watch = LossWatch()
+    watch, identity = LossWatch(), fingerprint(clip, config)
     start, seconds = 0, 0.0
     if folder and checkpoint:
-        _resume(model, watch, checkpoint, fingerprint(clip, config), recipe.iterations, folder)
+        _resume(model, watch, checkpoint, identity, recipe.iterations, folder)
         start, seconds = checkpoint.iteration, checkpoint.seconds
     del checkpoint
     yield Started(start, recipe.iterations, len(model), needs.omitted)
@@ -117,27 +120,32 @@ def train_window(
     after += len(fit) * (RENDERED * ("unseen" not in config.keep) + SMOOTHED * (smooths + fades))
     meter = Meter(recipe, seconds, after)
     held = HeldOut(clip, measured, size, recipe.mode)
-    for iteration in range(start, recipe.iterations):
-        with meter.between():
-            frame = pool.frame(iteration, recipe.stage_at(iteration))
-        began = time.perf_counter()
-        result = model.step(frame, iteration)
-        meter.add(result, iteration, time.perf_counter() - began, len(model))
-        watch.add(result.loss, pool.tissue(frame))
-        if watch.problem:
-            raise TrainingError(f"{watch.problem}, at iteration {iteration}: lower the learning rates")
-        done = iteration + 1
-        if folder and (done % config.checkpoint_every == 0 or done == recipe.iterations):
+    done = kept = start
+    try:
+        for iteration in range(start, recipe.iterations):
             with meter.between():
-                arrays = {**model.state(), LOSSES: watch.state}
-                state = Checkpoint(done, meter.seconds, fingerprint(clip, config), arrays)
-                write_checkpoint(folder, state)
-        if meter.progress_is_due() or done == recipe.iterations:
-            yield meter.progress(done)
-        if done < recipe.iterations and held.is_due(meter.seconds):
-            yield held.measure(model.gaussians, done, meter.seconds)
-        if meter.snapshot_is_due():
-            yield Snapshot(done, model.snapshot())
+                frame = pool.frame(iteration, recipe.stage_at(iteration))
+            began = time.perf_counter()
+            result = model.step(frame, iteration)
+            meter.add(result, iteration, time.perf_counter() - began, len(model))
+            watch.add(result.loss, pool.tissue(frame))
+            if watch.problem:
+                raise TrainingError(f"{watch.problem}, at iteration {iteration}: lower the learning rates")
+            done = iteration + 1
+            if done % config.checkpoint_every == 0 or done == recipe.iterations:
+                with meter.between():
+                    kept = _keep(folder, done, meter.seconds, identity, model, watch)
+            if meter.progress_is_due() or done == recipe.iterations:
+                yield meter.progress(done)
+            if done < recipe.iterations and held.is_due(meter.seconds):
+                yield held.measure(model.gaussians, done, meter.seconds)
+            if meter.snapshot_is_due():
+                yield Snapshot(done, model.snapshot())
+    except GeneratorExit:
+        # Between two steps nobody wants more of them.
+        if done > kept:
+            _keep(folder, done, meter.seconds, identity, model, watch)
+        raise
     left, total = meter.after_steps(), max(after, 1.0)
     yield Finishing("removing what no frame shows", left)
     for notice in model.trouble.notices():
@@ -199,6 +207,15 @@ def _controls_of(checkpoint: Checkpoint) -> int | None:
     """Control values of a curve; None: it has no curves, or is damaged, which is seen when it is restored."""
     nodes = checkpoint.arrays.get("node_controls")
     return int(nodes.shape[1]) if nodes is not None and nodes.ndim == 3 and nodes.shape[1] > 3 else None
+
+
+def _keep(
+    folder: Path | None, done: int, seconds: float, identity: str, model: TrainModel, watch: LossWatch
+) -> int:
+    """Write a checkpoint, where there is a folder. Returns the steps done."""
+    if folder:
+        write_checkpoint(folder, Checkpoint(done, seconds, identity, {**model.state(), LOSSES: watch.state}))
+    return done
 
 
 def _resume(

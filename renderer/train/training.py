@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,13 +23,14 @@ def train(
     folder: Path | None = None,
     resume: bool = False,
     pictures: GradientBackend | None = None,
-) -> Iterator[TrainEvent]:
+) -> Generator[TrainEvent, None, None]:
     """Reconstruct `clip` from its training frames, as a generator of events: Started first, Finished with the
-    model last; ending it early ends the training. A long clip is cut into windows that overlap, which are
+    model last; closing it early ends the training. A long clip is cut into windows that overlap, which are
     trained one after the other.
 
-    With a `folder`, which exists when Started has been taken, checkpoints are written there, and windows that
-    are finished, of which the model reads what it needs; `resume` continues from the newest. `pictures`
+    With a `folder`, which exists when Started has been taken, checkpoints are written there, one of them when
+    it is closed early, and windows that are finished, of which the model reads what it needs; `resume`
+    continues from the newest. `pictures`
     renders; without it, the numba kernels do. One seed gives the same bytes on the CPU, whether interrupted
     or not and whatever the number of threads.
 
@@ -56,7 +58,8 @@ def train(
     if len(windows) > 1:
         yield from WindowedTraining(clip, config, windows, folder, resume, pictures).events()
         return
-    for event in train_window(clip, config, folder=folder, resume=resume, pictures=pictures):
-        if isinstance(event, Started):
-            event = replace(event, omitted=(*event.omitted, *left_out(windows, config)))
-        yield event
+    with closing(train_window(clip, config, folder=folder, resume=resume, pictures=pictures)) as events:
+        for event in events:
+            if isinstance(event, Started):
+                event = replace(event, omitted=(*event.omitted, *left_out(windows, config)))
+            yield event

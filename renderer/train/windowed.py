@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -65,7 +66,7 @@ class WindowedTraining:
     resume: bool
     pictures: GradientBackend | None
 
-    def events(self) -> Iterator[TrainEvent]:
+    def events(self) -> Generator[TrainEvent, None, None]:
         opened = time.perf_counter()
         if self.folder and not self.resume:
             shutil.rmtree(self.folder / FOLDER, ignore_errors=True)
@@ -103,17 +104,20 @@ class WindowedTraining:
         folder = folder_of(self.folder, window) if self.folder else None
         resume = self.resume and folder is not None and folder.is_dir()
         omitted: tuple[Omission, ...] = ()
-        for event in train_window(clip, self.config, folder=folder, resume=resume, pictures=self.pictures):
-            if isinstance(event, Ended):
-                wall, omitted = time.perf_counter() - began, (*omitted, *event.omitted)
-                model = self._stored(event, clip, folder)
-                return _Done(event.iteration, event.seconds, wall, omitted, model)
-            if not isinstance(event, Started) or not any(each.wall for each in done):
-                yield from self._as_of_all(event, done, window, began)
-            if isinstance(event, Started):
-                omitted = event.omitted
-                if folder is not None:
-                    folder.mkdir(parents=True, exist_ok=True)
+        with closing(
+            train_window(clip, self.config, folder=folder, resume=resume, pictures=self.pictures)
+        ) as events:
+            for event in events:
+                if isinstance(event, Ended):
+                    wall, omitted = time.perf_counter() - began, (*omitted, *event.omitted)
+                    model = self._stored(event, clip, folder)
+                    return _Done(event.iteration, event.seconds, wall, omitted, model)
+                if not isinstance(event, Started) or not any(each.wall for each in done):
+                    yield from self._as_of_all(event, done, window, began)
+                if isinstance(event, Started):
+                    omitted = event.omitted
+                    if folder is not None:
+                        folder.mkdir(parents=True, exist_ok=True)
         raise AssertionError("a training ends with Finished")
 
     def _as_of_all(

@@ -67,6 +67,11 @@ def bad(tmp_path: Path, clip_path: Path) -> Path:
 MISTAKES = [
     # (arguments, a word that the line must hold)
     (["bogus"], "expected a command"),
+    (["enhence"], "did you mean enhance?"),
+    (["--verison"], "did you mean --version?"),
+    (["info", ""], "argument 2"),
+    (["enhance", "{bad}/whole.png", "{out}.png", "--strenth", "2"], "did you mean --strength?"),
+    (["train", "{clip}", "--run", "{out}", "--text-box", "10", "10", "5", "5"], "LEFT below RIGHT"),
     (["enhance"], "INPUT, OUTPUT"),
     (["enhance", "{bad}/nothing.png", "{out}"], "nothing.png"),
     (["enhance", "{bad}/nothing", "{out}"], "nothing"),
@@ -103,7 +108,7 @@ MISTAKES = [
     (["train", "{bad}/whole.png", "--run", "{out}"], "depth"),
     (["train", "{clip}", "--run", "{bad}/foreign"], "other files"),
     (["train", "{clip}", "--run", "{bad}/foreign", "--resume"], "other files"),
-    (["train", "{clip}", "--run", "{bad}/whole.png"], "whole.png"),
+    (["train", "{clip}", "--run", "{bad}/whole.png"], "got a file"),
     (["train", "{clip}"], "--run"),
     (["train", "{clip}", "--run", "{out}", "--iterations", "0"], "--iterations"),
     (["train", "{clip}", "--run", "{out}", "--method", "magic"], "--method"),

@@ -156,6 +156,8 @@ def test_repairs_are_said(tmp_path: Path, vesselsplat: Cli, runs: dict[str, Path
         ((), "--ply DIR"),
         (("--ply", "{out}", "--frames", "99"), "--frames"),
         (("--video", "{out}.mp4", "--frames-per-second", "0"), "--frames-per-second"),
+        (("--video", "{out}.txt"), ".webm"),
+        (("--npz", "{out}.npz", "--time", "0.5", "--frames", "0"), "--time or --frames"),
     ],
 )
 def test_a_mistake_is_one_line(

@@ -156,3 +156,10 @@ def test_distorted_or_missing_colmap_cameras_are_refused(tmp_path: Path) -> None
     (tmp_path / "cameras.txt").unlink()
     with pytest.raises(CameraFileError, match="camera file"):
         read_cameras(tmp_path)
+
+
+def test_bytes_that_are_no_text_are_said_to_be_that(tmp_path: Path) -> None:
+    path = tmp_path / "camera.json"
+    path.write_bytes(b"\xff\xd8\xff\xe0")
+    with pytest.raises(CameraFileError, match="expected text in UTF-8"):
+        read_cameras(path)

@@ -98,6 +98,17 @@ def test_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, stop_after: in
     assert same_bytes(whole, resumed)
 
 
+def test_closed_between_checkpoints_a_run_keeps_the_steps_that_are_done(tmp_path: Path) -> None:
+    config = replace(SMALL, iterations=100_000, checkpoint_every=1_000_000)
+    events = train(moving_sheet(), config, folder=tmp_path)
+    done = next(event.iteration for event in events if isinstance(event, Progress))
+    events.close()
+    assert [path.name for path in checkpoint_paths(tmp_path)] == [f"checkpoint-{done:07d}.safetensors"]
+    again = train(moving_sheet(), config, folder=tmp_path, resume=True)
+    started = next(event for event in again if isinstance(event, Started))
+    assert started.iteration == done > 0
+
+
 def test_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
     clip = moving_sheet()
     list(train(clip, replace(SMALL, iterations=40), folder=tmp_path))

@@ -193,7 +193,7 @@ def take_model(state: AppState, request: ModelRequest, scene: Scene) -> None:
 def can_continue(state: AppState) -> bool:
     """A run was cut short and its clip is the one that is open."""
     job = state.runs.reconstruction
-    if job.request is None or job.status not in ("cancelled", "failed"):
+    if job.request is None or job.status not in ("cancelled", "failed") or job.saved_nothing:
         return False
     clip = state.source.clip
     return clip is not None and job.clip is not None and clip.path == job.clip.path

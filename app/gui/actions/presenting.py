@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.gui.state.app_state import AppState
 from app.gui.views.comparison import PANES, PaneName
 
-LABELS_SECONDS = 2.0
+LABELS_SECONDS = 4.0
 """That labels are there by themselves, at the start and with another pane."""
 
 

@@ -60,6 +60,17 @@ def keep(state: AppState, name: str) -> None:
     _save(state, {**state.enhancement.presets, name: state.enhancement.params}, f"saved as preset {name}")
 
 
+def ask_forget(state: AppState, name: str) -> None:
+    """Whether an own preset is to be deleted."""
+    state.enhancement.preset_doomed = name
+
+
+def answer_forget(state: AppState, *, delete: bool) -> None:
+    name, state.enhancement.preset_doomed = state.enhancement.preset_doomed, ""
+    if delete:
+        forget(state, name)
+
+
 def forget(state: AppState, name: str) -> None:
     """Delete an own preset."""
     left = {known: look for known, look in state.enhancement.presets.items() if known != name}

@@ -123,6 +123,8 @@ def at_stake(state: AppState) -> str:
         return f"{name} is still running{f', and {waits}' if count else ''}."
     if state.batches.under_way is not None:
         return "Files and folders are still being enhanced."
+    if state.exports.under_way is not None:
+        return "An export is still being written."
     if not count or to_keep(state):
         return ""
     return "1 reconstruction is queued." if count == 1 else f"{count} reconstructions are queued."
@@ -130,9 +132,12 @@ def at_stake(state: AppState) -> str:
 
 def what_is_kept(state: AppState) -> str:
     """Of that, in sentences."""
-    if not state.runs.reconstruction.is_alive and state.batches.under_way is not None:
-        return "Finished files are kept; the rest are not written."
-    begun = "The last checkpoint is kept: Continue resumes from it."
+    if not state.runs.reconstruction.is_alive:
+        if state.batches.under_way is not None:
+            return "Finished files are kept; the rest are not written."
+        if state.exports.under_way is not None:
+            return "What it has written so far is discarded."
+    begun = "The steps that are done are kept: Continue resumes from there."
     if not state.runs.queue:
         return begun
     return f"{begun} The queue is {'kept for the next start' if to_keep(state) else 'discarded'}."

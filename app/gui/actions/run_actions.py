@@ -97,6 +97,7 @@ def take_left(state: AppState, request: LeftRequest, left: Left) -> None:
     run = state.runs.reconstruction
     if request is run.ended:
         run.has_checkpoint = left.has_checkpoint
+        run.saved_nothing = run.status == "failed" and not left.is_run
         run.way_out = way_out(left) if run.status == "failed" else ""
 
 

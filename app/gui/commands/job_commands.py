@@ -12,13 +12,14 @@ def job_sections() -> tuple[Section, ...]:
         Command("Reconstruct", job_actions.start_reconstruction, ("Ctrl+R",),
                 text="reconstruct with the current settings: now, or after those in the queue",
                 applies=lambda s: not job_actions.why_not_reconstruct(s),
+                lacks=job_actions.why_not_reconstruct,
                 synonyms=("train", "3d", "gaussian", "splat", "model", "run", "start")),
         Command("Pause reconstruction", job_actions.toggle_pause, ("Ctrl+P",),
                 text="pause or resume training", ticked=lambda s: s.runs.reconstruction.can_resume,
                 applies=lambda s: s.runs.reconstruction.can_pause or s.runs.reconstruction.can_resume,
                 synonyms=("hold", "resume", "training")),
         Command("Cancel reconstruction", job_actions.cancel, ("Ctrl+Shift+X",),
-                text="stop training; the last checkpoint is kept",
+                text="stop training; the steps that are done are kept",
                 applies=lambda s: s.runs.reconstruction.is_alive, synonyms=("abort", "stop", "training")),
     )  # fmt: skip
     ended = (

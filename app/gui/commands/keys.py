@@ -104,7 +104,10 @@ class Keyboard:
             leaving.leave_innermost(state)
         modal = keys_of(state) if acts and not walks else {}
         for command in _pressed(state, sections, modal, walks) if acts else ():
-            command.act(state)
+            if command.applies(state):
+                command.act(state)
+            elif command.lacks is not None:
+                actions.announce(state, command.lacks(state))
         for code, act in modal.items():
             if _is_pressed(code, True):
                 act(state)
@@ -122,7 +125,8 @@ def _claim(held: int, keys: Iterable[imgui.Key]) -> None:
 
 
 def _pressed(state: AppState, sections: Iterable[Section], modal: Keys, walks: bool) -> list[Command]:
-    """Commands that apply and whose keys went down; those of a mode, a flight or a walk do nothing else."""
+    """Commands that apply, or say why not, whose keys went down; keys of a mode, a flight or a walk do
+    nothing else."""
     flies = state.scene.viewer.flying
     return [
         command
@@ -133,7 +137,7 @@ def _pressed(state: AppState, sections: Iterable[Section], modal: Keys, walks: b
         and code not in modal
         and not (flies and code in FLIGHT)
         and not (walks and code & ~MODIFIERS in CLAIMED + PAGES)
-        and command.applies(state)
+        and (command.applies(state) or command.lacks is not None)
     ]
 
 

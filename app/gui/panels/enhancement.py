@@ -22,6 +22,7 @@ from app.gui.style.fields import NUMBERS, amount, declared, number, slide, slide
 from app.gui.style.widgets import (
     FLAT,
     NAMES,
+    ask,
     beside,
     beside_of,
     button,
@@ -96,8 +97,10 @@ def draw_presets(state: AppState, texture: Texture) -> None:
             with imgui_ctx.push_id(name):
                 _draw_preset(state, name, shown, texture, beside=em(2))
                 imgui.same_line(0, 0)
-                forget = partial(preset_actions.forget, state, name)
+                forget = partial(preset_actions.ask_forget, state, name)
                 button("×", forget, f"Delete {legible(name)}.", small=True)
+        if state.enhancement.preset_doomed:
+            imgui.close_current_popup()
         imgui.end_combo()
     imgui.same_line()
     name_it = partial(imgui.open_popup, "keep preset")
@@ -105,6 +108,10 @@ def draw_presets(state: AppState, texture: Texture) -> None:
     with imgui_ctx.begin_popup("keep preset") as popup:
         if popup:
             _draw_keep(state)
+    if doomed := state.enhancement.preset_doomed:
+        said = (f"The preset {legible(doomed)} is deleted for good.",)
+        if reply := ask("Delete the preset?", said, ("Delete", "Keep")):
+            preset_actions.answer_forget(state, delete=reply == "Delete")
 
 
 def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, beside: float = 0.0) -> None:

@@ -229,7 +229,8 @@ def _draw_choice(state: AppState, browsing: Browsing) -> None:
     if replaces:
         imgui.text_colored(theme.now().warning, f"{legible(browsing.target.name)} exists.")
     else:
-        muted(reason if reason and browsing.typed else HINTS[browsing.choosing.kind])
+        typed = browsing.typed or (saves and browsing.name.strip())
+        muted(reason if reason and typed else HINTS[browsing.choosing.kind])
 
 
 def _take_keys(state: AppState, browsing: Browsing) -> None:

@@ -31,7 +31,7 @@ from app.runs.wall_clock import in_all
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.train.events import Evaluated, Omission, Progress
 
-KEEPS = "The last checkpoint is kept: Continue resumes from it."
+KEEPS = "The steps that are done are kept: Continue resumes from there."
 CONTINUES = "From the last checkpoint."
 STARTS_OVER = "No checkpoint: starts over."
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
@@ -112,6 +112,8 @@ def _draw_end(state: AppState, run: Reconstruction) -> None:
     if run.failure:
         note(f"{capital(legible(run.failure))}.", theme.now().danger)
         note(run.way_out)
+    if run.saved_nothing:
+        return
     own = "" if job_actions.can_continue(state) else "It can continue only on its own clip: open that first."
     kept = CONTINUES if run.has_checkpoint else STARTS_OVER
     reason = run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
@@ -124,7 +126,7 @@ def _draw_end(state: AppState, run: Reconstruction) -> None:
 
 
 def _draw_hold(state: AppState) -> None:
-    run, text = state.runs.reconstruction, "Paused; the queue waits."
+    run, text = state.runs.reconstruction, "The queue waits meanwhile." if state.runs.queue else ""
     pause = ("Pause###pause", job_actions.pause, text, run.can_pause)
     if run.status == "paused":
         pause = ("Resume###pause", job_actions.resume, text, run.can_resume)
@@ -145,7 +147,7 @@ def _draw_status(state: AppState, run: Reconstruction) -> None:
         note(f"{FIRST_USE} {seconds(state.window.now - run.started_at)} so far.")
     if run.status == "starting":
         if run.preparing is not None:
-            note(f"{seconds(run.preparing.seconds)} so far")
+            note(f"{seconds(state.window.now - run.started_at)} so far")
         note(capital(run.planned))
     if progress is not None and not run.is_alive:
         _draw_took(progress)

@@ -96,5 +96,7 @@ class Enhancement:
     """The menu of presets is open."""
     thumbnails: Thumbnails | None = None
     """What presets made of a frame, when the menu was last open."""
+    preset_doomed: str = ""
+    """An own one that is deleted once that is confirmed."""
     preset_draft: str = ""
     """Name that is being typed for one."""

@@ -78,6 +78,8 @@ class Reconstruction:
     warnings: list[str] = field(default_factory=list)
     ended: LeftRequest | None = None
     """Asks what it has left, once it has ended."""
+    saved_nothing: bool = False
+    """It failed before there was a run folder."""
     has_checkpoint: bool = False
     """It was cut short, and something of it can be looked at."""
     failure: str = ""

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable
 from dataclasses import replace
 
+from app.files.legible import without_flags
 from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Reconstruction
@@ -46,6 +47,7 @@ def start_due(state: AppState, make_job: MakeJob) -> None:
         kept=draft.kept,
         name=draft.name,
         status="starting",
+        started_at=state.window.now,
         job=job,
         clip=first.request.part.of(first.clip),
         request=first.request,
@@ -111,8 +113,9 @@ def _hear(state: AppState, event: object) -> None:
             )
         case Cancelled():
             run.status = "cancelled"
-            actions.announce(state, "reconstruction cancelled; Continue resumes from its last checkpoint")
+            actions.announce(state, "reconstruction cancelled; Continue resumes from there")
         case Failed():
-            run.status, run.failure = "failed", event.reason
+            reason = without_flags(event.reason)
+            run.status, run.failure = "failed", reason
             log.error("training failed: %s\n%s", event.reason, event.details)
-            actions.fail(state, f"the reconstruction failed: {event.reason}")
+            actions.fail(state, f"the reconstruction failed: {reason}")

@@ -13,7 +13,7 @@ from app.exports.replay.again import replay
 from app.files.image_files import read_image, write_image
 from app.files.provenance import read_provenance
 from app.files.video_encoder import VideoEncoder
-from app.gui.actions import actions, export_actions
+from app.gui.actions import actions, export_actions, queue_actions
 from app.gui.actions.export_names import default_name, why_not_name
 from app.gui.actions.export_offers import OFFERS
 from app.gui.commands.commands import sections
@@ -75,10 +75,13 @@ def test_a_name_that_is_taken_while_a_video_is_made_is_not_replaced(run: Exporte
     export_actions.start(run.state)
     run.turn(3)
     assert run.state.exports.under_way is not None
+    assert "export" in queue_actions.at_stake(run.state)
+    assert "discarded" in queue_actions.what_is_kept(run.state)
     taken = run.state.export_folder / "small-frames-1-10-both.mp4"
     taken.parent.mkdir(exist_ok=True)
     taken.write_text("meanwhile")
     run.turn(40)
+    assert not queue_actions.at_stake(run.state)
     assert run.state.exports.last == taken.with_stem(f"{taken.stem}-2")
     assert taken.read_text() == "meanwhile"
     assert run.state.exports.last.with_name(f"{run.state.exports.last.name}.json").is_file()

@@ -6,10 +6,12 @@ from dataclasses import replace
 
 from imgui_bundle import imgui
 
+from app.gui.actions import job_actions
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import NAMED, Keyboard, chord
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
+from app.gui.work.settings import Places
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import make_clip, outside, start_live
 from tests.app.gui.ui import (
@@ -50,6 +52,15 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     assert opened.window.help_open
     ui.press(draw, key.mod_ctrl, key.e)  # Another chord than E.
     assert not opened.enhancement.active
+
+
+def test_a_key_that_cannot_do_its_work_says_what_is_missing(ui: Ui, places: Places) -> None:
+    state = AppState(places)
+    draw = keyboard(state)
+    ui.press(draw, imgui.Key.mod_ctrl, imgui.Key.r)
+    assert state.window.toast is not None
+    assert state.window.toast.message == job_actions.why_not_reconstruct(state)
+    assert not state.runs.starts
 
 
 def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:

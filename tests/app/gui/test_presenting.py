@@ -114,7 +114,7 @@ def test_the_original_is_there_while_o_is_held(ui: Ui, opened: AppState) -> None
     assert shown.images["right"] is pictures(opened).enhanced
 
 
-def test_labels_come_for_two_seconds_and_on_demand(ui: Ui, opened: AppState, said: list[str]) -> None:
+def test_labels_come_for_a_moment_and_on_demand(ui: Ui, opened: AppState, said: list[str]) -> None:
     draw = presented(opened, Shown())
 
     def labels() -> str:

@@ -67,8 +67,11 @@ def test_keeping_choosing_and_forgetting(state: AppState) -> None:
     assert load_presets(presets_file(state.places))[0] == {"mine": OWN["mine"]}
     preset_actions.choose(state, "no such preset")
     assert state.enhancement.params == EnhanceParams(z=0.9)
-    preset_actions.forget(state, "mine")
-    keep_all(state)
+    for delete in (False, True):
+        assert "mine" in state.enhancement.presets
+        preset_actions.ask_forget(state, "mine")
+        preset_actions.answer_forget(state, delete=delete)
+        keep_all(state)
     assert load_presets(presets_file(state.places))[0] == state.enhancement.presets == {}
 
 

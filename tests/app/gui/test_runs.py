@@ -194,6 +194,7 @@ def test_a_failure_says_what_can_be_done(
     update(state, Channels(), 0.1)
     follow_run(state)
     assert said in run.way_out
+    assert job_actions.can_continue(state) == (left != "nothing")
     assert run_actions.has_preview(state, run.run_path)
     state.scene.model = None
     run_actions.look(state, run.run_path)

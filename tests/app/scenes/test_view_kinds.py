@@ -244,7 +244,7 @@ def test_what_does_not_go_together_is_one_line(
 def test_along_a_path_there_are_no_frames_to_differ_from(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, command: tuple[str, str]
 ) -> None:
-    file, out = tmp_path / "views.json", tmp_path / "out"
+    file, out = tmp_path / "views.json", tmp_path / "out.mp4"
     camera = RunFolder(runs["original"]).record().camera(0)
     file.write_bytes(views_json(Views(path=CameraPath((Keyframe(0.0, 0.0, camera),)), unit="mm")))
     call = vesselsplat(command[0], runs["original"], command[1], out, "--path", file, "--view", "difference")
