@@ -12,6 +12,7 @@ from app.exports.camera_set import ENDINGS, CameraSet, write_cameras
 from app.scenes.scene import Scene
 from app.scenes.view_selection import Moment
 from renderer.camera_files import NamedCamera, off_center
+from renderer.readers.listing import count
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -36,4 +37,4 @@ def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> 
     write_cameras(path, CameraSet(named, times, scene.model), form)
     if form == "splatting" and (notice := off_center(named)):
         sys.stderr.write(f"{notice}: {path}\n")
-    sys.stdout.write(f"{path}: {len(wanted)} cameras\n")
+    sys.stdout.write(f"{path}: {count(len(wanted), 'camera')}\n")

@@ -28,6 +28,7 @@ from app.scenes.scene import Scene
 from app.scenes.view_request import drawn_record
 from app.scenes.view_selection import Moment
 from renderer.harmonics import BANDS
+from renderer.readers.listing import count
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -156,7 +157,7 @@ def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment],
             run_to_end(make(record, sources, staging / f"{moment.name}{suffix}"))
             report(done, moment.name)
     of_each = "" if scene.split_by_time else f" of {len(scene.model)} Gaussians"
-    sys.stdout.write(f"{folder}: {len(wanted)} splat files{of_each}\n")
+    sys.stdout.write(f"{folder}: {count(len(wanted), 'splat file')}{of_each}\n")
 
 
 def _check_moving(flag: str, path: Path | None, suffix: str) -> None:
@@ -175,7 +176,7 @@ def _write_moving(path: Path, scene: Scene, speed: float) -> None:
     with progress("export", len(scene.cameras)) as report:
         for done in make(record, Opened(model=scene), path):
             report(done, path.name)
-    said = f"{len(scene.model)} Gaussians at {len(scene.cameras)} moments"
+    said = f"{len(scene.model)} Gaussians at {count(len(scene.cameras), 'moment')}"
     if path.suffix.lower() == fourdgs.SUFFIX and scene.model.raw.harmonics.shape[1]:
         sys.stderr.write(f"colours by direction are left out of the file: {path}\n")
     sys.stdout.write(f"{path}: {said}, {path.stat().st_size / 1e6:.1f} MB\n")
@@ -205,4 +206,4 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
         for done in make(record, Opened(tuple(views), pen=pen), flags.video):
             if done:
                 report(done, wanted[done - 1].name)
-    sys.stdout.write(f"{flags.video}: {len(wanted)} frames rendered with {pen.name}\n")
+    sys.stdout.write(f"{flags.video}: {count(len(wanted), 'frame')} rendered with {pen.name}\n")

@@ -23,6 +23,7 @@ from app.scenes.drawer import Drawer
 from app.scenes.renderers import drawer
 from app.scenes.view_kinds import SHAPES, has_scale
 from app.scenes.view_request import view_record
+from renderer.readers.listing import count
 
 DEPTHS: Final = {"npy": "-depth.npy", "tiff": "-depth.tiff", "png16": "-depth16.png"}
 """How the files of depth end, by format."""
@@ -72,4 +73,4 @@ def run(flags: argparse.Namespace) -> None:
             for ending, record in records.items():
                 run_to_end(make(record, sources, staging / f"{moment.name}{ending}"))
             report(done, moment.name)
-    sys.stdout.write(f"{flags.out}: {len(wanted)} images rendered with {pen.name}\n")
+    sys.stdout.write(f"{flags.out}: {count(len(wanted), 'image')} rendered with {pen.name}\n")

@@ -20,6 +20,7 @@ from app.scenes.renderers import drawer
 from app.scenes.scene import Scene
 from app.scenes.view_selection import Moment
 from renderer.near_plane import near_plane
+from renderer.readers.listing import count
 
 MOST_POINTS = 10_000
 POINT = re.compile(r"(\d{1,9}),(\d{1,9})")
@@ -64,13 +65,13 @@ def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> 
         pen = Drawer(*drawer(flags.renderer))
         arrays = extended(ModelArrays, scene.record, renderer=pen.name, moments=moments)
         _write(arrays, Opened(model=scene, pen=pen), flags.npz, wanted)
-        said = f"{len(scene.model)} Gaussians at {len(wanted)} moments"
+        said = f"{len(scene.model)} Gaussians at {count(len(wanted), 'moment')}"
         sys.stdout.write(f"{flags.npz}: {said}, {flags.npz.stat().st_size / 1e6:.1f} MB\n")
     if flags.tracks:
         points = _points(flags)
         tracks = extended(Tracks, scene.record, points=points, start=moments[0], moments=moments)
         _write(tracks, Opened(model=scene), flags.tracks, wanted)
-        sys.stdout.write(f"{flags.tracks}: {len(points)} points at {len(wanted)} moments\n")
+        sys.stdout.write(f"{flags.tracks}: {count(len(points), 'point')} at {count(len(wanted), 'moment')}\n")
 
 
 def _moment(one: Moment, scene: Scene) -> MomentRecord:

@@ -25,7 +25,7 @@ from renderer.depth.row_offset import (
 )
 from renderer.depth.stereo import disparity, feature_shifts
 from renderer.readers.frames import open_images
-from renderer.readers.listing import listed
+from renderer.readers.listing import count, listed
 from renderer.readers.picture_kinds import kind_by_name
 from renderer.readers.pictures import common_size, is_picture, read_rgb
 
@@ -238,17 +238,26 @@ def _show_one_scene(left: Path, right: Path, changed: tuple[int, int]) -> bool:
 
 
 def _judged(clip: Clip, right: RightEye) -> _Rows:
-    """How far rows are apart; not at all where the first two pictures look rectified.
+    """How far rows are apart; not at all where the first pair looks rectified, or, where that shows too
+    little, the one of a few that shows most.
 
     Raises ClipError: they look like no rectified pair, or like one that is swapped.
     """
-    shifts = feature_shifts(clip.read_image(0), right.read(0))
+    shifts = _shifts_at(clip, right, 0)
+    others: list[NDArray[np.float64]] = []
     where = f"{right.names}: {clip.path}"
     if len(shifts) < _FEWEST_FEATURES:
-        raise ClipError(f"expected a stereo pair, got images with {len(shifts)} features in common, {where}")
+        # One frame may be blurred or dark; the pair that shows most stands for all.
+        others = [_shifts_at(clip, right, at) for at in places(len(clip))[1:]]
+        shifts, *others = sorted((shifts, *others), key=len, reverse=True)
+    if len(shifts) < _FEWEST_FEATURES:
+        looked_at = f"in the best of {count(1 + len(others), 'pair')} looked at"
+        raise ClipError(
+            f"expected a stereo pair, got images with {len(shifts)} features in common {looked_at}, {where}"
+        )
     across, rows = np.median(shifts[:, 0]), _Rows()
     if np.median(np.abs(shifts[:, 1])) > LARGEST_VERTICAL_OFFSET:
-        others = [feature_shifts(clip.read_image(at), right.read(at)) for at in places(len(clip))[1:]]
+        others = others or [_shifts_at(clip, right, at) for at in places(len(clip))[1:]]
         every = [shifts, *others]
         usual, down = row_offset(every)
         own = own_offsets(every)
@@ -264,6 +273,10 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
         shift = f"the right one shows objects {-across:.0f} px farther right"
         raise ClipError(f"expected a left and a right image, got them swapped, {shift}, {where}")
     return rows
+
+
+def _shifts_at(clip: Clip, right: RightEye, index: int) -> NDArray[np.float64]:
+    return feature_shifts(clip.read_image(index), right.read(index))
 
 
 def _left_folder(path: Path) -> Path | None:

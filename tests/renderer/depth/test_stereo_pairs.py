@@ -265,9 +265,18 @@ def test_swapped_eyes_are_refused(written, tmp_path):
 
 def test_pictures_of_two_scenes_are_refused(written, tmp_path):
     folder = copied(written, tmp_path)
-    change(folder / "right/000000.png", lambda pixels: np.full_like(pixels, 90))
-    with pytest.raises(ClipError, match="features in common"):
+    for name in ("000000.png", "000001.png"):
+        change(folder / "right" / name, lambda pixels: np.full_like(pixels, 90))
+    with pytest.raises(ClipError, match="0 features in common in the best of 2 pairs looked at"):
         opened(folder)
+
+
+def test_a_first_pair_that_shows_too_little_is_judged_by_the_others(written, tmp_path):
+    folder = copied(written, tmp_path)
+    for eye in ("left", "right"):
+        change(folder / eye / "000000.png", lambda pixels: cv2.GaussianBlur(pixels, (0, 0), 12))
+    clip, sharp = opened(folder), opened(written[0])
+    np.testing.assert_array_equal(clip.read_frame(1).depth, sharp.read_frame(1).depth)
 
 
 def test_what_does_not_pair_is_refused(written, tmp_path):
