@@ -291,6 +291,8 @@ def _draw_progress(state: AppState) -> None:
     button("Cancel", partial(export_actions.cancelled, state), "No file is left incomplete.", width=10)
     imgui.same_line()
     imgui.progress_bar(done / total, ImVec2(-0.1, 0), state.exports.pace.told(total))
+    # Another kind may have been chosen meanwhile.
+    note(f"Writing {legible(f'{under_way.stem}{under_way.suffix}')}")
 
 
 def _other_name(state: AppState) -> str:
