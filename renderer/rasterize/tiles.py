@@ -4,8 +4,8 @@ The shape of these loops is what makes them fast, so that LLVM turns each `for l
 vector code: a tile is 16 blocks of 4x4 pixels, a block is one vector, and only blocks that a splat's
 rectangle reaches are visited; state lies on the stack, aligned, so that its planes cannot overlap; the trip
 count is the constant 16; arithmetic is float32 only; choices are selects, not branches; nothing calls out of
-the loop, as math.floor would. Within a block the exponent is its value at the corner, its slopes there, and a
-bend, the same for all blocks of a splat, which LLVM takes out of their loop.
+the loop, as math.floor would. Within a block the exponent is its value at the corner, its slopes there, and
+`bend`, the same for all blocks of a splat.
 `contract` lets multiplications and additions fuse; the order of sums is fixed when compiled, so that results
 repeat bit for bit whatever the number of threads.
 """
@@ -64,9 +64,6 @@ BLOCK = 4
 BLOCKS_ACROSS = TILE // BLOCK
 LAST = np.float32(TILE - 1)
 BLOCKS, LANES = BLOCKS_ACROSS**2, BLOCK**2
-# Rows of a block's grid: each lane's pixel within the block, and the products of its coordinates.
-X, Y, XX, XY, YY = range(5)
-GRID_ROWS = 5
 ALPHA_CAP = np.float32(0.99)
 LOG2_CUT = np.float32(math.log2(1.0 / 255.0))
 LOWEST = np.float32(-9.0)
@@ -97,18 +94,26 @@ def _alpha(exponent: np.float32, light: np.float32) -> np.float32:
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def _set_grid(grid: NDArray[np.float32]) -> None:
+def _set_lanes(across: NDArray[np.float32], down: NDArray[np.float32]) -> None:
+    """Each lane's pixel within a block."""
     for lane in range(LANES):
-        x, y = np.float32(lane % BLOCK), np.float32(lane // BLOCK)
-        grid[X, lane], grid[Y, lane] = x, y
-        grid[XX, lane], grid[XY, lane], grid[YY, lane] = x * x, x * y, y * y
+        across[lane] = np.float32(lane % BLOCK)
+        down[lane] = np.float32(lane // BLOCK)
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def _bend(a: np.float32, b: np.float32, c: np.float32, grid: NDArray[np.float32], lane: int) -> np.float32:
-    """What a splat's exponent bends by at a lane, beside its slopes at the block's corner."""
-    bend: np.float32 = a * grid[XX, lane] + b * grid[XY, lane] + c * grid[YY, lane]
-    return bend
+def _set_bend(
+    a: np.float32,
+    b: np.float32,
+    c: np.float32,
+    across: NDArray[np.float32],
+    down: NDArray[np.float32],
+    bend: NDArray[np.float32],
+) -> None:
+    """What a splat's exponent bends by at each lane, beside its slopes at the block's corner."""
+    for lane in range(LANES):
+        x, y = across[lane], down[lane]
+        bend[lane] = x * (a * x + b * y) + c * y * y
 
 
 @njit(forceinline=True)
@@ -130,8 +135,10 @@ def _blend_tile(
 ) -> int:
     """Blend one tile at (left, top); returns how many of its splats were taken."""
     state = stack_array(PLANES, BLOCKS, LANES)
-    grid = stack_array(GRID_ROWS, LANES)
-    _set_grid(grid)
+    across = stack_array(LANES)
+    down = stack_array(LANES)
+    bend = stack_array(LANES)
+    _set_lanes(across, down)
     for block in range(BLOCKS):
         for lane in range(LANES):
             state[LEFT, block, lane] = ONE
@@ -148,6 +155,7 @@ def _blend_tile(
             center_y = record[CENTER_Y] - np.float32(top) - HALF
             first_column, last_column = _blocks(center_x, record[HALF_WIDTH])
             first_row, last_row = _blocks(center_y, record[HALF_HEIGHT])
+            _set_bend(a, b, c, across, down, bend)
             for row in range(first_row, last_row + 1):
                 dy = np.float32(BLOCK * row) - center_y
                 for column in range(first_column, last_column + 1):
@@ -156,8 +164,7 @@ def _blend_tile(
                     slope_x, slope_y = TWO * a * dx + b * dy, TWO * c * dy + b * dx
                     block = BLOCKS_ACROSS * row + column
                     for lane in range(LANES):
-                        bend = _bend(a, b, c, grid, lane)
-                        exponent = level + bend + grid[X, lane] * slope_x + grid[Y, lane] * slope_y
+                        exponent = level + bend[lane] + across[lane] * slope_x + down[lane] * slope_y
                         light = state[LEFT, block, lane]
                         alpha = _alpha(exponent, light)
                         weight = alpha * light
@@ -229,8 +236,10 @@ def _blend_tile_backward(
     """Gradient sums of one tile's splats."""
     state = stack_array(_STATE_PLANES, BLOCKS, LANES)
     lanes = stack_array(_LANE_SUMS, LANES)
-    grid = stack_array(GRID_ROWS, LANES)
-    _set_grid(grid)
+    across = stack_array(LANES)
+    down = stack_array(LANES)
+    bend = stack_array(LANES)
+    _set_lanes(across, down)
     for plane in range(ADJOINT_PLANES):
         for y in range(TILE):
             for column in range(BLOCKS_ACROSS):
@@ -252,6 +261,7 @@ def _blend_tile_backward(
             center_y = record[CENTER_Y] - np.float32(top) - HALF
             first_column, last_column = _blocks(center_x, record[HALF_WIDTH])
             first_row, last_row = _blocks(center_y, record[HALF_HEIGHT])
+            _set_bend(a, b, c, across, down, bend)
             for total in range(_LANE_SUMS):
                 for lane in range(LANES):
                     lanes[total, lane] = ZERO
@@ -264,8 +274,7 @@ def _blend_tile_backward(
                     dxx, dxy, dyy = dx * dx, dx * dy, dy * dy
                     block = BLOCKS_ACROSS * row + column
                     for lane in range(LANES):
-                        bend = _bend(a, b, c, grid, lane)
-                        exponent = level + bend + grid[X, lane] * slope_x + grid[Y, lane] * slope_y
+                        exponent = level + bend[lane] + across[lane] * slope_x + down[lane] * slope_y
                         light = state[ADJOINT_PLANES, block, lane]
                         alpha = _alpha(exponent, light)
                         weight = alpha * light
@@ -292,7 +301,7 @@ def _blend_tile_backward(
                         lanes[_WG, lane] += weight * state[BY_GREEN, block, lane]
                         lanes[_WB, lane] += weight * state[BY_BLUE, block, lane]
                         lanes[_WD, lane] += weight * state[BY_DEPTH, block, lane]
-            _store(lanes, grid, sums[i])
+            _store(lanes, across, down, sums[i])
 
 
 @njit(parallel=True, cache=True, fastmath={"contract"}, error_model="numpy")
@@ -329,13 +338,14 @@ def blend_backward(
 @njit(fastmath={"contract", "reassoc"})
 def _store(
     lanes: NDArray[np.float32],
-    grid: NDArray[np.float32],
+    across: NDArray[np.float32],
+    down: NDArray[np.float32],
     slot: NDArray[np.float32],
 ) -> None:
     """Sum the lanes, with the moments within a block taken here once for the whole entry."""
     q = qx = qy = qxx = qxy = qyy = red = green = blue = depth = ZERO
     for lane in range(LANES):
-        x, y = grid[X, lane], grid[Y, lane]
+        x, y = across[lane], down[lane]
         by, by_x, by_y = lanes[_Q, lane], lanes[_QX, lane], lanes[_QY, lane]
         q += by
         qx += by_x + by * x

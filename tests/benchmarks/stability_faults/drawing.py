@@ -155,7 +155,7 @@ def _raster() -> list[Fault]:
     exponential = "renderer.rasterize.exp2"
     return [
         edit("sign", "of a slope", first, then, seen),
-        edit("dropped", "the bend's middle", " + b * grid[XY, lane]", "", seen),
+        edit("dropped", "the bend's middle", "x * (a * x + b * y)", "x * a * x", seen),
         edit(
             "swapped",
             "across and down",
