@@ -113,7 +113,7 @@ def _hear(state: AppState, event: object) -> None:
             )
         case Cancelled():
             run.status = "cancelled"
-            actions.announce(state, "reconstruction cancelled; Continue resumes from there")
+            actions.announce(state, "reconstruction cancelled; Continue resumes it")
         case Failed():
             reason = without_flags(event.reason)
             run.status, run.failure = "failed", reason
