@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import ExitStack, closing
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
+from app.console.ending import noted
 from app.console.flags import add_fields, parameters, problem
 from app.console.frame_numbers import frame_numbers
 from app.console.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
@@ -37,6 +39,7 @@ from renderer.train.events import (
     Preparing,
     Progress,
     Started,
+    TrainEvent,
     Warned,
 )
 
@@ -179,6 +182,22 @@ def _kept(folder: RunFolder) -> str:
     return f"there is no checkpoint in {folder.path} yet, --resume starts over"
 
 
+def _to_a_whole_step(events: Generator[TrainEvent, None, None]) -> Generator[TrainEvent, None, None]:
+    """The same events. A signal that comes while steps are taken ends them after the present one, and those
+    that are done are kept; a second one ends them at once."""
+    has_come: Callable[[], bool] = bool  # None has.
+    with ExitStack() as steps, closing(events):
+        for event in events:
+            if isinstance(event, Started):
+                has_come = steps.enter_context(noted(most=1))
+            elif isinstance(event, Finishing):
+                steps.close()
+                has_come = bool
+            yield event
+            if has_come():
+                return
+
+
 def follow(request: TrainRequest, device: Device) -> Finished:
     """Train with progress on stderr, of what comes before it too."""
     finished: Finished | None = None
@@ -186,7 +205,7 @@ def follow(request: TrainRequest, device: Device) -> Finished:
     with Stages() as shown:
         title = f"train {request.input} on {device}"
         training = partial(shown.of, title, request.config.iterations)
-        for event in run_training(request):
+        for event in _to_a_whole_step(run_training(request)):
             match event:
                 case Preparing():
                     report = shown.of(event.stage, event.total, SECONDS_BETWEEN_STAGE_LINES)

@@ -19,17 +19,23 @@ UNTOUCHED = (signal.SIG_DFL, signal.default_int_handler)
 
 
 @contextmanager
-def noted() -> Iterator[Callable[[], bool]]:
-    """Whether a signal has come: within it none interrupts, where a library in C would be left half-way.
+def noted(most: int | None = None) -> Iterator[Callable[[], bool]]:
+    """Whether a signal has come: within it none interrupts, where something would be left half-way.
 
-    What the signal would have done is done at the end.
+    What the signal would have done is done at the end; at once after `most` of them, where that is given.
     """
     came: list[int] = []
     before: dict[int, Any] = {}
+
+    def note(number: int, frame: FrameType | None) -> None:
+        if most is not None and len(came) >= most:
+            before[number](number, frame)
+        came.append(number)
+
     if threading.current_thread() is threading.main_thread():
         for number in ENDING:
             if callable(signal.getsignal(number)):
-                before[number] = signal.signal(number, lambda number, frame: came.append(number))
+                before[number] = signal.signal(number, note)
     try:
         yield lambda: bool(came)
     finally:

@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,8 +29,9 @@ from renderer.metrics import psnr
 from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
+from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished, Planned, Started, Warned
+from renderer.train.events import Finished, Planned, Progress, Started, TrainEvent, Warned
 from tests.app.conftest import CONFIG, Call, request_of
 from tests.app.runs.test_job import events_until, is_a
 
@@ -99,6 +100,7 @@ KILLED = """
 import sys
 from pathlib import Path
 from app.runs.train_run import TrainRequest, run_training
+from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.config import TrainConfig
 
 clip, run = map(Path, sys.argv[1:])
@@ -373,6 +375,29 @@ def test_interrupted_training_says_what_is_kept(
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run")
     assert (call.code, call.error.count("\n")) == (130, 1)
     assert "is kept, --resume continues from it" in call.error
+
+
+def test_a_signal_while_steps_are_taken_keeps_those_that_are_done(
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    progressed: list[int] = []
+
+    def signalled(request: TrainRequest) -> Generator[TrainEvent, None, None]:
+        for event in run_training(request):
+            if isinstance(event, Progress):
+                progressed.append(event.iteration)
+                signal.raise_signal(signal.SIGINT)
+            yield event
+
+    monkeypatch.setattr("app.commands.train.run_training", signalled)
+    run = RunFolder(tmp_path / "run")
+    call = vesselsplat("train", clip_path, "--run", run.path, "--iterations", 50_000)
+    assert call.code == 130
+    assert len(progressed) == 1
+    assert [path.name for path in checkpoint_paths(run.path)] == [
+        f"checkpoint-{progressed[0]:07d}.safetensors"
+    ]
+    assert "--resume continues from it" in call.error
 
 
 def test_the_demo_leaves_sheets_and_a_report_and_can_be_repeated(
