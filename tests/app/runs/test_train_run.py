@@ -1,15 +1,10 @@
-"""Runs: what the folder holds, that a killed run goes on to the same bytes, and what is measured of it."""
+"""Runs: what the folder holds, when they go on, and what is measured of them."""
 
 from __future__ import annotations
 
 import json
-import os
 import shutil
-import signal
-import subprocess
-import sys
-import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,9 +14,8 @@ import pytest
 
 from app.errors import UserError
 from app.files.provenance import read_provenance
-from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder, input_clip
-from app.runs.train_run import TrainRequest, run_training
+from app.runs.train_run import run_training
 from app.scenes.cpu_rendering import draw_on_cpu
 from enhance import EnhanceParams, enhance, measure
 from enhance.metrics import dvbv_otsu
@@ -29,11 +23,9 @@ from renderer.metrics import psnr
 from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
-from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished, Planned, Progress, Started, TrainEvent, Warned
+from renderer.train.events import Finished, Warned
 from tests.app.conftest import CONFIG, Call, request_of
-from tests.app.runs.test_job import events_until, is_a
 
 Cli = Callable[..., Call]
 ROOT = Path(__file__).resolve().parents[3]
@@ -96,45 +88,6 @@ def test_the_enhanced_run_remembers_frames_pooled_over_its_training_frames(
     assert np.array_equal(image, enhance(clip.read_image(1), params, statistics=pooled).image)
 
 
-KILLED = """
-import sys
-from pathlib import Path
-from app.runs.train_run import TrainRequest, run_training
-from renderer.train.checkpoint import checkpoint_paths
-from renderer.train.config import TrainConfig
-
-clip, run = map(Path, sys.argv[1:])
-config = TrainConfig(iterations=400, n_gaussians=600, checkpoint_every=10)
-for event in run_training(TrainRequest(clip_path=clip, run_path=run, config=config)):
-    pass
-"""
-
-
-def test_a_killed_run_goes_on_to_the_same_model(clip_path: Path, tmp_path: Path) -> None:
-    config = replace(CONFIG, iterations=400)
-    killed, whole = RunFolder(tmp_path / "killed"), RunFolder(tmp_path / "whole")
-    process = subprocess.Popen(
-        [sys.executable, "-c", KILLED, str(clip_path), str(killed.path)],
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-    )
-    while not list(killed.path.glob("checkpoint-*.safetensors")):
-        assert process.poll() is None
-        time.sleep(0.002)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    assert not killed.is_finished
-    with pytest.raises(UserError, match="--resume"):
-        list(run_training(request_of(clip_path, killed.path, config=config)))
-    resumed = list(run_training(request_of(clip_path, killed.path, config=config, resume=True)))
-    planned, started, finished = *resumed[:2], resumed[-1]
-    assert isinstance(planned, Planned)
-    assert isinstance(started, Started)
-    assert isinstance(finished, Finished)
-    assert 0 < started.iteration < 400
-    list(run_training(request_of(clip_path, whole.path, config=config)))
-    assert killed.model_path.read_bytes() == whole.model_path.read_bytes()
-
-
 def test_resuming_what_is_finished_gives_it_back_unchanged(runs: dict[str, Path], clip_path: Path) -> None:
     run = RunFolder(runs["original"])
     before = {path.name: path.read_bytes() for path in run.path.iterdir()}
@@ -173,41 +126,6 @@ def test_a_run_goes_on_beside_what_is_not_of_the_clip(clip_path: Path, tmp_path:
     cv2.imwrite(str(frame), np.zeros((48, 64, 3), np.uint8))
     with pytest.raises(UserError, match=r"a changed one: .*clip$"):
         list(run_training(resumed))
-
-
-def test_half_a_line_of_a_killed_run_is_passed_over(tmp_path: Path) -> None:
-    run = RunFolder(tmp_path)
-    run.log(Started(0, 5, 3, ()))
-    with run.events_path.open("a") as file:
-        file.write('{"event": "Progr')
-    run.log(Started(2, 5, 3, ()))
-    assert [event["iteration"] for event in run.events()] == [0, 2]
-
-
-def test_the_job_trains_a_real_run_and_cancel_leaves_it_to_be_resumed(
-    clip_path: Path, tmp_path: Path
-) -> None:
-    run = RunFolder(tmp_path / "run")
-    config = replace(CONFIG, iterations=50_000)
-    job = TrainingJob(request_of(clip_path, run.path, config=config))
-    job.start()
-    try:
-        events_until(job, is_a(Started))
-        while not list(run.path.glob("checkpoint-*.safetensors")):
-            time.sleep(0.01)
-        job.cancel()
-        deadline = time.monotonic() + 20
-        while job.state == "running" and time.monotonic() < deadline:
-            job.poll()
-            time.sleep(0.01)
-        assert job.state == "cancelled"
-    finally:
-        job.close()
-    steps = run_training(request_of(clip_path, run.path, config=config, resume=True))
-    started = next(event for event in steps if not isinstance(event, Planned))
-    steps.close()
-    assert isinstance(started, Started)
-    assert started.iteration > 0
 
 
 @pytest.mark.parametrize("name", ["original", "enhanced"])
@@ -358,46 +276,6 @@ def test_a_record_holds_out_the_frames_of_its_clip(
     record, clip = RunFolder(runs["original"]).record(), open_clip(clip_path)
     short = replace(record, clip=replace(record.clip, frames=count))
     assert short.test_indices == replace(clip, cameras=clip.cameras[:1] * count).test_indices
-
-
-def test_interrupted_training_says_what_is_kept(
-    clip_path: Path, tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def interrupted(request: TrainRequest) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("app.commands.train.run_training", interrupted)
-    call = vesselsplat("train", clip_path, "--run", tmp_path / "run")
-    assert (call.code, call.error.count("\n")) == (130, 1)
-    assert "no checkpoint" in call.error
-    (tmp_path / "run").mkdir()
-    (tmp_path / "run" / "checkpoint-0000010.safetensors").touch()
-    call = vesselsplat("train", clip_path, "--run", tmp_path / "run")
-    assert (call.code, call.error.count("\n")) == (130, 1)
-    assert "is kept, --resume continues from it" in call.error
-
-
-def test_a_signal_while_steps_are_taken_keeps_those_that_are_done(
-    clip_path: Path, tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    progressed: list[int] = []
-
-    def signalled(request: TrainRequest) -> Generator[TrainEvent, None, None]:
-        for event in run_training(request):
-            if isinstance(event, Progress):
-                progressed.append(event.iteration)
-                signal.raise_signal(signal.SIGINT)
-            yield event
-
-    monkeypatch.setattr("app.commands.train.run_training", signalled)
-    run = RunFolder(tmp_path / "run")
-    call = vesselsplat("train", clip_path, "--run", run.path, "--iterations", 50_000)
-    assert call.code == 130
-    assert len(progressed) == 1
-    assert [path.name for path in checkpoint_paths(run.path)] == [
-        f"checkpoint-{progressed[0]:07d}.safetensors"
-    ]
-    assert "--resume continues from it" in call.error
 
 
 def test_the_demo_leaves_sheets_and_a_report_and_can_be_repeated(
