@@ -243,22 +243,20 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
 
     Raises ClipError: they look like no rectified pair, or like one that is swapped.
     """
-    shifts = _shifts_at(clip, right, 0)
-    others: list[NDArray[np.float64]] = []
+    first, *rest = places(len(clip))
+    every = _shifts(clip, right, (first,))
     where = f"{right.names}: {clip.path}"
-    if len(shifts) < _FEWEST_FEATURES:
+    if len(every[0]) < _FEWEST_FEATURES:
         # One frame may be blurred or dark; the pair that shows most stands for all.
-        others = [_shifts_at(clip, right, at) for at in places(len(clip))[1:]]
-        shifts, *others = sorted((shifts, *others), key=len, reverse=True)
+        every = sorted(every + _shifts(clip, right, rest), key=len, reverse=True)
+    shifts = every[0]
     if len(shifts) < _FEWEST_FEATURES:
-        looked_at = f"in the best of {count(1 + len(others), 'pair')} looked at"
-        raise ClipError(
-            f"expected a stereo pair, got images with {len(shifts)} features in common {looked_at}, {where}"
-        )
+        found = f"{len(shifts)} features in common in the best of {count(len(every), 'pair')} looked at"
+        raise ClipError(f"expected a stereo pair, got images with {found}, {where}")
     across, rows = np.median(shifts[:, 0]), _Rows()
     if np.median(np.abs(shifts[:, 1])) > LARGEST_VERTICAL_OFFSET:
-        others = others or [_shifts_at(clip, right, at) for at in places(len(clip))[1:]]
-        every = [shifts, *others]
+        if len(every) == 1:
+            every += _shifts(clip, right, rest)
         usual, down = row_offset(every)
         own = own_offsets(every)
         rows = _Rows(usual, bool(np.nanmax(own) - np.nanmin(own) > VARYING))
@@ -275,8 +273,9 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
     return rows
 
 
-def _shifts_at(clip: Clip, right: RightEye, index: int) -> NDArray[np.float64]:
-    return feature_shifts(clip.read_image(index), right.read(index))
+def _shifts(clip: Clip, right: RightEye, indices: Iterable[int]) -> list[NDArray[np.float64]]:
+    """Of each of these pairs, see `feature_shifts`."""
+    return [feature_shifts(clip.read_image(at), right.read(at)) for at in indices]
 
 
 def _left_folder(path: Path) -> Path | None:

@@ -142,7 +142,7 @@ def train_window(
             if meter.snapshot_is_due():
                 yield Snapshot(done, model.snapshot())
     except GeneratorExit:
-        # Between two steps nobody wants more of them.
+        # Nobody takes further events: what is trained so far is kept.
         if done > kept:
             _keep(folder, done, meter.seconds, identity, model, watch)
         raise
