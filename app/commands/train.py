@@ -185,14 +185,18 @@ def _kept(folder: RunFolder) -> str:
 def _to_a_whole_step(events: Generator[TrainEvent, None, None]) -> Generator[TrainEvent, None, None]:
     """The same events. A signal that comes while steps are taken ends them after the present one, and those
     that are done are kept; a second one ends them at once."""
-    has_come: Callable[[], bool] = bool  # None has.
+
+    def none_has() -> bool:
+        return False
+
+    has_come: Callable[[], bool] = none_has
     with ExitStack() as steps, closing(events):
         for event in events:
             if isinstance(event, Started):
                 has_come = steps.enter_context(noted(most=1))
             elif isinstance(event, Finishing):
                 steps.close()
-                has_come = bool
+                has_come = none_has
             yield event
             if has_come():
                 return
