@@ -281,7 +281,7 @@ class Window:
         params = hello_imgui.get_runner_params()
         self._wear(params)
         self._screen.follow(self.state, params)
-        presenting.forget_pointer(self.state)
+        presenting.begin_frame(self.state)
         dockings.follow(self.state)
         self._title.follow(self.state)
         dockings.spare_ground()

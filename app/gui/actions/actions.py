@@ -14,15 +14,9 @@ from app.enhancement.methods import EnhancementSettings
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Choosing, Kind, Purpose
-from app.gui.state.masking import Masking
-from app.gui.state.reconstruction import Reconstruction
-from app.gui.state.scene import CameraList, Second, Viewer
-from app.gui.state.source import Reports
 from app.gui.state.window import Banner, Toast
-from app.gui.views.picture_view import PictureView
-from app.gui.work.depths import DepthRequest
-from app.gui.work.opening import VIEW_SUFFIXES, Opened, OpenRequest
-from app.gui.work.settings import UNKNOWN, Theme, settings_content
+from app.gui.work.opening import VIEW_SUFFIXES, OpenRequest
+from app.gui.work.settings import Theme, settings_content
 from app.gui.work.writing import WriteRequest
 from app.scenes.backgrounds import BackgroundName
 from assets import phantom_path
@@ -172,77 +166,6 @@ def leave_session(state: AppState, go: Callable[[], None]) -> None:
             go()
 
     leave(state, on)
-
-
-def show_opened(state: AppState, path: Path, opened: Opened) -> None:
-    """Take over what has been opened: the start of a session with it, but for a report, which joins it."""
-    if opened.report is not None:
-        state.source.opening, state.reports = None, Reports(opened.report, asked=True)
-        say(state, f"opened {path.name}")
-        return
-    state.source.opening, state.source.path, state.session.path = None, opened.path or path, None
-    state.session.is_unsaved, state.source.asked = False, True
-    if opened.clip is None or state.source.clip is None or opened.clip.path != state.source.clip.path:
-        state.scene.cameras = CameraList()
-    state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
-    state.source.content = opened.content
-    state.source.bare, state.source.depth_ways = opened.bare, None
-    state.source.notices = opened.to_be_read
-    state.source.depth_wish = _kept_depth(state, opened)
-    state.picture.measured = None
-    state.timeline.playing, state.timeline.frozen_index = False, None
-    state.picture.view = PictureView(pixel_aspect=opened.clip.pixel_aspect if opened.clip else 1.0)
-    state.tuning = state.tuning.renewed()
-    state.scene.linked, state.scene.own_time, state.timeline.frame_index = True, 0.0, 0
-    state.comparing.chosen = state.comparing.chosen.renewed()
-    state.comparing.others, state.comparing.difference = {}, None
-    state.timeline.strip, state.picture.left_out, state.picture.mask_tool = None, None, ""
-    state.masking, state.source.tool_masks = Masking(radius=state.masking.radius), None
-    said = state.source.known.get(str(opened.clip.path), UNKNOWN) if opened.clip is not None else UNKNOWN
-    state.source.part = opened.run.record.clip.part if opened.run is not None else said.part
-    if not state.runs.reconstruction.is_alive:
-        _show_run(state, opened)
-    rebase(state, [step.params for step in state.enhancement.past])
-    for notice in opened.notices:
-        say(state, notice)
-    say(state, f"opened {path.name}")
-    if opened.warning:
-        fail(state, opened.warning)
-    # What a crash left is this process's own from now on: nothing to open another time.
-    if not opened.in_passing and path.parent != state.places.config:
-        state.settings = state.settings.opened(path)
-        save_settings(state)
-
-
-def _kept_depth(state: AppState, opened: Opened) -> DepthRequest | None:
-    """What was chosen for this clip, to be read while its frames are shown already: it may take long."""
-    clip, bare = opened.clip, opened.bare
-    if clip is None or bare is None or opened.run is not None or opened.session is not None:
-        return None
-    options = state.source.kept_options(clip.path, opened.options)
-    return DepthRequest(bare, options) if options != opened.options and bare.has_one_size else None
-
-
-def _show_run(state: AppState, opened: Opened) -> None:
-    draft = state.runs.reconstruction
-    state.runs.reconstruction = Reconstruction(config=draft.config, input=draft.input, kept=draft.kept)
-    state.scene.model, state.scene.view, state.scene.viewer = opened.splats, None, Viewer()
-    state.runs.model_wish = None
-    state.scene.second = Second()
-    if opened.run is None:
-        return
-    record, run = opened.run.record, opened.run
-    state.scene.model = run.model
-    state.runs.reconstruction = Reconstruction(
-        config=record.config,
-        input=record.input,
-        clip=opened.clip,
-        request=run.request,
-        status="finished" if run.is_finished else "cancelled",
-        has_checkpoint=run.model is not None,
-        progress=run.told.progress[-1] if run.told.progress else None,
-        told=run.told,
-    )
 
 
 def choose_chart(state: AppState, place: int) -> None:

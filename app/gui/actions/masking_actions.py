@@ -34,6 +34,8 @@ def toggle(state: AppState) -> None:
     """Begin to mask tools, or end it."""
     masking = state.masking
     masking.active = not masking.active and not clip_actions.why_no_clip(state)
+    # Masks are painted on the images, which may be behind another panel.
+    state.source.asked |= masking.active
     drop_stroke(state)
     if masking.active and state.timeline.playing:
         actions.toggle_play(state)

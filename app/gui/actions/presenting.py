@@ -15,6 +15,11 @@ def panes(state: AppState) -> tuple[PaneName, ...]:
     return tuple(pane for pane in PANES if (has_model if pane == "3D view" else has_pictures))
 
 
+def draw(state: AppState, *panes: PaneName) -> None:
+    """These panes are drawn, so in front."""
+    state.presenting.in_sight += panes
+
+
 def point(state: AppState, pane: PaneName, *, clicked: bool) -> None:
     """The pointer is over this pane, and may have clicked it."""
     state.presenting.under = pane
@@ -22,21 +27,23 @@ def point(state: AppState, pane: PaneName, *, clicked: bool) -> None:
         state.presenting.clicked = pane
 
 
-def forget_pointer(state: AppState) -> None:
-    """Before panes are drawn, which say where it is."""
-    state.presenting.under = None
+def begin_frame(state: AppState) -> None:
+    """Before panes are drawn, which say that they are, and where the pointer is."""
+    state.presenting.under, state.presenting.in_sight = None, ()
 
 
 # ---- over the whole window
 
 
 def toggle(state: AppState) -> None:
-    """Present the pane under the pointer, or the one that was clicked last; or end the presentation."""
-    if state.presenting.pane is not None:
+    """Present the pane under the pointer, or the one that was clicked last, or one that is in front; or end
+    the presentation."""
+    now = state.presenting
+    if now.pane is not None:
         leave(state)
     elif there := panes(state):
-        wanted = state.presenting.under or state.presenting.clicked
-        show(state, wanted if wanted in there else there[-1])
+        wanted = (now.under, now.clicked, *now.in_sight)
+        show(state, next((one for one in wanted if one in there and one in now.in_sight), there[-1]))
 
 
 def show(state: AppState, pane: PaneName) -> None:

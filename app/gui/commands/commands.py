@@ -215,9 +215,9 @@ def _compare() -> tuple[Section, ...]:
         Command("Original left, enhanced right", comparing.reset_sources, applies=has_clip),
         Command("Wipe to the left", _wipe(-1), ("Shift+[",), applies=has_clip, repeats=True),
         Command("Wipe to the right", _wipe(1), ("Shift+]",), applies=has_clip, repeats=True),
-        Command("Stripes on clipped pixels", comparing.toggle_zebra, ("Z",), applies=has_clip,
+        Command("Zebra: stripes on clipped pixels", comparing.toggle_zebra, ("Z",), applies=has_clip,
                 ticked=lambda s: s.comparing.chosen.zebra,
-                synonyms=("zebra", "overexposed", "saturated", "exposure")),
+                synonyms=("overexposed", "saturated", "exposure")),
     )  # fmt: skip
     slots = tuple(command for slot in SLOTS for command in _slot(slot))
     return menu("Compare", tuple(map(_mode, MODES)), sides, slots)

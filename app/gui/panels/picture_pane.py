@@ -118,6 +118,7 @@ def _button(state: AppState, name: str, image: ByteImage, area: Area) -> Pointer
     """The whole pane as a control to zoom and pan with; where in the picture the mouse is."""
     imgui.invisible_button(name, area.size, PANE_BUTTONS)
     _look_around(state, image, area)
+    presenting.draw(state, "left", "right")
     if not imgui.is_item_hovered():
         return None
     presenting.point(state, _pane_at(state, name, area), clicked=imgui.is_item_clicked())

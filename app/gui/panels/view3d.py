@@ -112,6 +112,7 @@ def _draw_pane(
     """One of the views; the hand on either moves both."""
     imgui.set_cursor_screen_pos(area.corner)
     imgui.invisible_button(name, area.size, VIEW_BUTTONS)
+    presenting.draw(state, "3D view")
     if imgui.is_item_hovered():
         presenting.point(state, "3D view", clicked=imgui.is_item_clicked())
     _move(state, area)

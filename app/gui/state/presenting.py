@@ -23,6 +23,8 @@ class Presenting:
     """The pane under the pointer in this frame."""
     clicked: PaneName = "right"
     """The one that was clicked last."""
+    in_sight: tuple[PaneName, ...] = ()
+    """Those that are drawn in this frame, not behind another panel."""
 
 
 @dataclass

@@ -44,6 +44,10 @@ class Viewer:
     pick: PickRequest | None = None
     """The newest wish for a point on the surface."""
 
+    def renewed(self) -> Viewer:
+        """The same camera on another model, of which nothing is measured yet."""
+        return replace(self, moving=False, measuring=False, measurement=Measurement(), pick=None)
+
 
 @dataclass
 class CameraList:

@@ -12,7 +12,7 @@ from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.enhancement.methods import preset_of
 from app.enhancement.settable import drawn
 from app.files.legible import located
-from app.gui.actions import actions, live_actions
+from app.gui.actions import actions, arriving, live_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.live import Live
 from app.gui.update.live_pace import wait_for_picture
@@ -117,7 +117,7 @@ def _show(state: AppState, picture: LivePicture) -> None:
     assert live.source is not None
     if live.clip is None:
         clip = live_actions.following(live.source, live, picture)
-        actions.show_opened(state, Path(live.source.name), Opened(clip=clip, in_passing=True))
+        arriving.show_opened(state, Path(live.source.name), Opened(clip=clip, in_passing=True))
         live.clip, state.source.path = clip, None
     elif (live.clip.size, live.clip.pixel_aspect) != (size, picture.pixel_aspect):
         actions.say(state, f"the live frames have another shape now: {size[0]} × {size[1]}")

@@ -9,7 +9,7 @@ from app.enhancement.clip_statistics import ClipStatistics, StatisticsRequest
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
 from app.files.legible import located
-from app.gui.actions import actions, clip_actions, path_actions, session_actions, summary_actions
+from app.gui.actions import actions, arriving, clip_actions, path_actions, session_actions, summary_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
@@ -126,7 +126,7 @@ def take_opened(state: AppState, request: OpenRequest, answer: Opened | Failure)
     elif answer.views is not None:
         path_actions.add_views(state, answer.views, request.path)
     else:
-        actions.show_opened(state, request.path, answer)
+        arriving.show_opened(state, request.path, answer)
         clip_actions.keep_lens(state, request)
         if answer.session is not None:
             session_actions.restore(state, answer.session, answer.second)

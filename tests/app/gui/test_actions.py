@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, history_actions, job_actions
+from app.gui.actions import actions, arriving, history_actions, job_actions
 from app.gui.state import run_words
 from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
@@ -138,7 +138,7 @@ def test_an_opened_clip_starts_a_session_and_is_remembered(state: AppState, tmp_
     actions.seek(state, 4)
     state.timeline.frozen_index, state.timeline.playing = 4, True
     other = make_clip(tmp_path / "other", 3)
-    actions.show_opened(state, other.path, Opened(other, notices=("one stray file",)))
+    arriving.show_opened(state, other.path, Opened(other, notices=("one stray file",)))
     assert state.source.clip is other
     assert (state.timeline.frame_index, state.timeline.frozen_index, state.timeline.playing) == (
         0,
@@ -155,7 +155,7 @@ def test_opening_a_clip_leaves_a_running_reconstruction_alone(
 ) -> None:
     job = started(state, make_job)
     other = make_clip(tmp_path / "other", 3)
-    actions.show_opened(state, other.path, Opened(other))
+    arriving.show_opened(state, other.path, Opened(other))
     assert state.runs.reconstruction.job is job
     assert job.told == ["start"]
 

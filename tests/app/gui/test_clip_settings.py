@@ -10,7 +10,7 @@ import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
-from app.gui.actions import actions, clip_actions
+from app.gui.actions import actions, arriving, clip_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane, tinted
 from app.gui.state.source import Source
@@ -128,10 +128,10 @@ def test_they_are_there_when_the_clip_is_opened_again(state: AppState, places: P
     said = state.source.part
     keep_all(state)
     again = AppState(places, source=Source(known=load_clips(places.config)))
-    actions.show_opened(again, clip.path, Opened(clip))
+    arriving.show_opened(again, clip.path, Opened(clip))
     assert again.source.part == said
     other = make_clip(clip.path.with_name("other"))
-    actions.show_opened(again, other.path, Opened(other))
+    arriving.show_opened(again, other.path, Opened(other))
     assert again.source.part == ClipPart()
 
 

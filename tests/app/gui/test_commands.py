@@ -207,7 +207,7 @@ SOUGHT = (
     ("font", "Larger text"),
     ("shortcuts", "Keys and mouse"),
     ("defaults", "Reset all"),
-    ("zebra", "Stripes on clipped pixels"),
+    ("overexposed", "Zebra: stripes on clipped pixels"),
     ("presentation", "Presentation"),
     ("projector", "Second window"),
     ("brighter", "Enhancement"),

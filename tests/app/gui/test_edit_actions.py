@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, edit_actions
+from app.gui.actions import actions, arriving, edit_actions
 from app.gui.panels.editing import gone
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
@@ -33,7 +33,7 @@ from tests.app.gui.settling import keep_all
 
 def opened(state: AppState, path: Path) -> None:
     (answer,) = open_path(OpenRequest(path))
-    actions.show_opened(state, path, answer)
+    arriving.show_opened(state, path, answer)
     edit_actions.follow(state)
     state.scene.size = (96, 80)
 

@@ -8,7 +8,15 @@ from dataclasses import replace
 import pytest
 
 from app.enhancement.image_mask import PictureMask
-from app.gui.actions import actions, clip_actions, comparing, history_actions, job_actions, preset_actions
+from app.gui.actions import (
+    actions,
+    arriving,
+    clip_actions,
+    comparing,
+    history_actions,
+    job_actions,
+    preset_actions,
+)
 from app.gui.state.app_state import AppState
 from app.gui.state.enhancement import SettingsSnapshot
 from app.gui.views.picture_view import PictureView
@@ -128,7 +136,7 @@ def test_no_step_leads_into_another_clip(state: AppState, places: Places, *, tri
     actions.set_params(state, EnhanceParams(d_factor=2.0))
     actions.settle_params(state)
     other = make_clip(places.config.parent / "other", 3)
-    actions.show_opened(state, other.path, Opened(other))
+    arriving.show_opened(state, other.path, Opened(other))
     actions.settle_params(state)
     while len(state.enhancement.past) > 1:
         history_actions.undo(state)

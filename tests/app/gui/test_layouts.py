@@ -13,7 +13,7 @@ import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
-from app.gui.actions import actions
+from app.gui.actions import actions, arriving
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
@@ -43,11 +43,11 @@ def test_the_kind_is_of_what_was_opened(places: Places, model: DynamicGaussians)
         (replace(make_clip(path, 6, has_depth=False), format="video"), "clip"),
         (make_clip(path, 6), "clip"),
     ):
-        actions.show_opened(state, path, Opened(clip))
+        arriving.show_opened(state, path, Opened(clip))
         assert state.source.content == kind
     start_live(state, model)
     assert state.source.content == "clip"  # Panels stay while one works.
-    actions.show_opened(state, path, Opened(None))
+    arriving.show_opened(state, path, Opened(None))
     assert state.source.content == "run"
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from app.gui.actions import actions, live_actions
+from app.gui.actions import actions, arriving, live_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.live import Drawing, Live
 from app.gui.state.live_words import live_tags
@@ -99,7 +99,7 @@ def test_what_is_opened_ends_a_connection_that_has_given_nothing(state: AppState
             follow_live(state, lambda _, setting: LiveSession(lambda: silent, setting))
         assert state.live.connects
         actions.open_path(state, clip.path)
-        actions.show_opened(state, clip.path, Opened(clip))
+        arriving.show_opened(state, clip.path, Opened(clip))
         follow_live(state, LiveSession)
         assert state.live.session is None
         assert not state.live.connects

@@ -48,6 +48,15 @@ def masking(opened: AppState) -> AppState:
     return opened
 
 
+def test_the_images_come_to_the_front_to_be_painted_on(opened: AppState) -> None:
+    opened.source.asked = False
+    masking_actions.toggle(opened)
+    assert opened.source.asked
+    actions.pictures_came(opened)
+    masking_actions.toggle(opened)
+    assert not opened.source.asked
+
+
 def shown(state: AppState) -> FrameMask:
     assert state.masking.shown is not None
     return state.masking.shown

@@ -9,7 +9,7 @@ import pytest
 from imgui_bundle import imgui
 from PIL import Image
 
-from app.gui.actions import actions
+from app.gui.actions import arriving
 from app.gui.panels import compare
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import Opened, OpenRequest, open_path
@@ -37,7 +37,7 @@ def test_they_stand_above_the_images_until_they_have_been_read(
 
     monkeypatch.setattr(compare, "button", button)
     clip = replace(make_clip(tmp_path / "scope.mp4"), format="video", notices=SAID)
-    actions.show_opened(state, clip.path, Opened(clip, bare=clip, notices=clip.notices))
+    arriving.show_opened(state, clip.path, Opened(clip, bare=clip, notices=clip.notices))
 
     def draw() -> None:
         compare._draw_notices(state)

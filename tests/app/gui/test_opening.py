@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import argparse
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -11,7 +12,7 @@ import pytest
 from app.cli import load
 from app.errors import UserError
 from app.files.provenance import version
-from app.gui.actions import actions, job_actions
+from app.gui.actions import actions, arriving, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
 from app.gui.update.jobs import start_due
@@ -29,7 +30,7 @@ from renderer.sources import open_clip
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.train.config import TrainConfig
 from renderer.train.events import Progress
-from tests.app.gui.conftest import FakeJob
+from tests.app.gui.conftest import FakeJob, make_clip
 
 
 def opened(path: Path) -> Opened:
@@ -60,7 +61,7 @@ def make_run(folder: Path, clip_path: Path, model: DynamicGaussians | None) -> R
 
 def session(places: Places, path: Path) -> AppState:
     state = AppState(places, Settings(acknowledged=True))
-    actions.show_opened(state, path, opened(path))
+    arriving.show_opened(state, path, opened(path))
     return state
 
 
@@ -84,6 +85,28 @@ def test_a_finished_run_shows_its_clip_its_model_and_its_curves(
     assert not job_actions.can_continue(state)
 
 
+def test_what_one_looks_at_stays_with_another_run_of_the_clip(
+    tmp_path: Path, places: Places, model: DynamicGaussians
+) -> None:
+    first, second = (make_run(tmp_path / name, phantom_path(), model) for name in ("run-1", "run-2"))
+    state = session(places, first.path)
+    state.scene.size = (32, 24)
+    actions.seek(state, 3)
+    state.picture.view = replace(state.picture.view, zoom=2.0)
+    camera_actions.turn(state, 0.3, 0.1)
+    camera_actions.toggle_measuring(state)
+    free = state.scene.viewer.free
+    arriving.show_opened(state, second.path, opened(second.path))
+    assert state.scene.model is not None
+    assert (state.scene.model.name, state.timeline.frame_index, state.picture.view.zoom) == ("run-2", 3, 2.0)
+    assert free is not None
+    assert (state.scene.viewer.free, state.scene.viewer.measuring) == (free, False)
+    other = make_clip(tmp_path / "other")
+    arriving.show_opened(state, other.path, Opened(other))
+    assert (state.timeline.frame_index, state.picture.view.zoom) == (0, None)
+    assert state.scene.viewer.free is None
+
+
 def test_the_model_file_opens_its_run(tmp_path: Path, model: DynamicGaussians) -> None:
     run = make_run(tmp_path / "run-1", phantom_path(), model)
     answer = opened(run.model_path)
@@ -97,7 +120,7 @@ def test_a_file_of_splats_is_shown_alone(tmp_path: Path, places: Places, model: 
     raw = model.raw
     raw.means[0] = np.nan
     (tmp_path / "some.ply").write_bytes(ply_bytes(raw))
-    actions.show_opened(state, tmp_path / "some.ply", opened(tmp_path / "some.ply"))
+    arriving.show_opened(state, tmp_path / "some.ply", opened(tmp_path / "some.ply"))
     assert state.source.clip is None
     assert state.runs.reconstruction.status == "none"
     assert state.scene.model is not None
@@ -179,7 +202,7 @@ def test_what_is_said_at_the_start_reaches_the_clip_and_its_reconstruction(
     actions.open_path(state, inverted)
     assert state.source.opening is not None
     (answer,) = open_path(state.source.opening)
-    actions.show_opened(state, inverted, answer)
+    arriving.show_opened(state, inverted, answer)
     assert state.source.clip is not None
     assert state.source.clip.read_frame(0).tissue_mask.mean() > 0.5
     jobs: list[FakeJob] = []
@@ -220,7 +243,7 @@ def test_of_a_cut_video_it_is_said_in_sight_that_a_part_is_missing(places: Place
     path.write_bytes(content[: int(0.6 * len(content))])
     cut, state = opened(path), AppState(places)
     assert cut.clip is not None
-    actions.show_opened(state, path, cut)
+    arriving.show_opened(state, path, cut)
     assert state.window.banner is not None
     said = f"the file is cut off or damaged at its end: {len(cut.clip)} frames are whole"
     assert state.window.banner.message == said

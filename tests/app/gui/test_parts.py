@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from app.enhancement.image_mask import PictureMask
-from app.gui.actions import actions, clip_actions, job_actions, run_actions
+from app.gui.actions import actions, arriving, clip_actions, job_actions, run_actions
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import why_not
@@ -111,7 +111,7 @@ def test_a_run_of_a_part_is_found_opened_and_continued_as_such(state: AppState, 
     list(run_training(TrainRequest(clip_path=clip, run_path=path, config=config, part=part)))
     (path / "model.safetensors").unlink()
     (answer,) = open_path(OpenRequest(path))
-    actions.show_opened(state, path, answer)
+    arriving.show_opened(state, path, answer)
     assert state.source.clip is not None
     assert len(state.source.clip) == 10  # All of it is there to be looked at,
     assert state.source.part == part  # and what the run is of is marked.

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.exports.exporting import export
-from app.gui.actions import actions, camera_actions, export_actions, job_actions, path_actions
+from app.gui.actions import actions, arriving, camera_actions, export_actions, job_actions, path_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
@@ -233,9 +233,9 @@ def test_a_folder_that_cannot_be_written_is_one_line(seen: AppState) -> None:
 def test_the_views_of_a_scene_go_with_it(seen: AppState, tmp_path: Path) -> None:
     with_path(seen)
     assert seen.source.clip is not None
-    actions.show_opened(seen, seen.source.clip.path, Opened(seen.source.clip))  # Again the same clip.
+    arriving.show_opened(seen, seen.source.clip.path, Opened(seen.source.clip))  # Again the same clip.
     assert keyframes(seen)
-    actions.show_opened(seen, tmp_path / "splats.ply", Opened(None))
+    arriving.show_opened(seen, tmp_path / "splats.ply", Opened(None))
     assert seen.scene.cameras.views == Views()
 
 

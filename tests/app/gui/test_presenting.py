@@ -60,7 +60,7 @@ def test_f5_presents_the_pane_under_the_pointer_or_the_one_clicked_last(ui: Ui, 
     keys, panes = keyboard(opened), compare(opened, Shown())
 
     def draw() -> None:
-        presenting.forget_pointer(opened)
+        presenting.begin_frame(opened)
         panes()
         keys()
 
@@ -71,6 +71,24 @@ def test_f5_presents_the_pane_under_the_pointer_or_the_one_clicked_last(ui: Ui, 
         ui.press(draw, imgui.Key.f5)
         assert opened.presenting.pane is None
     ui.drag(draw, (200, 400), (200, 400))
+    ui.io.add_mouse_pos_event(890, 5)
+    ui.frame(draw)
+    ui.press(draw, imgui.Key.f5)
+    assert opened.presenting.pane == "left"
+
+
+def test_f5_takes_no_pane_that_is_behind_another_panel(
+    ui: Ui, opened: AppState, model: DynamicGaussians
+) -> None:
+    keys, panes = keyboard(opened), compare(opened, Shown())
+    start_live(opened, model)
+    presenting.point(opened, "3D view", clicked=True)
+
+    def draw() -> None:
+        presenting.begin_frame(opened)
+        panes()
+        keys()
+
     ui.io.add_mouse_pos_event(890, 5)
     ui.frame(draw)
     ui.press(draw, imgui.Key.f5)

@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.settable import LONGEST_NAME, LONGEST_NOTES, MAX_ZOOM, MIN_ZOOM, MOST_FRAME
 from app.errors import UserError
-from app.gui.actions import actions, path_actions, preset_actions, session_actions
+from app.gui.actions import arriving, path_actions, preset_actions, session_actions
 from app.gui.actions.session_actions import snapshot
 from app.gui.session_file import MOST_STEPS, SESSION, Session, SessionSource, mended_session
 from app.gui.state.app_state import AppState
@@ -245,7 +245,7 @@ def test_a_keyframe_typed_hours_away_is_a_line(state: AppState) -> None:
 
 
 def test_a_restored_session_is_kept_in_passing_as_it_was(state: AppState, clip: Clip, places: Places) -> None:
-    actions.show_opened(state, clip.path, Opened(clip))
+    arriving.show_opened(state, clip.path, Opened(clip))
     kept = Session(zoom=MIN_ZOOM, center=(1.0, 0.0), varied=(), notes="x", view_time=1.0)
     session_actions.restore(state, kept)
     again = snapshot(state, places.config)

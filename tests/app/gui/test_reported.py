@@ -12,7 +12,7 @@ from imgui_bundle import ImVec2, imgui
 
 from app.errors import UserError
 from app.files.provenance import provenance, strict_json
-from app.gui.actions import actions
+from app.gui.actions import actions, arriving
 from app.gui.panels.report import draw_report
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest, open_path
@@ -135,7 +135,7 @@ def test_the_present_setting_is_found_among_the_points(path: Path) -> None:
 def test_a_report_joins_what_is_open_and_is_drawn(state: AppState, path: Path) -> None:
     clip = state.source.clip
     (opened,) = open_path(OpenRequest(path))
-    actions.show_opened(state, path, opened)
+    arriving.show_opened(state, path, opened)
     assert state.source.clip is clip
     assert state.reports.asked
     ui = Ui()
@@ -152,7 +152,7 @@ def test_the_page_keeps_its_height_when_the_diagram_is_scrolled_out_of_sight(
     state: AppState, path: Path
 ) -> None:
     (opened,) = open_path(OpenRequest(path))
-    actions.show_opened(state, path, opened)
+    arriving.show_opened(state, path, opened)
     ui, heights = Ui(), []
 
     def draw(top: float) -> None:

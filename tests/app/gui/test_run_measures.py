@@ -11,7 +11,7 @@ from imgui_bundle import ImVec4
 
 from app.evaluation.evaluate import measure_frame, open_evaluation
 from app.evaluation.mean import mean_of_finite
-from app.gui.actions import actions
+from app.gui.actions import arriving
 from app.gui.panels import run_measures
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.run_measures import ROWS
@@ -45,7 +45,7 @@ def run_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def opened(state: AppState, run_path: Path) -> AppState:
     (answer,) = open_path(OpenRequest(run_path))
-    actions.show_opened(state, run_path, answer)
+    arriving.show_opened(state, run_path, answer)
     return state
 
 

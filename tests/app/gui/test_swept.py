@@ -9,7 +9,7 @@ import pytest
 
 from app.errors import UserError
 from app.files.image_files import write_image
-from app.gui.actions import actions, sweep_actions
+from app.gui.actions import arriving, sweep_actions
 from app.gui.panels.report import draw_report
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
@@ -46,7 +46,7 @@ def folder(tmp_path: Path) -> Path:
 
 def opened(state: AppState, folder: Path) -> Swept:
     (found,) = open_path(OpenRequest(folder))
-    actions.show_opened(state, folder, found)
+    arriving.show_opened(state, folder, found)
     assert state.reports.asked
     assert state.reports.shown is not None
     assert state.reports.shown.sweep is not None

@@ -11,7 +11,7 @@ from app.enhancement.contact_sheet import small
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.parameter_grid import METRICS
 from app.enhancement.setting_words import in_the_paper, said
-from app.gui.actions import actions, history_actions, tuning_actions
+from app.gui.actions import actions, arriving, history_actions, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.tuning import draw_tuning
 from app.gui.session_file import Choice
@@ -145,7 +145,7 @@ def test_another_clip_has_no_grid(state: AppState, channels: Channels, clip: Cli
     tuning_actions.start_grid(state)
     turn(state, channels)
     choices = state.tuning.choices
-    actions.show_opened(state, clip.path, Opened(make_clip(clip.path)))
+    arriving.show_opened(state, clip.path, Opened(make_clip(clip.path)))
     assert (state.tuning.grid, state.tuning.choices) == (None, choices)
     update(state, channels, state.window.now + 0.01)
     assert state.tuning.cells == {}

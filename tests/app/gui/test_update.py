@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.enhancement.frame_enhancer import PictureRequest, Pictures
-from app.gui.actions import actions, camera_actions, job_actions
+from app.gui.actions import actions, arriving, camera_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
@@ -177,7 +177,7 @@ def test_pictures_of_a_clip_that_was_left_are_dropped(
     update(state, channels, 0.0)
     channels.pictures.run_waiting()
     other = make_clip(tmp_path / "other", 3)
-    actions.show_opened(state, other.path, Opened(other))
+    arriving.show_opened(state, other.path, Opened(other))
     update(state, channels, 0.1)
     assert state.picture.pictures is None
     settle(state, channels)
