@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.deformation.windowed_motion import WindowedMotion
+from renderer.deformation.windowed_motion import WindowedMotion, faded
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Splats
@@ -47,6 +47,15 @@ class ModelWindow:
     def local(self, time: float) -> float:
         """By its clock, in [0, 1]; its first or last moment before or after it."""
         return min(max((time - self.start) / self.length, 0.0), 1.0)
+
+    def seen(self, model: DynamicGaussians, time: float) -> RawGaussians:
+        """Those of its `model` at a time of the clip, as much of them as is seen there."""
+        return faded(model.motion.moved(model.raw, self.local(time)), self.fade(time))
+
+    def fade(self, time: float) -> float:
+        """The share of its opacity, in [0, 1], that is seen at a time of the clip."""
+        motion = self.whole.motion
+        return motion.fades_at(time).get(self.index, 0.0) if isinstance(motion, WindowedMotion) else 1.0
 
     def time(self, local: float) -> float:
         """Of the clip."""

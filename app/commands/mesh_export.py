@@ -19,8 +19,9 @@ from app.exports.usd_file import require_usd
 from app.files.atomic import filled
 from app.files.stepping import run_to_end
 from app.scenes.scene import Scene
-from app.scenes.surfaces import surface, window_surface
+from app.scenes.surfaces import window_surface
 from app.scenes.view_selection import Moment
+from renderer.model_windows import windows_of
 from renderer.surface.fineness import VERTICES, Fineness
 from renderer.surface.mesh import Mesh
 
@@ -73,9 +74,11 @@ def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> 
     path: Path = flags.mesh
     fineness = Fineness(flags.vertices, flags.faces)
     if path.suffix.lower() in CLIPS:
-        said = _size(surface(scene, fineness).mesh)
+        said = _size(window_surface(scene, 0.0, fineness).mesh)
         _write_file(flags, scene)
-        sys.stdout.write(f"{path}: {said}, {path.stat().st_size / 1e6:.1f} MB\n")
+        number = len(windows_of(scene.model))
+        meshes = f"{number} meshes, one after the other, the first of {said}" if number > 1 else said
+        sys.stdout.write(f"{path}: {meshes}, {path.stat().st_size / 1e6:.1f} MB\n")
     else:
         said = _size(window_surface(scene, wanted[0].time, fineness).mesh)
         _write_folder(flags, scene, wanted)

@@ -15,8 +15,8 @@ from app.enhancement.parameter_grid import Setting, tried
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.enhancement.settable import drawn
 from app.errors import UserError
+from app.exports.browser.of_scene import page_windows
 from app.exports.browser.page import browser_page
-from app.exports.browser.tracks import tracks_of
 from app.exports.measures import Row, measures_at, rows_at, write_measures
 from app.exports.meshes.writing import write_surface
 from app.exports.page import Panel, sheet
@@ -226,7 +226,7 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
     scene = sources.scene(record)
     about = f"Reconstruction of {record.trained_on}" if record.trained_on else "Reconstruction"
     page = browser_page(
-        tracks_of(scene.model),
+        page_windows(scene),
         record.camera,
         record.near,
         scene.mode,
@@ -235,6 +235,7 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
         frames=record.clip_frames,
         seconds=record.seconds,
         facts=record.signed,
+        poses=scene.cameras if record.moves else (),
     )
     write_bytes(target, page)
 

@@ -93,6 +93,8 @@ class BrowserModel(SceneRecord):
     """Of the clip."""
     camera: RecordedCamera
     """By which the page begins."""
+    moves: bool = False
+    """The page's camera goes as the clip's does."""
     near: float
     """In scene units, before which nothing is drawn."""
     clip_frames: Annotated[int, Interval(ge=1)]

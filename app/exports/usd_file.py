@@ -5,7 +5,7 @@ In the clip's unit, which the file tells, y up and z towards the viewer; a frame
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from importlib.util import find_spec
@@ -68,6 +68,26 @@ def new_stage(
         del stage, layer
 
 
+def defined(stage: Any, schema: Any, root: str, shown: Sequence[range], index: int) -> Any:
+    """A prim at `root`, which is the default one; where several are `shown`, each at its frames, the prim
+    of that index below it, visible at its own."""
+    from pxr import UsdGeom
+
+    if len(shown) == 1:
+        prim = schema.Define(stage, root)
+        stage.SetDefaultPrim(prim.GetPrim())
+        return prim
+    if index == 0:
+        stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, root).GetPrim())
+    prim, there = schema.Define(stage, f"{root}/window_{index + 1}"), shown[index]
+    visibility = UsdGeom.Imageable(prim).CreateVisibilityAttr()
+    visibility.Set(UsdGeom.Tokens.invisible, stage.GetStartTimeCode())
+    visibility.Set(UsdGeom.Tokens.inherited, there[0])
+    if there[-1] < stage.GetEndTimeCode():
+        visibility.Set(UsdGeom.Tokens.invisible, there[-1] + 1)
+    return prim
+
+
 def read_usd(path: Path) -> tuple[dict[str, Any], list[NDArray[Any]]]:
     """Provenance and arrays of a file of ours. Raises UserError: it is none, or cannot be read here."""
     require_usd()
@@ -88,7 +108,7 @@ def _read(path: Path) -> tuple[dict[str, Any], list[NDArray[Any]]]:
     if not isinstance(text, str) or not prim:
         raise UserError(f"expected a USD file written by VesselSplat, found no provenance in {path}")
     arrays = []
-    for attribute in prim.GetAuthoredAttributes():
+    for attribute in (one for part in Usd.PrimRange(prim) for one in part.GetAuthoredAttributes()):
         codes = attribute.GetTimeSamples()
         values = [attribute.Get(code) for code in codes] if codes else [attribute.Get()]
         found = [np.array(one) for one in (codes, *values) if one is not None]

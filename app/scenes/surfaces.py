@@ -10,7 +10,7 @@ from app.errors import UserError
 from app.scenes.cpu_rendering import Draw, Drawn
 from app.scenes.scene import Scene
 from renderer.camera import Camera
-from renderer.model_windows import ModelWindow, window_at, windows_of
+from renderer.model_windows import ModelWindow, window_at
 from renderer.splats import RenderMode, Shape, Splats
 from renderer.surface.fineness import AS_IT_COMES, Fineness
 from renderer.surface.mesh import Mesh
@@ -47,13 +47,18 @@ def surface(scene: Scene, fineness: Fineness = AS_IT_COMES) -> Follower:
         UserError: there is none, it cannot be simplified here, or its Gaussians are others at other times.
     """
     scene.require_one_model()
-    return _required(scene, _follower(scene, fineness, windows_of(scene.model)[0]))
+    return window_surface(scene, 0.0, fineness)
 
 
 def window_surface(scene: Scene, time: float, fineness: Fineness = AS_IT_COMES) -> Follower:
     """Of the window that shows most at a time in [0, 1], by the clock of that window. Raises UserError: there
     is none, it cannot be simplified here, or nothing says what moves where."""
-    return _required(scene, _follower(scene, fineness, window_at(scene.model, time)))
+    return surface_of_window(scene, window_at(scene.model, time), fineness)
+
+
+def surface_of_window(scene: Scene, window: ModelWindow, fineness: Fineness) -> Follower:
+    """The same of a window of the scene's model. Raises UserError as `window_surface`."""
+    return _required(scene, _follower(scene, fineness, window))
 
 
 def moment_of_surface(scene: Scene, time: float, fineness: Fineness) -> Mesh:

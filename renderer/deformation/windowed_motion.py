@@ -82,13 +82,18 @@ class WindowedMotion:
 
     def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
         """See Motion; only those that there are at `time`."""
+        there = self.fades_at(time).items()
+        parts = [faded(self._moved_in(raw, window, time), fade) for window, fade in there]
+        return parts[0] if len(parts) == 1 else joined_rows(parts)
+
+    def fades_at(self, time: float) -> dict[int, float]:
+        """Of the windows that there are at a time in [0, 1], in the order of time, the share of their
+        opacity that is seen."""
         there = self.windows_at(time)
-        parts = [self._moved_in(raw, window, time) for window in there]
-        if len(parts) == 1:
-            return parts[0]
+        if len(there) == 1:
+            return {there[0]: 1.0}
         share = self._share_of_overlap(there[0], time)
-        fades = min(1.0, 2 * (1 - share)), min(1.0, 2 * share)
-        return joined_rows([faded(part, fade) for part, fade in zip(parts, fades, strict=True)])
+        return {there[0]: min(1.0, 2 * (1 - share)), there[1]: min(1.0, 2 * share)}
 
     def all_moved(self, raw: RawGaussians, time: float) -> RawGaussians:
         """Of all windows, each at the moment nearest to `time` in [0, 1] at which it is there."""

@@ -39,13 +39,14 @@ def main() -> None:
         run_to_end(make(browser_model(scene, camera, 25.0), Opened(model=scene), page))
         size = page.stat().st_size
         print(f"{size / 1e6:.2f} MB, {size / len(scene.model) / frames:.2f} bytes a Gaussian and frame")
-        for time in (0.0, 0.25, 0.5, 0.75, 1.0):
+        for time in (0.0, 0.25, 0.38, 0.5, 0.75, 1.0):
             window = f"--window-size={camera.width},{camera.height + BAR}"
             asked = ["--hide-scrollbars", "--virtual-time-budget=20000", f"--screenshot={shot}"]
             command = [given.browser, *FLAGS, window, *asked, f"{page.as_uri()}#still={time}"]
             subprocess.run(command, check=True, capture_output=True)
             seen = cv2.cvtColor(cv2.imread(str(shot)), cv2.COLOR_BGR2RGB)[: camera.height, : camera.width]
-            ours = draw_on_cpu(scene.model.at(time), camera, scene.near, scene.mode).over(GREY)
+            seen_by = scene.camera_at(time)
+            ours = draw_on_cpu(scene.model.at(time), seen_by, scene.near, scene.mode).over(GREY)
             apart = np.abs(seen.astype(float) - ours)
             quality = 10 * np.log10(255**2 / np.mean(apart**2))
             print(f"time {time:.2f}: {quality:.1f} dB, at most {apart.max():.0f} grey levels")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import base64
 import gzip
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
 from typing import Any, Final
@@ -22,10 +23,22 @@ from renderer.splats import RenderMode
 
 LEVEL: Final = 9
 """Of the compression."""
+LONGEST: Final = 500_000_000
+"""Characters of its numbers; browsers hold texts of some 512 million."""
+
+
+@dataclass(frozen=True, eq=False)
+class PageWindow:
+    """A model, or the part of one that is there at some of the clip's frames."""
+
+    tracks: Tracks
+    first: int
+    last: int
+    """Its frames. Where two windows overlap, one fades into the next."""
 
 
 def browser_page(
-    tracks: Tracks,
+    windows: Sequence[PageWindow],
     camera: Camera,
     near: float,
     mode: RenderMode,
@@ -35,27 +48,40 @@ def browser_page(
     frames: int,
     seconds: float,
     facts: Mapping[str, Any],
+    poses: Sequence[Camera] = (),
 ) -> bytes:
     """The HTML of a model as `camera` sees it first; the same bytes for the same model and facts.
 
     Args:
+        windows: in the order of time.
         near: distance in scene units before which nothing is drawn.
         title: of the clip.
         about: what the model is a reconstruction of.
         frames: of the clip, by which the page numbers its moments.
         seconds: that the clip takes.
         facts: provenance.
+        poses: of each frame, with which the page's camera goes; none: it stays.
+
+    Raises:
+        UserError: more than a browser can open.
     """
+    parts_of_content = [one.tracks.content for one in windows]
     scene = {
-        "tracks": tracks.told(),
-        "degree": tracks.degree,
+        "windows": list(_told(windows, parts_of_content)),
         "camera": camera.to_json(),
         "near": near,
         "antialiased": mode == "mip",
         "frames": frames,
         "seconds": seconds,
     }
-    content = base64.b64encode(gzip.compress(tracks.content, LEVEL, mtime=0)).decode()
+    if poses:
+        scene["poses"] = [np.asarray(one.camera_from_world)[:3].tolist() for one in poses]
+    content = base64.b64encode(gzip.compress(b"".join(parts_of_content), LEVEL, mtime=0)).decode()
+    if len(content) > LONGEST:
+        raise UserError(
+            f"a page of {len(content) / 1e6:.0f} MB is more than browsers open ({LONGEST / 1e6:.0f} MB): "
+            "export one window of the model after the other (--window)"
+        )
     parts = {
         "TITLE": escape(title),
         "ABOUT": escape(about),
@@ -67,6 +93,14 @@ def browser_page(
         "CODE": _own("viewer.js"),
     }
     return filled_in(_own("viewer.html"), parts)
+
+
+def _told(windows: Sequence[PageWindow], contents: Sequence[bytes]) -> Iterator[dict[str, Any]]:
+    start = 0
+    for one, content in zip(windows, contents, strict=True):
+        tracks = one.tracks.told(start)
+        yield {"first": one.first, "last": one.last, "degree": one.tracks.degree, "tracks": tracks}
+        start += len(content)
 
 
 def read_page(text: str) -> tuple[dict[str, Any], dict[str, Any], NDArray[np.uint8]]:

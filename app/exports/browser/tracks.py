@@ -38,7 +38,8 @@ class Track:
     @classmethod
     def of(cls, name: str, values: Float32Array, bits: int) -> Track:
         """Rounded to `bits`, 8 or 16, over the range of each channel."""
-        low, high = values.min(axis=(0, 1)), values.max(axis=(0, 1))
+        nothing = np.zeros(values.shape[2], np.float32)
+        low, high = (values.min(axis=(0, 1)), values.max(axis=(0, 1))) if len(values) else (nothing, nothing)
         high = np.maximum(high, low + np.float32(1e-9))
         top = (1 << bits) - 1
         share = (values.astype(np.float64) - low) / (high.astype(np.float64) - low)
@@ -73,8 +74,9 @@ class Tracks:
         """One after another, each at a multiple of 4 bytes."""
         return b"".join(_padded(track.values.tobytes()) for track in self.tracks)
 
-    def told(self) -> list[dict[str, Any]]:
-        starts = np.cumsum([0, *(len(_padded(track.values.tobytes())) for track in self.tracks)])
+    def told(self, start: int = 0) -> list[dict[str, Any]]:
+        """`start`: of its content among that of others."""
+        starts = np.cumsum([start, *(len(_padded(track.values.tobytes())) for track in self.tracks)])
         return [track.told(int(start)) for track, start in zip(self.tracks, starts, strict=False)]
 
 
@@ -113,7 +115,7 @@ def _lifted(base: Float32Array, controls: Float32Array, count: int) -> Float32Ar
 def _quantised(samples: list[RawGaussians]) -> tuple[Track, ...]:
     def over_time(values: Iterable[Float32Array]) -> Float32Array:
         stacked = np.stack(list(values), axis=1)
-        return stacked if np.ptp(stacked, axis=1).max() > SAME else stacked[:, :1]
+        return stacked if np.ptp(stacked, axis=1).max(initial=0) > SAME else stacked[:, :1]
 
     return _tracks((
         over_time(one.means for one in samples),

@@ -1,10 +1,11 @@
 "use strict";
-// Gaussians as instanced quads (WebGL2), sorted by depth, values over time from integer textures.
+// Gaussians as instanced quads (WebGL2), sorted by depth, values over time from integer textures. A long clip has
+// windows, each with Gaussians of its own; where two overlap, one fades into the next.
 
 const scene = JSON.parse(document.getElementById("scene").textContent);
 const canvas = document.getElementById("canvas");
-const track = Object.fromEntries(scene.tracks.map((one) => [one.name, one]));
-const count = track.means.count, WIDTH = 4096, GROUND = 64 / 255;
+const NAMES = ["means", "colors", "quats", "log_scales", "opacity_logits"], WIDTH = 4096, GROUND = 64 / 255;
+const windows = scene.windows.map((one) => ({ ...one, tracks: NAMES.map((name) => one.tracks.find((track) => track.name === name)) }));
 
 function fail(text) {
   const message = document.getElementById("message");
@@ -26,10 +27,22 @@ function numbers(one, buffer) {
   return new kind(buffer, one.start, one.count * one.moments * one.channels);
 }
 
+// What is there at a time: one window or two, each with its own time and how much of it is seen.
+function present(time) {
+  const within = (value) => Math.min(1, Math.max(0, value)), frame = within(time) * scene.frames;
+  const found = windows.filter((one) => one.first <= frame && frame <= one.last);
+  const there = found.length ? found : [windows.filter((one) => one.first <= frame).pop() || windows[0]];
+  const share = there.length < 2 ? 0 : (frame - there[1].first) / Math.max(there[0].last - there[1].first, 1);
+  return there.map((one, place) => ({
+    ...one, time: within((frame - one.first) / (one.last - one.first + 1)),
+    fade: there.length < 2 ? 1 : within(2 * (place ? share : 1 - share)),
+  }));
+}
+
 // First control value or sample and the weights of four, as of a uniform cubic B-spline or between samples.
-function taps(moments, time) {
+function taps(moments, { degree, time }) {
   if (moments === 1) return [0, [1, 0, 0, 0]];
-  if (scene.degree === 1) {
+  if (degree === 1) {
     const place = time * (moments - 1), first = Math.min(Math.floor(place), moments - 2), u = place - first;
     return [first, [1 - u, u, 0, 0]];
   }
@@ -41,28 +54,33 @@ function taps(moments, time) {
 const VERTEX = `#version 300 es
 precision highp float; precision highp int; precision highp usampler2D;
 uniform usampler2D means, colors, quats, log_scales, opacity_logits;
-uniform int first[5]; uniform vec4 weights[5]; uniform int moments[5];
-uniform vec4 low[5], span[5];
+// Of each value in the first window, then in the second one.
+uniform int start[10], first[10], moments[10]; uniform vec4 weights[10], low[10], span[10];
+uniform int split; uniform float fades[2];
 uniform mat3 turn; uniform vec3 shift;
 uniform vec4 lens; uniform vec4 limits; uniform vec2 size; uniform float near; uniform bool antialiased;
 in uint splat;
 out vec2 place; out vec4 color;
-vec4 at(usampler2D values, int which) {
+int later, own;
+vec4 at(usampler2D values, int name) {
   vec4 sum = vec4(0.0);
+  int which = 5 * later + name;
   for (int tap = 0; tap < 4; tap++) {
     if (weights[which][tap] == 0.0) continue;
-    int index = int(splat) * moments[which] + min(first[which] + tap, moments[which] - 1);
+    int index = start[which] + own * moments[which] + min(first[which] + tap, moments[which] - 1);
     sum += weights[which][tap] * vec4(texelFetch(values, ivec2(index % ${WIDTH}, index / ${WIDTH}), 0));
   }
   return low[which] + sum * span[which];
 }
 void main() {
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0); place = vec2(0.0); color = vec4(0.0);
+  later = int(splat) < split ? 0 : 1;
+  own = int(splat) - later * split;
   vec3 local = turn * at(means, 0).xyz + shift;
   if (local.z <= near) return;
   vec4 q = normalize(at(quats, 2));
   vec3 scale = exp(at(log_scales, 3).xyz);
-  float opacity = 1.0 / (1.0 + exp(-at(opacity_logits, 4).x));
+  float opacity = fades[later] / (1.0 + exp(-at(opacity_logits, 4).x));
   mat3 rotation = mat3(
     1.0 - 2.0 * (q.z * q.z + q.w * q.w), 2.0 * (q.y * q.z + q.x * q.w), 2.0 * (q.y * q.w - q.x * q.z),
     2.0 * (q.y * q.z - q.x * q.w), 1.0 - 2.0 * (q.y * q.y + q.w * q.w), 2.0 * (q.z * q.w + q.x * q.y),
@@ -122,21 +140,24 @@ function program(gl, ...sources) {
   return made;
 }
 
-function texture(gl, one, values, unit) {
-  const rows = Math.ceil(one.count * one.moments / WIDTH);
+// One value of all windows, one window after another.
+function texture(gl, unit, buffer) {
+  const tracks = windows.map((one) => one.tracks[unit]), { bytes, channels } = tracks[0];
+  let texels = 0;
+  for (const one of tracks) { one.texel = texels; texels += one.count * one.moments; }
+  const rows = Math.max(1, Math.ceil(texels / WIDTH));
   if (rows > gl.getParameter(gl.MAX_TEXTURE_SIZE)) fail("This model is too large for this browser's graphics.");
   const formats = {
     11: [gl.R8UI, gl.RED_INTEGER], 13: [gl.RGB8UI, gl.RGB_INTEGER],
     21: [gl.R16UI, gl.RED_INTEGER], 23: [gl.RGB16UI, gl.RGB_INTEGER], 24: [gl.RGBA16UI, gl.RGBA_INTEGER],
   };
-  const [inside, format] = formats[10 * one.bytes + one.channels];
-  const padded = new values.constructor(rows * WIDTH * one.channels);
-  padded.set(values);
+  const [inside, format] = formats[10 * bytes + channels];
+  const values = new (bytes === 1 ? Uint8Array : Uint16Array)(rows * WIDTH * channels);
+  for (const one of tracks) values.set(numbers(one, buffer), one.texel * channels);
   gl.activeTexture(gl.TEXTURE0 + unit);
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-  gl.texImage2D(gl.TEXTURE_2D, 0, inside, WIDTH, rows, 0, format,
-    one.bytes === 1 ? gl.UNSIGNED_BYTE : gl.UNSIGNED_SHORT, padded);
+  gl.texImage2D(gl.TEXTURE_2D, 0, inside, WIDTH, rows, 0, format, bytes === 1 ? gl.UNSIGNED_BYTE : gl.UNSIGNED_SHORT, values);
   for (const name of ["MIN", "MAG"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}_FILTER`], gl.NEAREST);
 }
 
@@ -145,8 +166,10 @@ const times = (a, b) => [0, 1, 2].flatMap((i) => [0, 1, 2].map((j) =>
   a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j]));
 const turned = (a, v) => [0, 1, 2].map((i) => a[3 * i] * v[0] + a[3 * i + 1] * v[1] + a[3 * i + 2] * v[2]);
 
-function clipCamera() {
-  const rows = scene.camera.camera_from_world;
+// Of the clip's frame nearest to a time.
+function clipCamera(time) {
+  const frame = Math.min(scene.frames - 1, Math.floor(time * scene.frames + 0.5));
+  const rows = scene.poses ? scene.poses[frame] : scene.camera.camera_from_world;
   return { turn: [0, 1, 2].flatMap((i) => rows[i].slice(0, 3)), shift: [0, 1, 2].map((i) => rows[i][3]) };
 }
 
@@ -154,25 +177,21 @@ class Viewer {
   constructor(buffer) {
     const gl = this.gl = canvas.getContext("webgl2", { antialias: false, alpha: false, preserveDrawingBuffer: true });
     if (!gl) fail("This browser does not offer WebGL2, which the 3D view needs.");
-    this.means = numbers(track.means, buffer);
+    for (const one of windows) one.means = numbers(one.tracks[0], buffer);
     this.draws = program(gl, VERTEX, FRAGMENT);
     this.resolves = program(gl, WHOLE, RESOLVE);
-    const names = ["means", "colors", "quats", "log_scales", "opacity_logits"];
-    this.tracks = names.map((name) => track[name]);
     gl.useProgram(this.draws);
-    this.tracks.forEach((one, unit) => {
-      texture(gl, one, numbers(one, buffer), unit);
-      gl.uniform1i(gl.getUniformLocation(this.draws, one.name), unit);
-      const top = one.bytes === 1 ? 255 : 65535, four = (list) => [...list, 0, 0, 0, 0].slice(0, 4);
-      gl.uniform4fv(gl.getUniformLocation(this.draws, `low[${unit}]`), four(one.low));
-      gl.uniform4fv(gl.getUniformLocation(this.draws, `span[${unit}]`), four(one.high.map((h, c) => (h - one.low[c]) / top)));
-      gl.uniform1i(gl.getUniformLocation(this.draws, `moments[${unit}]`), one.moments);
+    NAMES.forEach((name, unit) => {
+      texture(gl, unit, buffer);
+      gl.uniform1i(gl.getUniformLocation(this.draws, name), unit);
     });
-    this.order = new Uint32Array(count);
-    this.depths = new Float32Array(count);
+    const most = Math.max(...windows.map((one, place) => one.tracks[0].count + (windows[place + 1]?.tracks[0].count ?? 0)));
+    this.order = new Uint32Array(most);
+    this.depths = new Float32Array(most);
+    this.keys = new Uint16Array(most);
     this.splats = gl.createBuffer();
     gl.bindBuffer(gl.ARRAY_BUFFER, this.splats);
-    gl.bufferData(gl.ARRAY_BUFFER, 4 * count, gl.DYNAMIC_DRAW);
+    gl.bufferData(gl.ARRAY_BUFFER, 4 * most, gl.DYNAMIC_DRAW);
     const place = gl.getAttribLocation(this.draws, "splat");
     gl.enableVertexAttribArray(place);
     gl.vertexAttribIPointer(place, 1, gl.UNSIGNED_INT, 0, 0);
@@ -180,42 +199,67 @@ class Viewer {
     // Sums of many faint splats need more than 8 bits.
     this.deep = gl.getExtension("EXT_color_buffer_float") ? gl.RGBA16F : gl.RGBA8;
     gl.getExtension("EXT_float_blend");
-    this.camera = clipCamera();
     this.time = 0;
-    this.middle = this.pivot();
+    this.reset();
+  }
+
+  // The clip's camera, and what the hand has added to it.
+  get camera() {
+    const { turn, shift } = clipCamera(this.time), moved = turned(this.added.turn, shift);
+    return { turn: times(this.added.turn, turn), shift: moved.map((value, i) => value + this.added.shift[i]) };
   }
 
   // Depth of the middle of what the camera sees, about which a drag turns.
   pivot() {
-    this.sort();
-    const seen = [...this.depths].filter((z) => z > scene.near).sort((a, b) => a - b);
+    const seen = [...this.depths.subarray(0, this.sort(present(this.time)))].filter((z) => z > scene.near).sort((a, b) => a - b);
     return seen.length ? seen[seen.length >> 1] : 1;
   }
 
-  // Far to near, by counting depths in 65536 steps.
-  sort() {
-    const one = track.means, [first, weights] = taps(one.moments, this.time);
-    const { turn, shift } = this.camera, axis = turn.slice(6, 9), scales = one.high.map((h, c) => (h - one.low[c]) / 65535);
-    const base = shift[2] + axis.reduce((sum, a, c) => sum + a * one.low[c], 0);
-    const factors = axis.map((a, c) => a * scales[c]);
-    let least = Infinity, most = -Infinity;
-    for (let n = 0; n < count; n++) {
-      let z = base;
-      for (let tap = 0; tap < 4; tap++) {
-        if (weights[tap] === 0) continue;
-        const at = 3 * (n * one.moments + first + tap);
-        z += weights[tap] * (factors[0] * this.means[at] + factors[1] * this.means[at + 1] + factors[2] * this.means[at + 2]);
+  // Far to near, by counting depths in 65536 steps; how many there are.
+  sort(there) {
+    const { turn, shift } = this.camera, axis = turn.slice(6, 9);
+    let least = Infinity, most = -Infinity, count = 0;
+    for (const one of there) {
+      const track = one.tracks[0], [first, weights] = taps(track.moments, one), means = one.means;
+      const base = shift[2] + axis.reduce((sum, a, c) => sum + a * track.low[c], 0);
+      const factors = axis.map((a, c) => a * (track.high[c] - track.low[c]) / 65535);
+      for (let n = 0; n < track.count; n++) {
+        let z = base;
+        for (let tap = 0; tap < 4; tap++) {
+          if (weights[tap] === 0) continue;
+          const at = 3 * (n * track.moments + first + tap);
+          z += weights[tap] * (factors[0] * means[at] + factors[1] * means[at + 1] + factors[2] * means[at + 2]);
+        }
+        this.depths[count++] = z;
+        if (z < least) least = z;
+        if (z > most) most = z;
       }
-      this.depths[n] = z;
-      if (z < least) least = z;
-      if (z > most) most = z;
     }
-    const scale = 65535 / Math.max(most - least, 1e-30), starts = new Uint32Array(65537);
-    const keys = new Uint16Array(count);
+    const scale = 65535 / Math.max(most - least, 1e-30), starts = new Uint32Array(65537), keys = this.keys;
     for (let n = 0; n < count; n++) keys[n] = (most - this.depths[n]) * scale;
     for (let n = 0; n < count; n++) starts[keys[n] + 1]++;
     for (let k = 0; k < 65536; k++) starts[k + 1] += starts[k];
     for (let n = 0; n < count; n++) this.order[starts[keys[n]]++] = n;
+    return count;
+  }
+
+  // Where the values of what is there lie, and which of them this time needs.
+  place(there) {
+    const gl = this.gl, at = (name) => gl.getUniformLocation(this.draws, name);
+    const four = (list) => [...list, 0, 0, 0, 0].slice(0, 4);
+    there.forEach((one, later) => {
+      gl.uniform1f(at(`fades[${later}]`), one.fade);
+      one.tracks.forEach((track, name) => {
+        const which = 5 * later + name, [first, weights] = taps(track.moments, one), top = track.bytes === 1 ? 255 : 65535;
+        gl.uniform1i(at(`start[${which}]`), track.texel);
+        gl.uniform1i(at(`moments[${which}]`), track.moments);
+        gl.uniform1i(at(`first[${which}]`), first);
+        gl.uniform4fv(at(`weights[${which}]`), weights);
+        gl.uniform4fv(at(`low[${which}]`), four(track.low));
+        gl.uniform4fv(at(`span[${which}]`), four(track.high.map((h, c) => (h - track.low[c]) / top)));
+      });
+    });
+    gl.uniform1i(at("split"), there[0].tracks[0].count);
   }
 
   // `size`: pixels; none: the window's.
@@ -224,16 +268,12 @@ class Viewer {
     const width = size ? size[0] : Math.max(1, Math.round(canvas.clientWidth * ratio));
     const height = size ? size[1] : Math.max(1, Math.round(canvas.clientHeight * ratio));
     if (canvas.width !== width || canvas.height !== height || !this.target) this.resize(width, height);
-    this.sort();
+    const there = present(this.time), count = this.sort(there), { turn, shift } = this.camera;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.splats);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.order);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.order, 0, count);
     gl.useProgram(this.draws);
+    this.place(there);
     const at = (name) => gl.getUniformLocation(this.draws, name);
-    this.tracks.forEach((one, unit) => {
-      const [first, weights] = taps(one.moments, this.time);
-      gl.uniform1i(at(`first[${unit}]`), first);
-      gl.uniform4fv(at(`weights[${unit}]`), weights);
-    });
     const zoom = Math.min(width / own.width, height / own.height);
     const lens = [own.fx * zoom, own.fy * zoom, own.cx * zoom + (width - own.width * zoom) / 2, own.cy * zoom + (height - own.height * zoom) / 2];
     const margins = [0.15 * width / lens[0], 0.15 * height / lens[1]];
@@ -242,8 +282,8 @@ class Viewer {
     gl.uniform2fv(at("size"), [width, height]);
     gl.uniform1f(at("near"), scene.near);
     gl.uniform1i(at("antialiased"), scene.antialiased ? 1 : 0);
-    gl.uniformMatrix3fv(at("turn"), true, this.camera.turn);
-    gl.uniform3fv(at("shift"), this.camera.shift);
+    gl.uniformMatrix3fv(at("turn"), true, turn);
+    gl.uniform3fv(at("shift"), shift);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
@@ -277,28 +317,25 @@ class Viewer {
   orbit(across, down) {
     const [c, s, d, t] = [Math.cos(across), Math.sin(across), Math.cos(down), Math.sin(down)];
     const by = times([1, 0, 0, 0, d, -t, 0, t, d], [c, 0, s, 0, 1, 0, -s, 0, c]);
-    const { turn, shift } = this.camera, from = [shift[0], shift[1], shift[2] - this.middle];
+    const { turn, shift } = this.added, from = [shift[0], shift[1], shift[2] - this.middle];
     const moved = turned(by, from);
-    this.camera = { turn: times(by, turn), shift: [moved[0], moved[1], moved[2] + this.middle] };
+    this.added = { turn: times(by, turn), shift: [moved[0], moved[1], moved[2] + this.middle] };
   }
 
   pan(across, down) {
-    this.camera.shift[0] += across;
-    this.camera.shift[1] += down;
+    this.added.shift[0] += across;
+    this.added.shift[1] += down;
   }
 
   zoom(factor) {
     const nearer = this.middle * (1 - factor);
     this.middle *= factor;
-    this.camera.shift[2] -= nearer;
+    this.added.shift[2] -= nearer;
   }
 
   reset() {
-    const time = this.time;
-    this.camera = clipCamera();
-    this.time = 0;
+    this.added = { turn: [1, 0, 0, 0, 1, 0, 0, 0, 1], shift: [0, 0, 0] };
     this.middle = this.pivot();
-    this.time = time;
   }
 }
 

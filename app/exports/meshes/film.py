@@ -1,20 +1,22 @@
-"""A surface through time as few moments, between which its vertices go straight."""
+"""A surface through time as few moments, between which its vertices go straight; of a model in windows a
+surface of each, shown while its window shows most."""
 
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from itertools import groupby
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.scenes.scene import Scene
+from app.scenes.surfaces import surface_of_window
+from renderer.model_windows import window_at
 from renderer.splats import Float32Array
+from renderer.surface.fineness import Fineness
 from renderer.surface.mesh import Mesh
-
-if TYPE_CHECKING:
-    from renderer.surface.following import Follower
 
 STRAIGHT: Final = 5e-4
 """Of the distance to the tissue, by which vertices may be off between the moments that are kept: 0.03 mm at
@@ -25,10 +27,12 @@ STRAIGHT: Final = 5e-4
 class Film:
     """One topology at K moments."""
 
+    frames: range
+    """Of the clip, at which it is shown."""
     mesh: Mesh
-    """At the first of them."""
+    """At the first of the moments."""
     times: tuple[float, ...]
-    """(K,) in [0, 1)."""
+    """(K,) of the clip, in [0, 1)."""
     positions: Float32Array
     """(K, V, 3) in the world."""
     pixels: NDArray[np.float32] | None
@@ -37,13 +41,34 @@ class Film:
     """(H, W, 3) RGB as the fixed camera sees the model at the middle of the clip."""
 
 
-def filmed(follower: Follower, scene: Scene) -> Generator[int, None, Film]:
-    """Of every frame of the scene; yields how many have been looked at."""
-    times = [scene.time(frame) for frame in range(len(scene.cameras))]
+def filmed(scene: Scene, fineness: Fineness) -> Generator[int, None, tuple[Film, ...]]:
+    """Of every frame of the scene, window by window; yields how many have been looked at.
+
+    Raises:
+        UserError: there is no surface, or none that moves.
+    """
+    films = []
+    for frames in _shares(scene):
+        films.append((yield from _film(scene, frames, fineness)))
+    return tuple(films)
+
+
+def _shares(scene: Scene) -> list[range]:
+    """The frames at which each window shows most, in the order of time; a window without Gaussians is left
+    out."""
+    windows = [window_at(scene.model, scene.time(frame)) for frame in range(len(scene.cameras))]
+    by_window = groupby(enumerate(windows), key=lambda one: one[1].index)
+    shares = [[frame for frame, one in group if one.rows.start < one.rows.stop] for _, group in by_window]
+    return [range(share[0], share[-1] + 1) for share in shares if share]
+
+
+def _film(scene: Scene, frames: range, fineness: Fineness) -> Generator[int, None, Film]:
+    window = window_at(scene.model, scene.time(frames[0]))
+    follower, times = surface_of_window(scene, window, fineness), [scene.time(frame) for frame in frames]
     meshes = []
-    for time in times:
-        meshes.append(follower.at(time))
-        yield len(meshes)
+    for frame, time in zip(frames, times, strict=True):
+        meshes.append(follower.at(window.local(time)))
+        yield frame + 1
     positions = np.stack([mesh.vertices for mesh in meshes])
     kept = straight_parts(positions, STRAIGHT * scene.distance)
     picture, pixels = follower.picture, None
@@ -51,7 +76,7 @@ def filmed(follower: Follower, scene: Scene) -> Generator[int, None, Film]:
         camera = follower.cameras[0]
         places, _ = camera.project(follower.mesh.vertices.astype(np.float64))
         pixels = (places / [camera.width, camera.height]).astype(np.float32)
-    return Film(meshes[0], tuple(times[one] for one in kept), positions[kept], pixels, picture)
+    return Film(frames, meshes[0], tuple(times[one] for one in kept), positions[kept], pixels, picture)
 
 
 def straight_parts(positions: Float32Array, tolerance: float) -> list[int]:

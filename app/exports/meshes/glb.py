@@ -1,8 +1,10 @@
-"""The surface as glTF, with its way through time as morph targets."""
+"""The surface as glTF, with its way through time as morph targets; of a model in windows a mesh of each,
+which is there while it is shown."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import cv2
@@ -14,77 +16,125 @@ from app.exports.meshes.film import Film
 from renderer.splats import Float32Array
 
 
-def glb_bytes(film: Film, unit: str, seconds: float, name: str, facts: Mapping[str, Any]) -> bytes:
-    """The file; `seconds`: that the whole clip takes, `facts`: provenance."""
+def glb_bytes(
+    films: Sequence[Film], unit: str, frames: int, seconds: float, name: str, facts: Mapping[str, Any]
+) -> bytes:
+    """The file; `frames` and `seconds`: of the whole clip, `facts`: provenance."""
     scale = np.float32(METRES.get(unit, 1.0))
-    positions = film.positions * TO_GLTF * scale
-    buffer = Buffer()
-    attributes = {
-        "POSITION": buffer.array(positions[0], VERTICES, bounded=True),
-        "NORMAL": buffer.array(_unit(film.mesh.normals * TO_GLTF), VERTICES),
+    buffer, document = Buffer(), _Document()
+    for film in films:
+        _add(document, buffer, film, film.positions * TO_GLTF * scale, name, seconds)
+    if len(films) > 1:
+        for node, film in enumerate(films):
+            _show(document, buffer, node, film.frames, frames, seconds)
+    parts = {
+        "asset": asset(unit, facts),
+        "extensionsUsed": ["KHR_materials_unlit"],
+        "scene": 0,
+        "scenes": [{"nodes": list(range(len(films)))}],
+        "nodes": document.nodes,
+        "meshes": document.meshes,
+        "materials": document.materials,
     }
+    if document.images:
+        samplers = [{"magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071}]
+        parts |= {"images": document.images, "samplers": samplers, "textures": document.textures}
+    if document.channels:
+        said = {"name": "clip", "samplers": document.samplers, "channels": document.channels}
+        parts["animations"] = [said]
+    return packed(parts, buffer)
+
+
+@dataclass
+class _Document:
+    """Lists of the file's JSON, which grow by what each film adds."""
+
+    nodes: list[dict[str, Any]] = field(default_factory=list)
+    meshes: list[dict[str, Any]] = field(default_factory=list)
+    materials: list[dict[str, Any]] = field(default_factory=list)
+    images: list[dict[str, Any]] = field(default_factory=list)
+    textures: list[dict[str, Any]] = field(default_factory=list)
+    samplers: list[dict[str, Any]] = field(default_factory=list)
+    channels: list[dict[str, Any]] = field(default_factory=list)
+
+    def animate(self, node: int, path: str, sampler: dict[str, Any]) -> None:
+        self.channels.append({"sampler": len(self.samplers), "target": {"node": node, "path": path}})
+        self.samplers.append(sampler)
+
+
+def _add(
+    document: _Document, buffer: Buffer, film: Film, positions: Float32Array, name: str, seconds: float
+) -> None:
+    """A node with its mesh, its material, and its way through time. `positions`: as the file has them."""
+    node, attributes = (
+        len(document.nodes),
+        {
+            "POSITION": buffer.array(positions[0], VERTICES, bounded=True),
+            "NORMAL": buffer.array(_unit(film.mesh.normals * TO_GLTF), VERTICES),
+        },
+    )
     material: dict[str, Any] = {"metallicFactor": 0.0, "roughnessFactor": 1.0}
-    textures: dict[str, Any] = {}
     if film.picture is not None and film.pixels is not None:
         attributes["TEXCOORD_0"] = buffer.array(film.pixels, VERTICES)
-        material["baseColorTexture"] = {"index": 0}
-        textures = _textures(buffer, film.picture)
+        material["baseColorTexture"] = {"index": len(document.textures)}
+        document.textures.append({"source": len(document.images), "sampler": 0})
+        document.images.append({"bufferView": buffer.view(_png(film.picture)), "mimeType": "image/png"})
     else:
         attributes["COLOR_0"] = buffer.array(linear(film.mesh.colors), VERTICES)
     primitive: dict[str, Any] = {
         "attributes": attributes,
         "indices": buffer.array(film.mesh.faces.astype(np.uint32).ravel(), ELEMENTS),
-        "material": 0,
+        "material": node,
     }
     mesh: dict[str, Any] = {"name": name, "primitives": [primitive]}
-    animations: dict[str, Any] = {}
     if len(positions) > 1:
         ways = positions[1:] - positions[0]
         primitive["targets"] = [{"POSITION": buffer.array(way, VERTICES, bounded=True)} for way in ways]
         mesh["weights"] = [0.0] * len(ways)
-        animations = _animations(buffer, film.times, seconds)
-    document = {
-        "asset": asset(unit, facts),
-        "extensionsUsed": ["KHR_materials_unlit"],
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": [{"name": name, "mesh": 0}],
-        "meshes": [mesh],
-        # The light of the endoscope is in the colours already.
-        "materials": [
-            {
-                "doubleSided": True,
-                "pbrMetallicRoughness": material,
-                "extensions": {"KHR_materials_unlit": {}},
-            }
-        ],
-        **textures,
-        **animations,
-    }
-    return packed(document, buffer)
+        document.animate(node, "weights", _one_after_another(buffer, film.times, seconds))
+    document.nodes.append({"name": name, "mesh": node})
+    document.meshes.append(mesh)
+    # The light of the endoscope is in the colours already.
+    unlit: dict[str, Any] = {"KHR_materials_unlit": {}}
+    document.materials.append({"doubleSided": True, "pbrMetallicRoughness": material, "extensions": unlit})
 
 
-def _textures(buffer: Buffer, picture: NDArray[np.uint8]) -> dict[str, Any]:
+def _show(document: _Document, buffer: Buffer, node: int, there: range, frames: int, seconds: float) -> None:
+    """At its frames alone: at other times it has no size, by which glTF hides a node (3.6.1). Without the
+    animation, the first one is seen."""
+    times = [0.0] if there.start else []
+    sizes = [0.0] if there.start else []
+    times, sizes = [*times, there.start / frames * seconds], [*sizes, 1.0]
+    if there.stop < frames:
+        times, sizes = [*times, there.stop / frames * seconds], [*sizes, 0.0]
+    if node:
+        document.nodes[node]["scale"] = [0.0, 0.0, 0.0]
+    document.animate(
+        node,
+        "scale",
+        {
+            "input": buffer.array(np.array(times, np.float32), bounded=True),
+            "output": buffer.array(np.repeat(np.array(sizes, np.float32)[:, None], 3, axis=1)),
+            "interpolation": "STEP",
+        },
+    )
+
+
+def _png(picture: NDArray[np.uint8]) -> bytes:
     done, encoded = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
     assert done
-    return {
-        "images": [{"bufferView": buffer.view(encoded.tobytes()), "mimeType": "image/png"}],
-        "samplers": [{"magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071}],
-        "textures": [{"source": 0, "sampler": 0}],
-    }
+    return encoded.tobytes()
 
 
-def _animations(buffer: Buffer, times: Sequence[float], seconds: float) -> dict[str, Any]:
+def _one_after_another(buffer: Buffer, times: Sequence[float], seconds: float) -> dict[str, Any]:
     """One target at its moment, blended straight into the next."""
     moments = (np.array(times) * seconds).astype(np.float32)
     weights = np.eye(len(times), dtype=np.float32)[:, 1:].ravel()
-    sampler = {
+    return {
         "input": buffer.array(moments, bounded=True),
         "output": buffer.array(weights),
         "interpolation": "LINEAR",
     }
-    channel = {"sampler": 0, "target": {"node": 0, "path": "weights"}}
-    return {"animations": [{"name": "clip", "samplers": [sampler], "channels": [channel]}]}
 
 
 def _unit(normals: Float32Array) -> Float32Array:

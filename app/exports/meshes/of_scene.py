@@ -17,11 +17,9 @@ def surface_mesh(
     vertices: int = VERTICES,
     faces: int | None = None,
 ) -> SurfaceMesh:
-    """At `time` in [0, 1], or through the clip as one mesh. Raises UserError: a model that has no such."""
-    if time is None:
-        scene.require_one_model()
-    else:
-        scene.require_same_tissue()
+    """At `time` in [0, 1], or through the clip, of a model in windows as one mesh of each. Raises UserError:
+    a splat file per moment."""
+    scene.require_same_tissue()
     return extended(
         SurfaceMesh,
         scene.record,

@@ -15,7 +15,7 @@ from app.exports.records import SurfaceMesh
 from app.exports.usd_file import require_usd
 from app.files.atomic import write_bytes
 from app.scenes.scene import Scene
-from app.scenes.surfaces import moment_of_surface, surface
+from app.scenes.surfaces import moment_of_surface
 from renderer.surface.fineness import Fineness
 
 CLIPS: Final = (".glb", ".usdc")
@@ -33,11 +33,13 @@ def write_surface(record: SurfaceMesh, scene: Scene, target: Path) -> Generator[
         require_usd()
     fineness = Fineness(record.vertices, record.faces)
     if record.time is None and suffix in CLIPS:
-        film = yield from filmed(surface(scene, fineness), scene)
+        films = yield from filmed(scene, fineness)
         if suffix == ".usdc":
-            write_usd(target, film, scene.unit, len(scene.cameras), record.seconds, record.signed)
+            write_usd(target, films, scene.unit, len(scene.cameras), record.seconds, record.signed)
             return
-        content = glb_bytes(film, scene.unit, record.seconds, record.title, record.signed)
+        content = glb_bytes(
+            films, scene.unit, len(scene.cameras), record.seconds, record.title, record.signed
+        )
     elif record.time is not None and suffix in MOMENTS:
         mesh = moment_of_surface(scene, record.time, fineness)
         content = MOMENTS[suffix](mesh, scene.unit, record.signed)

@@ -122,14 +122,17 @@ def _of_page(path: Path) -> Iterator[Array]:
 
 
 def _tracks(text: str) -> Iterator[Array]:
-    """Of a page for browsers: bounds and values of each."""
+    """Of a page for browsers: bounds and values, window by window; one without a list of them has one."""
     _, scene, content = read_page(text)
-    for track in scene["tracks"]:
-        yield np.array([*track["low"], *track["high"]])
-        shape = track["count"], track["moments"], track["channels"]
-        kind = np.uint8 if track["bytes"] == 1 else np.uint16
-        yield np.frombuffer(content.tobytes(), kind, math.prod(shape), track["start"]).reshape(shape)
-    yield np.array([scene["near"], scene["seconds"], scene["frames"], scene["degree"]], np.float64)
+    for window in scene.get("windows", [scene]):
+        for track in window["tracks"]:
+            yield np.array([*track["low"], *track["high"]])
+            shape = track["count"], track["moments"], track["channels"]
+            kind = np.uint8 if track["bytes"] == 1 else np.uint16
+            yield np.frombuffer(content.tobytes(), kind, math.prod(shape), track["start"]).reshape(shape)
+        yield np.array([scene["near"], scene["seconds"], scene["frames"], window["degree"]], np.float64)
+    if "poses" in scene:
+        yield np.array(scene["poses"], np.float64)
 
 
 def _columns(path: Path) -> Iterator[Array]:

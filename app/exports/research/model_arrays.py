@@ -4,7 +4,7 @@ says what each is."""
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -21,12 +21,15 @@ from app.scenes.drawer import Drawer
 from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
+from renderer.model_windows import ModelWindow, windows_of
 from renderer.picking import SOLID
 from renderer.raw_gaussians import RawGaussians
 from renderer.rotations import unit_quats
 from renderer.splats import Float32Array
 
 README: Final = "README"
+BELOW: Final = "/"
+"""Between a window and its arrays, in their names."""
 FLOAT: Final = np.dtype(np.float32)
 
 
@@ -82,7 +85,7 @@ def write_model_arrays(
         UserError: no moment, cameras of several sizes, or Gaussians that are others at every moment.
     """
     moments = record.moments
-    scene.require_one_model()
+    scene.require_same_tissue()
     if not moments:
         raise UserError(f"expected a moment at least, got none: {scene.name}")
     sizes = {(one.camera.height, one.camera.width) for one in moments}
@@ -130,20 +133,41 @@ def _write_cameras(archive: Archive, moments: tuple[MomentRecord, ...]) -> list[
 
 
 def _write_gaussians(archive: Archive, scene: Scene, moments: tuple[MomentRecord, ...]) -> list[Described]:
-    """What does not move has one row for all moments."""
-    raw, motion = scene.model.raw, scene.model.motion
+    """Of a model in windows those of each, at the moments at which it is there."""
+    windows = windows_of(scene.model)
+    if len(windows) == 1:
+        return _write_window(archive, scene, windows[0], [one.time for one in moments], "")
+    described = []
+    for window in windows:
+        there = [index for index, one in enumerate(moments) if window.fade(one.time) > 0]
+        if not there:
+            continue
+        begin, named = f"window_{window.index + 1}{BELOW}", np.array(there, np.int64)
+        archive.array(f"{begin}moments", named)
+        text = "at which of the T moments it is there; in its other arrays these come first"
+        described.append(Described(f"{begin}moments", named.shape, "int64", text))
+        times = [moments[index].time for index in there]
+        described += _write_window(archive, scene, window, times, begin)
+    return described
+
+
+def _write_window(
+    archive: Archive, scene: Scene, window: ModelWindow, times: Sequence[float], begin: str
+) -> list[Described]:
+    """What does not move has one row for all moments. `begin`: of the names."""
+    model, fades = window.model, any(window.fade(time) < 1 for time in times)
     described = []
     for one in OF_GAUSSIANS:
-        if one.name == "harmonics" and not raw.harmonics.shape[1]:
+        if one.name == "harmonics" and not model.raw.harmonics.shape[1]:
             continue
-        moved = (motion.moved(raw, moment.time) for moment in moments)
-        first = motion.moved(raw, moments[0].time)
-        moves = getattr(first, one.field) is not getattr(raw, one.field)
-        rows = (one.values(each) for each in (moved if moves else [first]))
-        shape = (len(moments) if moves else 1, *one.values(first).shape)
-        for _ in archive.rows(one.name, shape, FLOAT, rows):
+        first = window.seen(model, times[0])
+        moves = getattr(first, one.field) is not getattr(model.raw, one.field)
+        moves |= fades and one.name == "opacities"
+        rows = (one.values(window.seen(model, time)) for time in (times if moves else times[:1]))
+        shape = (len(times) if moves else 1, *one.values(first).shape)
+        for _ in archive.rows(begin + one.name, shape, FLOAT, rows):
             pass
-        described.append(Described(one.name, shape, "float32", one.text.format(unit=scene.unit)))
+        described.append(Described(begin + one.name, shape, "float32", one.text.format(unit=scene.unit)))
     return described
 
 

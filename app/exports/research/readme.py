@@ -11,6 +11,10 @@ from app.files.provenance import NOTICE, version
 from app.scenes.scene import Scene
 
 WIDTH: Final = 100
+WINDOWS: Final = (
+    " The model is in windows, each with Gaussians of its own, under window_1 and so on; where two overlap, "
+    "one fades into the next, by its opacities."
+)
 
 
 @dataclass(frozen=True)
@@ -31,7 +35,8 @@ def readme(scene: Scene, arrays: Sequence[Described]) -> str:
         f"Lengths are in {scene.unit}. {guessed}The world is that of the clip's poses, "
         "without poses the axes of its camera: x right, y down, z forward (OpenCV).",
         "T moments come first in every shape. An array whose first length is 1 while others have T is "
-        "the same at all moments. N Gaussians keep their places: row n is the same Gaussian at every moment.",
+        "the same at all moments. N Gaussians keep their places: row n is the same Gaussian at every moment."
+        + (WINDOWS if scene.split_by_time else ""),
         "A Gaussian is exp(-d' C^-1 d / 2) of its opacity, d being the way from its centre, and "
         "C = R diag(s^2) R' with R its rotation and s its scales. "
         + (

@@ -11,7 +11,7 @@ from collections.abc import Generator, Iterator
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +22,11 @@ from app.files.atomic import together, write_bytes
 from app.files.provenance import write_sidecar
 from app.runs.memory import free_memory
 from app.scenes.scene import Scene
-from renderer.raw_gaussians import RawGaussians
+from renderer.model_windows import there_at, windows_of
 from renderer.regular_files import read_whole
 from renderer.rotations import unit_quats
 from renderer.splat_files.y_up import y_up
-from renderer.splats import Splats
+from renderer.splats import Float32Array, Splats
 
 SUFFIX: Final = ".4dgs"
 NO_FOURDGS: Final = "a .4dgs file needs fourdgs: pip install 'vesselsplat[4dgs]'"
@@ -61,11 +61,12 @@ def write_fourdgs(record: MovingSplats, scene: Scene, target: Path) -> Generator
     require_fourdgs()
     from fourdgs.keyframe_delta_file import write_sequence
 
-    scene.require_one_model()
+    scene.require_same_tissue()
     frames = len(scene.cameras)
-    _check(len(scene.model), frames)
-    samples = []
-    for frame, (now, following) in enumerate(_pairs(scene)):
+    _check(scene)
+    samples, following = [], _there(scene, 0)
+    for frame in range(frames):
+        now, following = following, _there(scene, min(frame + 1, frames - 1))
         samples.append(_sample(now, following, frame, frames / record.seconds, record.seconds))
         yield frame + 1
     content = write_sequence(samples, record.seconds, profile=PROFILE, library="VesselSplat")
@@ -89,11 +90,14 @@ def read_fourdgs(path: Path) -> Iterator[NDArray[Any]]:
         yield from (chunk.state.bins[attribute] for attribute in sorted(chunk.state.bins))
 
 
-def _check(gaussians: int, frames: int) -> None:
+def _check(scene: Scene) -> None:
     """Raises UserError."""
+    gaussians, frames = len(scene.model), len(scene.cameras)
     if not gaussians:
         raise UserError("expected a Gaussian at least, got none")
-    needed, free = BYTES * gaussians * frames, free_memory()
+    windows = windows_of(scene.model)
+    needed = BYTES * sum((one.rows.stop - one.rows.start) * len(one.frames(frames)) for one in windows)
+    free = free_memory()
     if needed > free:
         said = (
             f"{gaussians} Gaussians at {frames} frames need {needed / 1e9:.1f} GB, {free / 1e9:.1f} are free"
@@ -101,26 +105,33 @@ def _check(gaussians: int, frames: int) -> None:
         raise UserError(f"a .4dgs file is made in memory: {said}; a .usdc file is not")
 
 
-def _pairs(scene: Scene) -> Iterator[tuple[Splats, Splats]]:
-    """Of each frame: itself and the next one, the last twice."""
+class _There(NamedTuple):
+    """What is drawn of a frame."""
 
-    def at(frame: int) -> Splats:
-        raw: RawGaussians = scene.model.motion.moved(scene.model.raw, scene.time(frame))
-        return y_up(raw).splats()
+    rows: NDArray[np.int64]
+    """(N,) which Gaussians of the model, ascending: those of other windows are not there."""
+    splats: Splats
 
-    now, last = at(0), len(scene.cameras) - 1
-    for frame in range(len(scene.cameras)):
-        following = now if frame == last else at(frame + 1)
-        yield now, following
-        now = following
+    def means_after(self, following: _There) -> Float32Array:
+        """(N, 3) where they are in the next frame; what is not there any more stays."""
+        places = np.searchsorted(following.rows, self.rows).clip(max=len(following.rows) - 1)
+        there = following.rows[places] == self.rows
+        return np.where(there[:, None], following.splats.means[places], self.splats.means)
 
 
-def _sample(now: Splats, following: Splats, frame: int, rate: float, seconds: float) -> Any:
+def _there(scene: Scene, frame: int) -> _There:
+    time = scene.time(frame)
+    raw = scene.model.motion.moved(scene.model.raw, time)
+    return _There(np.flatnonzero(there_at(scene.model, time)), y_up(raw).splats())
+
+
+def _sample(there: _There, following: _There, frame: int, rate: float, seconds: float) -> Any:
     """Straight on to the next."""
     from fourdgs import GaussianSet
     from fourdgs.keyframe_delta_writer import Sample
 
-    count, motions = len(now.means), (following.means - now.means) * np.float32(rate)
+    now, count = there.splats, len(there.rows)
+    motions = (there.means_after(following) - now.means) * np.float32(rate)
     time = frame / rate
     moment = round(time, DECIMALS)
     gaussians = GaussianSet(
@@ -134,4 +145,4 @@ def _sample(now: Splats, following: Splats, frame: int, rate: float, seconds: fl
         win_lo=np.zeros(count),
         win_hi=np.full(count, seconds),
     )
-    return Sample(time, np.arange(count), gaussians)
+    return Sample(time, there.rows, gaussians)

@@ -1,8 +1,10 @@
-"""A model through the clip as USD: one ParticleField3DGaussianSplat, its values sampled at every frame."""
+"""A model through the clip as USD: a ParticleField3DGaussianSplat, its values sampled at every frame; of a
+model in windows one for each of them, which is visible while its window is there.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -10,9 +12,10 @@ import numpy as np
 
 from app.errors import UserError
 from app.exports.records import MovingSplats
-from app.exports.usd_file import new_stage, require_usd
+from app.exports.usd_file import defined, new_stage, require_usd
 from app.scenes.scene import Scene
 from renderer.harmonics import BANDS
+from renderer.model_windows import ModelWindow, windows_of
 from renderer.raw_gaussians import RawGaussians
 from renderer.rotations import unit_quats
 from renderer.splat_files.splat_file import PER_COLOR
@@ -41,25 +44,41 @@ def write_usd(record: MovingSplats, scene: Scene, target: Path) -> Generator[int
         UserError: no usd-core or one of before 26.3, or Gaussians that are others at every moment.
     """
     require_splats_in_usd()
-    from pxr import Usd, UsdVol
+    from pxr import UsdVol
 
-    scene.require_one_model()
-    frames, raw = len(scene.cameras), scene.model.raw
+    scene.require_same_tissue()
+    frames, windows, done = len(scene.cameras), windows_of(scene.model), 0
     with new_stage(target, scene.unit, frames, record.seconds, record.signed) as stage:
-        field = UsdVol.ParticleField3DGaussianSplat.Define(stage, SPLATS)
-        stage.SetDefaultPrim(field.GetPrim())
-        field.CreateRadianceSphericalHarmonicsDegreeAttr(BANDS.index(raw.harmonics.shape[1]))
-        field.CreateSortingModeHintAttr("zDepth")
-        field.CreateProjectionModeHintAttr("perspective")
-        for frame in range(frames):
-            moved = scene.model.motion.moved(raw, scene.time(frame))
-            for name, (of, values) in VALUES.items():
-                if any(getattr(moved, one) is not getattr(raw, one) for one in of):
-                    _set(field, name, values(y_up(moved)), Usd.TimeCode(frame))
-                elif frame == 0:
-                    _set(field, name, values(y_up(moved)), Usd.TimeCode.Default())
-            yield frame + 1
-        del stage, field
+        shown = [window.frames(frames) for window in windows]
+        for window in windows:
+            field = defined(stage, UsdVol.ParticleField3DGaussianSplat, SPLATS, shown, window.index)
+            for frame in _write_field(field, window, scene):
+                done = max(done, frame + 1)
+                yield done
+            del field
+        del stage
+
+
+def _write_field(field: Any, window: ModelWindow, scene: Scene) -> Iterator[int]:
+    """Its frames, as they are done."""
+    from pxr import Usd
+
+    model, there = window.model, window.frames(len(scene.cameras))
+    field.CreateRadianceSphericalHarmonicsDegreeAttr(BANDS.index(model.raw.harmonics.shape[1]))
+    field.CreateSortingModeHintAttr("zDepth")
+    field.CreateProjectionModeHintAttr("perspective")
+    fades = [window.fade(scene.time(frame)) < 1 for frame in there]
+    for place, frame in enumerate(there):
+        moved = window.seen(model, scene.time(frame))
+        # Programs interpolate between samples, so what fades begins and ends in one that does not.
+        near_fade = any(fades[max(place - 1, 0) : place + 2])
+        for name, (of, values) in VALUES.items():
+            moves = any(getattr(moved, one) is not getattr(model.raw, one) for one in of)
+            if moves or (name == "opacities" and near_fade):
+                _set(field, name, values(y_up(moved)), Usd.TimeCode(frame))
+            elif place == 0:
+                _set(field, name, values(y_up(moved)), Usd.TimeCode.Default())
+        yield frame
 
 
 def require_splats_in_usd() -> None:

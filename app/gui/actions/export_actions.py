@@ -28,7 +28,7 @@ from app.gui.actions.export_offers import (
     Form,
     Offer,
 )
-from app.gui.actions.export_records import format_of, request_of, shown_window, sized
+from app.gui.actions.export_records import format_of, request_of, sized
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.state.pace import Pace
@@ -38,7 +38,6 @@ from app.gui.work.naming import NameRequest
 from app.gui.work.revealing import RevealRequest
 from app.live.picture import LIVE
 from renderer.camera_files import off_center
-from renderer.model_windows import windows_of
 from renderer.readers.dicom.opening import NO_PYDICOM, has_pydicom, is_dicom
 
 MOST_DRAWN = 2**25
@@ -153,9 +152,6 @@ def _lacks_model(state: AppState, offer: Offer) -> str:
         return "The reconstruction is not finished: wait for it or continue it."
     if model.is_series and offer.form in OF_TISSUE:
         return f"This is {model.split_by_time}, not one model that moves."
-    window = shown_window(state, offer)
-    if window is not None and window.rows.start == window.rows.stop:
-        return f"All of window {window.index + 1}, which is shown, is removed."
     if offer.form == "tracks" and not _is_measured(state):
         return "Nothing is measured yet: press M and click the tissue in the 3D view."
     if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
@@ -178,16 +174,6 @@ def suffix_of(state: AppState) -> str:
     """Of what is chosen in the panel; empty for a folder."""
     form = OFFERS[state.exports.what].form
     return "" if form in FOLDERS else format_of(state, form)
-
-
-def which_part(state: AppState) -> str:
-    """Of a model in windows the one that the chosen export is of, in a sentence; empty where it is of all."""
-    window, model = shown_window(state, OFFERS[state.exports.what]), state.scene.model
-    if window is None or model is None:
-        return ""
-    frames, which = window.frames(len(model.cameras)), f"{window.index + 1} of {len(windows_of(model.model))}"
-    first, last = model.start + frames.start + 1, model.start + frames.stop
-    return f"Only frames {first} to {last}: the part of the reconstruction that is shown, window {which}."
 
 
 def left_out(state: AppState) -> str:

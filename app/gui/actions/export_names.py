@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Final
 
 from app.gui.actions.export_offers import DICOM, OF_MODEL, OFFERS, Offer
-from app.gui.actions.export_records import shown_window
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 
@@ -53,8 +52,6 @@ def _when(state: AppState, offer: Offer) -> str:
     if offer.form in ("panes video", "measures"):
         first, last = state.source.span
         return f"frames-{first + 1}-{last + 1}"
-    if (window := shown_window(state, offer)) is not None:
-        return f"window-{window.index + 1}"
     if offer.form == "splats" and model is not None:
         return f"frame-{model.number_at(state.time):g}" if len(model.cameras) > 1 else ""
     if offer.form in ("picture", "DICOM still") and clip is not None and len(clip) > 1:

@@ -27,15 +27,15 @@ OF_MODEL: Final[tuple[Form, ...]] = (
     "cameras",
 )
 """Of the reconstruction alone."""
-OF_MOVING: Final[tuple[Form, ...]] = (
+OF_TISSUE: Final[tuple[Form, ...]] = (
     "moving splats",
     "browser model",
     "surface mesh",
     "model arrays",
+    "surface folder",
+    "tracks",
 )
-"""Of Gaussians that are the same at every moment: of a model in windows, of the one that is shown."""
-OF_TISSUE: Final[tuple[Form, ...]] = (*OF_MOVING, "surface folder", "tracks")
-"""Of one that says where tissue goes: a model in windows does, a splat file per moment does not."""
+"""Of one that says where tissue goes: a splat file per moment does not."""
 DICOM: Final[tuple[Form, ...]] = ("DICOM still", "DICOM video")
 """Of the enhanced frames alone."""
 VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video", "DICOM video")

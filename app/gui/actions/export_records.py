@@ -31,7 +31,7 @@ from app.exports.sources import Opened
 from app.exports.splats.writing import layout_of
 from app.files.records import extended
 from app.gui.actions import batch_actions, path_actions
-from app.gui.actions.export_offers import DICOM, FOLDERS, FORMATS, OF_MODEL, OF_MOVING, OFFERS, Form, Offer
+from app.gui.actions.export_offers import DICOM, FOLDERS, FORMATS, OF_MODEL, OFFERS, Form, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.state.panes import other_request, shown_mode
@@ -41,9 +41,6 @@ from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene
 from app.scenes.view_request import FrameRequest, ViewRequest, drawn_record, moment_record, view_record
 from app.scenes.view_selection import FRAMES_PER_SECOND
-from app.scenes.window_scene import scene_of_window
-from renderer.deformation.windowed_motion import WindowedMotion
-from renderer.model_windows import ModelWindow, window_at
 
 
 def format_of(state: AppState, form: Form) -> str:
@@ -60,8 +57,6 @@ def request_of(state: AppState, what: What, stem: str, suffix: str = "") -> Expo
     suffix = suffix or format_of(state, offer.form)
     if offer.form in OF_MODEL:
         assert model is not None
-        if (window := shown_window(state, offer)) is not None:
-            model = scene_of_window(model, window.index + 1)
         record = _of_model(state, what, model, suffix)
         return ExportRequest(
             folder, stem, "" if offer.form in FOLDERS else suffix, record, Opened(model=model)
@@ -77,15 +72,6 @@ def request_of(state: AppState, what: What, stem: str, suffix: str = "") -> Expo
         record = replace(record, quality=state.exports.quality)
     opened = Opened(views, clip, model, measured=state.picture.of_clip)
     return ExportRequest(folder, stem, suffix, record, opened)
-
-
-def shown_window(state: AppState, offer: Offer) -> ModelWindow | None:
-    """Of a model in windows the one that shows most, of what needs the same Gaussians at all moments; None:
-    the export is of the whole model."""
-    model = state.scene.model
-    if model is None or offer.form not in OF_MOVING or not isinstance(model.model.motion, WindowedMotion):
-        return None
-    return window_at(model.model, state.time)
 
 
 def _enhanced(state: AppState, offer: Offer) -> Enhanced:

@@ -133,8 +133,6 @@ def _draw_chosen(state: AppState) -> None:
     title = next(title for title, forms in GROUPS if offer.form in forms)
     imgui.separator_text(f"{title}: {offer.within}")
     note(offer.text)
-    if part := export_actions.which_part(state):
-        note(part)
     if missing := export_actions.left_out(state):
         note(missing, theme.now().warning)
     imgui.spacing()

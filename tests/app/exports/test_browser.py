@@ -12,8 +12,9 @@ import pytest
 from numpy.typing import NDArray
 
 from app.errors import UserError
-from app.exports.browser.page import browser_page, read_page
+from app.exports.browser.page import PageWindow, browser_page, read_page
 from app.exports.browser.tracks import CUBIC, LINEAR, MOST_SAMPLES, tracks_of
+from app.scenes.scene import open_scene
 from renderer.camera import Camera
 from renderer.deformation.motion import Still
 from renderer.deformation.spline import spline_taps
@@ -145,8 +146,8 @@ def test_the_page_stands_alone_and_names_cannot_break_it() -> None:
     model = DynamicGaussians(raw(random), Still())
     title = "</script><img src=x onerror=alert(1)>"
     text = browser_page(
-        tracks_of(model), CAMERA, 0.01, "default", title=title, about="a & b", frames=5, seconds=2.0,
-        facts={"clip": title},
+        [PageWindow(tracks_of(model), 0, 4)], CAMERA, 0.01, "default", title=title, about="a & b",
+        frames=5, seconds=2.0, facts={"clip": title},
     ).decode()  # fmt: skip
     assert not re.search(r"https?://|<link|src=[\"']", text.replace("&lt;img src=x", ""))
     assert text.count("</script>") == 4
@@ -158,11 +159,64 @@ def test_the_page_stands_alone_and_names_cannot_break_it() -> None:
     assert content.tobytes() == tracks_of(model).content
 
 
+def test_a_long_clip_is_one_page_whose_camera_goes_with_it(
+    vesselsplat: Callable[..., Call], windowed_run: Path, tmp_path: Path
+) -> None:
+    scene, page = open_scene(windowed_run), tmp_path / "model.html"
+    written = vesselsplat("export", windowed_run, "--html", page)
+    assert written.code == 0, written.error
+    _, said, content = read_page(page.read_text())
+    assert [(one["first"], one["last"]) for one in said["windows"]] == [(0, 47), (32, 79), (64, 111)]
+    assert sum(one["tracks"][0]["count"] for one in said["windows"]) == len(scene.model)
+    ends = [track["start"] + track["count"] * track["moments"] * track["channels"] * track["bytes"]
+            for one in said["windows"] for track in one["tracks"]]  # fmt: skip
+    assert len(content) - ends[-1] in range(4)
+    assert np.allclose(said["poses"], [np.asarray(one.camera_from_world)[:3] for one in scene.cameras])
+    again = vesselsplat("replay", page, "--source", windowed_run)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
+    of_one = vesselsplat("export", windowed_run, "--window", 2, "--html", tmp_path / "two.html")
+    assert of_one.code == 0, of_one.error
+    _, said, _ = read_page((tmp_path / "two.html").read_text())
+    assert [(one["first"], one["last"]) for one in said["windows"]] == [(0, 47)]
+
+
+def test_more_than_a_browser_opens_is_told(
+    vesselsplat: Callable[..., Call], runs: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.exports.browser.page.LONGEST", 1000)
+    done = vesselsplat("export", runs["original"], "--html", tmp_path / "a.html")
+    assert (done.code, "is more than browsers open" in done.error) == (2, True)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_window_without_gaussians_is_an_empty_one() -> None:
+    model = DynamicGaussians(raw(np.random.default_rng(7)), Still())
+    none = DynamicGaussians(
+        RawGaussians(**{name: value[:0] for name, value in model.raw.arrays().items()}), Still()
+    )
+    windows = [PageWindow(tracks_of(one), first, first) for first, one in enumerate((model, none))]
+    _, said, _ = read_page(
+        browser_page(
+            windows, CAMERA, 0.01, "default", title="", about="", frames=2, seconds=1.0, facts={}
+        ).decode()
+    )
+    assert [one["tracks"][0]["count"] for one in said["windows"]] == [COUNT, 0]
+    assert said["windows"][1]["tracks"][0]["low"] == [0, 0, 0]
+
+
 @pytest.mark.parametrize("damage", ["", "<html></html>", "cut", "other"])
 def test_another_page_is_refused_in_one_line(damage: str) -> None:
     model = DynamicGaussians(raw(np.random.default_rng(6)), Still())
     text = browser_page(
-        tracks_of(model), CAMERA, 0.01, "default", title="t", about="", frames=1, seconds=1.0, facts={}
+        [PageWindow(tracks_of(model), 0, 4)],
+        CAMERA,
+        0.01,
+        "default",
+        title="t",
+        about="",
+        frames=1,
+        seconds=1.0,
+        facts={},
     ).decode()
     cut = re.sub(r'(id="content">.{80}).*?</script>', r"\1</script>", text, flags=re.DOTALL)
     other = re.sub(r'id="content">.*?</script>', 'id="content">!!!</script>', text, flags=re.DOTALL)

@@ -18,7 +18,7 @@ from app.exports.gltf import read_glb
 from app.exports.meshes.film import straight_parts
 from app.exports.usd_file import read_usd
 from app.scenes.scene import open_scene
-from app.scenes.surfaces import surface
+from app.scenes.surfaces import moment_of_surface, surface
 from renderer.surface.fineness import Fineness
 from renderer.surface.following import Follower
 from tests.app.conftest import Call
@@ -76,6 +76,74 @@ def test_morph_targets_pass_through_the_surface_of_every_frame(
         shown = base + np.einsum("t,tvc->vc", now, np.array(ways))
         away = np.linalg.norm(shown - in_metres(follower.at(scene.time(frame)).vertices), axis=1)
         assert away.max() < 6e-4 * scene.distance / 1000
+
+
+SHOWN = ((0, range(40)), (1, range(40, 72)), (2, range(72, 112)))
+"""Windows of the long run, each with the frames at which it shows most."""
+
+
+def of_windows(run: Path) -> dict[int, tuple[int, np.ndarray]]:
+    """By frame, the window and the vertices that are to be shown."""
+    scene = open_scene(run)
+    frames = (0, 20, 39, 41, 60, 71, 73, 100, 111)
+    windows = {frame: next(one for one, share in SHOWN if frame in share) for frame in frames}
+    return {
+        frame: (window, moment_of_surface(scene, scene.time(frame), FINENESS).vertices)
+        for frame, window in windows.items()
+    }
+
+
+def test_of_a_long_clip_the_mesh_of_each_window_has_its_turn_in_one_file(
+    windowed_run: Path, vesselsplat: Callable[..., Call], tmp_path: Path
+) -> None:
+    """Shown and blended by the rules of glTF, from the arrays of the file alone."""
+    path, scene = tmp_path / "a.glb", open_scene(windowed_run)
+    done = vesselsplat("export", windowed_run, "--mesh", path, "--vertices", 500)
+    assert (done.code, "3 meshes, one after the other" in done.out) == (0, True), done.error
+    document, arrays = parts(path)
+    (animation,) = document["animations"]
+    channels = {
+        (one["target"]["node"], one["target"]["path"]): animation["samplers"][one["sampler"]]
+        for one in animation["channels"]
+    }
+    assert [node.get("scale", [1, 1, 1]) for node in document["nodes"]] == [[1] * 3, [0] * 3, [0] * 3]
+    for frame, (window, vertices) in of_windows(windowed_run).items():
+        time = frame / 15 + 1e-4
+        sizes = []
+        for node in range(3):
+            scale = channels[node, "scale"]
+            at = max(np.searchsorted(arrays[scale["input"]][:, 0], time, side="right") - 1, 0)
+            sizes.append(arrays[scale["output"]][at].tolist())
+        assert sizes == [[float(node == window)] * 3 for node in range(3)], frame
+        (primitive,) = document["meshes"][document["nodes"][window]["mesh"]]["primitives"]
+        ways = np.array([arrays[target["POSITION"]] for target in primitive["targets"]])
+        sampler = channels[window, "weights"]
+        moments, values = arrays[sampler["input"]][:, 0], arrays[sampler["output"]].reshape(-1, len(ways))
+        now = [np.interp(frame / 15, moments, values[:, target]) for target in range(len(ways))]
+        shown = arrays[primitive["attributes"]["POSITION"]] + np.einsum("t,tvc->vc", now, ways)
+        away = np.linalg.norm(shown - in_metres(vertices), axis=1)
+        assert away.max() < 6e-4 * scene.distance / 1000
+    assert len(trimesh.load_scene(path).geometry) == 3
+    again = vesselsplat("replay", path, "--source", windowed_run)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
+
+
+def test_usd_shows_the_mesh_of_each_window_in_its_turn(
+    windowed_run: Path, vesselsplat: Callable[..., Call], tmp_path: Path
+) -> None:
+    path, scene = tmp_path / "a.usdc", open_scene(windowed_run)
+    done = vesselsplat("export", windowed_run, "--mesh", path, "--vertices", 500)
+    assert done.code == 0, done.error
+    stage = Usd.Stage.Open(str(path))
+    meshes = [UsdGeom.Mesh(prim) for prim in stage.GetDefaultPrim().GetChildren()]
+    for frame, (window, vertices) in of_windows(windowed_run).items():
+        hidden = [mesh.ComputeVisibility(frame) == UsdGeom.Tokens.invisible for mesh in meshes]
+        assert hidden == [place != window for place in range(3)], frame
+        shown = np.array(meshes[window].GetPointsAttr().Get(frame)) * [1, -1, -1]
+        assert np.linalg.norm(shown - vertices, axis=1).max() < 6e-4 * scene.distance
+    del stage, meshes
+    again = vesselsplat("replay", path, "--source", windowed_run)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
 
 
 def parts(path: Path) -> tuple[Any, list[np.ndarray]]:

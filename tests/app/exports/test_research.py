@@ -74,6 +74,33 @@ def test_arrays_are_those_of_the_model_at_each_moment(
     assert "model arrays" in vesselsplat("info", path).out
 
 
+def test_arrays_of_a_long_clip_are_those_of_each_window_while_it_is_there(
+    windowed_run: Path, vesselsplat: Cli, tmp_path: Path
+) -> None:
+    path, scene, frames = tmp_path / "a.npz", open_scene(windowed_run), (4, 34, 44, 60, 107)
+    done = vesselsplat("export", windowed_run, "--npz", path, "--frames", *frames)
+    assert (done.code, done.error) == (0, "")
+    file = dict(np.load(path, allow_pickle=False))
+    there = {number: file[f"window_{number}/moments"].tolist() for number in (1, 2, 3)}
+    assert there == {1: [0, 1, 2], 2: [1, 2, 3], 3: [4]}
+    assert "window_2/positions (3, " in file["README"].item().decode()
+    for place, frame in enumerate(frames):
+        splats = scene.model.at(scene.time(frame))
+        own = {
+            "positions": splats.means, "rotations": unit_quats(splats.quats), "scales": splats.scales,
+            "opacities": splats.opacities, "colors": splats.colors,
+        }  # fmt: skip
+        for name, values in own.items():
+            parts = []
+            for number in (one for one in there if place in there[one]):
+                rows = file[f"window_{number}/{name}"]
+                parts.append(rows[there[number].index(place) if len(rows) > 1 else 0])
+            assert np.array_equal(np.concatenate(parts), values), (frame, name)
+    assert file["depth"].shape[0] == len(frames)
+    again = vesselsplat("replay", path, "--source", windowed_run)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
+
+
 def test_a_damaged_file_of_arrays_is_refused(runs: dict[str, Path], vesselsplat: Cli, tmp_path: Path) -> None:
     path = tmp_path / "a.npz"
     assert vesselsplat("export", runs["original"], "--npz", path, "--time", 0.5).code == 0

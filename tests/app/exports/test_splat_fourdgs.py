@@ -90,6 +90,24 @@ def test_each_frame_is_read_back_within_the_bounds_of_the_format(
     assert "moving splats" in vesselsplat("info", path).out
 
 
+def test_of_a_long_clip_gaussians_come_and_go_with_their_windows(
+    windowed_run: Path, vesselsplat: Callable[..., Call], tmp_path: Path
+) -> None:
+    scene, path = open_scene(windowed_run), tmp_path / "a.4dgs"
+    done = vesselsplat("export", windowed_run, "--4dgs", path)
+    assert (done.code, done.error) == (0, "")
+    content = path.read_bytes()
+    assert validate.validate(content).ok
+    decoded, speed = decode_streamed(content), len(scene.cameras) / 15
+    assert decoded.header.duration_sec == pytest.approx(speed)
+    for frame in (0, 20, 36, 44, 60, 90, 111):
+        found = apart(decoded, scene, frame * SEC, scene.model.at(scene.time(frame)))
+        assert found["places"] < 0.1
+        assert found["opacities"] <= 0.51 / 255
+    again = vesselsplat("replay", path, "--source", windowed_run)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
+
+
 def test_between_frames_gaussians_go_straight_on(runs: dict[str, Path], tmp_path: Path) -> None:
     scene = still(40, runs, Swinging())
     decoded = decode_streamed(written(scene, tmp_path / "a.4dgs").read_bytes())

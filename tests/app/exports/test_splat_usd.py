@@ -27,9 +27,9 @@ from tests.app.exports.test_splat_glb import TURN, covariances
 from tests.renderer.splat_files.files import gaussians
 
 
-def at(stage: Usd.Stage, code: float) -> Splats:
+def at(stage: Usd.Stage, code: float, prim: Usd.Prim | None = None) -> Splats:
     """As the schema says: coefficients one Gaussian after the other, the real part of rotations by name."""
-    field = UsdVol.ParticleField3DGaussianSplat(stage.GetDefaultPrim())
+    field = UsdVol.ParticleField3DGaussianSplat(prim or stage.GetDefaultPrim())
     positions = np.array(field.GetPositionsAttr().Get(code))
     turns = field.GetOrientationsAttr().Get(code)
     degree = field.GetRadianceSphericalHarmonicsDegreeAttr().Get()
@@ -87,6 +87,33 @@ def test_usd_core_reads_the_splats_of_every_frame(
         except UserError as error:
             refused += str(path) in str(error)
     assert refused == 50
+
+
+def test_each_window_of_a_long_clip_is_seen_while_it_is_there(
+    windowed_run: Path, vesselsplat: Callable[..., Call], tmp_path: Path
+) -> None:
+    scene, path = open_scene(windowed_run), tmp_path / "a.usdc"
+    done = vesselsplat("export", windowed_run, "--usd", path)
+    assert (done.code, done.error) == (0, "")
+    stage = Usd.Stage.Open(str(path))
+    fields = list(stage.GetDefaultPrim().GetChildren())
+    assert len(fields) == 3
+    for frame in (0, 20, 35, 36, 44, 47, 48, 60, 64, 70, 90, 111):
+        there = [
+            prim
+            for prim in fields
+            if UsdGeom.Imageable(prim).ComputeVisibility(frame) != UsdGeom.Tokens.invisible
+        ]
+        parts, own = [at(stage, frame, prim) for prim in there], scene.model.at(scene.time(frame))
+        names = ("means", "quats", "scales", "opacities", "colors", "harmonics")
+        joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+        same(Splats(**joined), own)
+    samples = [
+        len(UsdVol.ParticleField3DGaussianSplat(prim).GetScalesAttr().GetTimeSamples()) for prim in fields
+    ]
+    assert samples == [0, 0, 0]  # Nothing moves there.
+    again = vesselsplat("replay", path, "--source", windowed_run)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
 
 
 @pytest.mark.parametrize("bands", [3, 15])

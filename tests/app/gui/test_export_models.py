@@ -98,7 +98,7 @@ def test_the_page_for_browsers_holds_the_model_and_comes_again(run: Exporter, ru
     facts, scene, content = read_page(path.read_text())
     model = run.state.scene.model
     assert model is not None
-    assert scene["tracks"][0]["count"] == len(model.model)
+    assert scene["windows"][0]["tracks"][0]["count"] == len(model.model)
     assert scene["frames"] == len(model.cameras)
     assert content.tobytes() == tracks_of(model.model).content
     assert facts["run"]

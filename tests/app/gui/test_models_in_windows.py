@@ -15,8 +15,6 @@ from app.gui.work.selecting import Selector
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder
 from app.scenes.records import SceneRecord
-from renderer.editing.edits import Edits
-from renderer.editing.mask import Mask
 from renderer.model_windows import windows_of
 from tests.app.gui.settling import keep_all
 from tests.app.gui.test_edit_actions import drag, opened
@@ -61,40 +59,18 @@ def test_in_the_window_it_is_edited_as_any_other(state: AppState, windowed_run: 
     assert read_edits(RunFolder(run), len(base.model)) == state.editing.edits
 
 
-def test_what_needs_the_same_gaussians_throughout_is_of_the_window_that_is_shown(
-    state: AppState, windowed_run: Path, tmp_path: Path
-) -> None:
+def test_each_export_is_of_the_whole_clip(state: AppState, windowed_run: Path) -> None:
     opened(state, windowed_run)
     actions.go_to_end(state, last=True)
-    whats: tuple[What, ...] = ("page for browsers", "arrays of all frames", "surface through time")
+    whats: tuple[What, ...] = (
+        "page for browsers", "arrays of all frames", "surface through time", "splats through time",
+    )  # fmt: skip
     for what in whats:
         export_actions.choose_what(state, what)
-        part = export_actions.which_part(state)
-        assert part.startswith("Only frames 65 to 112:")
-        assert part.endswith("window 3 of 3.")
-        assert export_actions.stem_of(state) == f"run-window-3-{OFFERS[what].name}"
-        request = export_actions.export_request(state, what, "of-window")
+        assert not export_actions.why_not_export(state, what)
+        assert export_actions.stem_of(state) == f"run-{OFFERS[what].name}"
+        request = export_actions.export_request(state, what, "whole")
         assert request is not None
         export_actions.cancelled(state)
         assert isinstance(request.record, SceneRecord)
-        assert request.record.window == 3
-    export_actions.choose_what(state, "splats of this moment")
-    assert export_actions.which_part(state) == ""
-
-
-def test_a_window_that_is_edited_away_is_not_exported(
-    state: AppState, windowed_run: Path, tmp_path: Path
-) -> None:
-    run = Path(shutil.copytree(windowed_run, tmp_path / "run"))
-    opened(state, run)
-    base = state.scene.model
-    assert base is not None
-    rows = windows_of(base.model)[2].rows
-    edit_actions.toggle(state)
-    gone = Mask.of(np.arange(len(base.model)) >= rows.start)
-    edits = Edits.none(len(base.model)).selecting(gone, "replace").deleting()
-    state.scene.model = base.edited(edits)
-    actions.go_to_end(state, last=True)
-    assert "window 3" in export_actions.why_not_export(state, "page for browsers")
-    actions.go_to_end(state, last=False)
-    assert not export_actions.why_not_export(state, "page for browsers")
+        assert request.record.window is None
