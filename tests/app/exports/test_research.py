@@ -27,6 +27,7 @@ from renderer.camera_files import read_cameras
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from renderer.rotations import unit_quats
+from renderer.splats import Splats
 from renderer.stored_arrays import Arrays
 from tests.app.conftest import Call
 
@@ -36,6 +37,14 @@ Cli = Callable[..., Call]
 @pytest.fixture(scope="module")
 def scene(runs: dict[str, Path]) -> Scene:
     return open_scene(runs["original"])
+
+
+def named(splats: Splats) -> dict[str, np.ndarray]:
+    """As the file has them."""
+    return {
+        "positions": splats.means, "rotations": unit_quats(splats.quats), "scales": splats.scales,
+        "opacities": splats.opacities, "colors": splats.colors,
+    }  # fmt: skip
 
 
 def test_arrays_are_those_of_the_model_at_each_moment(
@@ -54,12 +63,7 @@ def test_arrays_are_those_of_the_model_at_each_moment(
     assert file["frame_numbers"].tolist() == [0, 4, 9]
     assert file["positions"].shape == (3, len(scene.model), 3)
     for place, frame in enumerate((0, 4, 9)):
-        splats = scene.model.at(scene.time(frame))
-        own = {
-            "positions": splats.means, "rotations": unit_quats(splats.quats), "scales": splats.scales,
-            "opacities": splats.opacities, "colors": splats.colors,
-        }  # fmt: skip
-        for name, values in own.items():
+        for name, values in named(scene.model.at(scene.time(frame))).items():
             rows = file[name]
             assert (rows[place if len(rows) > 1 else 0] == values).all(), name
         assert np.allclose(np.linalg.norm(file["rotations"][0], axis=1), 1, atol=1e-6)
@@ -85,12 +89,7 @@ def test_arrays_of_a_long_clip_are_those_of_each_window_while_it_is_there(
     assert there == {1: [0, 1, 2], 2: [1, 2, 3], 3: [4]}
     assert "window_2/positions (3, " in file["README"].item().decode()
     for place, frame in enumerate(frames):
-        splats = scene.model.at(scene.time(frame))
-        own = {
-            "positions": splats.means, "rotations": unit_quats(splats.quats), "scales": splats.scales,
-            "opacities": splats.opacities, "colors": splats.colors,
-        }  # fmt: skip
-        for name, values in own.items():
+        for name, values in named(scene.model.at(scene.time(frame))).items():
             parts = []
             for number in (one for one in there if place in there[one]):
                 rows = file[f"window_{number}/{name}"]
