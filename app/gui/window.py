@@ -144,6 +144,7 @@ class Window:
         self._keyboard = Keyboard()
         self._ctx: moderngl.Context | None = None
         self._worn: tuple[Theme, int] | None = None
+        self._size = (0, 0)
         self._dropped: list[str] = []
         self._textures: Textures | None = None
         self._backdrop: Backdrop | None = None
@@ -292,15 +293,16 @@ class Window:
         idling.time_active_after_last_event = ACTIVE_LIVE if self.state.live.flows else ACTIVE
 
     def _wear(self, params: hello_imgui.RunnerParams) -> None:
-        """The theme and the size of text that are chosen."""
+        """The theme and the size of text that are chosen; and where panels are after a reset."""
         chosen = self.state.settings.theme, self.state.settings.text_percent
+        size = dockings.window_size(first=self._worn is None)
+        if (size, chosen) != (self._size, self._worn):
+            dockings.arrange(params, size, chosen[1])
+        self._size = size
         if self._worn == chosen:
             return
-        size = dockings.window_size(first=self._worn is None)
-        dockings.arrange(params, size, chosen[1])
-        if self._worn is not None and dockings.is_low(size, chosen[1]) != dockings.is_low(
-            size, self._worn[1]
-        ):
+        low = [dockings.is_low(size, percent) for percent in (chosen[1], (self._worn or chosen)[1])]
+        if low[0] != low[1]:
             dockings.restore_all()
         elif self._worn is not None:
             # What is kept of the layout already has the width for the text at the start.

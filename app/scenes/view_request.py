@@ -174,11 +174,11 @@ def drawn_record(view: ViewRequest, renderer: str) -> DrawnRecord:
         supersampling=view.supersampling,
         view=view.kind,
         scale=view.scale,
-        caption=_caption(view),
+        caption=view.caption or caption_of(view),
     )
 
 
-def _caption(view: ViewRequest) -> str:
+def caption_of(view: ViewRequest) -> str:
     """Of what, from which frames, and in which view where that is not how it looks."""
     record, shows = view.scene.record, "" if view.kind == "color" else view.kind
     frames = f"from {record.trained_on}" if record.trained_on else ""

@@ -203,7 +203,7 @@ def export_request(state: AppState, what: What, stem: str = "") -> ExportRequest
         save_window(state)
         return None
     request = request_of(state, what, stem or default_name(state, what))
-    state.exports.under_way, state.exports.pace = request, Pace()
+    state.exports.under_way, state.exports.pace, state.exports.failure = request, Pace(), ""
     _say_what_shifts(state, request)
     return request
 
@@ -281,7 +281,8 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
     if state.exports.under_way is not request:
         return
     if isinstance(answer, Failure):
-        state.exports.under_way = None
+        state.exports.under_way, state.exports.last = None, None
+        state.exports.failure = answer.message
         actions.fail(state, f"the export failed: {answer.message}")
     elif answer.path is not None:
         state.exports.under_way = None
@@ -299,7 +300,8 @@ def take_saved(state: AppState, request: object, answer: Step | Failure) -> None
 
 
 def _written(state: AppState, how: str, path: Path) -> None:
-    state.exports.last, state.exports.count = path, state.exports.count + 1
+    state.exports.last, state.exports.failure = path, ""
+    state.exports.count += 1
     actions.announce(state, f"{how} {path.name} in {located(path.parent)}")
 
 

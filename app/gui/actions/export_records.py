@@ -39,7 +39,14 @@ from app.gui.views.comparison import Side, label_of
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene
-from app.scenes.view_request import FrameRequest, ViewRequest, drawn_record, moment_record, view_record
+from app.scenes.view_request import (
+    FrameRequest,
+    ViewRequest,
+    caption_of,
+    drawn_record,
+    moment_record,
+    view_record,
+)
 from app.scenes.view_selection import FRAMES_PER_SECOND
 
 
@@ -195,7 +202,9 @@ def _with_second(state: AppState, first: ViewRequest) -> Views:
 
 def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:
     """In the size and with the averaging that are chosen."""
-    view = state.over_background(view)
+    view, clip = state.over_background(view), state.source.clip
+    if clip is not None and view.scene.is_of_other(clip):
+        view = replace(view, caption=f"OF ANOTHER CLIP: {view.scene.title}\n{caption_of(view)}")
     return replace(sized(view, state.exports.view_size), supersampling=state.exports.supersampling)
 
 

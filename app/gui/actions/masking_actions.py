@@ -102,7 +102,7 @@ def paint(state: AppState, at: Point) -> None:
     if frame is None or masking.growing is not None or (masking.line and masking.line[-1] == at):
         return
     if not masking.line:
-        masking.past = (*masking.past, frame.mask)[-MOST_PAST:]
+        masking.past = (*masking.past, frame)[-MOST_PAST:]
     segment = (*masking.line[-1:], at)
     radius = radius_in(state, frame.mask.shape[1])
     mask = drawn(frame.mask, segment, radius, value=masking.tool != "erase")
@@ -116,8 +116,7 @@ def end_stroke(state: AppState) -> None:
     if not line or frame is None:
         return
     if masking.tool == "grow":
-        before = replace(frame, mask=masking.past[-1])
-        masking.growing = GrowRequest(before, line, radius_in(state, frame.mask.shape[1]))
+        masking.growing = GrowRequest(masking.past[-1], line, radius_in(state, frame.mask.shape[1]))
     else:
         _set(state, frame.mask)
 
@@ -126,8 +125,7 @@ def drop_stroke(state: AppState) -> None:
     """The mask is as it was before the stroke under way."""
     masking = state.masking
     if masking.line and masking.shown is not None:
-        masking.shown = replace(masking.shown, mask=masking.past[-1])
-        masking.past = masking.past[:-1]
+        masking.shown, masking.past = masking.past[-1], masking.past[:-1]
     masking.line = ()
 
 
@@ -144,18 +142,20 @@ def take_grown(state: AppState, request: GrowRequest, answer: BoolImage | Failur
 
 
 def undo(state: AppState) -> None:
-    """The last stroke on this frame."""
+    """The last stroke on this frame: it is as it was, and by whom it was masked."""
     masking = state.masking
     if masking.past and masking.growing is None:
         before, masking.past = masking.past[-1], masking.past[:-1]
-        _set(state, before)
+        masking.shown = before
+        mask = None if before.origin is None else before.mask
+        _keep(state, KeepMask(before.request, mask, before.origin or BY_HAND))
 
 
 def clear_frame(state: AppState) -> None:
     """No tool on this frame, by hand."""
     masking = state.masking
     if masking.shown is not None:
-        masking.past = (*masking.past, masking.shown.mask)[-MOST_PAST:]
+        masking.past = (*masking.past, masking.shown)[-MOST_PAST:]
         _set(state, masking.shown.mask & False)
 
 
@@ -192,7 +192,7 @@ def take_kept(state: AppState, request: KeepMask, answer: KeepMask | Failure) ->
     if isinstance(answer, Failure):
         actions.fail(state, f"the tool mask cannot be saved: {answer.message}")
     elif masking.there is not None and masking.there.request.clip is request.request.clip:
-        origin = None if request.mask is None else BY_HAND
+        origin = None if request.mask is None else request.origin
         _know(state, masking.there.with_mask(request.request.index, origin))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -51,8 +52,18 @@ def configure(layout: Path) -> None:
     io.config_windows_move_from_title_bar_only = True
 
 
+def _density() -> float:
+    """Of the first screen, as the runner counts it; 1 where there is none, or the system counts for it."""
+    if sys.platform == "darwin" or not glfw.init() or not glfw.get_monitors():
+        return 1.0
+    return float(glfw.get_monitor_content_scale(glfw.get_primary_monitor())[0])
+
+
 def runner(layout_file: Path, *, readable: bool) -> hello_imgui.RunnerParams:
     """One window with all panels docked in it, on OpenGL 3.3; `readable`: the layout on disk counts."""
+    if readable:
+        # Before the runner fits the window of a denser screen into this one, and then makes it smaller still.
+        kept_layout.fit(layout_file, _density())
     params = hello_imgui.RunnerParams()
     params.app_window_params.window_title = NAME
     params.app_window_params.window_geometry.size = SIZE

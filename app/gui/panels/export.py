@@ -300,7 +300,10 @@ def _other_name(state: AppState) -> str:
 
 
 def _draw_last(state: AppState) -> None:
-    """What was written, and the way to it."""
+    """What was written, and the way to it; or why nothing was."""
+    if state.exports.failure:
+        imgui.spacing()
+        note(f"Not exported: {legible(state.exports.failure)}", theme.now().danger)
     if state.exports.last is None or state.exports.under_way is not None:
         return
     imgui.spacing()

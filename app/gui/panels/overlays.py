@@ -70,6 +70,9 @@ def draw_banner(state: AppState) -> None:
         imgui_ctx.push_style_color(imgui.Col_.border, theme.now().danger),
         imgui_ctx.begin(BANNER, None, FIXED),
     ):
+        if not imgui.is_popup_open("", imgui.PopupFlags_.any_popup):
+            # Also over a panel that floats there; a menu or a question stays above it.
+            imgui.internal.bring_window_to_display_front(imgui.internal.get_current_window())
         message = capital(state.window.banner.message)
         wrap = min(imgui.calc_text_size(message).x + em(1), width - em(7))
         with imgui_ctx.begin_group(), imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + wrap):

@@ -75,7 +75,9 @@ class Exports:
     count: int = 0
     """Files that were written."""
     last: Path | None = None
-    """The newest of them, or a folder."""
+    """The newest of them, or a folder; None: nothing, or the newest export failed."""
+    failure: str = ""
+    """Why it did."""
     named: tuple[NameRequest, str] | None = None
     """The newest question for a free name, and the answer."""
     encoder: VideoEncoder | None = None

@@ -9,7 +9,6 @@ from annotated_types import Interval
 
 from app.gui.work.masking import FrameMask, GrowRequest, KeepMask, MakingRequest, MasksThere
 from app.runs.making_masks import MaskReport
-from renderer.clip import BoolImage
 from renderer.tools.brush import Point, Stroke
 from renderer.tools.onnx_model import Values
 
@@ -32,8 +31,8 @@ class Masking:
     """The stroke under way, in pixels of the frame."""
     shown: FrameMask | None = None
     """Of the frame on screen, as it is now, with the stroke."""
-    past: tuple[BoolImage, ...] = ()
-    """The masks of that frame before each stroke, oldest first."""
+    past: tuple[FrameMask, ...] = ()
+    """That frame before each stroke, oldest first."""
     growing: GrowRequest | None = None
     keeping: tuple[KeepMask, ...] = ()
     """Those that are being written."""

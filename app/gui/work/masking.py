@@ -121,6 +121,8 @@ class KeepMask:
 
     request: MaskRequest
     mask: BoolImage | None
+    origin: MaskOrigin = BY_HAND
+    """Who says so: undone, it is as it was before."""
 
 
 def keep_mask(wanted: KeepMask) -> Iterator[KeepMask]:
@@ -130,7 +132,7 @@ def keep_mask(wanted: KeepMask) -> Iterator[KeepMask]:
         path.unlink(missing_ok=True)
     else:
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_mask(path, wanted.mask, BY_HAND)
+        write_mask(path, wanted.mask, wanted.origin)
     yield wanted
 
 

@@ -139,6 +139,28 @@ def test_erasing_undoing_and_clearing(masking: AppState) -> None:
     assert masking.source.tool_masks is None
 
 
+def test_an_undone_stroke_leaves_the_frame_as_nobody_had_touched_it(masking: AppState) -> None:
+    before = shown(masking)
+    assert before.origin is None
+    stroke(masking, (10.0, 20.0))
+    settle(masking)
+    assert set(on_disk(masking)) == {0}
+    masking_actions.undo(masking)
+    settle(masking)
+    assert on_disk(masking) == {}
+    assert shown(masking) is before
+    assert masking.masking.there is not None
+    assert masking.masking.there.by_hand == ()
+    write_mask(before.request.path, before.mask, "learned")
+    masking.masking.shown, masking.masking.past = None, ()
+    settle(masking)
+    stroke(masking, (10.0, 20.0))
+    masking_actions.undo(masking)
+    settle(masking)
+    assert origin_of(before.request.path) == "learned"
+    assert masking.masking.there.by_hand == ()
+
+
 def test_an_area_grows_and_is_dropped_where_the_frame_has_changed(masking: AppState) -> None:
     masking_actions.choose_tool(masking, "grow")
     masking_actions.choose_radius(masking, 1.5 / SIZE[0])

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from app.gui.actions import actions
+from app.exports.records import PanesPicture
+from app.gui.actions import actions, export_actions
 from app.gui.panels.view3d import view_tags
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -61,3 +62,9 @@ def test_another_clip_than_the_open_one_is_named_and_keeps_its_own_time(
         f"OF ANOTHER CLIP · {clip.name}",
         theme.TAG_CAUTION,
     )
+    request = export_actions.shown_request(opened)
+    assert request is not None
+    assert isinstance(request.record, PanesPicture)
+    assert [str(view.caption).split("\n")[0] for view in request.record.views] == [
+        f"OF ANOTHER CLIP: {clip.name}"
+    ]
