@@ -1,7 +1,8 @@
 """2D vascular enhancement of endoscopic images: section 3.1 of the paper, other methods, and measures.
 
-Images are (H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA; uint8, uint16 or float in [0, 1]. Masks are (H, W),
-True where tissue is kept. Visibility only: nothing here detects or diagnoses.
+Images are (H, W) grey, (H, W, 3) RGB or (H, W, 4) RGBA; uint8, uint16 or float in [0, 1], of either byte
+order; results are of the machine's own. Masked arrays are refused. Masks are (H, W), True where
+tissue is kept. Visibility only: nothing here detects or diagnoses.
 
 - The paper's method: `enhance`, `EnhanceParams`, `EnhanceResult`, `Omission`; `Enhancer` for many images
   or many settings of one; `measure`, `Pool`, `Statistics` for a clip, `LiveStatistics` for a stream. What
@@ -14,9 +15,10 @@ True where tissue is kept. Visibility only: nothing here detects or diagnoses.
   `flicker`; where vessels are: `vesselness`, `vessel_mask`, `field_of_view`.
 
 Every mistake in an image is an `ImageError`, every one in a parameter a `pydantic.ValidationError`; both are
-ValueErrors. Importing the package loads nothing; each name loads what it needs when it is first used. Nothing
-of the process is changed. The kernels compute on several cores by OpenMP, whose threads spin while they wait:
-where other work shares the cores, set OMP_WAIT_POLICY=PASSIVE in the environment before the first is used.
+ValueErrors. Parameters or statistics of another class are a TypeError. Importing the package loads nothing;
+each name loads what it needs when it is first used. Nothing of the process is changed. The kernels compute
+on several cores by OpenMP, whose threads spin while they wait: where other work shares the cores, set
+OMP_WAIT_POLICY=PASSIVE in the environment before the first is used.
 """
 
 import importlib as _importlib

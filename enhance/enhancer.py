@@ -29,7 +29,7 @@ from enhance.second_pass import (
     render,
 )
 from enhance.shown import Pixels, Shown
-from enhance.statistics import LiveStatistics, Statistics, Tally
+from enhance.statistics import LiveStatistics, Statistics, Tally, require_classes
 from enhance.stream import Stream
 from enhance.survey import LIKELY_SIGMA, Moments, Survey, statistics_of
 
@@ -118,7 +118,9 @@ class Enhancer:
 
         Raises:
             ImageError: statistics that cannot be used, or no pixel to measure.
+            TypeError: `params` or `statistics` of another class.
         """
+        require_classes(params, EnhanceParams, statistics)
         self._look_within(statistics)
         windows = self._windows(params)
         if statistics is not None:

@@ -74,12 +74,13 @@ def read_picture(image: AnyImage) -> Picture:
 
     Args:
         image: (H, W) grey, (H, W, 3) or (H, W, 4) with alpha last; uint8, uint16 (full scale 65535) or
-            float in [0, 1]. The order of the three colours does not matter: the maths is symmetric.
+            float in [0, 1], of either byte order. The order of the three colours does not matter: the
+            maths is symmetric.
 
     Raises:
-        ImageError: anything else, and NaN.
+        ImageError: anything else, NaN, and masked arrays.
     """
-    image = np.asarray(image)
+    image = _plain(image, "an image")
     _check_shape(image)
     _check_values(image)
     alpha = image[..., 3] if image.ndim == 3 and image.shape[2] == 4 else None
@@ -94,17 +95,28 @@ def read_mask(mask: AnyImage | None, picture: Picture) -> BoolImage:
         mask: (H, W) bool or integers, non-zero = keep; None keeps all.
 
     Raises:
-        ImageError: another shape or type.
+        ImageError: another shape or type, and masked arrays.
     """
     if mask is None:
         return picture.visible
-    mask = np.asarray(mask)
+    mask = _plain(mask, "a tissue_mask")
     expected = picture.colors.shape[:2]
     if mask.shape != expected or mask.dtype.kind not in "bui":
         raise ImageError(
             f"expected a tissue_mask of shape {expected}, bool or integers, got {mask.shape} {mask.dtype}"
         )
     return np.asarray(picture.visible & (mask != 0))
+
+
+def _plain(array: AnyImage, name: str) -> AnyImage:
+    """In the byte order of this machine, as the kernels and OpenCV read no other."""
+    if isinstance(array, np.ma.MaskedArray):
+        raise ImageError(
+            f"expected {name} without a mask of its own, got a masked array; "
+            "pass its .data, and what to leave out as tissue_mask"
+        )
+    array = np.asarray(array)
+    return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
 
 
 def _check_shape(image: AnyImage) -> None:
@@ -120,7 +132,7 @@ def _check_values(image: AnyImage) -> None:
         return
     if image.dtype.kind != "f":
         raise ImageError(f"expected uint8, uint16 or float in [0, 1], got {image.dtype}")
-    low, high = float(image.min()), float(image.max())
+    low, high = image.min(), image.max()
     if np.isnan(low):
         missing = np.isnan(image)
         count, first = np.count_nonzero(missing), tuple(np.argwhere(missing)[0].tolist())
@@ -130,6 +142,4 @@ def _check_values(image: AnyImage) -> None:
             f"{first[0]}, column {first[1]}{channel} (from 0); replace NaN before enhancing"
         )
     if low < 0.0 or high > 1.0:
-        raise ImageError(
-            f"expected float values in [0, 1], got {low:g} to {high:g}; scale or clip them first"
-        )
+        raise ImageError(f"expected float values in [0, 1], got {low} to {high}; scale or clip them first")

@@ -6,13 +6,15 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import zip_longest
 
+import numpy as np
+
 from enhance.enhancer import Enhancer
 from enhance.field import FieldOfView, typical
 from enhance.image import AnyImage, ImageError
 from enhance.params import DEFAULTS, EnhanceParams
 from enhance.result import EnhanceResult
 from enhance.shown import Pixels
-from enhance.statistics import Statistics, Tally
+from enhance.statistics import Statistics, Tally, require_classes
 
 
 def enhance(
@@ -44,6 +46,7 @@ def enhance(
 
     Raises:
         ImageError: an image, mask or statistics that cannot be used; the text says why.
+        TypeError: `params` or `statistics` of another class.
 
     Example:
         >>> import numpy as np
@@ -75,7 +78,9 @@ def measure(
             clip is the one that agrees best with the others.
 
     Raises:
-        ImageError: as `enhance`, with the position in the clip; no image; fewer or more masks than images.
+        ImageError: as `enhance`, with the position in the clip; no image, or one that is not in a list;
+            fewer or more masks than images.
+        TypeError: `params` of another class.
 
     Example:
         >>> import numpy as np
@@ -85,6 +90,10 @@ def measure(
         >>> {enhance(frame, statistics=statistics).statistics.scope for frame in frames}
         {'clip'}
     """
+    if isinstance(images, np.ndarray) and (
+        images.ndim == 2 or (images.ndim == 3 and images.shape[2] in (3, 4))
+    ):
+        raise ImageError(f"expected several images, got one of shape {images.shape}: put it into a list")
     pool = Pool(params, pixels)
     for index, (image, mask) in enumerate(_pairs(images, tissue_masks)):
         try:
@@ -108,6 +117,8 @@ class Pool:
     """
 
     def __init__(self, params: EnhanceParams = DEFAULTS, pixels: Pixels = "automatic") -> None:
+        """Raises TypeError: `params` of another class."""
+        require_classes(params, EnhanceParams)
         self._params, self._pixels, self._enhancer = params, pixels, Enhancer()
         self._total: Tally | None = None
         self._fields: list[FieldOfView] = []

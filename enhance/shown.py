@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Final, Literal
+from typing import Any, Final, Literal, get_args
 
 import cv2
 import numpy as np
@@ -15,9 +15,11 @@ from enhance.field_search import find_field
 from enhance.image import AnyImage, BoolImage, ImageError, Picture, full_scale, read_mask, read_picture
 from enhance.statistics import Statistics
 
-Pixels = Literal["automatic", "all"] | FieldOfView
+Named = Literal["automatic", "all"]
+Pixels = Named | FieldOfView
 """What is enhanced and counts in the statistics: the field of view as found in the image, every pixel as the
 paper has it, or a known field of view. What lies outside stays as it is."""
+NAMED: Final = get_args(Named)
 SPARSE: Final = 64
 """Rows, of which one tells that an image has colours."""
 ALL_KEPT: NDArray[np.uint8] = np.empty((0, 0), np.uint8)
@@ -54,8 +56,9 @@ class Shown:
         """Seen whole, so far.
 
         Raises:
-            ImageError: an image or mask that cannot be used, or a field of another size.
+            ImageError: an image or mask that cannot be used, a field of another size, or other `pixels`.
         """
+        _check(wanted)
         picture = read_picture(image)
         height, width = picture.pixels.shape[:2]
         if isinstance(wanted, FieldOfView) and not wanted.fits(picture.pixels):
@@ -129,6 +132,13 @@ class Shown:
 
     def _inside(self) -> BoolImage:
         return self.field.mask() if self.field else np.ones(self.pixels.shape[:2], bool)
+
+
+def _check(wanted: object) -> None:
+    if isinstance(wanted, FieldOfView) or (isinstance(wanted, str) and wanted in NAMED):
+        return
+    got = repr(wanted) if isinstance(wanted, str) else type(wanted).__name__
+    raise ImageError(f"expected pixels to be 'automatic', 'all' or a FieldOfView, got {got}")
 
 
 def _is_grey(pixels: NDArray[Any]) -> bool:

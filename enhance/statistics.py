@@ -82,6 +82,14 @@ class Statistics:
         )
 
 
+def require_classes(params: object, expected: type, statistics: object = None) -> None:
+    """Raises TypeError: parameters of another class, or statistics that are none."""
+    if not isinstance(params, expected):
+        raise TypeError(f"expected params to be {expected.__name__}, got {type(params).__name__}")
+    if statistics is not None and not isinstance(statistics, Statistics):
+        raise TypeError(f"expected statistics to be Statistics, got {type(statistics).__name__}")
+
+
 @dataclass(frozen=True, eq=False)
 class Tally:
     """Sums that statistics follow from; those of several images add up with `+`."""

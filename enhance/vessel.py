@@ -24,7 +24,7 @@ from enhance.result import EnhanceResult
 from enhance.rows import sums_of
 from enhance.saturation import pull
 from enhance.shown import Pixels, Shown
-from enhance.statistics import LiveStatistics, Statistics
+from enhance.statistics import LiveStatistics, Statistics, require_classes
 from enhance.stream import Stream
 from enhance.survey import LIKELY_SIGMA, Moments, Survey, statistics_of
 from enhance.vessel_density import background, blood_density, middle_density
@@ -98,7 +98,7 @@ def enhance_vessels(
         pixels: as of `enhance`.
 
     Raises:
-        ImageError: as `enhance`.
+        ImageError, TypeError: as `enhance`.
 
     Example:
         >>> import numpy as np
@@ -181,7 +181,9 @@ class VesselEnhancer:
 
         Raises:
             ImageError: statistics that cannot be used, no pixel to measure, or no image shown.
+            TypeError: `params` or `statistics` of another class.
         """
+        require_classes(params, VesselParams, statistics)
         now = self._look_within(statistics)
         found, ground = self._find(now, params)
         dark = self._level(found) if statistics is None else statistics.level

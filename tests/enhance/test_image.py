@@ -1,14 +1,28 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from enhance import EnhanceParams, ImageError, enhance
+from enhance import (
+    EnhanceParams,
+    ImageError,
+    VesselParams,
+    enhance,
+    enhance_vessels,
+    find_field,
+    measure,
+)
 from tests.enhance.pictures import DTYPES, as_type, vessels
 
+WRONG: Any = {"z": 0.1}
+NONE: Any = None
+PAPER: Any = EnhanceParams()
+VESSEL: Any = VesselParams()
+THREE: Any = 3
 GOOD = np.full((4, 5, 3), 0.5, dtype=np.float32)
 
 
@@ -36,6 +50,8 @@ def changed(value: float) -> NDArray[np.float32]:
         (changed(-np.inf), "-inf to"),
         (changed(1.5), "0.5 to 1.5"),
         (changed(-0.25), "-0.25 to 0.5"),
+        (changed(1.0000001), "0.5 to 1.0000001"),
+        (np.ma.masked_greater(GOOD, 0.4), "expected an image without a mask of its own"),
     ],
 )
 def test_bad_images_are_refused_with_a_reason(image: NDArray[Any], says: str) -> None:
@@ -50,6 +66,7 @@ def test_bad_images_are_refused_with_a_reason(image: NDArray[Any], says: str) ->
         (np.ones((4, 5, 3), bool), r"\(4, 5, 3\)"),
         (np.ones((4, 5), np.float32), "float32"),
         (np.zeros((4, 5), bool), "at least one pixel to measure"),
+        (np.ma.masked_equal(np.ones((4, 5), np.uint8), 0), "expected a tissue_mask without a mask"),
     ],
 )
 def test_bad_masks_are_refused_with_a_reason(mask: NDArray[Any], says: str) -> None:
@@ -68,6 +85,48 @@ def test_every_type_gives_the_same_picture() -> None:
         # The quarter-power of Eq 1 magnifies float16's rounding of dark pixels.
         error = np.abs(result / full - expected)
         assert error.max() < (0.01 if dtype == np.float16 else 0.6 / 255)
+
+
+@pytest.mark.parametrize("dtype", [">f4", ">f8", ">f2", ">u2"])
+def test_either_byte_order_gives_the_same_picture(dtype: str) -> None:
+    values = np.where(np.hypot(*np.mgrid[-60:60, -80:80]) < 55, vessels(120, 160)[..., 0] / 255, 0.02)
+    full = 65535 if dtype == ">u2" else 1
+    other = (values * full).astype(dtype)
+    own = other.astype(other.dtype.newbyteorder("="))
+    result = enhance(other)
+    assert result.image.dtype == own.dtype
+    assert np.array_equal(result.image, enhance(own).image)
+    assert find_field(other) == find_field(own)
+
+
+@pytest.mark.parametrize("pixels", ["bogus", "tissue", None, 3])
+def test_other_pixels_are_refused(pixels: Any) -> None:
+    with pytest.raises(ImageError, match="expected pixels to be 'automatic', 'all' or a FieldOfView, got"):
+        enhance(GOOD, pixels=pixels)
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: enhance(GOOD, WRONG), "expected params to be EnhanceParams, got dict"),
+        (lambda: enhance(GOOD, NONE), "EnhanceParams, got NoneType"),
+        (lambda: enhance(GOOD, VESSEL), "EnhanceParams, got VesselParams"),
+        (lambda: enhance_vessels(GOOD, PAPER), "VesselParams, got EnhanceParams"),
+        (lambda: enhance(GOOD, statistics=THREE), "expected statistics to be Statistics, got int"),
+        (lambda: enhance_vessels(GOOD, statistics=THREE), "expected statistics to be Statistics, got int"),
+        (lambda: measure([GOOD], VESSEL), "EnhanceParams, got VesselParams"),
+    ],
+)
+def test_arguments_of_another_class_are_refused(call: Callable[[], object], says: str) -> None:
+    with pytest.raises(TypeError, match=says):
+        call()
+
+
+@pytest.mark.parametrize("image", [GOOD, GOOD[..., 0], np.dstack((GOOD, GOOD[..., 0]))])
+def test_one_image_is_no_clip(image: NDArray[Any]) -> None:
+    with pytest.raises(ImageError, match=r"expected several images, got one of shape \(4, 5"):
+        measure(image)
+    assert measure(image[None]) == measure([image])
 
 
 def test_alpha_passes_through_and_hides_pixels_from_the_statistics() -> None:
