@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import stat
 import sys
 import warnings
 from collections.abc import Sequence
@@ -44,13 +45,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _fail("out of memory: try a smaller image, clip or size", 2)
     except OSError as error:
-        return _fail(f"{error.strerror or error}: {error.filename or 'no file named'}", 2)
+        return _fail(f"{error.strerror or error}: {error.filename or _unnamed(error)}", 2)
     except ValueError as error:
         line = mistake(error)
         if line is None:
             raise
         return _fail(line, 2)
     return 0
+
+
+def _unnamed(error: OSError) -> str:
+    """What an error is of that names no file: of a full disk what is printed, where that is a file, since
+    our own files are named."""
+    from app.files.atomic import NO_SPACE
+
+    try:
+        kept = not (sys.stdout.isatty() or stat.S_ISFIFO(os.fstat(sys.stdout.fileno()).st_mode))
+    except (OSError, ValueError):
+        kept = False
+    return "standard output" if kept and error.errno in NO_SPACE else "no file named"
 
 
 def keep_quiet() -> None:

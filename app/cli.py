@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
-from typing import NoReturn, Protocol, cast
+from typing import Any, NoReturn, Protocol, cast
 
 from app.errors import UserError
 
@@ -55,17 +56,30 @@ class Command(Protocol):
 class Parser(argparse.ArgumentParser):
     """argparse whose mistakes are one line, like every other mistake of the user."""
 
+    def __init__(self, **words: Any) -> None:
+        super().__init__(**words)
+        # Also of a pair such as -1,5: what has a number's place is a value, not a flag.
+        self._negative_number_matcher = re.compile(r"-\.?\d")
+
     def error(self, message: str) -> NoReturn:
         known = [name for action in self._actions for name in action.option_strings]
         flag = message.removeprefix(UNKNOWN).split()[0].split("=")[0] if message.startswith(UNKNOWN) else ""
         raise UserError(f"{message} ({_meant(flag, known)}see {self.prog} --help)")
+
+    def require_once(self, arguments: Sequence[str]) -> None:
+        """Raises UserError: a flag that takes one path is given twice."""
+        given = [one.split("=")[0] for one in arguments]
+        for action in self._actions:
+            times = sum(given.count(name) for name in action.option_strings)
+            if action.type is Path and isinstance(action, argparse._StoreAction) and times > 1:
+                raise UserError(f"{action.option_strings[-1]}: expected it once, got it {times} times")
 
 
 def run(arguments: Sequence[str]) -> None:
     """Do what the arguments ask.
 
     Raises:
-        UserError: no such command, or flags that it does not have.
+        UserError: no such command, or flags that it does not have, or has once only.
         SystemExit: 0 after --help or --version.
     """
     if arguments and arguments[0] in ("-h", "--help"):
@@ -84,6 +98,7 @@ def run(arguments: Sequence[str]) -> None:
         flags = parser.parse_args(rest)
     except UserError as error:
         raise UserError(f"{error}{_of_dashes(rest)}") from error
+    parser.require_once(rest)
     command.run(flags)
 
 
@@ -99,6 +114,8 @@ def chosen(arguments: Sequence[str]) -> tuple[str, list[str]]:
         return "gui", []
     if "" in arguments:
         raise UserError(f"expected no empty name or value, got one as argument {arguments.index('') + 1}")
+    if pipe := next((one for one in arguments if one == "-" or re.fullmatch("--[^=]+=-", one)), None):
+        raise UserError(f"expected a file or folder, got {pipe}: pipes are not read")
     first, rest = arguments[0], list(arguments[1:])
     if first in COMMANDS:
         return first, rest

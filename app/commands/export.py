@@ -7,12 +7,13 @@ import argparse
 import sys
 from pathlib import Path
 
-from app.commands import camera_export, mesh_export, research_export, view_flags
+from app.commands import camera_export, export_limits, mesh_export, research_export, view_flags
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.browser.of_scene import browser_model
 from app.exports.make import make
 from app.exports.records import MovingSplats, RenderVideo, Splats
+from app.exports.replay.recorded import recorded
 from app.exports.sources import Opened
 from app.exports.splats import fourdgs
 from app.exports.splats.writing import COMPRESSED, MOVING, layout_of
@@ -90,7 +91,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--html",
         type=Path,
         metavar="FILE",
-        help="the model over time as one page that any browser plays, without a network",
+        help="the model over time as one page that any browser plays, without a network; it opens as "
+        "--camera sees it (default the first frame's)",
     )
     mesh_export.add_flags(parser)
     camera_export.add_flags(parser)
@@ -102,23 +104,14 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 def run(flags: argparse.Namespace) -> None:
     splats = {".ply": flags.ply, ".spz": flags.spz, ".sog": flags.sog, ".glb": flags.glb}
     splats |= {COMPRESSED: flags.compressed_ply, ".v4.spz": flags.spz4}
-    others = (
-        flags.video,
-        flags.html,
-        flags.mesh,
-        flags.usd,
-        flags.fourdgs,
-        flags.npz,
-        flags.tracks,
-        flags.cameras,
-    )
-    if not any((*splats.values(), *others)):
+    if not any(export_limits.outputs(flags)):
         raise UserError(
             "expected what to export: --ply DIR, --compressed-ply DIR, --spz DIR, --spz4 DIR, --sog DIR, "
             "--glb DIR, "
             "--usd FILE, --4dgs FILE, --mesh FILE.glb|DIR, --video FILE, --html FILE, --npz FILE, "
             "--tracks FILE or --cameras FILE"
         )
+    export_limits.check(flags)
     if flags.sh_degree is not None and not any(splats.values()):
         raise UserError("--sh-degree: expected --ply or another kind of splat files, to which it applies")
     if flags.video and not ending_of(flags.video):
@@ -130,6 +123,7 @@ def run(flags: argparse.Namespace) -> None:
         _check_moving(flag, path, suffix)
     research_export.check(flags)
     scene, wanted = view_selection.chosen(flags)
+    export_limits.require_one_camera(flags, wanted)
     for suffix, folder in splats.items():
         if folder:
             _write_splats(folder, suffix, scene, wanted, flags.sh_degree)
@@ -206,4 +200,6 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) 
         for done in make(record, Opened(tuple(views), pen=pen), flags.video):
             if done:
                 report(done, wanted[done - 1].name)
+    for notice in recorded(flags.video)["video"]["notices"]:
+        sys.stderr.write(f"{notice}: {flags.video}\n")
     sys.stdout.write(f"{flags.video}: {count(len(wanted), 'frame')} rendered with {pen.name}\n")

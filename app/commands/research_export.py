@@ -91,5 +91,7 @@ def _points(flags: argparse.Namespace) -> tuple[tuple[int, int], ...]:
         raise UserError(f"--points: expected up to {MOST_POINTS}, got {len(given)}")
     found = [POINT.fullmatch(text) for text in given]
     if None in found:
-        raise UserError(f"--points: expected column,row as whole numbers, got {given[found.index(None)]}")
+        raise UserError(
+            f"--points: expected column,row as whole numbers from 0, got {given[found.index(None)]}"
+        )
     return tuple((int(one[1]), int(one[2])) for one in found if one)

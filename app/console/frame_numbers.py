@@ -11,7 +11,7 @@ SAID = "numbers and ranges with both ends, such as 7 or 10:59"
 
 
 def frame_numbers(texts: Sequence[str], count: int | None = None) -> list[int]:
-    """In the order given, from 0; a range A:B holds both ends.
+    """In the order given, from 0, each once; a range A:B holds both ends.
 
     Raises:
         UserError: anything else, a range that ends before it begins, or of a clip of `count` frames one that
@@ -26,4 +26,4 @@ def frame_numbers(texts: Sequence[str], count: int | None = None) -> list[int]:
             within = "" if count is None else f", from 0 to {count - 1}"
             raise UserError(f"--frames: expected {SAID}{within}, got {text!r}")
         numbers.extend(range(first, last + 1))
-    return numbers
+    return list(dict.fromkeys(numbers))

@@ -58,6 +58,7 @@ def new_stage(
         UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
         UsdGeom.SetStageMetersPerUnit(stage, METRES.get(unit, 1.0))
         stage.SetTimeCodesPerSecond(frames / seconds)
+        stage.SetFramesPerSecond(frames / seconds)
         stage.SetStartTimeCode(0)
         stage.SetEndTimeCode(frames - 1)
         layer = stage.GetRootLayer()

@@ -237,6 +237,33 @@ def test_a_reader_that_leaves_is_no_error(tmp_path: Path, arguments: str) -> Non
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no device that is full")
+def test_a_full_place_of_what_is_printed_is_named() -> None:
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run([sys.executable, "-m", "app", "info"], cwd=ROOT, stdout=full, stderr=-1)
+    assert done.stderr.decode() == "vesselsplat: No space left on device: standard output\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("enhance", "-", "out.png"), "expected a file or folder, got -: pipes are not read"),
+        (("enhance", "in.png", "-"), "got -: pipes are not read"),
+        (("train", "clip", "--run=-"), "got --run=-: pipes are not read"),
+        (("export", "run", "--ply", "a", "--ply", "b"), "--ply: expected it once, got it 2 times"),
+        (("export", "run", "--html=a.html", "--html", "b.html"), "--html: expected it once, got it 2 times"),
+    ],
+)
+def test_a_path_is_no_pipe_and_given_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, vesselsplat: Cli, arguments: tuple[str, ...], said: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    call = vesselsplat(*arguments)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert said in call.error
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
 def test_streams_that_are_closed_are_no_error(closed: str) -> None:
     shell = f"'{sys.executable}' -m app --version {closed}"

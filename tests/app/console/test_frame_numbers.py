@@ -15,6 +15,7 @@ from tests.app.conftest import Call
 def test_numbers_and_ranges_in_the_order_given() -> None:
     assert frame_numbers(["7", "2:4", "0"], 8) == [7, 2, 3, 4, 0]
     assert frame_numbers(["3:3"]) == [3]
+    assert frame_numbers(["5", "0", "4:6", "0"]) == [5, 0, 4, 6]
     assert frame_numbers([]) == []
 
 

@@ -66,6 +66,7 @@ def test_usd_core_reads_the_splats_of_every_frame(
     assert (done.code, done.error) == (0, "")
     stage = Usd.Stage.Open(str(path))
     assert (UsdGeom.GetStageMetersPerUnit(stage), UsdGeom.GetStageUpAxis(stage)) == (0.001, "Y")
+    assert stage.GetFramesPerSecond() == 15
     assert (stage.GetTimeCodesPerSecond(), stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (15, 0, 9)
     for frame in range(10):
         same(at(stage, frame), scene.model.at(scene.time(frame)))

@@ -1,0 +1,74 @@
+"""What an export cannot heed: flags that have no effect on its files, and places within the run itself."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from app.errors import UserError
+from app.exports.meshes.writing import CLIPS
+from app.scenes.view_selection import Moment
+from renderer.readers.listing import listed
+
+FOLDERS: Final = ("ply", "compressed_ply", "spz", "spz4", "sog", "glb")
+FILES: Final = ("usd", "fourdgs", "mesh", "video", "html", "npz", "tracks", "cameras")
+WHOLE: Final = ("usd", "fourdgs", "html")
+"""Hold all of the clip, as does a mesh in one file."""
+MOMENTS: Final = ("frames", "time", "path")
+HEEDED: Final[Mapping[str, tuple[object, tuple[str, ...]]]] = MappingProxyType(
+    {
+        "camera": (None, ("video", "html", "npz", "tracks", "cameras")),
+        "size": (None, ("video", "html", "npz", "tracks", "cameras")),
+        "supersampling": (1, ("video",)),
+        "background": ("grey", ("video",)),
+        "view": ("color", ("video",)),
+        "renderer": ("cpu", ("video", "npz")),
+    }
+)
+"""Of each flag what it is where it is not given, and the exports that it applies to."""
+SPELLED: Final[Mapping[str, str]] = MappingProxyType({"fourdgs": "4dgs", "renderer": "with"})
+
+
+def outputs(flags: argparse.Namespace) -> Iterator[tuple[str, Path]]:
+    """The flag and the path of each export that is asked for."""
+    for name in (*FOLDERS, *FILES):
+        if (path := getattr(flags, name)) is not None:
+            yield name, path
+
+
+def check(flags: argparse.Namespace) -> None:
+    """Raises UserError: a flag without effect, or a place within the run that is exported."""
+    asked = dict(outputs(flags))
+    whole = [name for name, path in asked.items() if name in WHOLE or _is_film(name, path)]
+    for name in MOMENTS:
+        if whole and getattr(flags, name) is not None:
+            raise UserError(
+                f"{flag(name)}: {flag(whole[0])} holds all of the clip; export it without this flag"
+            )
+    for name, (absent, heeding) in HEEDED.items():
+        if getattr(flags, name) != absent and not set(heeding) & set(asked):
+            which = listed([flag(one) for one in heeding])
+            raise UserError(f"{flag(name)}: expected an export that it applies to, such as {which}")
+    run = flags.scene.resolve()
+    for name, path in asked.items():
+        if run in (path.resolve(), path.resolve().parent):
+            raise UserError(f"{flag(name)}: expected a place outside the run that is exported, got {path}")
+
+
+def require_one_camera(flags: argparse.Namespace, wanted: Sequence[Moment]) -> None:
+    """Raises UserError: a page is asked for, of several cameras."""
+    # Frames are seen by one camera, several cameras at one moment.
+    if flags.html and flags.camera and len(wanted) > 1 and wanted[0].frame is None:
+        raise UserError(f"--html: expected one --camera, got {len(wanted)}: {flags.camera}")
+
+
+def flag(name: str) -> str:
+    """As it is typed."""
+    return f"--{SPELLED.get(name, name).replace('_', '-')}"
+
+
+def _is_film(name: str, path: Path) -> bool:
+    return name == "mesh" and path.suffix.lower() in CLIPS
