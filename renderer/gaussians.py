@@ -17,6 +17,8 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array, Splats
 from renderer.stored_arrays import LazyArrays, read_arrays, stored_arrays, write_arrays
 
+ROUNDING = 1e-6
+"""By which a time may miss [0, 1]."""
 NEEDED = ("means", "quats", "log_scales", "opacity_logits", "colors")
 
 
@@ -54,7 +56,9 @@ class DynamicGaussians:
         return self.raw.means
 
     def at(self, time: float) -> Splats:
-        """The activated splats at `time` in [0, 1]."""
+        """The activated splats at `time` in [0, 1]. Raises ValueError: another time, NaN among them."""
+        if not -ROUNDING <= time <= 1 + ROUNDING:
+            raise ValueError(f"expected a time in [0, 1], got {time}")
         return self.motion.moved(self.raw, time).splats()
 
     def rows(self, index: NDArray[np.int64]) -> Self:

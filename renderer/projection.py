@@ -162,7 +162,8 @@ def project(
         record[DEPTH] = local[2]
         record[HALF_WIDTH] = math.sqrt(reach * xx) + 1e-3
         record[HALF_HEIGHT] = math.sqrt(reach * yy) + 1e-3
-        visible[n] = record[HALF_WIDTH] < np.inf and record[HALF_HEIGHT] < np.inf
+        colored = math.isfinite(record[RED]) and math.isfinite(record[GREEN]) and math.isfinite(record[BLUE])
+        visible[n] = colored and record[HALF_WIDTH] < np.inf and record[HALF_HEIGHT] < np.inf
 
 
 @njit(forceinline=True, error_model="numpy")

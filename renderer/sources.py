@@ -20,7 +20,7 @@ from renderer.readers.stills import images_in, open_stills
 from renderer.readers.video_header import read_video_header
 
 
-def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
+def open_clip(path: str | Path, options: ClipOptions = DEFAULTS) -> Clip:
     """A folder of any layout that has a reader, a folder of images, one image or a video file.
 
     Which frames are kept and which of them are held out is the same for every layout: the step and
@@ -42,7 +42,7 @@ def open_clip(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         >>> clip.format, len(clip), clip.size, clip.has_depth
         ('images', 3, (32, 24), False)
     """
-    return with_chosen_depth(open_bare(path, options), options)
+    return with_chosen_depth(open_bare(Path(path), options), options)
 
 
 def open_bare(path: Path, options: ClipOptions = DEFAULTS) -> Clip:

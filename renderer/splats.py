@@ -25,7 +25,8 @@ class Splats:
 
     means (N, 3); quats (N, 4) wxyz, any non-zero length; scales (N, 3) standard deviations > 0;
     opacities (N,) in [0, 1]; colors (N, 3) display-referred RGB, nominally [0, 1]; harmonics (N, B, 3)
-    what a direction adds to them, B = 0, 3, 8 or 15, see harmonics.py.
+    what a direction adds to them, B = 0, 3, 8 or 15, see harmonics.py. Of values that
+    are not finite `render` leaves the splat out, and `SplatView` refuses them.
 
     Raises:
         ValueError: shapes that do not agree. The message names the field.

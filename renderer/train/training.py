@@ -38,6 +38,7 @@ def train(
         ClipError: frames cannot be read, or there is no depth to start from.
         TrainingError: the checkpoint belongs to another run, the loss is no longer finite, or no frame shows
             anything of the model.
+        TypeError: `clip` is none, such as its path.
 
     Example:
         >>> from pathlib import Path
@@ -53,6 +54,8 @@ def train(
         >>> model.at(0.5).means.shape == (len(model), 3)
         True
     """
+    if not isinstance(clip, Clip):
+        raise TypeError(f"expected a Clip, as open_clip gives it, got {type(clip).__name__}")
     require_depth(clip)
     windows = windows_of(clip, config)
     if len(windows) > 1:

@@ -58,6 +58,13 @@ def test_static_model_is_the_same_at_all_times() -> None:
     assert np.allclose(one.opacities, 1 / (1 + np.exp(-model().raw.opacity_logits)), atol=1e-6)
 
 
+@pytest.mark.parametrize("time", [np.nan, -1.0, 2.0, np.inf, 1.001])
+def test_another_time_is_refused(time: float) -> None:
+    with pytest.raises(ValueError, match=r"expected a time in \[0, 1\], got "):
+        model().at(time)
+    assert len(model().at(np.nextafter(1.0, 2.0))) == len(model())
+
+
 def test_position_is_base_plus_own_curve_plus_shared_curve() -> None:
     """Against the sum written out with de Boor's recursion in float64."""
     gaussians = model()

@@ -66,6 +66,12 @@ def test_options_reach_the_reader():
     assert not clip.read_frame(0).tissue_mask[-5:].any()
 
 
+def test_a_path_may_be_text(tmp_path):
+    assert len(open_clip(str(phantom_path()))) == len(open_clip(phantom_path()))
+    with pytest.raises(ClipError, match="no such file or folder"):
+        open_clip(str(tmp_path / "missing"))
+
+
 @pytest.mark.parametrize("name", ["missing", "missing.mp4", "a/b"])
 def test_a_missing_path_is_refused(tmp_path, name):
     with pytest.raises(ClipError, match="no such file or folder"):

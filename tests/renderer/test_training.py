@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -140,6 +141,12 @@ def test_clip_without_depth_is_refused() -> None:
     )
     with pytest.raises(ClipError, match="depth"):
         next(iter(train(blind, SMALL)))
+
+
+def test_a_path_is_no_clip() -> None:
+    path: Any = Path("clip")
+    with pytest.raises(TypeError, match=r"expected a Clip, as open_clip gives it, got .*Path"):
+        next(train(path, SMALL))
 
 
 def test_absurd_rates_end_in_a_clear_failure_or_a_finite_model() -> None:
