@@ -7,25 +7,17 @@ import sys
 from collections.abc import Callable, Generator, Sequence
 from contextlib import ExitStack, closing
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, get_args
 
-from pydantic import ValidationError
-
+from app.commands.train_flags import requested
 from app.console.ending import noted
-from app.console.flags import add_fields, parameters, problem
-from app.console.frame_numbers import frame_numbers
+from app.console.flags import add_fields
 from app.console.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
-from app.enhancement.image_mask import PictureMask
-from app.enhancement.methods import PAPER, EnhancementSettings
-from app.errors import UserError
 from app.files.provenance import provenance, strict_json
-from app.runs.clip_selection import ClipPart
 from app.runs.device import Asked, Device
 from app.runs.memory import told
 from app.runs.run_folder import RunFolder
-from app.runs.tool_masks import ToolMasks
 from app.runs.train_run import PRESETS, TrainRequest, device_of, run_training
 from app.runs.wall_clock import STEPS, WALL, in_all
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
@@ -51,7 +43,6 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--input",
         choices=("original", "enhanced"),
-        default="original",
         help="reconstruct the original or the enhanced frames (default original)",
     )
     parser.add_argument(
@@ -96,29 +87,25 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         default="auto",
         help="what to train on: auto uses an NVIDIA GPU where gsplat can, else the CPU (default auto)",
     )
-    parser.add_argument("--resume", action="store_true", help="resume from the last checkpoint in RUN")
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="resume from the last checkpoint in RUN, with its settings",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
 def run(flags: argparse.Namespace) -> None:
-    config = parameters(TrainConfig, flags)
     run_folder = RunFolder(flags.run)
-    request = TrainRequest(
-        clip_path=flags.clip,
-        run_path=flags.run,
-        config=config,
-        clip_options=parameters(ClipOptions, flags),
-        part=_part(flags),
-        input=flags.input,
-        enhance_params=_look(flags),
-        device=flags.device,
-        resume=flags.resume,
-    )
+    is_done = flags.resume and run_folder.is_finished
+    request = requested(flags)
     device = device_of(request)
     try:
         finished = follow(request, device.device)
     except KeyboardInterrupt as interrupt:
         raise KeyboardInterrupt(f"interrupted; {_kept(run_folder)}") from interrupt
+    if is_done:
+        sys.stderr.write(f"the run is finished already, there is nothing left to train: {flags.run}\n")
     summary: dict[str, Any] = {
         "run": flags.run.absolute().name,
         "iterations": finished.iteration,
@@ -131,7 +118,8 @@ def run(flags: argparse.Namespace) -> None:
         "definitions": {"train_seconds": STEPS, "wall_seconds": WALL},
     }
     if flags.json:
-        sys.stdout.write(strict_json(provenance(config=config, input=flags.input, **summary)) + "\n")
+        facts = provenance(config=request.config, input=request.input, **summary)
+        sys.stdout.write(strict_json(facts) + "\n")
     else:
         took = in_all(finished.wall_seconds, finished.seconds)
         done = f"{finished.iteration} iterations on {device.device} ({device.why}), {took}"
@@ -146,33 +134,6 @@ def _table(omissions: Sequence[Omission]) -> str:
     rows = [("left out", "why", "saves"), *((each.what, each.why, each.saves) for each in omissions)]
     first, second, _ = (max(len(cell) for cell in column) for column in zip(*rows, strict=True))
     return "".join(f"{what:{first}}  {why:{second}}  {saves}\n" for what, why, saves in rows)
-
-
-def _look(flags: argparse.Namespace) -> EnhancementSettings:
-    """What the frames are enhanced by. Raises UserError when they are not to be."""
-    if "preset" in flags and flags.input != "enhanced":
-        raise UserError("--preset has no effect with --input original: add --input enhanced")
-    return PRESETS[flags.preset if "preset" in flags else PAPER]
-
-
-def _part(flags: argparse.Namespace) -> ClipPart:
-    """What of the clip counts. Raises UserError for numbers that say nothing."""
-    numbers = frame_numbers(flags.frames or ())
-    if any(after != before + 1 for before, after in pairwise(numbers)):
-        said = " ".join(flags.frames)
-        raise UserError(f"--frames: expected frames that follow one another to train on, got {said}")
-    trim = (numbers[0], numbers[-1]) if numbers else None
-    text, view = flags.text_box, flags.view_circle
-    if text and not (text[0] < text[2] and text[1] < text[3]):
-        said = " ".join(f"{edge:g}" for edge in text)
-        raise UserError(f"--text-box: expected LEFT below RIGHT and TOP below BOTTOM, got {said}")
-    try:
-        mask = PictureMask(text=text and tuple(text), view=view and tuple(view))
-    except ValidationError as error:
-        raise UserError(problem(error, {"text": "--text-box", "view": "--view-circle"})) from error
-    folder = flags.tool_masks
-    masks = None if folder is None else ToolMasks(folder=str(folder.absolute()))
-    return ClipPart(trim=trim, mask=mask, tool_masks=masks)
 
 
 def _kept(folder: RunFolder) -> str:

@@ -101,6 +101,11 @@ class ClipRecord:
         for camera in self.cameras:
             Camera.from_json(camera)
 
+    @property
+    def wanted(self) -> ClipPart:
+        """What was asked for of the clip, without what training found."""
+        return ClipPart(trim=self.part.trim if self.poses is None else self.asked, mask=self.part.mask)
+
     def through(self, part: Clip) -> Clip:
         """The part of the clip, with the cameras that were estimated, if any were, and the points."""
         if self.poses is None:

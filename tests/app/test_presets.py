@@ -43,7 +43,9 @@ def test_a_run_on_frames_of_the_preset_goes_through_every_command(
     assert vesselsplat("render", run, "--out", tmp_path / "out", "--frames", "test").code == 0
     resumed = vesselsplat("train", clip_path, "--run", run, *enhanced, *steps, "--resume")
     assert resumed.code == 0
-    refused = vesselsplat("train", clip_path, "--run", run, "--input", "enhanced", *steps, "--resume")
+    own = vesselsplat("train", clip_path, "--run", run, "--resume")
+    assert (own.code, "the run is finished already" in own.error) == (0, True)
+    refused = vesselsplat("train", clip_path, "--run", run, "--preset", "paper", "--resume")
     assert (refused.code, refused.error.count("\n")) == (2, 1)
     assert "expected the run's preset vessel, got paper" in refused.error
 

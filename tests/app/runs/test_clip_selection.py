@@ -139,6 +139,8 @@ def test_a_run_goes_on_with_its_own_part_only(
     )
     again = vesselsplat(*begin, *said, "--resume")
     assert again.code == 0, again.error
+    own = vesselsplat(*begin[:4], "--view-circle", 32, 24, 39, "--resume")
+    assert own.code == 0, own.error
     other = vesselsplat(*begin, "--frames", "2:7", *said[2:], "--resume")
     assert other.code == 2
     assert "trim (2, 8)" in other.error

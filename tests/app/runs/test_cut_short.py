@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -17,6 +18,7 @@ from app.errors import UserError
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
+from renderer.readers.clip_options import ClipOptions
 from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.events import Finished, Planned, Progress, Started, TrainEvent
 from tests.app.conftest import CONFIG, Call, request_of
@@ -96,6 +98,34 @@ def test_the_job_trains_a_real_run_and_cancel_leaves_it_to_be_resumed(
     steps.close()
     assert isinstance(started, Started)
     assert started.iteration > 0
+
+
+def test_a_run_resumes_with_its_own_settings_and_no_others(
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    config = replace(CONFIG, iterations=60, seed=3, keep=("harmonics",))
+    request = request_of(clip_path, tmp_path / "run", config=config, input="enhanced")
+    steps = run_training(replace(request, clip_options=ClipOptions(bottom_rows=2)))
+    next(event for event in steps if isinstance(event, Progress))
+    steps.close()
+    again = ("train", clip_path, "--run", tmp_path / "run", "--resume")
+    for flags, said in (
+        (("--iterations", 50), "expected the run's iterations 60, got 50"),
+        (("--bottom-rows", 3), "expected the run's bottom_rows 2, got 3"),
+        (("--input", "original"), "expected the run's input enhanced, got original"),
+    ):
+        other = vesselsplat(*again, *flags)
+        assert (other.code, f"cannot resume: {said}" in other.error) == (2, True)
+    call = vesselsplat(*again, "--seed", 3, "--json")
+    assert call.code == 0, call.error
+    assert "finished already" not in call.error
+    told = json.loads(call.out)
+    assert (told["iterations"], told["input"], told["config"]["keep"]) == (60, "enhanced", ["harmonics"])
+    done = vesselsplat(*again)
+    assert (done.code, "the run is finished already, there is nothing left to train" in done.error) == (
+        0,
+        True,
+    )
 
 
 def test_interrupted_training_says_what_is_kept(
