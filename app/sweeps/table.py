@@ -15,6 +15,8 @@ from app.sweeps.jobs import JobFolder
 from app.sweeps.plan import SweepRecord
 
 Value = str | float | int | bool | None
+HEAD: Final = ("job", "clip", "state", "reason")
+"""The first columns."""
 COSTS: Final = ("seconds", "peak_memory_mb", "threads", "machine", "version")
 """What a job took and where; the rest of a row is the same wherever it is done, but for times."""
 
@@ -36,12 +38,7 @@ class Row:
 
     def flat(self) -> dict[str, Value]:
         """One value a column. A setting and a measure of one name cannot be."""
-        head: dict[str, Value] = {
-            "job": self.job,
-            "clip": self.clip,
-            "state": self.state,
-            "reason": self.reason,
-        }
+        head: dict[str, Value] = {name: getattr(self, name) for name in HEAD}
         return head | self.settings | self.measures | self.costs
 
 

@@ -45,6 +45,8 @@ class VideoHeader:
     """Whether frames come evenly, as far as that is known."""
     is_announced: bool = True
     """Whether the number of frames, and with it their rate, is what the file states, and not what decodes."""
+    is_cut: bool = False
+    """Whether the end of the file is missing or damaged, as far as the frames were counted."""
 
 
 def read_video_header(path: Path) -> VideoHeader:
@@ -57,11 +59,12 @@ def read_video_header(path: Path) -> VideoHeader:
 def read_counted_header(path: Path) -> VideoHeader:
     """With the frames and their rate as the reader finds them, where the file tells them quickly.
 
-    Raises ClipError as `read_video_header`.
+    Raises ClipError as `read_video_header`, and for a DICOM object of which no frame is whole.
     """
+    if is_dicom(path) and not (told := read_header(path)).is_stream:
+        return _counted(path, told)
     header = read_video_header(path)
-    of_frames = is_dicom(path) and not read_header(path).is_stream
-    if of_frames or not has_pyav() or path.stat().st_size > QUICKLY_READ:
+    if not has_pyav() or path.stat().st_size > QUICKLY_READ:
         return header
     from renderer.readers.video_index import told_index
 
@@ -70,7 +73,17 @@ def read_counted_header(path: Path) -> VideoHeader:
     frames, rate = len(index.stamps), float(index.frames_per_second)
     seconds = frames / rate if index.is_cut else header.seconds
     found = replace(header, frames=frames, frames_per_second=rate, seconds=seconds)
-    return replace(found, is_steady=index.is_steady, is_announced=False)
+    return replace(found, is_steady=index.is_steady, is_announced=False, is_cut=index.is_cut)
+
+
+def _counted(path: Path, told: DicomHeader) -> VideoHeader:
+    """Of a DICOM object that holds its frames one by one, those that are whole."""
+    from renderer.readers.dicom_video import DicomVideo
+
+    found, rate = len(DicomVideo(path)), told.frames_per_second
+    seconds = found / rate if rate else None
+    is_cut = found < told.frames
+    return replace(_of_frames(told), frames=found, seconds=seconds, is_announced=False, is_cut=is_cut)
 
 
 def _of_frames(told: DicomHeader) -> VideoHeader:

@@ -155,17 +155,20 @@ def index_of(path: Path) -> VideoIndex:
         ClipError: no video, or no frame that decodes.
     """
     scan = _scanned(path)
-    index = _timed(path, scan)
-    if index is not None:
-        return index
+    return _timed(path, scan) or _numbered(path, scan)
+
+
+def _numbered(path: Path, scan: _Scan) -> VideoIndex:
     count = _count(path)
     cut = scan.packets.is_short or count < len(scan.packets.stamps)
     return VideoIndex(tuple(range(count)), 1 / scan.rate, True, cut, scan.is_interlaced, scan.rate)
 
 
 def told_index(path: Path) -> VideoIndex | None:
-    """The same where packets tell it, and so quickly; else None. Raises as `index_of`."""
-    return _timed(path, _scanned(path))
+    """The same where packets tell it, and so quickly, and of a file that is cut off, whose whole frames are
+    counted; else None. Raises as `index_of`."""
+    scan = _scanned(path)
+    return _timed(path, scan) or (_numbered(path, scan) if scan.packets.is_short else None)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from app.files.image_files import write_image
 from app.gui.session_file import Session, SessionSource, write_session
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
@@ -157,6 +158,76 @@ def test_a_video_has_the_rate_and_the_frames_that_the_window_tells(tmp_path: Pat
     said = vesselsplat("info", path).out
     assert "frame rate   varies, 4.118 a second on average\n" in said
     assert "frames       8, " in said
+
+
+def test_of_a_video_that_is_cut_off_the_notice_is_that_of_other_commands(
+    tmp_path: Path, told: Callable[[Path], dict[str, Any]]
+) -> None:
+    path = encoded(tmp_path / "v.avi", [numbered_picture(number) for number in range(90)])
+    assert "notices" not in told(path)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(0.6 * len(content))])
+    clip, facts = open_clip(path), told(path)
+    assert clip.notices[0].startswith("the file is cut off or damaged at its end: ")
+    assert (facts["notices"], facts["frames"]) == ([clip.notices[0]], {"count": len(clip)})
+
+
+def test_floats_are_told_with_their_range(tmp_path: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+    values = np.linspace(0.25, 0.75, 20 * 30 * 3, dtype=np.float32).reshape(20, 30, 3)
+    write_image(tmp_path / "own.tiff", values, {})
+    assert told(tmp_path / "own.tiff")["size"] == [30, 20, 3]
+    np.save(tmp_path / "far.npy", 7 * values.reshape(20, 90))
+    facts = told(tmp_path / "far.npy")
+    assert facts["what"] == {"kind": "values"}
+    assert (facts["size"], facts["values"]) == ([90, 20, 1], [1.75, 5.25])
+    assert "next" not in facts
+    assert cv2.imwrite(str(tmp_path / "a.tif"), values)
+    facts = told(tmp_path / "a.tif")
+    assert (facts["size"], facts["values"]) == ([30, 20, 3], [0.25, 0.75])
+    assert facts["next"] == [f"vesselsplat enhance {tmp_path / 'a.tif'} OUT.tiff"]
+
+
+@pytest.mark.parametrize(
+    ("form", "name", "format"),
+    [
+        ("splatting", "cameras.json", "cameras.json of 3D Gaussian Splatting"),
+        ("transforms", "transforms.json", "transforms.json of NeRF"),
+        ("colmap", "sparse", "text model of COLMAP"),
+    ],
+)
+def test_cameras_are_told(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, told: Callable[[Path], dict[str, Any]],
+    form: str, name: str, format: str,
+) -> None:  # fmt: skip
+    path = tmp_path / name
+    flags = ("--cameras", path, "--cameras-format", form, "--frames", 2, 5)
+    assert vesselsplat("export", runs["original"], *flags).code == 0
+    facts = told(path)
+    assert facts["what"] == {"kind": "cameras", "format": format}
+    assert (facts["cameras"], facts["size"]) == ({"count": 2}, [[64, 48]])
+    assert "2 cameras, frame-000002 to frame-000005" in vesselsplat("info", path).out
+    assert facts["next"] == [f"vesselsplat render RUN --camera {path} --time 0 --out OUT"]
+
+
+def test_a_description_of_a_sweep_and_its_table(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, told: Callable[[Path], dict[str, Any]]
+) -> None:
+    spec = tmp_path / "spec.toml"
+    lines = (f'clips = ["{folder}"]', 'task = "enhance"', "frames = 1", "[grid]", "d_factor = [0.5, 1.0]")
+    spec.write_text("\n".join(lines))
+    facts = told(spec)
+    assert facts["what"] == {"kind": "sweep description", "task": "enhance"}
+    assert (facts["clips"], facts["jobs"], facts["varied"]) == ({"count": 1}, {"count": 2}, ["d_factor"])
+    table = tmp_path / "table.csv"
+    table.write_text("job,clip,state,reason,d_factor\na,b,finished,,1\nc,b,failed,why,2\n")
+    facts = told(table)
+    assert facts["what"] == {"kind": "sweep table"}
+    assert facts["jobs"] == {"finished": 1, "failed": 1}
+    assert facts["columns"] == ["job", "clip", "state", "reason", "d_factor"]
+    for name, content in (("a.toml", "task = 3"), ("a.csv", "x,y\n1,2\n"), ("b.csv", "\xff\0")):
+        (tmp_path / name).write_text(content, encoding="latin-1")
+        call = vesselsplat("info", tmp_path / name)
+        assert (call.code, call.error.count("\n")) == (2, 1)
 
 
 def test_an_image_that_a_decoder_of_videos_reads(

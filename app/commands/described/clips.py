@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from app.commands.described.fact import Fact, next_steps, notices
-from app.files.image_files import frames_in
+from app.files.image_files import frames_in, read_image
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.clip_depth import BY_BRIGHTNESS, BY_MAPS
@@ -21,6 +21,7 @@ from renderer.depth.monocular import monocular_maps
 from renderer.depth.stereo_pairs import eye_folders, right_eye
 from renderer.layouts import LAYOUTS, layout_of
 from renderer.readers.clip_options import DEFAULTS, StereoLayout
+from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.listing import count, listed
 from renderer.readers.pictures import SeveralSizes
 from renderer.readers.video_header import read_counted_header
@@ -47,6 +48,27 @@ def of_clip(path: Path) -> tuple[Fact, ...]:
             Fact("missing", str(error), [str(error)]),
             next_steps(path, ("enhance", "PATH", "OUT")),
         )
+
+
+def of_values(path: Path) -> tuple[Fact, ...] | None:
+    """Of an image or a numpy array that stores floats, which is enhanced and not trained on; else None.
+
+    Raises UserError: it is damaged.
+    """
+    values = read_image(path)
+    if values.dtype.kind != "f" or not values.size:
+        return None
+    height, width = values.shape[:2]
+    channels = values.shape[2] if values.ndim == 3 else 1
+    low, high = (float(function(values)) for function in (np.nanmin, np.nanmax))
+    span = [low, high] if np.isfinite((low, high)).all() else None
+    steps = (next_steps(path, ("enhance", "PATH", "OUT.tiff")),) if span and 0 <= low <= high <= 1 else ()
+    return (
+        Fact("what", f"image of {values.dtype} values: not a clip to train on", {"kind": "values"}),
+        Fact("size", f"{width}x{height}, {count(channels, 'channel')}", [width, height, channels]),
+        Fact("values", f"{low:.6g} to {high:.6g}", span or []),
+        *steps,
+    )
 
 
 INTERLACED = "interlaced; deinterlaced on reading (change with --deinterlacing field or off)"
@@ -76,6 +98,7 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         *_eyes(header.stereo),
         Fact("camera", _assumed(), {"field_of_view": DEFAULTS.field_of_view, "assumed": True}),
         Fact("unit", "scene units"),
+        *notices([f"{CUT_OFF}: {frames} frames are whole"] if header.is_cut else []),
         next_steps(
             path,
             ("enhance", "PATH", "OUT.mp4"),

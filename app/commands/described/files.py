@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from app.commands.described.cameras import of_cameras
 from app.commands.described.fact import Fact, made, next_steps, notices
 from app.console.flags import problem
 from app.errors import UserError
@@ -201,7 +202,7 @@ def of_report(path: Path) -> Facts:
 
 
 def of_json(path: Path) -> Facts:
-    """A report, or what lies beside an exported file. Raises UserError: neither."""
+    """A report, what lies beside an exported file, or cameras. Raises UserError: none of these."""
     if holds_report(path):
         return of_report(path)
     export = path.with_suffix("")
@@ -210,7 +211,7 @@ def of_json(path: Path) -> Facts:
     except ValueError:
         facts = None
     if not isinstance(facts, dict) or facts.get("app") != "VesselSplat":
-        raise UserError(f"expected a report or a provenance, got another JSON file: {path}")
+        return of_cameras(path)
     there = export.is_file()
     text = f"provenance of {export.name}" + ("" if there else ", which no longer exists")
     steps = (next_steps(export, ("replay", "PATH")),) if there and can_replay(facts) else ()

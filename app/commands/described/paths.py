@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.commands.described.clips import of_clip, of_video
+from app.commands.described.cameras import COLMAP, of_cameras
+from app.commands.described.clips import of_clip, of_values, of_video
 from app.commands.described.fact import Fact, next_steps
 from app.commands.described.files import (
     can_replay,
@@ -19,9 +20,11 @@ from app.commands.described.files import (
 )
 from app.errors import UserError
 from app.exports.replay.recorded import recorded
+from app.files.image_files import TIFF
 from app.gui.session_file import SUFFIX
 from app.runs.run_folder import RunFolder
 from app.sweeps.folder import SWEEP, is_sweep
+from renderer.clip import ClipError
 from renderer.layouts import layout_of
 from renderer.readers.listing import count, listed
 from renderer.readers.picture_kinds import frame_folder
@@ -62,7 +65,9 @@ def _file(path: Path) -> tuple[Fact, ...]:
         return _sweep(path.parent)
     if path.suffix == ".json":
         return of_json(path)
-    own = of_clip(path) if layout_of(path).name == "image" else of_video(path)
+    if path.suffix == ".toml" or (path.suffix == ".csv" and not is_export(path)):
+        return _of_sweep(path)
+    own = _own(path)
     if not is_export(path):
         return own
     # An export is told as such first, then what it is like any picture or video.
@@ -72,6 +77,17 @@ def _file(path: Path) -> tuple[Fact, ...]:
         # What was recorded live is a clip like any other.
         return *of_export(path), *(fact for fact in own if fact.name != "what")
     return *of_export(path), *kept, next_steps(path, ("replay", "PATH"), ("enhance", "PATH", output))
+
+
+def _own(path: Path) -> tuple[Fact, ...]:
+    """Of an image or a video. Raises ClipError: neither."""
+    try:
+        return of_clip(path) if layout_of(path).name == "image" else of_video(path)
+    except ClipError:
+        stored = of_values(path) if path.suffix.lower() in (*TIFF, ".npy") else None
+        if stored is None:
+            raise
+        return stored
 
 
 def _folder(path: Path) -> tuple[Fact, ...]:
@@ -85,7 +101,15 @@ def _folder(path: Path) -> tuple[Fact, ...]:
         return of_series(path, files)
     known = layout_of(path).name != "images"
     pictures = any(is_frame(entry) for entry in frame_folder(path).iterdir())
-    return of_clip(path) if known or pictures else _other(path)
+    if known or pictures:
+        return of_clip(path)
+    return of_cameras(path) if (path / COLMAP).is_file() else _other(path)
+
+
+def _of_sweep(path: Path) -> tuple[Fact, ...]:
+    from app.commands.described.sweeps import of_spec, of_table
+
+    return of_spec(path) if path.suffix == ".toml" else of_table(path)
 
 
 def _sweep(folder: Path) -> tuple[Fact, ...]:

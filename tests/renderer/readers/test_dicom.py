@@ -16,7 +16,7 @@ from pydicom.uid import (
 )
 
 from renderer.clip import ClipError
-from renderer.readers.video_header import read_video_header
+from renderer.readers.video_header import read_counted_header, read_video_header
 from renderer.sources import open_clip
 from tests.renderer.readers.dicom_files import (
     VIDEO,
@@ -96,6 +96,8 @@ def test_frames_of_a_file_that_is_cut_off_are_those_that_are_whole(tmp_path: Pat
     clip = open_clip(path)
     assert len(clip) == 5
     assert clip.notices == ("the file is cut off or damaged at its end: 5 frames are whole",)
+    header = read_counted_header(path)
+    assert (header.frames, header.is_cut, header.is_announced) == (5, True, False)
 
 
 def test_a_video_inside_is_read_where_it_lies(tmp_path: Path) -> None:
