@@ -81,7 +81,15 @@ def differences(summary: Summary, measures: Sequence[str]) -> Iterator[Table]:
                 low, high = (found.spread.mean + sign * found.half_width for sign in (-1, 1))
                 clear = "yes" if found.is_clear else "no"
                 rows.append((said(setting), name, found.spread.count, found.spread.mean, low, high, clear))
-    names = ("setting", "measure", "pairs", "difference", "from", "to", "differs from 0")
+    names = (
+        "setting",
+        "measure",
+        "pairs",
+        "difference",
+        "difference from",
+        "difference to",
+        "differs from 0",
+    )
     yield Table(
         title=f"Differences from {said(base)}",
         columns=tuple(map(Column, names)),
@@ -130,7 +138,7 @@ def failures(failed: Sequence[Row]) -> Table:
 def _columns(measures: Sequence[str]) -> Iterator[Column]:
     for name in measures:
         yield Column(name, best="high" if name in HIGHER else "low")
-        yield Column("±")
+        yield Column(f"{name} ±")
 
 
 def _pairs(spreads: Iterator[tuple[float, float]]) -> Iterator[Cell]:

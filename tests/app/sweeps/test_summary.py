@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from app.sweeps.sections import by_clip, differences, over_all
 from app.sweeps.summary import Difference, Spread, Summary, quantile, said
 from app.sweeps.table import Row
 
@@ -88,3 +89,13 @@ def test_equal_values_differ_clearly_from_zero_unless_they_are_zero() -> None:
 
 def test_what_is_left_to_the_program_is_auto() -> None:
     assert said((("z", None), ("p", 0.5))) == "z auto, p 0.5"
+
+
+def test_every_column_has_a_name_of_its_own(summary: Summary) -> None:
+    measures = ("psnr", "bv")
+    tables = (over_all(summary, measures), by_clip(summary, measures), *differences(summary, measures))
+    for table in tables:
+        names = [column.name for column in table.columns]
+        assert len(set(names)) == len(names)
+    assert [column.name for column in tables[0].columns] == ["setting", "psnr", "psnr ±", "bv", "bv ±"]
+    assert [column.name for column in tables[2].columns][4:6] == ["difference from", "difference to"]
