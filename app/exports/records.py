@@ -17,6 +17,7 @@ from app.enhancement.settable import (
     LONGEST_NOTES,
     Pixels,
     Scope,
+    Share,
     at_most,
     one_of,
     renamed,
@@ -77,7 +78,7 @@ class Splats(SceneRecord):
 
     kind: Literal["splats"] = "splats"
     frame: int | None = None
-    time: float
+    time: Share
     sh_degree: Annotated[int, Interval(ge=0, le=3)] | None = None
     """To which its colours by direction are filled up; None: as the model has them."""
     layout: Literal["compressed"] | None = None
@@ -110,7 +111,7 @@ class SurfaceMesh(SceneRecord):
     kind: Literal["surface mesh"] = "surface mesh"
     title: str
     """Of the clip."""
-    time: float | None = None
+    time: Share | None = None
     """None: through the clip."""
     frame: int | None = None
     seconds: Annotated[float, Interval(gt=0)]

@@ -9,6 +9,7 @@ from annotated_types import Interval
 from pydantic import PlainSerializer, PlainValidator
 from pydantic.dataclasses import dataclass
 
+from app.enhancement.settable import Share
 from app.enhancement.setting_words import worded
 from app.files.provenance import plain, repeatable
 from app.files.records import LENIENT, Record, Source, Told
@@ -87,7 +88,7 @@ class SceneRecord(Record):
 class MomentRecord(Record):
     """When, and from where it is seen."""
 
-    time: float
+    time: Share
     camera: RecordedCamera
     frame: int | None = None
     near: float | None = None

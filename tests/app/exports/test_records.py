@@ -87,7 +87,7 @@ def test_what_no_pixel_needs_keeps_nobody_from_replaying(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"supersampling": 0}, {"camera": {"fx": 1}}, {"renderer": 3}, {"time": "now"}]
+    "wrong", [{"supersampling": 0}, {"camera": {"fx": 1}}, {"renderer": 3}, {"time": "now"}, {"time": 2.0}]
 )
 def test_what_pixels_need_is_one_line(tmp_path: Path, wrong: dict[str, object]) -> None:
     path = changed("render-color.png", tmp_path, **wrong)
