@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from app.errors import UserError
-from app.exports.replay.recorded import recorded
 from app.files.provenance import read_provenance
 from app.gui.work.opening import OpenRequest, open_path
 from app.runs.run_folder import RunFolder
@@ -170,69 +169,6 @@ def test_a_mistake_is_one_line(
     assert call.error.count("\n") == 1
     assert said in call.error
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    ("flags", "said"),
-    [
-        (("--usd", "a.usdc", "--frames", "2"), "--frames: --usd holds all of the clip"),
-        (("--4dgs", "a.4dgs", "--time", "0.5"), "--time: --4dgs holds all of the clip"),
-        (("--html", "a.html", "--frames", "2"), "--frames: --html holds all of the clip"),
-        (("--mesh", "a.glb", "--path", "p.json"), "--path: --mesh holds all of the clip"),
-        (("--ply", "ply", "--mesh", "a.usdc", "--frames", "2"), "--frames: --mesh holds all of the clip"),
-        (("--ply", "ply", "--camera", "a.json"), "--camera: expected an export that it applies to, such as "),
-        (("--usd", "a.usdc", "--size", "64", "48"), "--size: expected an export that it applies to"),
-        (
-            ("--html", "a.html", "--view", "motion"),
-            "--view: expected an export that it applies to, such as --v",
-        ),
-        (("--npz", "a.npz", "--background", "black"), "--background: expected an export that it applies"),
-        (("--cameras", "a.json", "--supersampling", "2"), "--supersampling: expected an export that"),
-        (("--cameras", "a.json", "--with", "reference"), "--with: expected an export that it applies"),
-        (
-            ("--html", "a.html", "--camera", "cameras.json"),
-            "--html: expected one --camera, got 2: cameras.json",
-        ),
-        (("--ply", "{run}"), "--ply: expected a place outside the run that is exported, got "),
-        (("--video", "{run}/a.mp4"), "--video: expected a place outside the run that is exported, got "),
-    ],
-)
-def test_what_no_file_heeds_is_refused(
-    runs: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, vesselsplat: Cli,
-    flags: tuple[str, ...], said: str,
-) -> None:  # fmt: skip
-    run = runs["original"]
-    monkeypatch.chdir(tmp_path)
-    assert vesselsplat("export", run, "--cameras", "cameras.json", "--frames", 0, 0, 5).code == 0
-    before = sorted(run.iterdir())
-    call = vesselsplat("export", run, *(one.format(run=run) for one in flags))
-    assert (call.code, call.error.count("\n")) == (2, 1)
-    assert said in call.error
-    assert [path.name for path in tmp_path.iterdir()] == ["cameras.json"]
-    assert sorted(run.iterdir()) == before
-
-
-def test_a_page_opens_as_the_camera_that_is_given(
-    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
-) -> None:
-    camera = RunFolder(runs["original"]).record().camera(5).shaped(80, 60)
-    (tmp_path / "one.json").write_text(json.dumps(camera.to_json()))
-    page = tmp_path / "a.html"
-    call = vesselsplat("export", runs["original"], "--html", page, "--camera", tmp_path / "one.json")
-    assert call.code == 0, call.error
-    assert (recorded(page)["camera"]["width"], recorded(page)["camera"]["height"]) == (80, 60)
-
-
-def test_an_odd_size_is_told_and_a_frame_is_written_once(
-    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
-) -> None:
-    video, splats = tmp_path / "a.mp4", tmp_path / "ply"
-    flags = ("--video", video, "--size", 33, 21, "--frames", 0, "0:1", 0)
-    call = vesselsplat("export", runs["original"], *flags, "--ply", splats)
-    assert call.code == 0
-    assert f"the codec needs even sizes: 33x21 was cut to 32x20: {video}\n" in call.error
-    assert f"{splats}: 2 splat files" in call.out
-    assert len(list(splats.iterdir())) == 2
 
 
 @pytest.mark.parametrize(
