@@ -18,7 +18,8 @@ from renderer.camera import Camera
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from renderer.model_windows import first_at
-from renderer.paint import by_motion, by_normal
+from renderer.normals import surface_normals
+from renderer.paint import by_motion
 from renderer.splats import Float32Array, Shape, Splats
 from renderer.unobserved import BLACK
 
@@ -123,15 +124,21 @@ class Moments(Protocol):
     def at(self, time: float) -> Splats: ...
 
 
-def splats_for(kind: ViewKind, model: Moments, time: float, camera: Camera) -> Splats:
+def splats_for(kind: ViewKind, model: Moments, time: float) -> Splats:
     """The splats at `time` in the colours that the view needs."""
     splats = model.at(time)
-    if kind == "normals":
-        return by_normal(splats, camera)
     if kind == "motion":
         first = first_at(model, time) if isinstance(model, DynamicGaussians) else model.at(0.0)
         return by_motion(splats, first)
     return splats
+
+
+def facing(drawn: Drawn, camera: Camera) -> Drawn:
+    """In the colours of where its surface faces: red right, green up, blue to the camera; 0.5 is 0."""
+    normals = surface_normals(drawn.depth, camera)
+    known = normals.any(axis=2, keepdims=True)
+    colors = known * (0.5 + 0.5 * normals * np.array([1, -1, -1], np.float32))
+    return replace(drawn, image=(drawn.alpha[..., None] * colors).astype(np.float32))
 
 
 def composed(

@@ -19,6 +19,7 @@ from app.scenes.view_kinds import (
     Scale,
     ViewKind,
     composed,
+    facing,
     has_scale,
     holding,
     splats_for,
@@ -124,7 +125,7 @@ class ViewRequest:
         """The splats of its kind, as the scene was trained to be drawn."""
         if self.kind == "surface":
             draw = drawing_surface(self.scene, self.time)
-        splats = splats_for(self.kind, self.scene.model, self.time, self.camera)
+        splats = splats_for(self.kind, self.scene.model, self.time)
         fine = supersampled(draw, self.supersampling)
         return fine(splats, self.camera, self.near, self.scene.mode, SHAPES[self.kind])
 
@@ -132,6 +133,7 @@ class ViewRequest:
         """The picture that is asked for, of its splats drawn in their shape. Raises ClipError."""
         reference = self.reference.image if self.reference else None
         unit, since = self.scene.unit, self.scene.motion_since
+        drawn = facing(drawn, self.camera) if self.kind == "normals" else drawn
         return composed(self.kind, drawn, unit, reference, self.scale, self.background, since)
 
     def picture(self, draw: Draw) -> Composed:

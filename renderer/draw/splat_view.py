@@ -33,10 +33,10 @@ _NO_PIVOT: Rgb = (0.0, 0.0, 0.0)
 _OVER = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE_MINUS_SRC_ALPHA
 """Source and destination of colour, then of transmittance."""
 _GUARD_BAND = 0.3
-Paint = Literal["color", "depth", "normals", "motion"]
-"""What splats are painted with: their colours, their depth, where they face (as `by_normal` of
-renderer.paint), or how far they are from where they were at the first keyframe."""
-_PAINTS: dict[Paint, int] = {"color": 0, "depth": 1, "normals": 2, "motion": 3}
+Paint = Literal["color", "depth", "motion"]
+"""What splats are painted with: their colours, their depth, or how far they are from where they were at the
+first keyframe (as `by_motion` of renderer.paint)."""
+_PAINTS: dict[Paint, int] = {"color": 0, "depth": 1, "motion": 2}
 _BODIES: dict[Shape, int] = {"soft": 0, "ellipsoid": 1, "point": 2}
 
 
@@ -113,7 +113,7 @@ class SplatView:
         self._visible = 0
 
     def upload(self, splats: Splats, mode: RenderMode = "default") -> None:
-        """Replace what is drawn. Colours may be any display values: normals or motion as well as RGB.
+        """Replace what is drawn. Colours may be any display values: motion as well as RGB.
 
         Raises:
             ValueError: a value that is not finite, naming the field and the first such row, or more

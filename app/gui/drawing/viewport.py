@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Protocol
+from typing import Final, Protocol
 
 import moderngl
 from imgui_bundle import imgui
@@ -23,6 +23,9 @@ from renderer.draw.keyframes import Keyframes
 from renderer.draw.offscreen import read_layers
 from renderer.draw.splat_view import Paint, SplatView
 from renderer.unobserved import GREY, LINES
+
+WITH_DEPTH: Final = ("depth", "normals")
+"""Views that are made of how far it is."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +128,7 @@ class GraphicsViewport:
         _forget_errors(self._ctx)
         splats, size = self._upload(request, keyframes), (request.camera.width, request.camera.height)
         if request.kind != "color" or request.background == "smooth":
-            paint, with_depth = _paint(request.kind, keyframes), request.kind == "depth"
+            paint, with_depth = _paint(request.kind, keyframes), request.kind in WITH_DEPTH
             shape = SHAPES[request.kind]
             layers = read_layers(splats, request.camera, shape, paint=paint, with_depth=with_depth)
             self._composed = request.composed(Drawn(layers.color, layers.depth, layers.alpha))
@@ -154,7 +157,7 @@ class GraphicsViewport:
         if self._uploaded != wanted and keyframes is not None:
             self._splats.upload_keyframes(keyframes, scene.mode)
         elif self._uploaded != wanted:
-            self._splats.upload(splats_for(kind, scene.model, time, request.camera), scene.mode)
+            self._splats.upload(splats_for(kind, scene.model, time), scene.mode)
         self._uploaded = wanted
         self._splats.seek(time)
         return self._splats
@@ -176,9 +179,7 @@ class GraphicsViewport:
 
 def _paint(kind: ViewKind, keyframes: Keyframes | None) -> Paint:
     """What the card finds by itself. Where a splat was at the start it knows from keyframes alone."""
-    if kind == "normals" or (kind == "motion" and keyframes is not None):
-        return kind
-    return "color"
+    return "motion" if kind == "motion" and keyframes is not None else "color"
 
 
 def _forget_errors(ctx: moderngl.Context) -> None:

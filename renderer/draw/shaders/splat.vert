@@ -11,7 +11,7 @@ const float ELLIPSOID_REACH = 1.5;     // standard deviations
 const float LEAST_OPACITY = 0.1;       // of ellipsoids
 const float POINT_RADIUS = 1.25;       // px
 const float RIM = 0.55;                // an ellipsoid is so much darker at its edge
-const int DEPTH = 1, NORMALS = 2, MOTION = 3;
+const int DEPTH = 1, MOTION = 2;
 
 const int ROW = 1024;            // splats in a row of records and offsets
 const int HARMONICS_ROW = 256;
@@ -66,14 +66,6 @@ vec3 seen_from(vec3 direction, ivec2 at) {
     for (int index = 0; index < functions; ++index)
         sum += values[index] * texelFetch(harmonics, at + ivec2(index, 0), 0).rgb;
     return sum;
-}
-
-// The shortest axis, turned to face the camera: red right, green up, blue to the camera; 0.5 is 0.
-vec3 normal_color(mat3 axes, vec3 scales, vec3 local) {
-    bool first = scales.x <= min(scales.y, scales.z);
-    vec3 normal = first ? axes[0] : scales.y <= scales.z ? axes[1] : axes[2];
-    if (dot(normal, local) > 0.0) normal = -normal;
-    return 0.5 + 0.5 * normal * vec3(1.0, -1.0, -1.0);
 }
 
 mat3 rotation_from(vec4 quat) {
@@ -142,7 +134,6 @@ void main() {
     shape = vec3(b / a, 1.0 / a, 1.0 / remainder);
     if (compensated) opacity *= length(minors) * inversesqrt(remainder);
     if (painted == DEPTH) color = vec3(z);
-    if (painted == NORMALS) color = normal_color(spread, scales, local);
     if (painted == MOTION) color = vec3(length(moved.xyz));
     paint = vec4(color, opacity);
 

@@ -24,13 +24,14 @@ from app.scenes.view_kinds import (
     Scale,
     composed,
     difference,
+    facing,
     has_scale,
     nice_step,
 )
 from renderer.camera import Camera
 from renderer.camera_path import CameraPath, Keyframe
 from renderer.near_plane import near_plane
-from renderer.paint import by_motion, by_normal
+from renderer.paint import by_motion
 from renderer.splats import Shape, Splats
 from renderer.view_files import Views, views_json
 from tests.app.conftest import Call
@@ -50,24 +51,28 @@ def flat(color: tuple[float, float, float] = (0.9, 0.5, 0.2)) -> Splats:
 EYE = Camera.from_fov(60, 65, 65)
 
 
-def test_a_normal_faces_the_camera_whatever_the_sign_of_the_axis() -> None:
-    np.testing.assert_allclose(by_normal(flat(), EYE).colors, [[0.5, 0.5, 1.0]], atol=1e-6)
-    over = replace(flat(), quats=np.array([[0, 1, 0, 0]], np.float32))
-    np.testing.assert_allclose(by_normal(over, EYE).colors, [[0.5, 0.5, 1.0]], atol=1e-6)
-    # Turned by 60 degrees about the x axis, the normal points up or down and at the camera.
-    turn = np.array([[math.cos(math.pi / 6), math.sin(math.pi / 6), 0, 0]], np.float32)
-    tilted = by_normal(replace(flat(), quats=turn), EYE).colors[0]
-    assert tilted[0] == pytest.approx(0.5)
-    assert abs(tilted[1] - 0.5) == pytest.approx(0.5 * math.sin(math.pi / 3), abs=1e-6)
-    assert tilted[2] == pytest.approx(0.5 + 0.5 * math.cos(math.pi / 3), abs=1e-6)
-
-
-def test_normals_turn_with_the_camera() -> None:
-    splats = random_splats(50, CAMERA, 1)
-    seen = by_normal(splats, CAMERA).colors * 2 - 1
-    np.testing.assert_allclose(np.linalg.norm(seen, axis=1), 1, atol=1e-5)
-    local = splats.means @ CAMERA.camera_from_world[:3, :3].T + CAMERA.camera_from_world[:3, 3]
-    assert ((seen * [1, -1, -1] * local).sum(axis=1) <= 1e-4).all()
+@pytest.mark.parametrize("renderer", ["cpu", pytest.param("gl", marks=pytest.mark.gl)])
+@pytest.mark.parametrize("tilt", [0.0, 40.0, -40.0])
+def test_normals_are_those_of_the_surface_whatever_the_shape_of_its_splats(
+    renderer: Renderer, tilt: float
+) -> None:
+    """Balls, of which no axis is the shortest, on a plane whose lower end is farther by the tilt: it faces
+    down, which is less green."""
+    draw, _ = drawer(renderer)
+    slope = math.tan(math.radians(tilt))
+    across, down = (grid.ravel() for grid in np.meshgrid(np.arange(-2, 2, 0.05), np.arange(-2, 2, 0.05)))
+    means = np.stack([across, down, 5 + slope * down], axis=1).astype(np.float32)
+    count = len(means)
+    splats = Splats(
+        means, np.tile(np.float32([1, 0, 0, 0]), (count, 1)), np.full((count, 3), 0.05, np.float32),
+        np.full(count, 0.9, np.float32), np.full((count, 3), 0.5, np.float32),
+    )  # fmt: skip
+    drawn = facing(draw(splats, EYE, 0.01, "default"), EYE)
+    seen = drawn.image[20:45, 20:45] / drawn.alpha[20:45, 20:45, None]
+    wanted = 0.5 + 0.5 * np.array([0, -math.sin(math.radians(tilt)), math.cos(math.radians(tilt))])
+    assert np.abs(seen.mean(axis=(0, 1)) - wanted).max() < 0.02
+    assert seen.std(axis=(0, 1)).max() < 0.03
+    assert not facing(draw(splats, EYE, 100.0, "default"), EYE).image.any()
 
 
 def test_motion_is_the_way_from_the_start_in_scene_units() -> None:
