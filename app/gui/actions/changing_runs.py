@@ -90,14 +90,15 @@ def take_changed(state: AppState, request: ChangeRequest, answer: Changed | Fail
     name = legible(request.path.name)
     if isinstance(answer, Failure):
         verb = "deleted" if request.name is None else "renamed"
-        actions.fail(state, f"{name} was not {verb}: {answer.message}")
+        actions.fail(state, f"the run {name} was not {verb}: {answer.message}")
         return
     if answer.path == request.path:
         return
     gone = f"deleted {name}" if request.for_good else f"moved {name} to the bin"
-    actions.announce(
-        state, gone if answer.path is None else f"{name} is now called {legible(answer.path.name)}"
-    )
+    now = f"the run {name} is now called {legible(answer.path.name)}" if answer.path is not None else gone
+    actions.announce(state, now)
+    state.settings = state.settings.moved(request.path, answer.path)
+    actions.save_settings(state)
     second = state.scene.second.shown
     if second is not None and second.path == request.path:
         second_actions.close_second(state)

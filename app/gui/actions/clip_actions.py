@@ -26,13 +26,14 @@ def why_no_clip(state: AppState) -> str:
 
 
 def trim_here(state: AppState, *, start: bool) -> None:
-    """The clip begins, or ends, with the present frame; the other end moves along where it must."""
+    """The clip begins, or ends, with the present frame; where that lies beyond the other end, this goes back
+    to that of the whole."""
     if state.source.clip is None:
         return
     first, last = state.source.span
-    now = state.timeline.frame_index
-    first, last = (now, max(now, last)) if start else (min(now, first), now)
-    whole = (first, last) == (0, len(state.source.clip) - 1)
+    now, end = state.timeline.frame_index, len(state.source.clip) - 1
+    first, last = (now, last if now <= last else end) if start else (first if first <= now else 0, now)
+    whole = (first, last) == (0, end)
     _set(state, replace(state.source.part, trim=None if whole else (first, last)))
 
 

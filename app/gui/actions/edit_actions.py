@@ -11,7 +11,6 @@ from app.gui.state.editing import Change, Editing, Tool, tinted_model
 from app.gui.work.background import Failure
 from app.gui.work.saving_edits import SavedEdits, SaveRequest
 from app.gui.work.selecting import Around, Limits, Selected, SelectRequest
-from app.scenes.scene import Scene
 from renderer.editing.edits import Combination, Edits
 from renderer.editing.history import History
 from renderer.editing.regions import Lasso, Present, Range, Rectangle, Region
@@ -60,8 +59,11 @@ def may_edit(state: AppState) -> bool:
     return state.scene.model is not None
 
 
-def _why_not(model: Scene) -> str:
-    """Of one that cannot be edited, in a sentence."""
+def why_not_edit(state: AppState) -> str:
+    """Why there is nothing to edit, in a sentence."""
+    model = state.scene.model
+    if model is None:
+        return "There is no reconstruction to edit: reconstruct the clip or open a run."
     if model.live:
         return "The reconstruction is not finished: wait for it or continue it, then edit."
     return f"This is {model.split_by_time}, which cannot be edited."
@@ -69,10 +71,9 @@ def _why_not(model: Scene) -> str:
 
 def toggle(state: AppState) -> None:
     """Into edit mode and out of it; edits stay, selected Gaussians lose their colour."""
-    editing, model = state.editing, state.scene.model
+    editing = state.editing
     if editing.base is None:
-        if model is not None:
-            actions.announce(state, _why_not(model))
+        actions.announce(state, why_not_edit(state))
         return
     editing.active, editing.stroke = not editing.active, ()
     _show(state)

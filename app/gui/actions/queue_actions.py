@@ -138,6 +138,8 @@ def what_is_kept(state: AppState) -> str:
         if state.exports.under_way is not None:
             return "What it has written so far is discarded."
     begun = "The steps that are done are kept: Continue resumes from there."
+    if state.runs.reconstruction.is_alive and state.runs.reconstruction.progress is None:
+        begun = "It has not done a step yet."
     if not state.runs.queue:
         return begun
     return f"{begun} The queue is {'kept for the next start' if to_keep(state) else 'discarded'}."

@@ -19,7 +19,7 @@ def edit_sections() -> tuple[Section, ...]:
     """All but the first need edit mode."""
     mode = (
         Command("Edit mode", edit_actions.toggle, ("Ctrl+E",), "edit the reconstruction, or stop editing",
-                applies=edit_actions.may_edit, ticked=_active,
+                applies=edit_actions.may_edit, lacks=edit_actions.why_not_edit, ticked=_active,
                 synonyms=("clean", "remove", "gaussians", "floaters", "crop")),
     )  # fmt: skip
     select = (

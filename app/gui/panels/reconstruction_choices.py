@@ -16,8 +16,9 @@ from app.gui.actions import actions, clip_actions, depth_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
 from app.gui.style.fields import declared, wants_default
-from app.gui.style.widgets import NAMES, button, choose_row, em, explain, explain_entry, note, row, seconds
+from app.gui.style.widgets import NAMES, button, choose_row, em, explain, explain_entry, note, row
 from app.gui.work.presets import loosely_named
+from app.kernels.progress import rounded
 from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWay
 from renderer.readers.clip_options import ClipOptions, Stereo
@@ -194,8 +195,8 @@ def _quality(run: Reconstruction) -> int:
     text = f"Number of iterations: {steps}. More are slower and better."
     shown = {name: name for name in (*QUALITIES, now)}
     if took is not None:
-        text += f" About {seconds(took)} at the speed of the run shown."
-        shown |= {now: f"{now}, about {seconds(took)}" if took else now}
+        text += f" {rounded(took).capitalize()} at the speed of the run shown."
+        shown |= {now: f"{now}, {rounded(took)}" if took else now}
     return QUALITIES.get(choose_row("Quality", now, shown, text), run.config.iterations)
 
 

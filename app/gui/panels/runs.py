@@ -15,7 +15,7 @@ from app.gui.panels.run_measures import draw_run_measures
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.style import theme
-from app.gui.style.widgets import beside, button, em, explain, muted, note
+from app.gui.style.widgets import beside, button, em, explain, muted, note, shortened
 from app.gui.work.runs import ListedRun
 
 BESIDE = "Open beside"
@@ -73,10 +73,12 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     imgui.end_disabled()
     how = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "
     part = f" Trained on {said}." if (said := run.request.part.told()) else ""
-    explain(reason or f"{how}{run.path}.{part}")
+    psnr = f"{run.psnr:.1f} dB" if run.psnr is not None else ""
+    left = right - imgui.calc_text_size(psnr).x
+    if imgui.get_mouse_pos().x < imgui.get_window_pos().x + left:
+        explain(reason or f"{how}{run.path}.{part}")
     if run.psnr is not None:
-        psnr = f"{run.psnr:.1f} dB"
-        imgui.same_line(right - imgui.calc_text_size(psnr).x)
+        imgui.same_line(left)
         imgui.text_colored(theme.now().accent, psnr)
         explain(PSNR_FINISHED if run.made == "finished" else PSNR_SO_FAR)
     finished, steps = run.made == "finished", f"{run.iterations:,}"
@@ -139,8 +141,8 @@ def _draw_waiting(state: AppState, waiting: Waiting, *, first: bool) -> None:
     imgui.align_text_to_frame_padding()
     end = imgui.get_content_region_avail().x - 2 * (imgui.get_frame_height() + em(0.3))
     ink = theme.now().muted if waiting.asleep else theme.now().text
-    method, steps = named(request.config.method), request.config.iterations
-    imgui.text_colored(ink, f"{method} · {request.input} · {steps:,} iterations")
+    room = end - imgui.get_cursor_pos_x() - em(0.3)
+    imgui.text_colored(ink, shortened(legible(request.run_path.name), room))
     since = " Queued in an earlier session." if waiting.asleep else ""
     explain(f"{legible(waiting.clip_name)}: {request.run_path}.{since}")
     imgui.same_line(end)
@@ -149,3 +151,5 @@ def _draw_waiting(state: AppState, waiting: Waiting, *, first: bool) -> None:
     button(f"{icons.ICON_FA_ARROW_UP}###to front", front, text, enabled=not first)
     imgui.same_line(0, em(0.3))
     button(f"{icons.ICON_FA_TIMES}###withdraw", partial(queue_actions.withdraw, state, waiting), remove)
+    method, steps = named(request.config.method), request.config.iterations
+    muted(f"{method} · {request.input} frames · {steps:,} iterations")

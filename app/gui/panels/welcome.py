@@ -17,7 +17,7 @@ from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.overlays import covered
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import Area, button, centered, em, explain, muted, tag
+from app.gui.style.widgets import Area, button, centered, em, explain, muted, shortened, tag
 from app.gui.work.recents import Kind, Recent
 from renderer.clip import ByteImage
 
@@ -205,17 +205,6 @@ def _draw_inside(textures: ShowsPictures, slot: str, image: ByteImage, area: Are
     size = ImVec2(scale * image.shape[1], scale * image.shape[0])
     low = area.corner + (area.size - size) / 2
     imgui.get_window_draw_list().add_image(textures.whole(slot, image), low, low + size)
-
-
-def shortened(text: str, room: float) -> str:
-    """So that it fits in so many pixels: its middle gives way, as both ends of a name tell most."""
-    if imgui.calc_text_size(text).x <= room:
-        return text
-    for kept in range(len(text) - 1, 1, -1):
-        short = f"{text[: (kept + 1) // 2]}…{text[len(text) - kept // 2 :]}"
-        if imgui.calc_text_size(short).x <= room:
-            return short
-    return "…"
 
 
 def _cards(width: float) -> tuple[int, float]:

@@ -281,8 +281,11 @@ class AppState:
 
     @property
     def runs_request(self) -> RunsRequest | None:
-        """Which runs should be listed now; None while the list is not on screen."""
-        if not self.runs.is_listed or self.source.clip is None or self.source.is_live_frame:
+        """Which runs should be listed now; None while the list is not on screen, and has the run that is
+        shown: menus offer to rename and delete that one."""
+        found, shown = self.runs.found, self.runs.reconstruction.run_path
+        is_known = shown is None or (found is not None and any(run.path == shown for run in found.runs))
+        if (is_known and not self.runs.is_listed) or self.source.clip is None or self.source.is_live_frame:
             return None
         return RunsRequest(self.places.runs, self.source.clip, int(self.window.now / LOOK_AGAIN))
 

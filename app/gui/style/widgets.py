@@ -197,6 +197,17 @@ def note(text: str, color: ImVec4 | None = None) -> None:
         imgui.text_colored(color or theme.now().muted, text)
 
 
+def shortened(text: str, room: float) -> str:
+    """So that it fits in so many pixels: its middle gives way, as both ends of a name tell most."""
+    if imgui.calc_text_size(text).x <= room:
+        return text
+    for kept in range(len(text) - 1, 1, -1):
+        short = f"{text[: (kept + 1) // 2]}…{text[len(text) - kept // 2 :]}"
+        if imgui.calc_text_size(short).x <= room:
+            return short
+    return "…"
+
+
 def centered(text: str, color: ImVec4 | None = None) -> None:
     """A line of text in the middle of the window's width; more lines where it is too long for that."""
     text, color = legible(text), color or theme.now().muted

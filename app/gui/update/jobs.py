@@ -113,7 +113,8 @@ def _hear(state: AppState, event: object) -> None:
             )
         case Cancelled():
             run.status = "cancelled"
-            actions.announce(state, "reconstruction cancelled; Continue resumes it")
+            begun = run.progress is not None
+            actions.announce(state, f"reconstruction cancelled{'; Continue resumes it' if begun else ''}")
         case Failed():
             reason = without_flags(event.reason)
             run.status, run.failure = "failed", reason

@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -111,6 +112,12 @@ class Settings:
     """Of reconstructions, where nothing was observed."""
     folders: Annotated[dict[Name, PathText], at_most(MOST_FOLDERS)] = field(default_factory=dict)
     """Where a person was last, by purpose of the dialog."""
+
+    def moved(self, path: Path, to: Path | None) -> Settings:
+        """With what was opened by a path that has changed, or has gone."""
+        now = () if to is None else (str(to),)
+        kept = (now if item == str(path) else (item,) for item in self.recent)
+        return replace(self, recent=tuple(chain.from_iterable(kept)))
 
     def opened(self, path: Path) -> Settings:
         """With `path` in front of the recent ones, when they are remembered at all."""

@@ -57,6 +57,18 @@ def run_of(state: AppState, name: str) -> ListedRun:
     return next(run for run in found.runs if run.path.name == name)
 
 
+def test_the_run_that_is_shown_is_looked_for_though_no_list_is_on_screen(listed: AppState) -> None:
+    one = run_of(listed, "one")
+    listed.runs.is_listed = False
+    assert listed.runs_request is None
+    listed.runs.found, listed.runs.reconstruction.request = None, one.request
+    assert listed.runs_request is not None
+    assert not changing_runs.can_change_shown(listed)
+    (listed.runs.found,) = RunFinder().find(listed.runs_request)
+    assert listed.runs_request is None
+    assert changing_runs.can_change_shown(listed)
+
+
 def shown_list(state: AppState) -> list[str]:
     """Names in the list as it is drawn: one that was on its way when the clip was opened again is not."""
     found = state.runs.found

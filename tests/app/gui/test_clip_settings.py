@@ -108,12 +108,12 @@ def test_playing_goes_round_within_the_trim(state: AppState) -> None:
     assert set(seen) == {1, 2, 3}
 
 
-def test_an_end_before_the_start_moves_it_along(state: AppState) -> None:
+def test_an_end_before_the_start_takes_that_back_to_the_first_frame(state: AppState) -> None:
     actions.seek(state, 4)
     clip_actions.trim_here(state, start=True)
     actions.seek(state, 1)
     clip_actions.trim_here(state, start=False)
-    assert state.source.span == (1, 1)
+    assert state.source.span == (0, 1)
     clip_actions.untrim(state)
     assert state.source.span == (0, 5)
     assert ClipPart(trim=(7, 9)).span(6) == (5, 5)

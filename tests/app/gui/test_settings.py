@@ -64,6 +64,14 @@ def test_recent_is_newest_first_without_doubles_and_bounded() -> None:
     assert Path(settings.recent[0]).name == "5"
 
 
+def test_what_has_moved_or_gone_is_so_in_the_recent_list() -> None:
+    settings = Settings().opened(Path("/clips/a")).opened(Path("/runs/one")).opened(Path("/runs/two"))
+    moved = settings.moved(Path("/runs/one"), Path("/runs/best"))
+    assert moved.recent == ("/runs/two", "/runs/best", "/clips/a")
+    assert moved.moved(Path("/runs/two"), None).recent == ("/runs/best", "/clips/a")
+    assert moved.moved(Path("/runs/other"), None) == moved
+
+
 def test_folders_of_dialogs_are_forgotten_with_recent_files() -> None:
     settings = Settings().visited("export", Path("/out")).visited("file", Path("/in"))
     assert settings.folders == {"export": "/out", "file": "/in"}

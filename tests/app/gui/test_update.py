@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.enhancement.frame_enhancer import PictureRequest, Pictures
-from app.gui.actions import actions, arriving, camera_actions, job_actions
+from app.gui.actions import actions, arriving, camera_actions, job_actions, queue_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
@@ -295,7 +295,10 @@ def test_the_curves_of_a_run_that_goes_on_never_run_backwards(
 
 @pytest.mark.parametrize(
     ("event", "status", "told"),
-    [(Cancelled(), "cancelled", "Continue"), (Failed("out of memory"), "failed", "out of memory")],
+    [
+        (Cancelled(), "cancelled", "reconstruction cancelled; Continue resumes it"),
+        (Failed("out of memory"), "failed", "the reconstruction failed: out of memory"),
+    ],
 )
 def test_a_job_that_ends_early_says_so(
     state: AppState, channels: Channels, make_job: MakeFake, event: object, status: str, told: str
@@ -303,11 +306,23 @@ def test_a_job_that_ends_early_says_so(
     job_actions.start_reconstruction(state)
     start_due(state, make_job)
     assert isinstance(state.runs.reconstruction.job, FakeJob)
-    state.runs.reconstruction.job.inbox = [STARTED, event]
+    state.runs.reconstruction.job.inbox = [STARTED, Progress(5, 100, 0.4, 21.0, 1.0, 9.0, 30), event]
     update(state, channels, 0.1)
     assert state.runs.reconstruction.status == status
-    assert told in state.window.log[-1]
+    assert state.window.log[-1] == told
     assert job_actions.can_continue(state)
+
+
+def test_what_has_not_done_a_step_is_not_said_to_be_resumed(
+    state: AppState, channels: Channels, make_job: MakeFake
+) -> None:
+    job_actions.start_reconstruction(state)
+    start_due(state, make_job)
+    assert queue_actions.what_is_kept(state) == "It has not done a step yet."
+    assert isinstance(state.runs.reconstruction.job, FakeJob)
+    state.runs.reconstruction.job.inbox = [STARTED, Cancelled()]
+    update(state, channels, 0.1)
+    assert state.window.log[-1] == "reconstruction cancelled"
 
 
 def test_the_view_is_asked_for_only_when_it_changes(

@@ -19,9 +19,10 @@ from app.files.image_files import read_image
 from app.gui.actions import actions
 from app.gui.panels import welcome
 from app.gui.panels.overlays import BANNER, draw_banner
-from app.gui.panels.welcome import SAMPLES, draw_welcome, shortened
+from app.gui.panels.welcome import SAMPLES, draw_welcome
 from app.gui.session_file import SUFFIX, Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
+from app.gui.style.widgets import shortened
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.update.wishes import recents_wish
