@@ -312,10 +312,11 @@ class AppState:
         if model is None or min(self.scene.size) < 1:
             return None
         if self.scene.viewer.snapped:
-            nearest = ViewRequest.of_frame(model, model.frame_at(self.time))
-            return self.over_background(nearest.of_kind(self.scene.kind, self.frame_image))
-        whole = ViewRequest.fitted(model, self.time, self.scene.viewer.free, self.scene.size)
-        return self.over_background(whole.of_kind(self.scene.kind))
+            view = ViewRequest.of_frame(model, model.frame_at(self.time))
+        else:
+            view = ViewRequest.fitted(model, self.time, self.scene.viewer.free, self.scene.size)
+        view = view.of_kind(self.scene.kind, self.frame_image if self.scene.viewer.snapped else None)
+        return replace(self.over_background(view), scale=self.scene.steady_scale)
 
     def over_background(self, view: ViewRequest) -> ViewRequest:
         """With what is chosen for where nothing was observed."""

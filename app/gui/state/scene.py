@@ -7,12 +7,13 @@ from pathlib import Path
 
 from app.gui.views.measurement import Measurement
 from app.gui.work.baking import Baked
+from app.gui.work.clip_scale import ClipScale, ScaleRequest
 from app.gui.work.opening import OpenRequest
 from app.gui.work.selecting import PickRequest
 from app.scenes.drawer import View
 from app.scenes.free_camera import FreeView, Vector
 from app.scenes.scene import Scene
-from app.scenes.view_kinds import BY_PROCESSOR, ViewKind
+from app.scenes.view_kinds import BY_PROCESSOR, Scale, ViewKind
 from app.scenes.view_request import FrameImage, ViewRequest
 from renderer.view_files import Views
 
@@ -86,6 +87,8 @@ class ShownScene:
     baked: Baked | None = None
     """Keyframes for the graphics card, of `model` or of one before it; more to come while they are None."""
     kind: ViewKind = "color"
+    clip_scale: ClipScale | None = None
+    """The newest scale that holds for all of the clip."""
     size: tuple[int, int] = (0, 0)
     """Pixels of the 3D view, as last laid out; (0, 0) while it is hidden."""
     dragged: bool = False
@@ -107,6 +110,15 @@ class ShownScene:
     def is_drawn_by_processor(self) -> bool:
         """What is shown now."""
         return self.processor_draws or self.kind in BY_PROCESSOR
+
+    @property
+    def steady_scale(self) -> Scale | None:
+        """Of what the clip's camera sees, at whatever time; None where it is not known, and for a free
+        camera, which sees other depths."""
+        known = self.clip_scale
+        if known is None or known.request != (ScaleRequest(self.model, self.kind) if self.model else None):
+            return None
+        return None if self.kind == "depth" and self.viewer.free is not None else known.scale
 
     def beside(self, first: ViewRequest) -> ViewRequest | None:
         """The second reconstruction at the moment of `first` through its camera; None without one.

@@ -48,6 +48,7 @@ from app.gui.work.baking import bake
 from app.gui.work.batching import batch
 from app.gui.work.beside import find_models
 from app.gui.work.changing_runs import ChangeRequest, change_run, measure_folder
+from app.gui.work.clip_scale import find_scale
 from app.gui.work.depths import find_ways, read_depth
 from app.gui.work.kept_layout import seal_anew
 from app.gui.work.listing import list_folder, thumbnail_of
@@ -139,6 +140,7 @@ class Channels:
         self.difference = Channel(heat_map)
         self.view, self.second = Channel(draw_view), Channel(draw_view)
         self.bakes, self.second_bakes = Channel(bake), Channel(bake)
+        self.scales = Channel(find_scale)
         self.statistics = SteppedChannel(ClipMeasurer().measure)
         self.thumbnails = Channel(make_thumbnails)
         self.saving = Channel(export, depth=16)
@@ -193,6 +195,8 @@ class Channels:
                 lambda s: wishes.bake_wish(s, s.scene.model, s.scene.baked)),
             Row(self.second_bakes, taking.take_second_baked,
                 lambda s: wishes.bake_wish(s, s.scene.second.shown, s.scene.second.baked)),
+            Row(self.scales, told("the view has no scale for the whole clip", taking.take_scale, actions.say),
+                wishes.scale_wish, forgets=False),
             Row(self.models, told("the reconstruction cannot be shown", job_actions.take_model),
                 lambda s: s.runs.model_wish),
             Row(self.left, told("what the run has left cannot be told", run_actions.take_left),

@@ -15,6 +15,7 @@ from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
 from app.gui.work.background import Answer, Failure, Request
 from app.gui.work.baking import Baked, BakeRequest
+from app.gui.work.clip_scale import ClipScale, ScaleRequest
 from app.gui.work.measuring import Measured
 from app.gui.work.neighbours import Neighbours, NeighboursRequest
 from app.gui.work.omissions import Omissions, OmissionsRequest
@@ -140,6 +141,10 @@ def take_other(side: Side, state: AppState, request: OtherRequest, answer: Other
     elif request == other_request(state, side):
         state.timeline.playing = False
         actions.fail(state, f"the {side} pane cannot be shown: {answer.message}")
+
+
+def take_scale(state: AppState, request: ScaleRequest, answer: ClipScale) -> None:
+    state.scene.clip_scale = answer
 
 
 def take_baked(state: AppState, request: BakeRequest, answer: Baked | Failure) -> None:

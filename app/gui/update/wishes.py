@@ -12,6 +12,7 @@ from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
 from app.gui.work.baking import Baked, BakeRequest, can_bake
 from app.gui.work.beside import BesideRequest
+from app.gui.work.clip_scale import SCALED, ScaleRequest
 from app.gui.work.depths import WaysRequest
 from app.gui.work.kept_layout import NAME, SealRequest
 from app.gui.work.neighbours import NeighboursRequest
@@ -146,6 +147,15 @@ def _is_slow(*views: View | None) -> bool:
     """Whether the last pictures together would have taken long at full size."""
     shares = [(view.milliseconds, view.request.reduced) for view in views if view is not None]
     return sum(spent / REDUCED**2 if reduced else spent for spent, reduced in shares) > SLOW_VIEW
+
+
+def scale_wish(state: AppState) -> ScaleRequest | None:
+    """The scale of a view in the colours of values, of a model that stays as it is."""
+    shown, kind = state.scene.model, state.scene.kind
+    if shown is None or shown.live or kind not in SCALED or state.lacks("3D view"):
+        return None
+    wanted, known = ScaleRequest(shown, kind), state.scene.clip_scale
+    return wanted if known is None or known.request != wanted else None
 
 
 def bake_wish(state: AppState, shown: Scene | None, baked: Baked | None) -> BakeRequest | None:
