@@ -18,6 +18,7 @@ from app.report.bench import PARTS, Bench, Clock, Part, machine, opened
 from app.report.diagrams import Point, within_budget, within_error
 from app.report.page import page
 from app.report.section import Section
+from renderer.readers.listing import count
 
 MINUTES, MINUTES_WITH_CLIP = 27.0, 54.0
 """What may be begun, so that 30 and 60 suffice on two cores."""
@@ -39,8 +40,14 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--minutes", type=positive, metavar="F", help="total time to spend (27; with --clip 54)"
     )
-    parser.add_argument("--budget", metavar="TIME", help="print the settings for this time, such as 10ms")
-    parser.add_argument("--error", type=positive, metavar="F", help="print the settings for this error")
+    parser.add_argument(
+        "--budget",
+        metavar="TIME",
+        help="with the report, print the best settings within this time, such as 10ms",
+    )
+    parser.add_argument(
+        "--error", type=positive, metavar="F", help="the same of the fastest within this error"
+    )
 
 
 def run(flags: argparse.Namespace) -> None:
@@ -50,6 +57,7 @@ def run(flags: argparse.Namespace) -> None:
         if not path.exists():
             raise UserError(f"--scenes: expected a clip, image or video, got no such file: {path}")
     began, facts = time.monotonic(), machine()
+    _say(f"{count(len(parts), 'part')}, about {minutes:g} min in all (--minutes spends less)")
     with filled(flags.out) as staging, opened(flags.clip, tuple(flags.scenes), _say) as bench:
         sections, seconds = measured(bench, parts, 60 * minutes)
         clip = {"name": "phantom"} if flags.clip is None else plain(Source.of(flags.clip))
@@ -70,6 +78,7 @@ def measured(
     sections, taken, until = {}, {}, time.monotonic() + seconds
     for place, (part, measure) in enumerate(zip(parts, measures, strict=True)):
         began = time.monotonic()
+        _say(f"part {place + 1} of {len(parts)}: {part.name}")
         share = part.share / sum(each.share for each in parts[place:])
         sections[part.name] = measure(bench, Clock.of(share * max(0.0, until - began)))
         taken[part.name] = time.monotonic() - began
