@@ -24,7 +24,7 @@ SIDE_OF_TABS = 24.0
 """The same where all of them are tabs beside each other, whose titles are whole."""
 LEAST, MOST = 0.2, 0.45
 """Share of the window's width that they have at least and at most."""
-LOW = 36.0
+LOW = 40.0
 """Lines of text that a window needs for panels below each other."""
 BELOW = dict.fromkeys(("3D view", "Log", "Notes"), ("Below", "MainDockSpace")) | dict.fromkeys(
     ("Reconstruction", "Runs", "Cameras"), ("SideBelow", "Side")
