@@ -19,6 +19,7 @@ ValueErrors. Parameters or statistics of another class are a TypeError. Importin
 each name loads what it needs when it is first used. Nothing of the process is changed. The kernels compute
 on several cores by OpenMP, whose threads spin while they wait: where other work shares the cores, set
 OMP_WAIT_POLICY=PASSIVE in the environment before the first is used.
+A process that is forked once they have run ends at the next one: take multiprocessing.get_context("spawn").
 """
 
 import importlib as _importlib

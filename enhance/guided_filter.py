@@ -17,6 +17,16 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance.window_rows import (
+    EDGE,
+    NARROW,
+    accumulate,
+    describe,
+    describe_narrow,
+    mean_narrow,
+    mean_of,
+)
+
 STRIP: Final = 48
 """Rows of one task at most, beside twice its windows' reach. It does not depend on the number of threads, so
 that no result does."""
@@ -168,27 +178,36 @@ def _fit(
         rows, columns = low.shape[1:]
         before, after = max(top - reach - 1, 0), min(bottom + reach + 1, rows)
         models = np.empty((2, after - before, columns), np.float32)
-        sums, running = np.empty((2, columns)), np.empty((2, columns + 2 * reach + 3))
+        sums, running = np.zeros((2, columns + 2 * EDGE)), np.empty((2, columns + 2 * reach + 3))
+        first, second = sums[0][EDGE : columns + EDGE], sums[1][EDGE : columns + EDGE]
         shares = _shares(columns, reach, rest)
         for y in range(before, after):
             variance, mean = models[0, y - before], models[1, y - before]
             if stages[scale] == TAKE:
                 variance[:], mean[:] = kept[0, y], kept[1, y]
             else:
-                _move(low, True, y, y == before, reach, rest, sums)
-                _accumulate(sums[0], reach, running[0])
-                _accumulate(sums[1], reach, running[1])
+                _move(low, True, y, y == before, reach, rest, first, second)
                 tall = 1.0 / _covered(y, rows, reach, rest)
-                _describe(running[0], running[1], reach, rest, shares, tall, variance, mean)
+                if reach == NARROW:
+                    describe_narrow(sums[0], sums[1], rest, shares, tall, variance, mean)
+                else:
+                    accumulate(first, reach, running[0])
+                    accumulate(second, reach, running[1])
+                    describe(running[0], running[1], reach, rest, shares, tall, variance, mean)
             if stages[scale] == KEEP and top <= y < bottom:
                 kept[0, y], kept[1, y] = variance, mean
             _solve(np.float32(eps[scale]), variance, mean)
         for y in range(top, bottom):
             tall = 1.0 / _covered(y, rows, reach, rest)
-            _move(models, False, y - before, y == top, reach, rest, sums)
-            for plane in range(2):
-                _accumulate(sums[plane], reach, running[plane])
-                _mean(running[plane], reach, rest, shares, tall, out[plane, y])
+            _move(models, False, y - before, y == top, reach, rest, first, second)
+            if reach == NARROW:
+                for plane in range(2):
+                    mean_narrow(sums[plane], rest, shares, tall, out[plane, y])
+            else:
+                accumulate(first, reach, running[0])
+                accumulate(second, reach, running[1])
+                for plane in range(2):
+                    mean_of(running[plane], reach, rest, shares, tall, out[plane, y])
 
 
 @njit(error_model="numpy")
@@ -216,16 +235,18 @@ def _move(
     begins: bool,
     whole: int,
     part: float,
-    sums: NDArray[np.float64],  # (2, w), in and out: over the rows of the windows of row y - 1, then of row y
+    first: NDArray[np.float64],  # (w,), in and out: over the rows of the windows of row y - 1, then of row y
+    second: NDArray[np.float64],
 ) -> None:
     """Two rows come in by and by, and two go; to begin with, all come in, four at a time."""
     if begins:
-        sums[:] = 0.0
+        first[:] = 0.0
+        second[:] = 0.0
         for row in range(max(y - whole - 1, 0), min(y + whole + 2, planes.shape[1]), 4):
-            _add(planes, moments, (row, row + 1, row + 2, row + 3), y, begins, whole, part, sums)
+            _add(planes, moments, (row, row + 1, row + 2, row + 3), y, begins, whole, part, first, second)
     else:
         rows = (y - whole - 2, y - whole - 1, y + whole, y + whole + 1)
-        _add(planes, moments, rows, y, begins, whole, part, sums)
+        _add(planes, moments, rows, y, begins, whole, part, first, second)
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
@@ -237,14 +258,14 @@ def _add(
     begins: bool,
     whole: int,
     part: float,
-    sums: NDArray[np.float64],
+    first: NDArray[np.float64],
+    second: NDArray[np.float64],
 ) -> None:
     height = planes.shape[1]
     y0, w0 = _change(rows[0], y, begins, height, whole, part)
     y1, w1 = _change(rows[1], y, begins, height, whole, part)
     y2, w2 = _change(rows[2], y, begins, height, whole, part)
     y3, w3 = _change(rows[3], y, begins, height, whole, part)
-    first, second = sums[0], sums[1]
     m0, m1, m2, m3 = planes[0, y0], planes[0, y1], planes[0, y2], planes[0, y3]
     v0, v1, v2, v3 = planes[1, y0], planes[1, y1], planes[1, y2], planes[1, y3]
     for x in range(len(first)):
@@ -274,71 +295,6 @@ def _change(row: int, y: int, begins: bool, height: int, whole: int, part: float
 @njit(error_model="numpy")
 def _weight(apart: int, whole: int, part: float) -> float:
     return 1.0 if abs(apart) <= whole else part if abs(apart) == whole + 1 else 0.0
-
-
-@njit(error_model="numpy")
-def _accumulate(sums: NDArray[np.float64], whole: int, running: NDArray[np.float64]) -> None:
-    """Running sums, 0 before the row and the total after it, so that no window needs a look at the border.
-
-    Four at a time: each step waits for one addition instead of four.
-    """
-    columns = len(sums)
-    running[: whole + 2] = 0.0
-    out = running[whole + 2 :]
-    total = 0.0
-    for step in range(columns // 4):
-        x = np.uint64(4 * step)  # unsigned: no look at whether it counts from the end
-        x1, x2, x3 = x + np.uint64(1), x + np.uint64(2), x + np.uint64(3)
-        two = sums[x] + sums[x1]
-        out[x] = total + sums[x]
-        out[x1] = total + two
-        out[x2] = total + (two + sums[x2])
-        total += two + (sums[x2] + sums[x3])
-        out[x3] = total
-    for i in range(columns // 4 * 4, columns):
-        total += sums[i]
-        out[i] = total
-    out[columns:] = total
-
-
-@njit(fastmath={"contract"}, error_model="numpy")
-def _mean(
-    running: NDArray[np.float64],
-    whole: int,
-    part: float,
-    shares: NDArray[np.float64],
-    tall: float,
-    out: NDArray[np.float32],
-) -> None:
-    inner, last, outer = running[1:], running[2 * whole + 2 :], running[2 * whole + 3 :]
-    for x in range(len(out)):
-        total = (1.0 - part) * (last[x] - inner[x]) + part * (outer[x] - running[x])
-        out[x] = np.float32(total * (shares[x] * tall))
-
-
-@njit(fastmath={"contract"}, error_model="numpy")
-def _describe(
-    running_first: NDArray[np.float64],
-    running_second: NDArray[np.float64],
-    whole: int,
-    part: float,
-    shares: NDArray[np.float64],
-    tall: float,
-    variance: NDArray[np.float32],
-    mean: NDArray[np.float32],
-) -> None:
-    """Of V in a row of windows."""
-    inner, last, outer = running_first[1:], running_first[2 * whole + 2 :], running_first[2 * whole + 3 :]
-    inner_2, last_2 = running_second[1:], running_second[2 * whole + 2 :]
-    outer_2 = running_second[2 * whole + 3 :]
-    for x in range(len(mean)):
-        share = shares[x] * tall
-        middle = share * ((1.0 - part) * (last[x] - inner[x]) + part * (outer[x] - running_first[x]))
-        square = (1.0 - part) * (last_2[x] - inner_2[x]) + part * (outer_2[x] - running_second[x])
-        spread = np.float32(square * share - middle * middle)
-        # Rounding can leave a flat window's variance slightly negative.
-        variance[x] = spread if spread > np.float32(0.0) else np.float32(0.0)
-        mean[x] = np.float32(middle)
 
 
 @njit(fastmath={"contract"}, error_model="numpy")

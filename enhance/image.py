@@ -142,4 +142,6 @@ def _check_values(image: AnyImage) -> None:
             f"{first[0]}, column {first[1]}{channel} (from 0); replace NaN before enhancing"
         )
     if low < 0.0 or high > 1.0:
-        raise ImageError(f"expected float values in [0, 1], got {low} to {high}; scale or clip them first")
+        # With all digits of the image's own precision: rounding may be what is beyond.
+        got = " to ".join(str(end).removesuffix(".0") for end in (low, high))
+        raise ImageError(f"expected float values in [0, 1], got {got}; scale or clip them first")

@@ -18,7 +18,8 @@ depth (H, W) along z, 0 = not measured; masks (H, W), True = kept; quaternions w
 Importing the package loads nothing; each name loads what it needs when it is first used: torch for
 `rasterize` alone, OpenGL for `SplatView` and what goes with it. Nothing of the process is changed. The
 kernels compute on several cores by OpenMP, whose threads spin while they wait: where other work shares the
-cores, set OMP_WAIT_POLICY=PASSIVE in the environment before the first is used. `train` and `rasterize` are
+cores, set OMP_WAIT_POLICY=PASSIVE in the environment before the first is used. A process that is forked once
+they have run ends at the next one: take multiprocessing.get_context("spawn"). `train` and `rasterize` are
 functions here, and folders as well: take what lies in these by `from renderer.train.guards import LossWatch`.
 """
 

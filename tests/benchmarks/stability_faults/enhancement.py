@@ -9,6 +9,7 @@ import numpy as np
 from tests.benchmarks.stability_faults.faults import Fault, Kind, edited, replaced
 
 KERNELS, FILTER, FIRST_PASS = "enhance.second_pass", "enhance.guided_filter", "enhance.first_pass"
+ROWS = "enhance.window_rows"
 ENHANCER, SURVEY, POWERS = "enhance.enhancer", "enhance.survey", "enhance.powers"
 
 
@@ -159,14 +160,32 @@ def _filters() -> list[Fault]:
         edit(
             "swapped",
             "a and b",
-            "_describe(running[0], running[1], reach, rest, shares, tall, variance, mean)",
-            "_describe(running[0], running[1], reach, rest, shares, tall, mean, variance)",
+            "describe(running[0], running[1], reach, rest, shares, tall, variance, mean)",
+            "describe(running[0], running[1], reach, rest, shares, tall, mean, variance)",
         ),
         edit(
+            "swapped",
+            "a and b of narrow windows",
+            "describe_narrow(sums[0], sums[1], rest, shares, tall, variance, mean)",
+            "describe_narrow(sums[0], sums[1], rest, shares, tall, mean, variance)",
+        ),
+        edit_of(
+            "guided filter",
             "float16",
             "the variance",
+            ROWS,
             "spread = np.float32(square * share - middle * middle)",
             "spread = np.float32(square * share) - np.float32(middle) * np.float32(middle)",
+            "filter",
+        ),
+        edit_of(
+            "guided filter",
+            "dropped",
+            "the partial pixels of narrow windows",
+            ROWS,
+            "here = share * ((near[x] + middle[x] + far[x]) + part * (left[x] + right[x]))",
+            "here = share * (near[x] + middle[x] + far[x])",
+            "filter",
         ),
         Fault(
             "guided filter",
