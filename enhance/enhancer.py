@@ -79,6 +79,7 @@ class Enhancer:
         self._survey: Survey | None = None
         self._chroma: float | None = None
         self._models = WindowModels()
+        self._low = Grids(np.empty((0, 0, 0), np.float32), np.empty((0, 0, 0), np.float32))
         self._moments: dict[Window, Moments] = {}
         self._reaches: dict[Window, float] = {}
         self._curve_z, self._curve = math.nan, NO_CURVE
@@ -167,7 +168,9 @@ class Enhancer:
             now = self._now
             rows, columns = (-(-size // subsample) for size in now.pixels.shape[:2])
             half = ((rows + 1) // 2, (columns + 1) // 2) if subsample > 1 else (0, 0)
-            low = Grids(np.empty((2, rows, columns), np.float32), np.empty((2, *half), np.float32))
+            low, shapes = self._low, [(2, rows, columns), (2, *half)]
+            if [grid.shape for grid in low] != shapes:
+                low = self._low = Grids(*(np.empty(shape, np.float32) for shape in shapes))
             blocks = -(-rows // BLOCK)
             histograms, chroma = np.empty((blocks, BINS), np.int64), np.empty(blocks)
             first_pass(
