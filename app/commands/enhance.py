@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from app.console.flags import add_fields, highest, parameters
+from app.console.older_files import say_older
 from app.console.progress import progress
 from app.enhancement.batch import Item, enhance_batch, items_in
 from app.enhancement.dicom_files import is_dicom_name, require_dicom
@@ -111,6 +112,8 @@ def run(flags: argparse.Namespace) -> None:
     started = time.perf_counter()
     written = run_to_end(enhance_into(flags.output, series, setting, _watched))
     _say(written.notices)
+    if flags.output.is_dir():
+        say_older(flags.output, [str(one.output) for one in written.pictures])
     seconds = time.perf_counter() - started
     if flags.json:
         shared = _shared(setting) | {"notices": written.notices}

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from app.commands import camera_export, export_limits, mesh_export, research_export, view_flags
+from app.console.older_files import say_older
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.browser.of_scene import browser_model
@@ -150,6 +151,7 @@ def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment],
             record = extended(Splats, scene.record, **when, sh_degree=degree, layout=layout)
             run_to_end(make(record, sources, staging / f"{moment.name}{suffix}"))
             report(done, moment.name)
+    say_older(folder, [f"{moment.name}{suffix}" for moment in wanted])
     of_each = "" if scene.split_by_time else f" of {len(scene.model)} Gaussians"
     sys.stdout.write(f"{folder}: {count(len(wanted), 'splat file')}{of_each}\n")
 

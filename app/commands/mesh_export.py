@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from app.console.older_files import say_older
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.make import make
@@ -105,3 +106,4 @@ def _write_folder(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Mome
             record = surface_mesh(scene, flags.frames_per_second, one.frame, one.time, **fineness)
             run_to_end(make(record, sources, staging / f"{one.name}.{flags.mesh_format}"))
             report(done, one.name)
+    say_older(flags.mesh, [f"{one.name}.{flags.mesh_format}" for one in wanted])

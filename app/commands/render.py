@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from app.commands import view_flags
+from app.console.older_files import say_older
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.make import make
@@ -61,6 +62,7 @@ def run(flags: argparse.Namespace) -> None:
     pen = Drawer(*drawer(flags.renderer))
     views = view_flags.asked_for(flags, scene, wanted)
     sources = Opened(tuple(views), pen=pen)
+    written: list[str] = []
     with filled(flags.out) as staging, progress("render", len(wanted)) as report:
         for done, (moment, view) in enumerate(zip(wanted, views, strict=True), start=1):
             said = replace(view_record(view, pen.name), frame=moment.frame)
@@ -71,6 +73,8 @@ def run(flags: argparse.Namespace) -> None:
                 numbers = extended(Depth, said, step=step)
                 records |= {DEPTHS[form]: numbers, "-depth.png": extended(Depth, said)}
             for ending, record in records.items():
-                run_to_end(make(record, sources, staging / f"{moment.name}{ending}"))
+                written.append(f"{moment.name}{ending}")
+                run_to_end(make(record, sources, staging / written[-1]))
             report(done, moment.name)
+    say_older(flags.out, written)
     sys.stdout.write(f"{flags.out}: {count(len(wanted), 'image')} rendered with {pen.name}\n")
