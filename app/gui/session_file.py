@@ -90,9 +90,12 @@ class SessionSource:
 
     def found(self, session: Path) -> Path | None:
         """Where it lies now: at its place, or moved along with the session file; None: nowhere."""
-        folder = session.absolute().parent
-        places = (Path(os.path.normpath(folder / self.path)), folder / Path(self.path).name)
+        places = (self.place(session), session.absolute().parent / Path(self.path).name)
         return next((place for place in places if place.exists()), None)
+
+    def place(self, session: Path) -> Path:
+        """Where it lay when that session was saved there."""
+        return Path(os.path.normpath(session.absolute().parent / self.path))
 
 
 def _views_facts(views: Views) -> Any:

@@ -9,10 +9,11 @@ from pathlib import Path
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import LONGEST_NAME, InputKind
 from app.gui.actions import clip_actions, depth_actions
-from app.gui.actions.actions import leave
+from app.gui.actions.actions import announce, leave
 from app.gui.session_file import KeptSettings
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
+from app.gui.views.measurement import Measurement
 from app.gui.work.runs import ModelRequest
 from app.runs.run_changes import folder_name
 from app.runs.run_folder import Input
@@ -188,6 +189,9 @@ def take_model(state: AppState, request: ModelRequest, scene: Scene) -> None:
     state.scene.model = scene
     if scene.live and not state.runs.reconstruction.is_alive:
         state.runs.preview = scene
+    if before is not None and before.live and not scene.live and state.scene.viewer.measurement.points:
+        state.scene.viewer.measurement = Measurement()
+        announce(state, "what was measured is of a preview: measure again on the finished model")
 
 
 def can_continue(state: AppState) -> bool:

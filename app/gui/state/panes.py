@@ -114,7 +114,8 @@ def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage
     stale = state.pictures_are_stale
     tag = Tag("ORIGINAL")
     if not state.enhancement.active:
-        said = tag if side == "left" else Tag("WHITE LIGHT · enhancement off", "caution")
+        none = ": no difference" if state.comparing.chosen.mode == "difference" else ""
+        said = tag if side == "left" else Tag(f"WHITE LIGHT · enhancement off{none}", "caution")
         return original, (said,), stale
     if source == ORIGINAL:
         return original, (tag,), stale

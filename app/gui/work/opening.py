@@ -240,8 +240,11 @@ def _open_session(path: Path) -> Opened:
         wanted, place = session.run, run
     if wanted is None or place is None:
         named = session.source or session.run
-        name = Path(named.path).name if named else "a source"
-        raise UserError(f"expected {name} at its old place or beside the session, found neither: {path}")
+        old = named.place(path) if named else None
+        name, where = (old.name, f" {old.parent}") if old else ("a source", "")
+        raise UserError(
+            f"expected {name} at its old place{where} or beside the session, found neither: {path}"
+        )
     (opened,) = open_path(OpenRequest(place, session.clip_options))
     notices = opened.notices
     if wanted.sha256 is not None and wanted.sha256 not in digests(place):

@@ -132,7 +132,7 @@ def test_peek_and_white_light_show_the_frame_whatever_is_compared(
     settle(state, channels)
     for side in ("left", "right"):
         np.testing.assert_array_equal(image(state, side), image_of(0))
-    assert "WHITE LIGHT" in said(state)
+    assert "WHITE LIGHT · enhancement off: no difference" in said(state)
     assert shown_mode(state) == "side by side"
 
 

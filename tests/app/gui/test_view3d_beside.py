@@ -7,10 +7,11 @@ from dataclasses import replace
 import pytest
 
 from app.exports.records import PanesPicture
-from app.gui.actions import actions, export_actions
+from app.gui.actions import actions, export_actions, job_actions
 from app.gui.panels.view3d import view_tags
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
+from app.gui.views.measurement import Located, Measurement
 from app.scenes.records import ClipSource
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
@@ -36,6 +37,23 @@ def test_a_tap_from_afar_turns_nothing(ui: Ui, opened: AppState, model: DynamicG
     after = opened.view_request
     assert after is not None
     assert after.camera == before.camera
+
+
+def test_what_was_measured_on_a_preview_goes_with_it(opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    preview = opened.scene.model
+    assert preview is not None
+    viewer, point = opened.scene.viewer, Located((1.0, 2.0, 50.0))
+    viewer.measurement = Measurement().with_point(point, 0.0, preview.name)
+    job_actions.show_finished_model(opened, model)
+    wish = opened.runs.model_wish
+    assert wish is not None
+    job_actions.take_model(opened, wish, replace(preview, iteration=80))
+    assert viewer.measurement.points == (point.point,)
+    job_actions.take_model(opened, wish, replace(preview, live=False))
+    assert viewer.measurement.points == ()
+    assert opened.window.toast is not None
+    assert "measure again" in opened.window.toast.message
 
 
 def test_another_clip_than_the_open_one_is_named_and_keeps_its_own_time(
