@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.table import Table
 
 from app.console.progress import print_measures, progress
 from app.errors import UserError
@@ -221,9 +221,12 @@ def _unit(image: ArrayImage) -> NDArray[np.float64]:
 
 
 def _print(labels: list[str], measured: list[dict[str, Any]], mean: dict[str, float | None]) -> None:
-    table = Table("image", *mean)
-    for label, picture in zip(labels, measured, strict=True):
-        table.add_row(label, *(f"{picture[name]:.4g}" for name in mean))
-    table.add_section()
-    table.add_row("mean", *("none" if value is None else f"{value:.4g}" for value in mean.values()))
-    print_measures(table)
+    rows = [
+        (label, *(_told(picture[name]) for name in mean))
+        for label, picture in zip(labels, measured, strict=True)
+    ]
+    print_measures(("image", *mean), rows, ("mean", *map(_told, mean.values())))
+
+
+def _told(value: float | None) -> str:
+    return "none" if value is None or math.isnan(value) else f"{value:.4g}"

@@ -12,8 +12,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from rich.table import Table
-
 from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
 from app.console.flags import add_fields
 from app.console.progress import print_measures, progress
@@ -191,7 +189,5 @@ def _table(axes: Sequence[Axis], rows: Sequence[Row]) -> bytes:
 
 
 def _print(rows: Sequence[Row]) -> None:
-    table = Table("setting", *METRICS)
-    for row in rows:
-        table.add_row(row.setting.label, *(f"{value:.4g}" for value in vars(row.measures).values()))
-    print_measures(table)
+    cells = [(row.setting.label, *(f"{value:.4g}" for value in vars(row.measures).values())) for row in rows]
+    print_measures(("setting", *METRICS), cells)

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 
+from rich.cells import cell_len
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
+from rich.table import Column, Table
 
+WIDTH = 140
+"""Characters, where the width is unknown."""
+LABEL = 32
+"""Characters of the first column of a table at most; longer ones go on below."""
+BETWEEN = 3
+"""Characters beside those of a cell."""
 SECONDS_BETWEEN_LINES = 10.0
 SECONDS_BETWEEN_STAGE_LINES = 2.0
 """Of what comes before the work that was asked for, which says nothing else."""
@@ -29,11 +36,34 @@ class Terminal(Console):
         raise
 
 
-def print_measures(table: Table) -> None:
-    """On stdout, wide enough also where the width is unknown, with what its ratios are."""
-    console = Terminal(width=max(Terminal().width, 140))
-    console.print(table)
+def print_measures(head: Sequence[str], rows: Sequence[Sequence[str]], last: Sequence[str] = ()) -> None:
+    """A table on stdout, with what its ratios are: as several below each other where it is too wide, each
+    with the first column. `last`: a row apart from the others."""
+    known = Terminal()
+    console = known if known.is_terminal else Terminal(width=max(known.width, WIDTH))
+    for columns in _fitting([head, *rows, *filter(None, [last])], console.width):
+        table = Table(Column(head[0], max_width=LABEL, overflow="fold"), *(head[place] for place in columns))
+        for row in rows:
+            table.add_row(row[0], *(row[place] for place in columns))
+        if last:
+            table.add_section()
+            table.add_row(last[0], *(last[place] for place in columns))
+        console.print(table)
     console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")
+
+
+def _fitting(rows: Sequence[Sequence[str]], width: int) -> Iterator[list[int]]:
+    """The columns after the first, as many together as fit beside it."""
+    widths = [max(cell_len(row[place]) for row in rows) + BETWEEN for place in range(len(rows[0]))]
+    start = min(widths[0], LABEL + BETWEEN) + 1
+    columns, taken = list[int](), start
+    for place, wide in enumerate(widths[1:], start=1):
+        if columns and taken + wide > width:
+            yield columns
+            columns, taken = [], start
+        columns.append(place)
+        taken += wide
+    yield columns
 
 
 @contextmanager

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 
 import pytest
+from rich.cells import cell_len
 from rich.console import Console
 from rich.progress import Progress
 
-from app.console.progress import _bar, progress
+from app.console.progress import _bar, print_measures, progress
 
 
 @pytest.fixture
@@ -57,3 +58,20 @@ def test_no_line_comes_before_its_time(capsys: pytest.CaptureFixture[str], clock
             report(done, "")
     shown = re.findall(r"draw (\d+)/100", capsys.readouterr().err)
     assert [int(done) for done in shown] == [34, 68]
+
+
+@pytest.mark.parametrize("width", [60, 100, 400])
+def test_a_table_that_is_too_wide_goes_on_below_with_nothing_cut(
+    width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.console.progress.WIDTH", width)
+    monkeypatch.setenv("COLUMNS", "20")
+    head = ("image", *(f"measure_number_{place}" for place in range(12)))
+    rows = [(name, *(f"{name}{place}" for place in range(12))) for name in ("first.png", "眼底照片.png")]
+    print_measures(head, rows, ("mean", *"abcdefghijkl"))
+    printed = capsys.readouterr().out
+    assert "…" not in printed
+    assert max(cell_len(line) for line in printed.splitlines()[:-1]) <= width
+    for row in (*rows, head):
+        assert all(cell in printed for cell in row)
+    assert printed.count("mean ") == printed.count("image ")
