@@ -25,6 +25,9 @@ class ModelWindow:
     length: float
     """Of its part of the clip, in (0, 1]."""
 
+    def __len__(self) -> int:
+        return int(self.rows.stop - self.rows.start)
+
     @property
     def rows(self) -> slice:
         """Of the whole model."""

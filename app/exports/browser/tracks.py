@@ -20,6 +20,8 @@ MOST_SAMPLES: Final = 48
 """Moments of a motion that is no spline."""
 CUBIC, LINEAR = 3, 1
 """Degrees of what runs through the values."""
+ALIGNED: Final = 4
+"""Bytes; by so many at once the page reads what it holds."""
 SAME: Final = 1e-6
 """Below which a value does not move, in its own unit."""
 
@@ -71,17 +73,18 @@ class Tracks:
 
     @property
     def content(self) -> bytes:
-        """One after another, each at a multiple of 4 bytes."""
+        """One after another, each at a multiple of ALIGNED bytes."""
         return b"".join(_padded(track.values.tobytes()) for track in self.tracks)
 
     def told(self, start: int = 0) -> list[dict[str, Any]]:
         """`start`: of its content among that of others."""
-        starts = np.cumsum([start, *(len(_padded(track.values.tobytes())) for track in self.tracks)])
+        sizes = (track.values.nbytes for track in self.tracks)
+        starts = np.cumsum([start, *(size + -size % ALIGNED for size in sizes)])
         return [track.told(int(start)) for track, start in zip(self.tracks, starts, strict=False)]
 
 
 def _padded(content: bytes) -> bytes:
-    return content + bytes(-len(content) % 4)
+    return content + bytes(-len(content) % ALIGNED)
 
 
 def tracks_of(model: DynamicGaussians) -> Tracks:

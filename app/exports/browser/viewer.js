@@ -180,10 +180,11 @@ class Viewer {
     for (const one of windows) one.means = numbers(one.tracks[0], buffer);
     this.draws = program(gl, VERTEX, FRAGMENT);
     this.resolves = program(gl, WHOLE, RESOLVE);
+    this.places = new Map();
     gl.useProgram(this.draws);
     NAMES.forEach((name, unit) => {
       texture(gl, unit, buffer);
-      gl.uniform1i(gl.getUniformLocation(this.draws, name), unit);
+      gl.uniform1i(this.at(name), unit);
     });
     const most = Math.max(...windows.map((one, place) => one.tracks[0].count + (windows[place + 1]?.tracks[0].count ?? 0)));
     this.order = new Uint32Array(most);
@@ -201,6 +202,12 @@ class Viewer {
     gl.getExtension("EXT_float_blend");
     this.time = 0;
     this.reset();
+  }
+
+  // Of a uniform of what draws the Gaussians, asked for once.
+  at(name) {
+    if (!this.places.has(name)) this.places.set(name, this.gl.getUniformLocation(this.draws, name));
+    return this.places.get(name);
   }
 
   // The clip's camera, and what the hand has added to it.
@@ -245,7 +252,7 @@ class Viewer {
 
   // Where the values of what is there lie, and which of them this time needs.
   place(there) {
-    const gl = this.gl, at = (name) => gl.getUniformLocation(this.draws, name);
+    const gl = this.gl, at = (name) => this.at(name);
     const four = (list) => [...list, 0, 0, 0, 0].slice(0, 4);
     there.forEach((one, later) => {
       gl.uniform1f(at(`fades[${later}]`), one.fade);
@@ -273,7 +280,7 @@ class Viewer {
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, this.order, 0, count);
     gl.useProgram(this.draws);
     this.place(there);
-    const at = (name) => gl.getUniformLocation(this.draws, name);
+    const at = (name) => this.at(name);
     const zoom = Math.min(width / own.width, height / own.height);
     const lens = [own.fx * zoom, own.fy * zoom, own.cx * zoom + (width - own.width * zoom) / 2, own.cy * zoom + (height - own.height * zoom) / 2];
     const margins = [0.15 * width / lens[0], 0.15 * height / lens[1]];

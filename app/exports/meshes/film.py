@@ -3,7 +3,7 @@ surface of each, shown while its window shows most."""
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Final
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.scenes.scene import Scene
 from app.scenes.surfaces import surface_of_window
-from renderer.model_windows import window_at
+from renderer.model_windows import ModelWindow, window_at, windows_of
 from renderer.splats import Float32Array
 from renderer.surface.fineness import Fineness
 from renderer.surface.mesh import Mesh
@@ -48,22 +48,22 @@ def filmed(scene: Scene, fineness: Fineness) -> Generator[int, None, tuple[Film,
         UserError: there is no surface, or none that moves.
     """
     films = []
-    for frames in _shares(scene):
-        films.append((yield from _film(scene, frames, fineness)))
+    for window, frames in _shares(scene):
+        films.append((yield from _film(scene, window, frames, fineness)))
     return tuple(films)
 
 
-def _shares(scene: Scene) -> list[range]:
-    """The frames at which each window shows most, in the order of time; a window without Gaussians is left
+def _shares(scene: Scene) -> Iterator[tuple[ModelWindow, range]]:
+    """Each window with the frames at which it shows most, in the order of time; one without Gaussians is left
     out."""
-    windows = [window_at(scene.model, scene.time(frame)) for frame in range(len(scene.cameras))]
-    by_window = groupby(enumerate(windows), key=lambda one: one[1].index)
-    shares = [[frame for frame, one in group if one.rows.start < one.rows.stop] for _, group in by_window]
-    return [range(share[0], share[-1] + 1) for share in shares if share]
+    frames, windows = range(len(scene.cameras)), windows_of(scene.model)
+    for index, group in groupby(frames, key=lambda frame: window_at(scene.model, scene.time(frame)).index):
+        share = list(group)
+        if len(windows[index]):
+            yield windows[index], range(share[0], share[-1] + 1)
 
 
-def _film(scene: Scene, frames: range, fineness: Fineness) -> Generator[int, None, Film]:
-    window = window_at(scene.model, scene.time(frames[0]))
+def _film(scene: Scene, window: ModelWindow, frames: range, fineness: Fineness) -> Generator[int, None, Film]:
     follower, times = surface_of_window(scene, window, fineness), [scene.time(frame) for frame in frames]
     meshes = []
     for frame, time in zip(frames, times, strict=True):

@@ -66,13 +66,11 @@ def _add(
     document: _Document, buffer: Buffer, film: Film, positions: Float32Array, name: str, seconds: float
 ) -> None:
     """A node with its mesh, its material, and its way through time. `positions`: as the file has them."""
-    node, attributes = (
-        len(document.nodes),
-        {
-            "POSITION": buffer.array(positions[0], VERTICES, bounded=True),
-            "NORMAL": buffer.array(_unit(film.mesh.normals * TO_GLTF), VERTICES),
-        },
-    )
+    node = len(document.nodes)
+    attributes = {
+        "POSITION": buffer.array(positions[0], VERTICES, bounded=True),
+        "NORMAL": buffer.array(_unit(film.mesh.normals * TO_GLTF), VERTICES),
+    }
     material: dict[str, Any] = {"metallicFactor": 0.0, "roughnessFactor": 1.0}
     if film.picture is not None and film.pixels is not None:
         attributes["TEXCOORD_0"] = buffer.array(film.pixels, VERTICES)
@@ -102,22 +100,16 @@ def _add(
 def _show(document: _Document, buffer: Buffer, node: int, there: range, frames: int, seconds: float) -> None:
     """At its frames alone: at other times it has no size, by which glTF hides a node (3.6.1). Without the
     animation, the first one is seen."""
-    times = [0.0] if there.start else []
-    sizes = [0.0] if there.start else []
-    times, sizes = [*times, there.start / frames * seconds], [*sizes, 1.0]
-    if there.stop < frames:
-        times, sizes = [*times, there.stop / frames * seconds], [*sizes, 0.0]
+    sizes = {0: 0.0} | {there.start: 1.0} | ({there.stop: 0.0} if there.stop < frames else {})
+    moments = np.array([frame / frames * seconds for frame in sizes], np.float32)
+    sampler = {
+        "input": buffer.array(moments, bounded=True),
+        "output": buffer.array(np.repeat(np.array(list(sizes.values()), np.float32)[:, None], 3, axis=1)),
+        "interpolation": "STEP",
+    }
     if node:
         document.nodes[node]["scale"] = [0.0, 0.0, 0.0]
-    document.animate(
-        node,
-        "scale",
-        {
-            "input": buffer.array(np.array(times, np.float32), bounded=True),
-            "output": buffer.array(np.repeat(np.array(sizes, np.float32)[:, None], 3, axis=1)),
-            "interpolation": "STEP",
-        },
-    )
+    document.animate(node, "scale", sampler)
 
 
 def _png(picture: NDArray[np.uint8]) -> bytes:

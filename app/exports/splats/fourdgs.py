@@ -95,8 +95,7 @@ def _check(scene: Scene) -> None:
     gaussians, frames = len(scene.model), len(scene.cameras)
     if not gaussians:
         raise UserError("expected a Gaussian at least, got none")
-    windows = windows_of(scene.model)
-    needed = BYTES * sum((one.rows.stop - one.rows.start) * len(one.frames(frames)) for one in windows)
+    needed = BYTES * sum(len(one) * len(one.frames(frames)) for one in windows_of(scene.model))
     free = free_memory()
     if needed > free:
         said = (
