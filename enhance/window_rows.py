@@ -54,6 +54,14 @@ def mean_of(
         out[x] = np.float32(total * (shares[x] * tall))
 
 
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+def _variance(share: float, middle: float, square: float) -> np.float32:
+    """Of a window with that mean, and that sum of squares over as much as one by `share`."""
+    spread = np.float32(square * share - middle * middle)
+    # Rounding can leave a flat window's variance slightly negative.
+    return spread if spread > np.float32(0.0) else np.float32(0.0)
+
+
 @njit(fastmath={"contract"}, error_model="numpy")
 def describe(
     running_first: NDArray[np.float64],
@@ -73,9 +81,7 @@ def describe(
         share = shares[x] * tall
         middle = share * ((1.0 - part) * (last[x] - inner[x]) + part * (outer[x] - running_first[x]))
         square = (1.0 - part) * (last_2[x] - inner_2[x]) + part * (outer_2[x] - running_second[x])
-        spread = np.float32(square * share - middle * middle)
-        # Rounding can leave a flat window's variance slightly negative.
-        variance[x] = spread if spread > np.float32(0.0) else np.float32(0.0)
+        variance[x] = _variance(share, middle, square)
         mean[x] = np.float32(middle)
 
 
@@ -105,13 +111,11 @@ def describe_narrow(
     mean: NDArray[np.float32],
 ) -> None:
     """As `describe`, of a window with NARROW whole pixels on each side."""
-    left, near, middle, far, right = first, first[1:], first[2:], first[3:], first[4:]
-    left_2, near_2, middle_2, far_2, right_2 = second, second[1:], second[2:], second[3:], second[4:]
+    left, near, here, far, right = first, first[1:], first[2:], first[3:], first[4:]
+    left_2, near_2, here_2, far_2, right_2 = second, second[1:], second[2:], second[3:], second[4:]
     for x in range(len(mean)):
         share = shares[x] * tall
-        here = share * ((near[x] + middle[x] + far[x]) + part * (left[x] + right[x]))
-        square = (near_2[x] + middle_2[x] + far_2[x]) + part * (left_2[x] + right_2[x])
-        spread = np.float32(square * share - here * here)
-        # Rounding can leave a flat window's variance slightly negative.
-        variance[x] = spread if spread > np.float32(0.0) else np.float32(0.0)
-        mean[x] = np.float32(here)
+        middle = share * ((near[x] + here[x] + far[x]) + part * (left[x] + right[x]))
+        square = (near_2[x] + here_2[x] + far_2[x]) + part * (left_2[x] + right_2[x])
+        variance[x] = _variance(share, middle, square)
+        mean[x] = np.float32(middle)

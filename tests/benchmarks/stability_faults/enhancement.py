@@ -183,8 +183,8 @@ def _filters() -> list[Fault]:
             "dropped",
             "the partial pixels of narrow windows",
             ROWS,
-            "here = share * ((near[x] + middle[x] + far[x]) + part * (left[x] + right[x]))",
-            "here = share * (near[x] + middle[x] + far[x])",
+            "middle = share * ((near[x] + here[x] + far[x]) + part * (left[x] + right[x]))",
+            "middle = share * (near[x] + here[x] + far[x])",
             "filter",
         ),
         Fault(
