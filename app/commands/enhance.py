@@ -112,9 +112,9 @@ def run(flags: argparse.Namespace) -> None:
     started = time.perf_counter()
     written = run_to_end(enhance_into(flags.output, series, setting, _watched))
     _say(written.notices)
+    seconds = time.perf_counter() - started
     if flags.output.is_dir():
         say_older(flags.output, [str(one.output) for one in written.pictures])
-    seconds = time.perf_counter() - started
     if flags.json:
         shared = _shared(setting) | {"notices": written.notices}
         facts = provenance(**shared, pictures=written.pictures, failed=written.failed, seconds=seconds)

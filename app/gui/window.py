@@ -301,8 +301,8 @@ class Window:
         self._size = size
         if self._worn == chosen:
             return
-        low = [dockings.is_low(size, percent) for percent in (chosen[1], (self._worn or chosen)[1])]
-        if low[0] != low[1]:
+        before = self._worn or chosen
+        if dockings.is_low(size, before[1]) != dockings.is_low(size, chosen[1]):
             dockings.restore_all()
         elif self._worn is not None:
             # What is kept of the layout already has the width for the text at the start.

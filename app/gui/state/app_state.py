@@ -284,8 +284,9 @@ class AppState:
         """Which runs should be listed now; None while the list is not on screen, and has the run that is
         shown: menus offer to rename and delete that one."""
         found, shown = self.runs.found, self.runs.reconstruction.run_path
-        is_known = shown is None or (found is not None and any(run.path == shown for run in found.runs))
-        if (is_known and not self.runs.is_listed) or self.source.clip is None or self.source.is_live_frame:
+        is_ours = shown is not None and shown.parent == self.places.runs
+        lacks = is_ours and (found is None or all(run.path != shown for run in found.runs))
+        if not (lacks or self.runs.is_listed) or self.source.clip is None or self.source.is_live_frame:
             return None
         return RunsRequest(self.places.runs, self.source.clip, int(self.window.now / LOOK_AGAIN))
 
@@ -315,8 +316,8 @@ class AppState:
             view = ViewRequest.of_frame(model, model.frame_at(self.time))
         else:
             view = ViewRequest.fitted(model, self.time, self.scene.viewer.free, self.scene.size)
-        view = view.of_kind(self.scene.kind, self.frame_image if self.scene.viewer.snapped else None)
-        return replace(self.over_background(view), scale=self.scene.steady_scale)
+        view = self.over_background(view.of_kind(self.scene.kind, self.frame_image))
+        return replace(view, scale=self.scene.steady_scale)
 
     def over_background(self, view: ViewRequest) -> ViewRequest:
         """With what is chosen for where nothing was observed."""
