@@ -35,16 +35,13 @@ def chroma_snr(
     height, width = pixels.shape[:2]
     step = max(SIZE, int(math.sqrt(height * width / SAMPLES)))
     rows, columns = max(0, (height - SIZE) // step + 1), max(0, (width - SIZE) // step + 1)
-    found = np.empty((rows, columns, 3), np.float64)
-    _sample(pixels, keep, spans, step, found)
-    seen = found[found[..., 0] >= 0] * (255 / full)
-    if not len(seen):
+    found = np.empty((3, rows * columns), np.float64)
+    count = _sample(pixels, keep, spans, step, columns, found)
+    if count == 0:
         return None
-    middles = (len(seen) - 1) // 2, len(seen) // 2
-    # As np.median, in a quarter of its time.
-    noises = np.partition(seen[:, 1:].T, middles)[:, middles].mean(axis=1)
-    noise = float(noises.max()) / PER_DEVIATION
-    return float(seen[:, 0].mean()) / max(noise, ROUNDING)
+    to_levels = 255 / full
+    noise = to_levels * max(_median(found[1, :count]), _median(found[2, :count])) / PER_DEVIATION
+    return float((found[0, :count] * to_levels).mean()) / max(noise, ROUNDING)
 
 
 @njit(cache=True, error_model="numpy")
@@ -53,26 +50,37 @@ def _sample(
     keep: NDArray[np.uint8],
     spans: NDArray[np.int32],
     step: int,
-    found: NDArray[np.float64],  # (rows, columns, 3), out: chroma, responses of R - G and B - G; -1: none
-) -> None:
-    for row in range(found.shape[0]):
-        for column in range(found.shape[1]):
-            y, x = row * step, column * step
-            counts = len(keep) == 0 or keep[y + SIZE // 2, x + SIZE // 2] > 0
-            for end in (y, y + SIZE - 1):
-                if len(spans) > 0:
-                    counts = counts and spans[end, 0] <= x and x + SIZE <= spans[end, 1]
-            found[row, column, 0] = -1.0
-            if counts:
-                red, blue = 0.0, 0.0
-                for v in range(SIZE):
-                    for u in range(SIZE):
-                        weight = 0.25 * KERNEL[v // 2][u // 2]
-                        green = np.float64(pixels[y + v, x + u, 1])
-                        red += weight * (np.float64(pixels[y + v, x + u, 0]) - green)
-                        blue += weight * (np.float64(pixels[y + v, x + u, 2]) - green)
-                one = pixels[y + SIZE // 2, x + SIZE // 2]
-                found[row, column, 0] = np.float64(max(one[0], one[1], one[2])) - np.float64(
-                    min(one[0], one[1], one[2])
-                )
-                found[row, column, 1], found[row, column, 2] = abs(red), abs(blue)
+    columns: int,
+    found: NDArray[np.float64],  # (3, most), out: chroma, and responses of R - G and of B - G
+) -> int:
+    """Look at places `step` apart, so many in a row; the number of those that count."""
+    count = 0
+    for place in range(found.shape[1]):
+        y, x = place // columns * step, place % columns * step
+        counts = len(keep) == 0 or keep[y + SIZE // 2, x + SIZE // 2] > 0
+        for end in (y, y + SIZE - 1):
+            if len(spans) > 0:
+                counts = counts and spans[end, 0] <= x and x + SIZE <= spans[end, 1]
+        if counts:
+            red, blue = 0.0, 0.0
+            for v in range(SIZE):
+                for u in range(SIZE):
+                    weight = 0.25 * KERNEL[v // 2][u // 2]
+                    green = np.float64(pixels[y + v, x + u, 1])
+                    red += weight * (np.float64(pixels[y + v, x + u, 0]) - green)
+                    blue += weight * (np.float64(pixels[y + v, x + u, 2]) - green)
+            one = pixels[y + SIZE // 2, x + SIZE // 2]
+            most, least = max(one[0], one[1], one[2]), min(one[0], one[1], one[2])
+            found[0, count] = np.float64(most) - np.float64(least)
+            found[1, count], found[2, count] = abs(red), abs(blue)
+            count += 1
+    return count
+
+
+@njit(cache=True, error_model="numpy")
+def _median(values: NDArray[np.float64]) -> float:
+    """As np.median, in a fraction of its time."""
+    upper = len(values) // 2
+    sorted_there = np.partition(values, upper)
+    below = sorted_there[upper] if len(values) % 2 else sorted_there[:upper].max()
+    return float(0.5 * (below + sorted_there[upper]))

@@ -264,8 +264,9 @@ class Enhancer:
             out,
         )
         self._made = made
-        for index in np.flatnonzero(measured).tolist():
-            self._moments[windows[index]] = Moments.of(sums[:, index].sum(axis=0), seen)
+        for one, is_new, total in zip(windows, measured, sums.sum(axis=0), strict=True):
+            if is_new:
+                self._moments[one] = Moments.of(total, seen)
         return out
 
     def _curve_of(self, z: float) -> Float32Image:

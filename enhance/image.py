@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -64,6 +64,7 @@ class Picture:
         return pixels if self.alpha is None else np.dstack((pixels, self.alpha))
 
 
+@lru_cache
 def full_scale(dtype: np.dtype[Any]) -> int:
     """The value that means 1.0: 255, 65535, or 1 for floats."""
     return int(np.iinfo(dtype).max) if dtype.kind == "u" else 1

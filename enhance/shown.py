@@ -21,7 +21,7 @@ Pixels = Named | FieldOfView
 paper has it, or a known field of view. What lies outside stays as it is."""
 NAMED: Final = get_args(Named)
 SPARSE: Final = 64
-"""Rows, of which one tells that an image has colours."""
+"""Pixels a step, down and across, of those that nearly always tell that an image has colours."""
 ALL_KEPT: NDArray[np.uint8] = np.empty((0, 0), np.uint8)
 
 
@@ -96,7 +96,9 @@ class Shown:
     @cached_property
     def is_grey(self) -> bool:
         """The image has no colours: one channel, or three that are equal."""
-        return self.picture.pixels.ndim == 2 or (_is_grey(self.pixels[::SPARSE]) and _is_grey(self.pixels))
+        return self.picture.pixels.ndim == 2 or (
+            _is_grey(self.pixels[::SPARSE, ::SPARSE]) and _is_grey(self.pixels)
+        )
 
     @cached_property
     def spans(self) -> Spans:
