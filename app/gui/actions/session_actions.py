@@ -6,6 +6,7 @@ import os
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 
@@ -25,7 +26,9 @@ from app.gui.session_file import (
     recoverable,
 )
 from app.gui.state.app_state import AppState
+from app.gui.state.choosing import Kind
 from app.gui.work.background import Failure
+from app.gui.work.opening import OpenRequest, SourceLost
 from app.gui.work.writing import SessionRequest
 from app.runs.run_edits import packed, unpacked
 
@@ -129,6 +132,22 @@ def restore(state: AppState, session: Session, second: Path | None = None) -> No
     elif session.second is not None:
         actions.say(state, f"the second view is empty: {Path(session.second.path).name} is no longer there")
     actions.rebase(state, session.past or (session.params,))
+
+
+def offer_to_find(state: AppState, lost: SourceLost) -> None:
+    """Beside the trouble: a person says where what the session is of lies now, and it is opened with that."""
+
+    def open_with(state: AppState, source: Path) -> None:
+        def go() -> None:
+            state.source.opening = OpenRequest(lost.session, source=source)
+            state.window.banner = None
+
+        actions.leave_session(state, go)
+
+    kind: Kind = "file" if lost.old.suffix else "folder"
+    if state.window.banner is not None:
+        find = partial(actions.choose_path, state, kind, open_with)
+        state.window.banner = replace(state.window.banner, find=find)
 
 
 def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:

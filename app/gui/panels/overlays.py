@@ -79,11 +79,14 @@ def draw_banner(state: AppState) -> None:
             imgui.align_text_to_frame_padding()
             imgui.text_unformatted(message)
         imgui.same_line(0, em(1))
-        can_stop = state.window.banner.can_stop
+        can_stop, find = state.window.banner.can_stop, state.window.banner.find
         button("Dismiss", lambda: actions.dismiss(state))
         if can_stop:
             imgui.same_line()
             button("Stop waiting", lambda: actions.stop_opening(state))
+        if find is not None:
+            imgui.same_line()
+            button("Find it...", find)
 
 
 def _middle() -> tuple[ImVec2, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -56,6 +56,8 @@ class Banner:
     message: str
     can_stop: bool = False
     """It is of an opening that takes long, which can be given up."""
+    find: Callable[[], None] | None = None
+    """It is of something lost: lets a person say where it lies."""
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from app.gui.work.clip_scale import ClipScale, ScaleRequest
 from app.gui.work.measuring import Measured
 from app.gui.work.neighbours import Neighbours, NeighboursRequest
 from app.gui.work.omissions import Omissions, OmissionsRequest
-from app.gui.work.opening import Opened, OpenRequest
+from app.gui.work.opening import Opened, OpenRequest, SourceLost
 from app.gui.work.recents import Recents, RecentsRequest
 from app.gui.work.run_measures import RunMeasures, RunMeasuresRequest
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
@@ -124,6 +124,8 @@ def take_opened(state: AppState, request: OpenRequest, answer: Opened | Failure)
     state.source.opening = None
     if isinstance(answer, Failure):
         actions.fail(state, answer.message)
+        if isinstance(answer.error, SourceLost):
+            session_actions.offer_to_find(state, answer.error)
     elif answer.views is not None:
         path_actions.add_views(state, answer.views, request.path)
     else:

@@ -25,6 +25,8 @@ class Failure:
 
     def __init__(self, error: Exception) -> None:
         self.message = sentence(error)
+        self.error = error.with_traceback(None)
+        """Without the frames that it came through, whose arrays would stay in memory."""
 
 
 class Channel(Generic[Request, Answer]):

@@ -49,6 +49,17 @@ class OpenRequest:
     """Of one of a folder's images after another, those behind it: the first that can be read is opened."""
     calibration: Path | None = None
     """To be read, instead of that of the options."""
+    source: Path | None = None
+    """Of a session: where its clip, run or file of splats lies now, as a person says."""
+
+
+class SourceLost(UserError):
+    """What a session is of is neither at its old place nor beside the session."""
+
+    def __init__(self, session: Path, old: Path) -> None:
+        places = f"at its old place {old.parent} or beside the session"
+        super().__init__(f"expected {old.name} {places}, found neither: {session}")
+        self.session, self.old = session, old
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +152,7 @@ def _open_next(first: Path, onward: tuple[Path, ...], options: ClipOptions) -> O
 def _open(request: OpenRequest) -> Iterator[Opened]:
     _require_file_or_folder(request.path)
     if request.path.suffix == SUFFIX:
-        yield _open_session(request.path)
+        yield _open_session(request.path, request.source)
         return
     if is_named_as_splats(request.path):
         yield _open_splats(splat_scene(request.path))
@@ -231,20 +242,18 @@ def _open_beside(path: Path) -> Opened:
         raise UserError(f"expected a report, views or cameras: {error}") from error
 
 
-def _open_session(path: Path) -> Opened:
-    """Its run where that can be opened, else its clip or file of splats."""
+def _open_session(path: Path, source: Path | None) -> Opened:
+    """Its run where that can be opened, else its clip or file of splats; or what is named in their place."""
     session, damage = mended_session(path)
-    run = session.run.found(path) if session.run else None
-    wanted, place = session.source, session.source.found(path) if session.source else None
+    run = source or (session.run.found(path) if session.run else None)
+    wanted, place = session.source, source or (session.source.found(path) if session.source else None)
     if session.run is not None and run is not None and RunFolder(run).is_run:
         wanted, place = session.run, run
     if wanted is None or place is None:
         named = session.source or session.run
-        old = named.place(path) if named else None
-        name, where = (old.name, f" {old.parent}") if old else ("a source", "")
-        raise UserError(
-            f"expected {name} at its old place{where} or beside the session, found neither: {path}"
-        )
+        if named is None:
+            raise UserError(f"expected a session of a clip or of a run, found neither in it: {path}")
+        raise SourceLost(path, named.place(path))
     (opened,) = open_path(OpenRequest(place, session.clip_options))
     notices = opened.notices
     if wanted.sha256 is not None and wanted.sha256 not in digests(place):

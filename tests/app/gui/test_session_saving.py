@@ -228,3 +228,36 @@ def test_changes_of_a_saved_session_are_not_lost_without_a_question(places: Plac
 
     driver.run(drive)
     assert mended_session(path)[0].params.strength == 0.5
+
+
+def test_a_person_says_where_a_lost_clip_lies_now(
+    liver: tuple[AppState, Channels], places: Places, tmp_path: Path
+) -> None:
+    state, channels = liver
+    state.session.notes = "a second look"
+    session_actions.save_to(state, places.pictures / "monday.vesselsplat")
+    turn(state, channels)
+    turn(state, channels)
+    moved = shutil.move(tmp_path / "clips" / "liver", tmp_path / "archive")
+    other, channels = opened_state(places, places.pictures / "monday.vesselsplat")
+    banner = other.window.banner
+    assert banner is not None
+    assert "neither" in banner.message
+    assert banner.find is not None
+    banner.find()
+    asked = actions.taken_choice(other)
+    assert asked is not None
+    assert asked.kind == "folder"
+    browse_actions.chosen(other, asked, Path(moved))
+    turn(other, channels)
+    turn(other, channels)
+    assert (other.window.banner, other.source.path) == (None, Path(moved))
+    assert (other.session.path, other.session.notes) == (
+        places.pictures / "monday.vesselsplat",
+        "a second look",
+    )
+    session_actions.save(other)
+    turn(other, channels)
+    turn(other, channels)
+    again, _ = opened_state(places, places.pictures / "monday.vesselsplat")
+    assert (again.window.banner, again.source.path) == (None, Path(moved))
