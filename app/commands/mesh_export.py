@@ -20,7 +20,7 @@ from app.exports.usd_file import require_usd
 from app.files.atomic import filled
 from app.files.stepping import run_to_end
 from app.scenes.scene import Scene
-from app.scenes.surfaces import window_surface
+from app.scenes.surfaces import surface_of_window, window_surface
 from app.scenes.view_selection import Moment
 from renderer.model_windows import windows_of
 from renderer.surface.fineness import VERTICES, Fineness
@@ -75,10 +75,11 @@ def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> 
     path: Path = flags.mesh
     fineness = Fineness(flags.vertices, flags.faces)
     if path.suffix.lower() in CLIPS:
-        said = _size(window_surface(scene, 0.0, fineness).mesh)
+        windows = windows_of(scene.model)
+        left = [window for window in windows if len(window)]
+        said = _size(surface_of_window(scene, (*left, windows[0])[0], fineness).mesh)
         _write_file(flags, scene)
-        number = len(windows_of(scene.model))
-        meshes = f"{number} meshes, one after the other, the first of {said}" if number > 1 else said
+        meshes = f"{len(left)} meshes, one after the other, the first of {said}" if len(left) > 1 else said
         sys.stdout.write(f"{path}: {meshes}, {path.stat().st_size / 1e6:.1f} MB\n")
     else:
         said = _size(window_surface(scene, wanted[0].time, fineness).mesh)

@@ -223,3 +223,14 @@ def test_a_window_is_that_of_the_edited_model(run: Path, vesselsplat: Cli, tmp_p
     bare = scene.edited(Edits.none(len(scene.model)).selecting(first, "replace").deleting())
     with pytest.raises(UserError, match="all are removed"):
         scene_of_window(bare, 1)
+
+
+def test_a_mesh_file_leaves_out_a_window_whose_gaussians_are_removed(
+    run: Path, vesselsplat: Cli, tmp_path: Path
+) -> None:
+    scene = open_scene(run)
+    windows = windows_of(scene.model)
+    first = Mask.of(np.arange(len(scene.model)) < windows[0].rows.stop)
+    save_edits(RunFolder(run), Edits.none(len(scene.model)).selecting(first, "replace").deleting())
+    done = vesselsplat("export", run, "--mesh", tmp_path / "a.glb", "--vertices", 500)
+    assert (done.code, f"{len(windows) - 1} meshes, one after the other" in done.out) == (0, True), done.error
