@@ -15,7 +15,7 @@ from app.runs.dark_surround import lit_part
 from renderer.clip import BoolImage, Clip, Frame
 from renderer.tools.agreement import WEAK, Agreement
 from renderer.tools.learning import Example, LearnedTools, learned_well
-from renderer.tools.mask_files import MaskFiles, MaskOrigin, mask_names, write_mask
+from renderer.tools.mask_files import MaskFiles, MaskOrigin, mask_names, origin_of, write_mask
 from renderer.tools.onnx_model import OnnxTools
 from renderer.tools.search import find_tools
 
@@ -48,7 +48,8 @@ def make_masks(
     clip: Clip, folder: Path, by_hand: MaskFiles, model: OnnxTools | None = None
 ) -> Iterator[MaskReport]:
     """One file a frame: those by hand as they are, all others found by the model, learned from those by hand,
-    or found by their colour where there are none. What the clip's own masks leave out is not looked at.
+    or found by their colour where there are none. What the clip's own masks leave out is not looked at. What
+    is drawn by hand in the folder meanwhile stays.
 
     Raises:
         ClipError: a frame or a mask by hand cannot be read.
@@ -64,13 +65,24 @@ def make_masks(
     shares, scores, agreement = list[float](), dict[int, float](), Agreement()
     for index, name in enumerate(mask_names(clip.labels)):
         frame = lit.read_frame(index)
-        drawn = by_hand.read(index, _size(frame))
-        mask, origin = (find(frame), found_by) if drawn is None else (drawn, "by hand")
-        write_mask(folder / name, mask, origin)
+        mask = by_hand.read(index, _size(frame))
+        if mask is None:
+            found, mask = find(frame), _drawn_meanwhile(folder / name, index, _size(frame))
+            if mask is None:
+                mask = found
+                write_mask(folder / name, mask, found_by)
+        elif by_hand.files[index] != folder / name:
+            write_mask(folder / name, mask, "by hand")
         shares.append(float(mask.mean()))
         if (score := agreement.with_next(frame.image, mask)) is not None:
             scores[index] = score
         yield _report(report, shares, scores)
+
+
+def _drawn_meanwhile(path: Path, index: int, size: tuple[int, int]) -> BoolImage | None:
+    if not path.is_file() or origin_of(path) != "by hand":
+        return None
+    return MaskFiles(path.parent, {index: path}).read(index, size)
 
 
 def _taught_by(by_hand: MaskFiles) -> list[int]:

@@ -18,7 +18,7 @@ from renderer.readers.nonzero_masks import read_nonzero, require_shapes
 from renderer.readers.pictures import NAMED, natural_key, read_stored
 from renderer.readers.tool_masks import marked_pixels
 
-MaskOrigin = Literal["by hand", "learned", "by colour", "by a model"]
+MaskOrigin = Literal["by hand", "from a folder", "learned", "by colour", "by a model"]
 """Who says where tools are; what says nothing of itself is by hand."""
 
 _KEY: Final = "VesselSplat tool mask"

@@ -113,6 +113,8 @@ class _There(NamedTuple):
 
     def means_after(self, following: _There) -> Float32Array:
         """(N, 3) where they are in the next frame; what is not there any more stays."""
+        if not len(following.rows):
+            return self.splats.means
         places = np.searchsorted(following.rows, self.rows).clip(max=len(following.rows) - 1)
         there = following.rows[places] == self.rows
         return np.where(there[:, None], following.splats.means[places], self.splats.means)

@@ -155,15 +155,17 @@ def _ask(state: AppState, wish: Region | Around | None, how: Combination) -> Non
 
 
 def take_selected(state: AppState, request: SelectRequest, answer: Selected | Failure) -> None:
-    """The answer to a wish, and then what was asked for while it was on its way."""
+    """The answer to a wish, and then what was asked for while it was on its way: nothing of that where it
+    fails, as it was meant for what would have been selected."""
     editing = state.editing
-    if isinstance(answer, Failure):
-        editing.wish = None
-        actions.fail(state, f"nothing was selected: {answer.message}")
-        return
     if request is not editing.wish:
         return
-    editing.wish, editing.limits = None, answer.limits
+    editing.wish = None
+    if isinstance(answer, Failure):
+        editing.waiting.clear()
+        actions.fail(state, f"nothing was selected: {answer.message}")
+        return
+    editing.limits = answer.limits
     if answer.center is not None:
         editing.center = answer.center
     if answer.mask is not None:

@@ -17,7 +17,7 @@ from app.gui.style import theme
 from app.gui.style.fields import number
 from app.gui.style.widgets import Area, button, choose_row, em, explain, in_line, muted, note, row
 from app.gui.views.picture_view import Placement
-from app.gui.work.masking import BY_HAND, FrameMask
+from app.gui.work.masking import BY_HAND, FROM_FOLDER, FrameMask
 from app.runs.making_masks import MaskReport
 from renderer.tools.brush import Stroke
 from renderer.tools.onnx_model import Values
@@ -36,6 +36,7 @@ MAKE_TEXT: Final = (
 WHY: Final = "Masked tools are neither trained on nor evaluated."
 ORIGINS: Final = {
     "by hand": "masked by hand",
+    "from a folder": "from the masks of a folder",
     "learned": "learned from other frames",
     "by colour": "found by colour",
     "by a model": "found by a model",
@@ -51,7 +52,8 @@ NEIGHBOURS_TEXT: Final = (
     "Overlap (IoU) of each mask with that of the frame before, moved along by optical flow, on average."
 )
 FOLDER_TEXT: Final = (
-    "Take masks of another program: images named or numbered as the frames, not black = tool."
+    "Take masks of another program: images named or numbered as the frames, not black = tool. Masks by hand "
+    "stay."
 )
 NETWORK_TEXT: Final = (
     "An ONNX file of yours finds the tools in frames that are not masked by hand. What it takes and which of "
@@ -146,9 +148,11 @@ def _said(shown: FrameMask) -> str:
 
 
 def _draw_by_hand(state: AppState, masking: Masking) -> None:
-    frames = () if masking.there is None else masking.there.by_hand
+    there = masking.there
+    frames = () if there is None else there.frames(BY_HAND)
     if not frames:
-        note(NONE_YET)
+        given = 0 if there is None else len(there.frames(FROM_FOLDER))
+        note(f"{given} from a folder: they teach the others." if given else NONE_YET)
         explain(MAKE_TEXT)
         return
     muted("By hand")

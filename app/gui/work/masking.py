@@ -28,11 +28,14 @@ from renderer.tools.onnx_model import OnnxTools, Values
 from renderer.tools.search import find_tools
 
 BY_HAND: MaskOrigin = "by hand"
+FROM_FOLDER: MaskOrigin = "from a folder"
 
 
 def folder_of(places: Path, clip: Clip, options: ClipOptions) -> Path:
     """Where the masks of a clip lie: by its name and path, and by what says what a frame is."""
     told = f"{clip.path.absolute()}|{options.deinterlacing}|{options.stereo}"
+    if options.calibration is not None:
+        told += f"|{options.calibration}"
     return places / f"{clip.path.stem}-{hashlib.sha256(told.encode(errors='replace')).hexdigest()[:10]}"
 
 
@@ -50,9 +53,9 @@ class MasksThere:
     origins: Mapping[int, MaskOrigin]
     """Of each frame that has one."""
 
-    @property
-    def by_hand(self) -> tuple[int, ...]:
-        return tuple(sorted(index for index, origin in self.origins.items() if origin == BY_HAND))
+    def frames(self, wanted: MaskOrigin) -> tuple[int, ...]:
+        """Those whose masks are from there."""
+        return tuple(sorted(index for index, origin in self.origins.items() if origin == wanted))
 
     def with_mask(self, index: int, origin: MaskOrigin | None) -> MasksThere:
         """With another one of a frame, or with none."""
@@ -153,8 +156,8 @@ def grow(request: GrowRequest) -> Iterator[BoolImage]:
 
 @dataclass(frozen=True, eq=False)
 class MakingRequest:
-    """Masks of all frames that nobody has masked by hand: learned from those, found by a network in a file,
-    or taken from another folder."""
+    """Masks of all frames that nobody has masked by hand: learned from those and from masks of a folder,
+    found by a network in a file, or taken from another folder."""
 
     clip: Clip
     folder: Path
@@ -178,15 +181,17 @@ def make_all(request: MakingRequest) -> Iterator[MaskReport]:
         yield from _taken(request, taken)
         return
     files = own_masks(folder, clip.labels).files
-    mended = {index: path for index, path in files.items() if origin_of(path) == BY_HAND}
+    mended = {index: path for index, path in files.items() if origin_of(path) in (BY_HAND, FROM_FOLDER)}
     yield from make_masks(clip, folder, MaskFiles(folder, mended), model)
 
 
 def _taken(request: MakingRequest, files: MaskFiles) -> Iterator[MaskReport]:
-    """Copies count as masks by hand."""
+    """Copies, but of frames that are masked by hand."""
     clip, names, shares = request.clip, mask_names(request.clip.labels), list[float]()
     for index, mask in read_all(files, clip):
-        write_mask(request.folder / names[index], mask, BY_HAND)
+        path = request.folder / names[index]
+        if not path.is_file() or origin_of(path) != BY_HAND:
+            write_mask(path, mask, FROM_FOLDER)
         shares.append(float(mask.mean()))
         yield MaskReport(min(len(shares), len(clip) - 1), len(shares), None)
     share = sum(shares) / len(shares)

@@ -22,7 +22,10 @@ from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes.scene import Scene, open_scene
 from renderer.deformation.motion import Motion, Still
+from renderer.editing.edits import Edits
+from renderer.editing.mask import Mask
 from renderer.gaussians import DynamicGaussians
+from renderer.model_windows import windows_of
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Splats
 from tests.app.conftest import Call
@@ -106,6 +109,17 @@ def test_of_a_long_clip_gaussians_come_and_go_with_their_windows(
         assert found["opacities"] <= 0.51 / 255
     again = vesselsplat("replay", path, "--source", windowed_run)
     assert again.out.rstrip().endswith("identical"), again.error + again.out
+
+
+def test_a_window_whose_gaussians_are_removed_shows_nothing(windowed_run: Path, tmp_path: Path) -> None:
+    scene = open_scene(windowed_run)
+    middle = np.zeros(len(scene.model), bool)
+    middle[windows_of(scene.model)[1].rows] = True
+    edits = Edits.none(len(scene.model)).selecting(Mask.of(middle), "replace").deleting()
+    path = written(scene.edited(edits), tmp_path / "a.4dgs")
+    decoded = decode_streamed(path.read_bytes())
+    assert len(render_at(decoded, 60 * SEC)["centers"]) == 0
+    assert len(render_at(decoded, 10 * SEC)["centers"]) == len(windows_of(scene.model)[0])
 
 
 def test_between_frames_gaussians_go_straight_on(runs: dict[str, Path], tmp_path: Path) -> None:

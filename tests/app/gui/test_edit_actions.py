@@ -15,6 +15,7 @@ from app.gui.panels.editing import gone
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
+from app.gui.work.background import Failure
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.selecting import Selector
 from app.gui.work.settings import Places
@@ -110,6 +111,19 @@ def test_the_selection_is_coloured_for_the_eye_alone(splats: AppState) -> None:
     np.testing.assert_allclose(colors[chosen], OWN * own[chosen] + (1 - OWN) * np.array(COLOR), atol=1e-6)
     edit_actions.toggle(splats)
     assert splats.view_request == plain
+
+
+def test_what_was_meant_for_a_selection_that_fails_is_not_done_to_another(splats: AppState) -> None:
+    before = len(shown(splats))
+    drag(splats, (0, 0), (48, 80))
+    request = splats.editing.wish
+    assert request is not None
+    edit_actions.delete(splats)
+    edit_actions.take_selected(splats, request, Failure(RuntimeError("no memory")))
+    drag(splats, (48, 0), (96, 80))
+    edit_actions.take_selected(splats, request, Failure(RuntimeError("no memory")))
+    settle(splats)
+    assert (len(shown(splats)), len(splats.editing.edits.selected) > 0) == (before, True)
 
 
 @pytest.mark.parametrize("tool", ["sphere", "box"])

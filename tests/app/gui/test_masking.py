@@ -18,9 +18,19 @@ from app.gui.state.panes import tinted
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.update.update import update
-from app.gui.work.masking import FrameMask
+from app.gui.work.masking import (
+    FrameMask,
+    KeepMask,
+    MakingRequest,
+    MaskRequest,
+    folder_of,
+    keep_mask,
+    make_all,
+)
 from app.live.picture import LIVE
 from renderer.clip import BoolImage
+from renderer.readers.calibration import Calibration, LensCalibration
+from renderer.readers.clip_options import ClipOptions
 from renderer.tools.mask_files import origin_of, own_masks, write_mask
 from tests.app.gui.conftest import SIZE, FakeJob, make_clip
 from tests.app.gui.settling import served
@@ -84,7 +94,7 @@ def test_a_stroke_is_kept_and_counts_for_the_next_reconstruction(masking: AppSta
     assert not mask[:12].any()
     np.testing.assert_array_equal(tinted(masking), mask)
     assert masking.masking.there is not None
-    assert masking.masking.there.by_hand == (0,)
+    assert masking.masking.there.frames("by hand") == (0,)
     start_reconstruction(masking)
     (waiting,) = masking.runs.queue
     assert waiting.request.part.tool_masks is not None
@@ -150,7 +160,7 @@ def test_an_undone_stroke_leaves_the_frame_as_nobody_had_touched_it(masking: App
     assert on_disk(masking) == {}
     assert shown(masking) is before
     assert masking.masking.there is not None
-    assert masking.masking.there.by_hand == ()
+    assert masking.masking.there.frames("by hand") == ()
     write_mask(before.request.path, before.mask, "learned")
     masking.masking.shown, masking.masking.past = None, ()
     settle(masking)
@@ -158,7 +168,7 @@ def test_an_undone_stroke_leaves_the_frame_as_nobody_had_touched_it(masking: App
     masking_actions.undo(masking)
     settle(masking)
     assert origin_of(before.request.path) == "learned"
-    assert masking.masking.there.by_hand == ()
+    assert masking.masking.there.frames("by hand") == ()
 
 
 def test_an_area_grows_and_is_dropped_where_the_frame_has_changed(masking: AppState) -> None:
@@ -197,7 +207,7 @@ def test_all_other_frames_are_learned_and_those_by_hand_stay(masking: AppState) 
     assert sorted(masks) == list(range(6))
     np.testing.assert_array_equal(masks[0], before)
     assert masking.masking.there is not None
-    assert masking.masking.there.by_hand == (0,)
+    assert masking.masking.there.frames("by hand") == (0,)
     assert origin_of(masking.masks_folder / "3.png") == "learned"
     # The vessel moves to the right, a pixel a frame; the mask follows what it looks like.
     assert masks[5][:, 14:20].mean() > 0.6
@@ -206,7 +216,33 @@ def test_all_other_frames_are_learned_and_those_by_hand_stay(masking: AppState) 
     assert shown(masking).origin == "learned"
     masking_actions.accept(masking)
     settle(masking, channels)
-    assert masking.masking.there.by_hand == (0, 5)
+    assert masking.masking.there.frames("by hand") == (0, 5)
+
+
+def test_what_is_drawn_while_the_others_are_made_stays(masking: AppState) -> None:
+    clip = masking.masks_clip
+    assert clip is not None
+    made = make_all(MakingRequest(clip, masking.masks_folder))
+    while next(made).done < 2:
+        pass
+    drawn = np.zeros((SIZE[1], SIZE[0]), bool)
+    drawn[:5] = True
+    list(keep_mask(KeepMask(MaskRequest(clip, masking.masks_folder, 4), drawn)))
+    list(made)
+    path = masking.masks_folder / "4.png"
+    np.testing.assert_array_equal(on_disk(masking)[4], drawn)
+    assert (origin_of(path), sorted(on_disk(masking))) == ("by hand", list(range(6)))
+
+
+def test_masks_of_a_clip_lie_apart_for_each_calibration(masking: AppState) -> None:
+    clip = masking.masks_clip
+    assert clip is not None
+    lens = LensCalibration(fx=500, fy=500, cx=10, cy=10)
+    options = [
+        ClipOptions(),
+        *(ClipOptions(calibration=Calibration(lens=one)) for one in (lens, replace(lens, fx=400))),
+    ]
+    assert len({folder_of(Path("masks"), clip, one) for one in options}) == 3
 
 
 def test_masks_of_another_program_are_taken(masking: AppState, tmp_path: Path) -> None:
@@ -221,8 +257,13 @@ def test_masks_of_another_program_are_taken(masking: AppState, tmp_path: Path) -
     settle(masking)
     assert sorted(on_disk(masking)) == [0, 4]
     assert masking.masking.there is not None
-    assert masking.masking.there.by_hand == (0, 4)
+    assert masking.masking.there.frames("from a folder") == (0, 4)
     np.testing.assert_array_equal(shown(masking).mask, given)
+    masking_actions.clear_frame(masking)
+    settle(masking)
+    masking_actions.make_all(masking, tmp_path / "given")
+    settle(masking)
+    assert (masking.masking.there.frames("by hand"), on_disk(masking)[0].any()) == ((0,), False)
     (tmp_path / "empty").mkdir()
     masking_actions.make_all(masking, tmp_path / "empty")
     settle(masking)
