@@ -78,15 +78,15 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
             raise UserError(f"expected an image, a folder or a video, got no such file: {given}")
         if given.is_dir() and target.is_relative_to(given.resolve()):
             raise UserError(f"expected OUTPUT outside of the input folder {given}, got {output}")
-    taken: Counter[tuple[str, str]] = Counter()
+    taken = set[tuple[str, str]]()
     found: list[Item] = []
     for given in inputs:
         # Inputs of one kind and name would write to one place.
         kind = "folder" if given.is_dir() else "picture" if is_still(given) else "video"
         stem = given.resolve().name if given.is_dir() else given.stem
-        taken[kind, stem] += 1
-        number = taken[kind, stem]
-        own = stem if number == 1 else f"{stem}-{number}"
+        free = (stem, *(f"{stem}-{number}" for number in range(2, len(inputs) + 1)))
+        own = next(name for name in free if (kind, name.casefold()) not in taken)
+        taken.add((kind, own.casefold()))
         found += _items_of(given, output, own, alone=len(inputs) == 1, below=below)
     if not found:
         names = ", ".join(given.name for given in inputs)

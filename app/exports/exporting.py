@@ -35,7 +35,7 @@ from app.exports.records import (
 from app.exports.sources import Opened
 from app.files.atomic import filled
 from app.files.image_files import write_image
-from app.files.image_series import open_series
+from app.files.image_series import Series, open_series
 from app.files.provenance import provenance, write_png
 from app.files.records import Source
 from app.files.stepping import map_steps, run_to_end
@@ -84,6 +84,8 @@ class Enhanced:
     path: Path
     setting: Setting
     frame: int | None
+    label: str
+    """Of that frame."""
     count: int
     """Frames that there are."""
 
@@ -93,7 +95,14 @@ class Enhanced:
         if self.frame is None:
             yield from enhance_into(target, series, self.setting)
         else:
-            enhance_frame_into(target, series, self.frame, self.setting)
+            enhance_frame_into(target, series, self._place(series), self.setting)
+
+    def _place(self, series: Series) -> int:
+        """Of the frame in the series: that has all images of a folder, where a clip may keep one in several."""
+        assert self.frame is not None
+        names = () if series.is_video else series.names
+        found = (names.index(name) for name in (self.label, Path(self.label).stem) if name in names)
+        return next(found, self.frame)
 
 
 Exported = (

@@ -18,7 +18,8 @@ from app.sweeps.plan import Plan
 from app.sweeps.worker import Order, Outcome, carry_out_order, made_known
 
 MOST_LOSSES: Final = 5
-"""Workers that may be lost with one job before it counts as failed: it may be what ends them."""
+"""Workers that may be lost with one job before it counts as failed: it may be what ends them. Where others
+share its fate it runs alone from the first loss on, so that none of them fails with it."""
 MOST_SENT: Final = 4_000_000_000
 """Bytes of clips that are on their way to workers at a time."""
 LOOK: Final = 1.0
@@ -54,7 +55,8 @@ def run_jobs(
     losses: Counter[str] = Counter()
     report(done, _note(failed, 0))
     while waiting or running:
-        while len(running) < engine.window and (order := next_order(waiting, running.values())):
+        alone = losses if engine.shares_fate else ()
+        while len(running) < engine.window and (order := next_order(waiting, running.values(), alone)):
             running[engine.executor.submit(carry_out, order)] = order
         finished, _ = wait(running, LOOK, FIRST_COMPLETED)
         for future in finished:
@@ -68,11 +70,20 @@ def run_jobs(
         report(done, _note(failed, len(running)))
 
 
-def next_order(waiting: deque[Order], running: Collection[Order]) -> Order | None:
+def next_order(
+    waiting: deque[Order], running: Collection[Order], alone: Collection[str] = ()
+) -> Order | None:
     """Taken from those that wait, in their order; one whose clip is sent along waits until there is room for
-    it, since what is on its way lies in the memory of the engine."""
+    it, since what is on its way lies in the memory of the engine.
+
+    Args:
+        alone: keys of jobs that run beside no other.
+    """
+    if any(order.job.key in alone for order in running):
+        return None
     room = MOST_SENT - sum(order.sent for order in running)
-    found = next((order for order in waiting if order.sent <= room or not running), None)
+    fits = (order for order in waiting if order.sent <= room and order.job.key not in alone)
+    found = next(fits if running else iter(waiting), None)
     if found is not None:
         waiting.remove(found)
     return found

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -43,8 +44,15 @@ class Row:
 
 
 def rows(record: SweepRecord, folder: Path) -> list[Row]:
-    """In the order of the sweep."""
-    return [_row(key, JobFolder.of(folder, key)) for key in record.jobs]
+    """In the order of the sweep; clips of one name are told apart by the first digits of their hashes."""
+    found = [_row(key, JobFolder.of(folder, key)) for key in record.jobs]
+    alike = Counter(name for name, digest in {(row.clip, row.clip_sha256) for row in found} if digest)
+    return [
+        replace(row, clip=f"{row.clip} ({row.clip_sha256[:6]})")
+        if row.clip_sha256 and alike[row.clip] > 1
+        else row
+        for row in found
+    ]
 
 
 def _row(key: str, place: JobFolder) -> Row:

@@ -103,7 +103,7 @@ class WindowedTraining:
         began, clip = time.perf_counter(), window.of(self.clip)
         folder = folder_of(self.folder, window) if self.folder else None
         resume = self.resume and folder is not None and folder.is_dir()
-        omitted: tuple[Omission, ...] = ()
+        omitted, steps = tuple[Omission, ...](), 0
         with closing(
             train_window(clip, self.config, folder=folder, resume=resume, pictures=self.pictures)
         ) as events:
@@ -112,18 +112,20 @@ class WindowedTraining:
                     wall, omitted = time.perf_counter() - began, (*omitted, *event.omitted)
                     model = self._stored(event, clip, folder)
                     return _Done(event.iteration, event.seconds, wall, omitted, model)
-                if not isinstance(event, Started) or not any(each.wall for each in done):
-                    yield from self._as_of_all(event, done, window, began)
                 if isinstance(event, Started):
-                    omitted = event.omitted
-                    if folder is not None:
-                        folder.mkdir(parents=True, exist_ok=True)
+                    omitted, steps = event.omitted, event.iterations
+                ends = isinstance(event, Evaluated) and event.iteration == steps
+                if not ends and not (isinstance(event, Started) and any(each.wall for each in done)):
+                    yield from self._as_of_all(event, done, window, began)
+                if isinstance(event, Started) and folder is not None:
+                    folder.mkdir(parents=True, exist_ok=True)
         raise AssertionError("a training ends with Finished")
 
     def _as_of_all(
         self, event: TrainEvent, done: Sequence[_Done], window: Window, began: float
     ) -> Iterator[TrainEvent]:
-        """An event of a window that began at `began`, after others that are done."""
+        """An event of a window that began at `began`, after others that are done; but what was measured at
+        its end, as all of the clip is measured in the end."""
         before, number = sum(each.iterations for each in done), len(self.windows)
         match event:
             case Started():
@@ -144,7 +146,7 @@ class WindowedTraining:
             case Snapshot():
                 model = in_windows(len(self.clip), [window], [lambda: event.model])
                 yield Snapshot(before + event.iteration, model)
-            case Evaluated() if event.iteration < self.config.iterations:
+            case Evaluated():
                 yield replace(event, iteration=before + event.iteration)
             case Warned():
                 yield Warned(f"window {len(done) + 1}: {event.message}")

@@ -44,7 +44,9 @@ class Track:
         low, high = (values.min(axis=(0, 1)), values.max(axis=(0, 1))) if len(values) else (nothing, nothing)
         high = np.maximum(high, low + np.float32(1e-9))
         top = (1 << bits) - 1
-        share = (values.astype(np.float64) - low) / (high.astype(np.float64) - low)
+        # Beside a large value, that is none: what does not vary is then at its lower end.
+        span = np.maximum(high.astype(np.float64) - low, np.finfo(np.float64).tiny)
+        share = (values.astype(np.float64) - low) / span
         whole = np.rint(share * top).clip(0, top).astype(np.uint8 if bits == 8 else np.uint16)
         return cls(name, whole, low.astype(np.float32), high.astype(np.float32))
 
@@ -123,10 +125,19 @@ def _quantised(samples: list[RawGaussians]) -> tuple[Track, ...]:
     return _tracks((
         over_time(one.means for one in samples),
         over_time(one.colors for one in samples),
-        over_time(unit_quats(one.quats) for one in samples),
+        over_time(_without_flips([unit_quats(one.quats) for one in samples])),
         over_time(one.log_scales for one in samples),
         over_time(one.opacity_logits[:, None] for one in samples),
     ))  # fmt: skip
+
+
+def _without_flips(quats: list[Float32Array]) -> list[Float32Array]:
+    """The same turns, each of the sign that is nearer to the one before, as the page goes straight from one
+    to the next."""
+    kept = quats[:1]
+    for now in quats[1:]:
+        kept.append(np.where((now * kept[-1]).sum(axis=1, keepdims=True) < 0, -now, now))
+    return kept
 
 
 def _tracks(values: Iterable[Float32Array]) -> tuple[Track, ...]:

@@ -211,10 +211,10 @@ def _open_beside(state: AppState, by: int) -> None:
 
     def go() -> None:
         first, *onward = images
-        state.source.opening = OpenRequest(first, state.source.clip_options, tuple(onward))
+        state.source.opening = OpenRequest(first, state.source.first_options(first), tuple(onward))
         state.window.banner = None
 
-    leave(state, go)
+    leave_session(state, go)
 
 
 def go_to_end(state: AppState, *, last: bool) -> None:

@@ -86,7 +86,8 @@ def _enhanced(state: AppState, offer: Offer) -> Enhanced:
     assert clip is not None
     chosen = replace(setting, clip_options=state.source.options, dicom=state.exports.dicom)
     frame = state.timeline.shown_index if offer.form == "DICOM still" else None
-    return Enhanced(clip.path, chosen, frame, len(clip))
+    label = clip.labels[frame] if frame is not None else ""
+    return Enhanced(clip.path, chosen, frame, label, len(clip))
 
 
 def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exported:

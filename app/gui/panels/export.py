@@ -7,6 +7,7 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
+from app.enhancement.image_mask import NO_MASK
 from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.files.codecs import HEVC, WEBM
 from app.files.dicom.choices import DicomChoices
@@ -56,6 +57,7 @@ DEGREE_TEXT = (
     "reads degree 3 only."
 )
 IDENTITIES = {False: "Left out", True: "As in the source"}
+WHOLE_TEXT = "Made from the whole clip and all of its pixels: the trim and the masks drawn here do not count."
 IDENTITY_TEXT = "Patient, study and sound. As in the source: for DICOM files alone, to be sorted beside them."
 BURNED_IN: dict[bool | None, str] = {
     None: "As the source says, else maybe",
@@ -250,6 +252,9 @@ def _draw_dicom(state: AppState) -> None:
     keep = choose_row("Patient", choices.keep_identity, IDENTITIES, IDENTITY_TEXT, 14)
     burned_in = choose_row("Burned-in", choices.burned_in, BURNED_IN, BURNED_IN_TEXT, 14)
     export_actions.choose_dicom(state, DicomChoices(keep_identity=keep, burned_in=burned_in))
+    part = state.source.part
+    if part.trim is not None or part.mask != NO_MASK:
+        note(f"{icons.ICON_FA_EXCLAMATION_TRIANGLE}  {WHOLE_TEXT}", theme.now().warning)
 
 
 def _draw_encoder(state: AppState) -> None:

@@ -145,7 +145,7 @@ class Channels:
         self.thumbnails = Channel(make_thumbnails)
         self.saving = Channel(export, depth=16)
         self.cells = Channel(CellMaker().make)
-        self.sessions = Channel(write, depth=4)
+        self.sessions, self.autosaves = Channel(write, depth=4), Channel(write)
         self.exports, self.batches = SteppedChannel(export), SteppedChannel(batch)
         self.strip, self.left_out = Channel(make_strip), Channel(left_out)
         self.measures = Channel(Measurer().measure)
@@ -246,6 +246,7 @@ class Channels:
             Row(self.summary_pictures, summary_actions.take_thumbnail, summary_actions.thumbnail_wish,
                 "apart"),
             Row(self.sessions, session_actions.take_written),
+            Row(self.autosaves, session_actions.take_written),
             Row(self.exports, export_actions.take_step, lambda s: s.exports.under_way),
             Row(self.batches, batch_actions.take_progress, lambda s: s.batches.under_way),
             Row(self.listing, browse_actions.take_listing, browse_actions.list_wish, "apart"),
@@ -282,7 +283,7 @@ class Channels:
         for wish in wishes:
             channels[type(wish)].ask(wish)
         if (session := session_actions.autosave_request(state)) is not None:
-            self.sessions.ask(session)
+            self.autosaves.ask(session)
 
     def finish(self, state: AppState) -> None:
         """The window has closed and no worker is left: do what must not be given up."""

@@ -22,3 +22,5 @@ class Engine:
     """That run jobs at once, for the time left."""
     window: int
     """Jobs that are handed over at a time."""
+    shares_fate: bool = False
+    """With one worker that ends, the jobs of all are lost."""

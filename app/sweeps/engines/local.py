@@ -24,7 +24,7 @@ def local(workers: int | None, threads: int) -> Iterator[Engine]:
     count = workers or workers_for(threads)
     executor = Processes(count)
     try:
-        yield Engine("local", executor, count, count + AHEAD)
+        yield Engine("local", executor, count, count + AHEAD, shares_fate=True)
     finally:
         executor.end()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -158,6 +159,21 @@ def test_videos_of_one_name_do_not_share_a_file(cases: Path, tmp_path: Path) -> 
     (cases / "a/scope.mov").write_bytes(b"")
     outputs = [item.output.name for item in items_in((cases / "a",), tmp_path / "out", below=True)]
     assert sorted(outputs) == ["scope.avi.mp4", "scope.mkv.mp4", "scope.mov.mp4", "stills"]
+
+
+def test_no_two_inputs_share_an_output(tmp_path: Path) -> None:
+    image = np.full((16, 16, 3), 90, np.uint8)
+    given = [tmp_path / place for place in ("1/a.png", "2/A.png", "3/a-2.png")]
+    for path in (*given, *(tmp_path / f"{place}/0.png" for place in ("1/case", "2/case", "3/case-2"))):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        assert cv2.imwrite(str(path), image)
+    folders = [tmp_path / "1/case", tmp_path / "2/case", tmp_path / "3/case-2"]
+    for inputs in (given, folders, [*reversed(given), *reversed(folders)]):
+        items = items_in(inputs, tmp_path / "out", below=False)
+        steps = list(enhance_batch(items, SETTING))
+        assert sum(len(step.written.pictures) for step in steps if step.written) == len(inputs)
+        assert len({str(path).lower() for path in (tmp_path / "out").rglob("*.png")}) == len(inputs)
+        shutil.rmtree(tmp_path / "out")
 
 
 def test_what_cannot_be_is_one_line(cases: Path, tmp_path: Path, vesselsplat: Cli) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -139,6 +140,24 @@ def test_what_does_not_move_takes_one_value_and_what_has_no_curves_is_sampled() 
     assert (moments["means"], moments["colors"]) == (MOST_SAMPLES, 1)
     page, moved = shown(model, 0.5), motion.moved(model.raw, 0.5)
     assert np.abs(page["means"] - moved.means).max() < 0.05
+
+
+def test_a_turn_whose_quaternion_would_change_its_sign_goes_on_between_samples() -> None:
+    one = raw(np.random.default_rng(6))
+
+    class Turning:
+        """Through w = 0, at the middle."""
+
+        def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
+            half = np.float32(np.pi / 2 + 0.4 * (time - 0.5))
+            quat = np.array([np.cos(half), 0.6 * np.sin(half), 0.8 * np.sin(half), 0], np.float32)
+            return replace(raw, quats=np.broadcast_to(quat, raw.quats.shape))
+
+    model = DynamicGaussians(one, Turning())  # type: ignore[arg-type]
+    for time in (0.45, 0.5, 0.503):
+        page, true = shown(model, time), model.motion.moved(one, time).quats
+        length = np.linalg.norm(page["quats"], axis=1)
+        assert np.abs((page["quats"] * true).sum(axis=1)) / length == pytest.approx(1, abs=1e-4)
 
 
 def test_the_page_stands_alone_and_names_cannot_break_it() -> None:

@@ -9,13 +9,18 @@ import numpy as np
 import pytest
 from pydicom import dcmread
 
+from app.enhancement.enhance_files import Setting
+from app.exports.exporting import Enhanced
 from app.exports.replay.again import replay
 from app.files.dicom.choices import DicomChoices
-from app.files.image_files import read_image
+from app.files.image_files import read_image, write_image
 from app.gui.actions import actions, export_actions
 from app.gui.state.exports import What
 from app.gui.work.settings import Places
+from enhance import EnhanceParams
+from renderer.readers.clip_options import ClipOptions
 from renderer.readers.dicom import opening
+from renderer.sources import open_case
 from tests.app.gui.exporting import Exporter, exported, same
 from tests.renderer.readers.dicom_files import VIDEO, labelled, picture, saved, stills, with_pixels
 
@@ -92,3 +97,18 @@ def test_what_is_lacking_is_said(
     monkeypatch.undo()
     one = Exporter(places, saved(stills(picture())["rgb"][0], tmp_path / "one.dcm"))
     assert "One image is no video" in export_actions.why_not_export(one.state, CLIP)
+
+
+def test_of_a_clip_that_keeps_one_frame_in_several_it_is_the_one_shown(tmp_path: Path) -> None:
+    folder = tmp_path / "images"
+    folder.mkdir()
+    for index in range(7):
+        write_image(folder / f"{index:03d}.png", np.full((24, 32, 3), 30 + 20 * index, np.uint8), {})
+    clip = open_case(folder, ClipOptions(frame_step=3))
+    setting = Setting(
+        "paper", EnhanceParams(strength=0), "image", "all", clip_options=ClipOptions(frame_step=3)
+    )
+    for index, level in enumerate((30, 90, 150)):
+        path = tmp_path / f"{index}.dcm"
+        list(Enhanced(folder, setting, index, clip.labels[index], len(clip)).written(path))
+        assert abs(int(read_image(path)[0, 0, 0]) - level) <= 1

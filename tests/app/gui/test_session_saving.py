@@ -17,6 +17,7 @@ from app.gui.frame.title import title_of
 from app.gui.session_file import mended_session
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
+from app.gui.update.update import update
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams
@@ -261,3 +262,19 @@ def test_a_person_says_where_a_lost_clip_lies_now(
     turn(other, channels)
     again, _ = opened_state(places, places.pictures / "monday.vesselsplat")
     assert (again.window.banner, again.source.path) == (None, Path(moved))
+
+
+def test_saving_in_passing_puts_off_no_save_that_was_asked_for(
+    liver: tuple[AppState, Channels], places: Places
+) -> None:
+    """While the worker is busy with something long."""
+    state, channels = liver
+    session_actions.save_to(state, places.pictures / "monday.vesselsplat")
+    for frame in range(1, 8):
+        actions.seek(state, frame)
+        update(state, channels, state.window.now + 2 * session_actions.AUTOSAVE_SECONDS)
+    turn(state, channels)
+    turn(state, channels)
+    assert (places.pictures / "monday.vesselsplat").is_file()
+    assert state.window.toast is not None
+    assert "saved monday.vesselsplat" in state.window.toast.message

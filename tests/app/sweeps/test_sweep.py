@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import shutil
+import threading
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,7 @@ from app.sweeps.engines.engine import Engine
 from app.sweeps.jobs import FAILURE, PICTURE, RESULT, JobFolder, Keeps
 from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
 from app.sweeps.spec import spec_of
+from app.sweeps.summary import Summary
 from app.sweeps.sweep import MOST_LOSSES, next_order, run_jobs
 from app.sweeps.table import rows
 from app.sweeps.worker import Order, Outcome, carry_out_order, sweep_locked
@@ -117,6 +120,39 @@ def test_a_job_that_ends_every_worker_fails_and_the_rest_goes_on(plan: Plan, fol
     assert "its worker ended 5 times" in facts["reason"]
 
 
+class OnePool(Here):
+    """Where one job ends its worker, all that run are lost."""
+
+    def __init__(self, bad: str) -> None:
+        super().__init__()
+        self._bad, self._together = bad, list[tuple[Order, Future[Any]]]()
+
+    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        (order,) = given
+        if not self._together:
+            threading.Timer(0.1, self._end).start()
+        self._together.append((order, future))
+        return future
+
+    def _end(self) -> None:
+        together, self._together = self._together, []
+        is_broken = any(order.job.key == self._bad for order, _ in together)
+        for order, future in together:
+            if is_broken:
+                future.set_exception(BrokenProcessPool("killed"))
+            else:
+                future.set_result(carry_out_order(order))
+
+
+def test_jobs_that_ran_beside_one_that_ends_its_worker_do_not_fail_with_it(plan: Plan, folder: Path) -> None:
+    bad = plan.jobs[1].key
+    run_jobs(plan, folder, Engine("here", OnePool(bad), 4, 4, shares_fate=True), silent)
+    now = state(plan.jobs, folder)
+    assert (now.finished, now.failed, now.left) == (5, 1, 0)
+    assert JobFolder.of(folder, bad).has_failed
+
+
 def test_a_failed_job_keeps_its_reason_until_it_is_repeated(plan: Plan, folder: Path) -> None:
     bad = plan.clips[plan.jobs[0].clip_sha256]
     kept = bad.read_bytes()
@@ -173,6 +209,21 @@ def test_clips_on_their_way_are_bounded_and_hold_nothing_else_up(
     # One that is larger than the bound still goes, alone.
     monkeypatch.setattr("app.sweeps.sweep.MOST_SENT", 10)
     assert next_order(waiting, []) is not None
+
+
+def test_clips_of_one_name_are_told_apart(tmp_path: Path) -> None:
+    for place, grey in (("1", 60), ("2", 160)):
+        (tmp_path / place).mkdir()
+        image = np.full((24, 32, 3), grey, np.uint8)
+        image[8:12] //= 2
+        assert cv2.imwrite(str(tmp_path / place / "x.png"), image)
+    given = {"clips": ["1/x.png", "2/x.png"], "task": "enhance", "grid": {"z": [0.2, 0.4]}}
+    plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
+    recorded(plan, tmp_path / "sweep")
+    carried_out(plan, tmp_path / "sweep", Here())
+    table = rows(read_sweep(tmp_path / "sweep"), tmp_path / "sweep")
+    assert {row.clip for row in table} == {f"x.png ({one[:6]})" for one in plan.clips}
+    assert len(Summary.of(table, ["z"]).clips) == 2
 
 
 def test_a_clip_that_changed_is_another_one(plan: Plan, folder: Path) -> None:
