@@ -98,7 +98,7 @@ class Enhanced:
             enhance_frame_into(target, series, self._place(series), self.setting)
 
     def _place(self, series: Series) -> int:
-        """Of the frame in the series: that has all images of a folder, where a clip may keep one in several."""
+        """Of the frame in the series, which has all images of a folder; a clip may keep one in several."""
         assert self.frame is not None
         names = () if series.is_video else series.names
         found = (names.index(name) for name in (self.label, Path(self.label).stem) if name in names)

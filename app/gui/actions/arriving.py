@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.gui.actions import actions
+from app.gui.actions import actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.masking import Masking
 from app.gui.state.reconstruction import Reconstruction
@@ -52,6 +52,9 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     actions.say(state, f"opened {path.name}")
     if opened.warning:
         actions.fail(state, opened.warning)
+    if opened.lost is not None:
+        actions.fail(state, str(opened.lost))
+        session_actions.offer_to_find(state, opened.lost)
     # What a crash left is this process's own from now on: nothing to open another time.
     if not opened.in_passing and path.parent != state.places.config:
         state.settings = state.settings.opened(path)

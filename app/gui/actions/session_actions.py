@@ -135,11 +135,12 @@ def restore(state: AppState, session: Session, second: Path | None = None) -> No
 
 
 def offer_to_find(state: AppState, lost: SourceLost) -> None:
-    """Beside the trouble: a person says where what the session is of lies now, and it is opened with that."""
+    """Beside the trouble: a person says where the clip of a run, or what a session is of, lies now, and it is
+    opened with that."""
 
     def open_with(state: AppState, source: Path) -> None:
         def go() -> None:
-            state.source.opening = OpenRequest(lost.session, source=source)
+            state.source.opening = OpenRequest(lost.asked, source=source)
             state.window.banner = None
 
         actions.leave_session(state, go)

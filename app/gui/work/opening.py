@@ -50,16 +50,16 @@ class OpenRequest:
     calibration: Path | None = None
     """To be read, instead of that of the options."""
     source: Path | None = None
-    """Of a session: where its clip, run or file of splats lies now, as a person says."""
+    """Where the clip of a run lies now, or what a session is of, as a person says."""
 
 
 class SourceLost(UserError):
-    """What a session is of is neither at its old place nor beside the session."""
+    """The clip of a run, or what a session is of, is not where it was."""
 
-    def __init__(self, session: Path, old: Path) -> None:
-        places = f"at its old place {old.parent} or beside the session"
-        super().__init__(f"expected {old.name} {places}, found neither: {session}")
-        self.session, self.old = session, old
+    def __init__(self, said: str, asked: Path, old: Path) -> None:
+        """asked: the run or the session; old: where its source was."""
+        super().__init__(said)
+        self.asked, self.old = asked, old
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +106,8 @@ class Opened:
     """Nothing else is opened with them."""
     warning: str = ""
     """What could not be opened of it."""
+    lost: SourceLost | None = None
+    """The clip of a run: it is looked at without."""
     in_passing: bool = False
     """One of a folder's images after another: not worth remembering."""
 
@@ -166,7 +168,7 @@ def _open(request: OpenRequest) -> Iterator[Opened]:
     folder = request.path.parent if request.path.suffix == ".safetensors" else request.path
     run = RunFolder(folder)
     if run.is_run or request.path.suffix == ".safetensors":
-        yield _open_run(run)
+        yield _open_run(run, request.source)
         return
     if series_files(request.path):
         yield _open_splats(series_scene(request.path))
@@ -245,7 +247,9 @@ def _open_beside(path: Path) -> Opened:
 def _open_session(path: Path, source: Path | None) -> Opened:
     """Its run where that can be opened, else its clip or file of splats; or what is named in their place."""
     session, damage = mended_session(path)
-    run = source or (session.run.found(path) if session.run else None)
+    run = session.run.found(path) if session.run else None
+    if source is not None and RunFolder(source).is_run:
+        run, source = source, None
     wanted, place = session.source, source or (session.source.found(path) if session.source else None)
     if session.run is not None and run is not None and RunFolder(run).is_run:
         wanted, place = session.run, run
@@ -253,15 +257,19 @@ def _open_session(path: Path, source: Path | None) -> Opened:
         named = session.source or session.run
         if named is None:
             raise UserError(f"expected a session of a clip or of a run, found neither in it: {path}")
-        raise SourceLost(path, named.place(path))
-    (opened,) = open_path(OpenRequest(place, session.clip_options))
+        old = named.place(path)
+        places = f"at its old place {old.parent} or beside the session"
+        raise SourceLost(f"expected {old.name} {places}, found neither: {path}", path, old)
+    of_run = source if place == run else None
+    (opened,) = open_path(OpenRequest(place, session.clip_options, source=of_run))
+    lost = opened.lost and SourceLost(str(opened.lost), path, opened.lost.old)
     notices = opened.notices
     if wanted.sha256 is not None and wanted.sha256 not in digests(place):
         notices = (*notices, f"{place.name} has changed since the session was saved")
     warning = damage or opened.warning
     second = session.second.found(path) if session.second else None
     pictures = tuple(one.file.found(path) for one in session.summary.pictures)
-    opened = replace(opened, session=session, second=second, pictures=pictures)
+    opened = replace(opened, session=session, second=second, pictures=pictures, lost=lost)
     return replace(opened, path=place, notices=notices, warning=warning)
 
 
@@ -269,9 +277,17 @@ def _open_splats(scene: Scene) -> Opened:
     return Opened(None, splats=scene, notices=scene.notices)
 
 
-def _open_run(folder: RunFolder) -> Opened:
-    record = folder.record()
-    clip, bare, notices = _clip_of(record)
+def _open_run(folder: RunFolder, source: Path | None) -> Opened:
+    record, lost = folder.record(), None
+    if source is not None and not record.clip.is_of(source):
+        raise UserError(f"expected the clip that {folder.path.name} was trained on, got another: {source}")
+    place = source or Path(record.clip.path)
+    try:
+        clip, bare = _clip_of(record, place)
+    except ClipError as error:
+        trouble = f"the run's clip cannot be opened; only its model is shown: {error}"
+        clip, bare, lost = None, None, SourceLost(trouble, folder.path, place)
+    notices = clip.notices if clip is not None else ()
     finished, warning, said = folder.is_finished, "", told(folder)
     model = finished_scene(folder, record) if finished else last_checkpoint(folder, record, said)
     if model is not None and clip is not None and model.is_of(clip):
@@ -286,8 +302,9 @@ def _open_run(folder: RunFolder) -> Opened:
         shown = ", shown here" if model is not None else ""
         onward = f"{folder.path.name} is not finished: Continue resumes from its last checkpoint{shown}"
         notices = (*notices, onward)
-    run = OpenedRun(folder.path, record, request_of(folder, record), model, said)
-    return Opened(clip, run, bare, notices=notices, options=record.clip.options, warning=warning)
+    request = replace(request_of(folder, record), clip_path=place)
+    run, options = OpenedRun(folder.path, record, request, model, said), record.clip.options
+    return Opened(clip, run, bare, notices=notices, options=options, warning=warning, lost=lost)
 
 
 def last_checkpoint(folder: RunFolder, record: RunRecord, said: TrainingLog) -> Scene | None:
@@ -318,14 +335,10 @@ def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
     )
 
 
-def _clip_of(record: RunRecord) -> tuple[Clip | None, Clip | None, tuple[str, ...]]:
-    """As it was trained on, and with no depth but that of its own files."""
-    try:
-        bare = open_bare(Path(record.clip.path), record.clip.options)
-        clip = record.clip.through_whole(with_chosen_depth(bare, record.clip.options))
-        return clip, bare, clip.notices
-    except ClipError as error:
-        return None, None, (f"the run's clip cannot be opened; only its model is shown: {error}",)
+def _clip_of(record: RunRecord, path: Path) -> tuple[Clip, Clip]:
+    """As it was trained on, and with no depth but that of its own files. Raises ClipError."""
+    bare = open_bare(path, record.clip.options)
+    return record.clip.through_whole(with_chosen_depth(bare, record.clip.options)), bare
 
 
 @dataclass(frozen=True)

@@ -101,11 +101,15 @@ class RunFinder:
         yield FoundRuns(request, tuple(runs), unreadable)
 
     def _is_of(self, record: RunRecord, clip: Clip) -> bool:
-        """By its place, or where that differs by its bytes, which training compares before it goes on."""
-        if Path(record.clip.path) == clip.path.absolute():
+        """By its place, or where that differs by its bytes, which training compares before it goes on: of a
+        clip of that name, or where nothing lies at the old place any more."""
+        place = Path(record.clip.path)
+        if place == clip.path.absolute():
             return True
         trimmed = record.clip.part.trim is not None
-        if record.clip.name != clip.name or not (trimmed or record.clip.frames == len(clip)):
+        if not (trimmed or record.clip.frames == len(clip)):
+            return False
+        if record.clip.name != clip.name and place.exists():
             return False
         if clip.path not in self._digests:
             self._digests = {clip.path: tuple(digests(clip.path))}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import glfw
 import pytest
 from imgui_bundle import glfw_utils, imgui
 
+from app.files.provenance import digest
 from app.gui.actions import actions, browse_actions, comparing, session_actions
 from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
@@ -18,10 +20,13 @@ from app.gui.session_file import mended_session
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
+from app.gui.work.runs import RunFinder, RunsRequest
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams
+from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import outside
+from tests.app.gui.test_opening import make_run
 from tests.app.gui.test_session import opened_state, turn
 from tests.app.gui.test_window import Driver, is_settled, wait
 
@@ -278,3 +283,39 @@ def test_saving_in_passing_puts_off_no_save_that_was_asked_for(
     assert (places.pictures / "monday.vesselsplat").is_file()
     assert state.window.toast is not None
     assert "saved monday.vesselsplat" in state.window.toast.message
+
+
+def test_a_run_whose_clip_was_moved_is_shown_with_it_where_a_person_says(
+    places: Places, tmp_path: Path, model: DynamicGaussians
+) -> None:
+    clip = Path(shutil.copytree(phantom_path(), tmp_path / "clips" / "liver"))
+    run = make_run(places.runs / "first", clip, model)
+    facts = json.loads(run.record_path.read_text())
+    facts["clip"] |= {"sha256": digest(clip), "files": "read"}
+    run.record_path.write_text(json.dumps(facts))
+    moved = clip.rename(clip.with_name("renamed"))
+    state, channels = opened_state(places, run.path)
+    banner = state.window.banner
+    assert state.source.clip is None
+    assert state.scene.model is not None
+    assert banner is not None
+    assert banner.find is not None
+    banner.find()
+    asked = actions.taken_choice(state)
+    assert asked is not None
+    browse_actions.chosen(state, asked, Path(phantom_path()).parent)
+    turn(state, channels)
+    turn(state, channels)
+    assert state.window.banner is not None
+    assert "got another" in state.window.banner.message
+    browse_actions.chosen(state, asked, moved)
+    turn(state, channels)
+    turn(state, channels)
+    assert state.window.banner is None
+    assert state.source.clip is not None
+    assert state.source.clip.path == moved
+    request = state.runs.reconstruction.request
+    assert request is not None
+    assert request.clip_path == moved
+    (found,) = RunFinder().find(RunsRequest(places.runs, state.source.clip, 0))
+    assert [one.path for one in found.runs] == [run.path]
