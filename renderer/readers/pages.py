@@ -16,7 +16,7 @@ def left_pages(paths: Iterable[Path]) -> Iterator[str]:
     """One sentence where files hold more than the picture that is read; their headers are looked at."""
     several = [f"{path.name} of {count}" for path in paths if (count := _pages(path)) > 1]
     if several:
-        yield f"only the first image of a multi-page file is read: {listed(several)}"
+        yield f"of a file with several images only the first is read: {listed(several)}"
 
 
 def _pages(path: Path) -> int:

@@ -30,6 +30,8 @@ STEP_LIMIT = 32
 """Frames that are cheaper to decode in passing than to seek over."""
 RECENT = 4
 """Decoded frames that are kept, since deinterlacing looks at the neighbours."""
+UNSEEN = 0.005
+"""Share by which pixels are wider than high, or higher than wide, without a word."""
 HDR = {16: "PQ", 18: "HLG"}
 """Transfer characteristics of ITU-T H.273 that call for tone mapping."""
 INTERLACED = {
@@ -212,7 +214,7 @@ class PyAvVideo:
             yield f"the frame rate varies, {rate} frames per second on average; frame times are kept"
         if self._index.is_interlaced:
             yield INTERLACED[self._deinterlacing]
-        if self.pixel_aspect != 1:
+        if abs(self.pixel_aspect - 1) > UNSEEN:
             ratio = f"{self.pixel_aspect:.3g}"
             yield f"pixels are {ratio} times as wide as high; exported images keep the stored pixels"
         if (bits := bits_of(first)) > 8:

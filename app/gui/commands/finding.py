@@ -9,6 +9,9 @@ from app.files.legible import legible
 from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
 
+WHOLE_NAME = 100
+"""More than any number of words that a person types."""
+
 
 @dataclass(frozen=True)
 class Found:
@@ -46,10 +49,10 @@ def _text(found: Found) -> str:
 
 
 def _fit(found: Found, wanted: list[str]) -> int:
-    """How well the words name it: one that begins a word of the name counts most, then a whole synonym, then
-    the beginning of one."""
-    names, synonyms = found.name.casefold().split(), found.command.synonyms
-    return sum(
+    """How well the words name it: all of its name counts most, then what begins a word of it, then a whole
+    synonym, then the beginning of one."""
+    names, synonyms = found.name.casefold().rstrip("….").split(), found.command.synonyms
+    return (WHOLE_NAME if names == wanted else 0) + sum(
         (4 if _begins(word, names) else 0) + (3 if word in synonyms else 1 if _begins(word, synonyms) else 0)
         for word in wanted
     )

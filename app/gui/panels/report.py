@@ -35,7 +35,8 @@ def draw_report(state: AppState, textures: ShowsPictures) -> None:
     if state.reports.shown is None:
         imgui.dummy(ImVec2(0, em(3)))
         centered(
-            "Open the report.json of vesselsplat report, or the folder of a sweep: Ctrl+I, or drop it here."
+            "Open the report.json of vesselsplat report (Ctrl+I) or the folder of a sweep (Ctrl+O), or drop "
+            "it here."
         )
         return
     report = state.reports.shown

@@ -22,6 +22,8 @@ from renderer.clip import ByteImage
 
 LEFT, RIGHT = 7.8, 9.0
 """Em that the buttons beside the strip and the slider have."""
+SLOW = 0.9
+"""Pace of playing below which it is said."""
 EMPTY = "The frames of the open clip appear here."
 SAVE_TEXT = "S: original, enhanced and 3D view side by side, with everything needed to reproduce them"
 IN_TEXT = "Shift+I: start the clip at this frame, for playback, statistics and reconstruction."
@@ -84,7 +86,8 @@ def _place(state: AppState) -> str:
     if state.moments < 2 and clip is None:
         return "no clip"
     seconds = None if clip is None else seconds_at(clip, state.moment)
-    return f"frame %d / {state.moments}" + ("" if seconds is None else f" · {clock(seconds)}")
+    slow = f" · {state.timeline.pace:.0%}% of its speed" if state.timeline.pace < SLOW else ""
+    return f"frame %d / {state.moments}" + ("" if seconds is None else f" · {clock(seconds)}") + slow
 
 
 def _draw_transport(state: AppState) -> None:

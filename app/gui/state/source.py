@@ -115,6 +115,8 @@ class Timeline:
     playing: bool = False
     playhead: float = 0.0
     """Position in frames while playing; frame_index is its whole part."""
+    pace: float = 1.0
+    """Seconds of the clip that have played in a second, lately: less than 1 on a computer too slow for it."""
     strip: Strip | None = None
     strip_count: int = 0
     """Small pictures that fit into the frame strip, as last laid out."""

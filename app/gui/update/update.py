@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from dataclasses import replace
 
@@ -87,17 +88,27 @@ def _may_show(state: AppState, pictures: Pictures) -> bool:
     return not same_frame and state.window.now - state.picture.asked_at > PATIENCE
 
 
+LATELY = 1.5
+"""Seconds that the pace of playing is of, about."""
+
+
 def _play(state: AppState, elapsed: float) -> None:
     """Time goes on only when what it needs is on screen: a slow machine plays slower, never out of step."""
     if state.timeline.playing and state.is_model_alone:
         _play_alone(state, elapsed)
         return
-    waits = state.timeline.frozen_index is None and state.pictures_wait
-    if not state.timeline.playing or state.source.clip is None or waits:
+    clip, span, time = state.source.clip, state.source.span, state.timeline
+    if not time.playing or clip is None:
+        time.pace = 1.0
         return
-    clip, span = state.source.clip, state.source.span
-    state.timeline.playhead = onward(clip, span, state.timeline.playhead, min(elapsed, 0.25))
-    state.timeline.frame_index = int(state.timeline.playhead)
+    waits = time.frozen_index is None and state.pictures_wait
+    seconds = 0.0 if waits else min(elapsed, 0.25)
+    if elapsed > 0:
+        share = math.exp(-elapsed / LATELY)
+        time.pace = share * time.pace + (1 - share) * seconds / elapsed
+    if not waits:
+        time.playhead = onward(clip, span, time.playhead, seconds)
+        time.frame_index = int(time.playhead)
 
 
 def _play_alone(state: AppState, elapsed: float) -> None:

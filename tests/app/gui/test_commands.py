@@ -216,6 +216,8 @@ SOUGHT = (
     ("split", "Side by side"),
     ("blink", "Flip"),
     ("record", "Record the live source"),
+    ("report", "Report"),
+    ("open folder", "Open folder…"),
 )
 """What people type, and the command that they mean."""
 

@@ -60,4 +60,4 @@ def test_of_one_image_it_is_said_that_it_is_the_first_of_several(tmp_path: Path)
     pages = [Image.new("RGB", (32, 24), (200, shade, 90)) for shade in (60, 90, 120)]
     pages[0].save(path, save_all=True, append_images=pages[1:])
     (found,) = open_path(OpenRequest(path))
-    assert found.to_be_read == ("only the first image of a multi-page file is read: moves.png of 3",)
+    assert found.to_be_read == ("of a file with several images only the first is read: moves.png of 3",)

@@ -230,6 +230,23 @@ def test_playing_waits_for_the_pictures(state: AppState, channels: Channels) -> 
     assert state.timeline.frame_index == 1
 
 
+def test_playing_that_falls_behind_says_how_far(state: AppState, channels: Channels) -> None:
+    settle(state, channels)
+    actions.toggle_play(state)
+    for tick in range(1, 81):  # The pictures of a frame come in four times the time that it lasts.
+        update(state, channels, tick * 0.1)
+        if tick % 4 == 0:
+            settle(state, channels, tick * 0.1)
+    assert state.timeline.pace == pytest.approx(0.25, abs=0.05)
+    for tick in range(81, 161):
+        update(state, channels, tick * 0.1)
+        settle(state, channels, tick * 0.1)
+    assert state.timeline.pace > 0.95
+    actions.toggle_play(state)
+    update(state, channels, 16.2)
+    assert state.timeline.pace == 1
+
+
 @pytest.mark.parametrize("content", ["missing", "empty", "text"])
 def test_opening_nonsense_is_one_sentence_and_keeps_what_is_open(
     state: AppState, channels: Channels, clip: Clip, tmp_path: Path, content: str

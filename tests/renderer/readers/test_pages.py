@@ -22,7 +22,7 @@ def write(path: Path, count: int) -> Path:
 def test_that_the_first_of_several_pictures_is_read_is_told(tmp_path: Path, suffix: str) -> None:
     path = write(tmp_path / f"1.{suffix}", 3)
     for opened in (open_series(path), open_clip(path)):
-        assert opened.notices == (f"only the first image of a multi-page file is read: 1.{suffix} of 3",)
+        assert opened.notices == (f"of a file with several images only the first is read: 1.{suffix} of 3",)
         assert len(opened) == 1
     write(tmp_path / f"2.{suffix}", 1)
     for opened in (open_series(tmp_path), open_clip(tmp_path)):
