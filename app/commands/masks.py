@@ -58,6 +58,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def run(flags: argparse.Namespace) -> None:
+    _check_out(flags)
     clip = open_bare(flags.clip, parameters(ClipOptions, flags))
     by_hand = NONE if flags.given is None else masks_in(flags.given, clip.labels)
     try:
@@ -71,6 +72,16 @@ def run(flags: argparse.Namespace) -> None:
         sys.stdout.write(strict_json(provenance(clip=clip.name, **found)) + "\n")
     else:
         sys.stdout.write(f"{flags.out}: {_said(told, weak, learned=model is None)}\n")
+
+
+def _check_out(flags: argparse.Namespace) -> None:
+    """Raises UserError: masks would lie among the clip's own files, or among those that they are learned
+    from."""
+    out = flags.out.resolve()
+    if flags.clip.is_dir() and out.is_relative_to(flags.clip.resolve()):
+        raise UserError(f"--out: expected a folder outside of the clip {flags.clip}, got {flags.out}")
+    if flags.given is not None and out == flags.given.resolve():
+        raise UserError(f"--out: expected another folder than --given, got {flags.out}")
 
 
 def _made(folder: Path, clip: Clip, by_hand: MaskFiles, model: OnnxTools | None) -> MaskReport:

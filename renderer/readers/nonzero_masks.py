@@ -23,9 +23,13 @@ def read_nonzero(path: Path, size: tuple[int, int]) -> BoolImage:
     """(H, W) for `size` (width, height), True where the file is not 0; alpha does not count.
 
     A mask of the same shape and another size is resampled by its nearest pixel. Raises ClipError
-    when the file is no picture or of another shape.
+    when the file is no picture or of another shape, or when its alpha alone marks something.
     """
     stored = read_stored(path)
+    if stored.ndim == 3 and stored.shape[2] == 4 and not stored[..., :3].any() and np.ptp(stored[..., 3]):
+        raise ClipError(
+            f"expected a mask that is not black where it marks, got one in the alpha alone: {path}"
+        )
     levels = stored if stored.ndim == 2 else stored[:, :, :3].max(axis=2)
     _require_shape((levels.shape[1], levels.shape[0]), size, path)
     marked = (levels != 0).astype(np.uint8)

@@ -68,12 +68,15 @@ def masks_in(folder: Path, labels: Sequence[str]) -> MaskFiles:
     neither fits any frame, in their order if there is one for each.
 
     Raises:
-        ClipError: no such folder, or no mask in it that belongs to a frame.
+        ClipError: no such folder, no mask in it that belongs to a frame, or two for one.
     """
     if not folder.is_dir():
         raise ClipError(f"expected a folder of tool masks, got no such folder: {folder}")
     found = sorted((path for path in files_in(folder) if path.suffix.lower() in NAMED), key=natural_key)
-    named = {_key(path.stem): path for path in found}
+    keys, named = {_key(stem) for stem in _stems(labels)}, dict[str | int, Path]()
+    for path in found:
+        if (other := named.setdefault(key := _key(path.stem), path)) != path and key in keys:
+            raise ClipError(f"expected one mask for each frame, got {other.name} and {path.name}: {folder}")
     files = {index: named[key] for index, stem in enumerate(_stems(labels)) if (key := _key(stem)) in named}
     if not files and len(found) == len(labels):
         files = dict(enumerate(found))

@@ -172,6 +172,20 @@ def test_a_folder_without_masks_of_the_clip_is_refused_in_a_line(
     assert not (tmp_path / "out").exists()
 
 
+def test_masks_are_not_written_among_what_they_are_made_of(
+    unmasked: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    given = tmp_path / "given"
+    given.mkdir()
+    for flags, said in (
+        (("--out", unmasked / "masks"), "outside of the clip"),
+        (("--out", given, "--given", given), "another folder than --given"),
+    ):
+        call = vesselsplat("masks", unmasked, *flags)
+        assert (call.code, said in call.error) == (2, True), call.error
+    assert not (unmasked / "masks").exists()
+
+
 def test_a_network_of_the_user_masks_tools(unmasked: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     pytest.importorskip("onnxruntime")
     weights = np.array([[0, 0, 0], [1, 0, 0]], np.float32)

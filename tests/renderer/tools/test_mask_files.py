@@ -113,6 +113,17 @@ def test_what_does_not_fit_is_named(tmp_path: Path) -> None:
     save(tmp_path / "wide", "0.png", size=(64, 24))
     with pytest.raises(ClipError, match="a mask of the shape of the images, 32x24"):
         masks_in(tmp_path / "wide", ("0",)).read(0, SIZE)
+    save(tmp_path / "twice", "0.png", "00.bmp", "cover.png", "cover.bmp")
+    with pytest.raises(
+        ClipError, match=r"one mask for each frame, got (0\.png and 00\.bmp|00\.bmp and 0\.png)"
+    ):
+        masks_in(tmp_path / "twice", ("0",))
+    seen = np.zeros((24, 32, 4), np.uint8)
+    seen[:, :8, 3] = 255
+    (tmp_path / "seen").mkdir()
+    Image.fromarray(seen).save(tmp_path / "seen" / "0.png")
+    with pytest.raises(ClipError, match="in the alpha alone"):
+        masks_in(tmp_path / "seen", ("0",)).read(0, SIZE)
 
 
 def test_the_digest_is_of_pixels_and_frames(tmp_path: Path) -> None:
