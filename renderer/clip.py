@@ -202,7 +202,13 @@ class Clip:
         return all(camera == self.cameras[0] for camera in self.cameras)
 
     def every(self, step: int) -> Clip:
-        """The frames 0, step, 2 step, ... as a clip of their own, numbered and timed anew."""
+        """The frames 0, step, 2 step, ... as a clip of their own, numbered and timed anew.
+
+        Raises:
+            ValueError: a step below 1.
+        """
+        if step < 1:
+            raise ValueError(f"expected a step of 1 or more, got {step}")
         return self._of(range(0, len(self), step))
 
     def between(self, first: int, last: int) -> Clip:

@@ -27,7 +27,7 @@ def psnr(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
     for an empty mask.
 
     Raises:
-        ValueError: shapes that do not agree.
+        ValueError: shapes that do not agree, or images of whole numbers, whose scale is not [0, 1].
 
     Example:
         >>> import numpy as np
@@ -132,9 +132,11 @@ def masked(
     """Both pictures as (H, W, channels) float64, zero outside the mask whatever they hold there.
 
     Raises:
-        ValueError: shapes that do not agree.
+        ValueError: shapes that do not agree, or whole numbers.
     """
     _check(image, reference, mask)
+    if whole := next((one.dtype for one in (image, reference) if one.dtype.kind != "f"), None):
+        raise ValueError(f"expected images of floats in [0, 1], got {whole}: divide uint8 by 255")
     keep = mask[:, :, None]
     x, y = (
         np.where(keep, picture.reshape(*mask.shape, -1).astype(np.float64), 0.0)

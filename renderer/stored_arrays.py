@@ -113,8 +113,12 @@ def write_arrays(
         _write_one_by_one(path, arrays, metadata)
         return
     dense = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+    # The library's files are for their owner alone; this one has the mode that the user's files have.
+    path.touch()
+    mode = path.stat().st_mode
     try:
         save_file(dense, path, metadata)
+        path.chmod(mode)
     except SafetensorError as error:
         number = re.search(r"os error (\d+)", str(error))
         if number is None:

@@ -195,7 +195,8 @@ def _check_output(given: Path, output: Path, series: Series, choices: DicomChoic
     # Of one file, letters alone are meant as a format; out.v1 and 2024.05.01 are folders.
     is_unknown = given.is_file() and output.suffix[1:].isalpha() and not is_written
     if (output.suffix.lower() in NOT_WRITTEN or is_unknown) and not output.is_dir():
-        raise UserError(f"expected an image, a folder, {VIDEO}, {WEBM} or .dcm to write, got {output}")
+        wanted = f"an image such as .png, .jpg or .tiff, a folder, {VIDEO}, {WEBM} or .dcm to write"
+        raise UserError(f"expected {wanted}, got {output}")
 
 
 def _watched(stage: str, series: Series, items: Stream) -> Stream:

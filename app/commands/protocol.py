@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 import tomllib
 from importlib.resources import files
@@ -35,12 +36,13 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     text = files("app.sweeps").joinpath(SPEC).read_text(encoding="utf-8")
+    clips = [str(path.absolute()) for path in flags.clips]
     if flags.print:
-        sys.stdout.write(text)
+        # A list of texts is the same in JSON and in TOML.
+        sys.stdout.write(text.replace("clips = []", f"clips = {json.dumps(clips)}"))
         return
     if not flags.clips or flags.out is None:
         raise UserError("expected CLIP... and --out DIR, or --print")
-    clips = [str(path.absolute()) for path in flags.clips]
     spec = spec_of(tomllib.loads(text) | {"clips": clips}, Path(SPEC))
     plan = planned(spec, Path.cwd())
     carry_out(plan, flags.out, on=flags.on, workers=flags.workers, retry=flags.retry)

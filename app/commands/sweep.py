@@ -128,7 +128,7 @@ def _run(plan: Plan, folder: Path, on: str, workers: int | None) -> None:
     spec = plan.spec
     with (
         open_engine(on, workers=workers, threads=spec.threads, slurm=spec.slurm, folder=folder) as engine,
-        progress(f"sweep on {engine.workers} workers", len(plan.jobs)) as report,
+        progress(f"sweep, workers: {engine.workers}", len(plan.jobs)) as report,
     ):
         run_jobs(plan, folder, engine, report)
 

@@ -216,7 +216,7 @@ def _unit(vectors: FloatArray) -> FloatArray:
 
 
 def write_phantom(
-    out: Path, params: PhantomParams, layout: Literal["endonerf", "scared"] = "endonerf"
+    out: str | Path, params: PhantomParams, layout: Literal["endonerf", "scared"] = "endonerf"
 ) -> None:
     """Writes the clip and vessel_masks/ (1 bit, set = vessel) to the new folder `out`.
 
@@ -235,6 +235,7 @@ def write_phantom(
         >>> len(clip), clip.size, clip.unit, clip.has_depth
         (10, (32, 24), 'mm', True)
     """
+    out = Path(out)
     if out.exists():
         raise ClipError(f"expected a new folder for the phantom, got one that exists: {out}")
     writers = {"endonerf": write_endonerf, "scared": write_scared}

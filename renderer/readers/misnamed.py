@@ -14,6 +14,7 @@ HEAD: Final = 256
 """Bytes that tell."""
 VIDEO: Final = "a video: rename it to its own suffix, such as .mp4"
 DICOM: Final = "a DICOM file"
+JPEG_XL: Final = "a JPEG XL image: convert it to PNG or JPEG first"
 UNMARKED: Final = "a file without the mark of DICOM: dcmconv of DCMTK writes it with one"
 HEIC: Final = "a HEIC image"
 BRANDS: Final = MappingProxyType({b"heic": HEIC, b"heix": HEIC, b"mif1": HEIC, b"avif": "an AVIF image"})
@@ -21,6 +22,8 @@ BRANDS: Final = MappingProxyType({b"heic": HEIC, b"heix": HEIC, b"mif1": HEIC, b
 STARTS: Final = MappingProxyType(
     {
         **ANYWHERE,
+        b"\xff\x0a": JPEG_XL,
+        b"\x00\x00\x00\x0cJXL ": JPEG_XL,
         b"\x1a\x45\xdf\xa3": VIDEO,
         b"\x00\x00\x01\xba": VIDEO,
         b"\x00\x00\x01\xb3": VIDEO,

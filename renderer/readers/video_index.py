@@ -14,12 +14,13 @@ from renderer.budget import OverBudget, budget
 from renderer.clip import ClipError
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.dicom.stream import StreamFile
-from renderer.readers.misnamed import neither
+from renderer.readers.misnamed import JPEG_XL, neither, what_it_is
 from renderer.utf8_paths import not_utf8
 
 if TYPE_CHECKING:
-    from av import Packet, VideoFrame
+    from av import VideoFrame
     from av.container import InputContainer
+    from av.stream import Stream
     from av.video.stream import VideoStream
 
 HEAD = 8
@@ -111,6 +112,8 @@ def video_stream(container: InputContainer, path: Path) -> VideoStream:
         raise ClipError(f"expected a video, got a file with {holds}: {path}")
     best = container.streams.best("video")
     stream = next((one for one in found if one is best), found[0])
+    if stream.codec_context is None and what_it_is(path) == JPEG_XL:
+        raise ClipError(neither(path))
     if stream.codec_context is None:
         raise ClipError(f"expected a video that FFmpeg decodes, got an unknown codec: {path}")
     if stream.codec_context.name in NO_VIDEO:
@@ -136,13 +139,13 @@ def decoded(container: InputContainer, stream: VideoStream) -> Iterator[VideoFra
         yield from (frame for frame in frames if not frame.is_corrupt)
 
 
-def _packets_of(container: InputContainer, stream: VideoStream) -> Iterator[Packet[VideoStream]]:
+def _packets_of(container: InputContainer, stream: VideoStream, *others: Stream) -> Iterator[Any]:
     """From where the container is to its end; behind damage it goes on."""
     from av.error import FFmpegError
 
     for _ in range(ERRORS):
         try:
-            yield from container.demux(stream)
+            yield from container.demux(stream, *others)
         except FFmpegError:
             continue
         return
@@ -248,8 +251,13 @@ class _Packets:
 
 def _packets(container: InputContainer, stream: VideoStream) -> _Packets:
     stamps, damaged, untimed, count = set[int](), 0, 0, 0
-    for packet in _packets_of(container, stream):
+    tells_length, end = "matroska" in container.format.name, 0.0
+    for packet in _packets_of(container, stream, *(container.streams.audio if tells_length else ())):
         if not packet.size:
+            continue
+        if tells_length and packet.pts is not None:
+            end = max(end, float((packet.pts + (packet.duration or 0)) * packet.time_base))
+        if packet.stream_index != stream.index:
             continue
         count += 1
         damaged = count if packet.is_corrupt else damaged
@@ -257,10 +265,9 @@ def _packets(container: InputContainer, stream: VideoStream) -> _Packets:
         if packet.pts is not None and not packet.is_discard:
             stamps.add(packet.pts)
     short = stream.frames - count > SLACK or 0 < count - TAIL < damaged or 0 < damaged >= count
-    if "matroska" in container.format.name and stamps and container.duration:
-        # Its header tells the length, in microseconds, once the file was closed.
-        end = float(max(stamps) * (stream.time_base or 0))
-        short |= not container.streams.audio and container.duration / 1e6 - end > LOST
+    if tells_length and stamps and container.duration:
+        # The header tells the length of all, in microseconds, once the file was closed.
+        short |= container.duration / 1e6 - end > LOST
     return _Packets(sorted(stamps), not untimed, short)
 
 

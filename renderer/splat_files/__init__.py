@@ -51,7 +51,7 @@ __all__ = [
 ]
 
 
-def read_splats(path: Path) -> SplatFile:
+def read_splats(path: str | Path) -> SplatFile:
     """The Gaussians of a PLY file, plain or packed, of an .spz, .splat, .ksplat, .sog or .glb file, or
     of a SOG's folder.
 
@@ -80,6 +80,7 @@ def read_splats(path: Path) -> SplatFile:
         >>> bool((file.raw.means == raw.means).all())
         True
     """
+    path = Path(path)
     try:
         file = path / LIST if path.is_dir() and is_named_as_splats(path) else path
         return _read(read_whole(file), file)
@@ -90,7 +91,7 @@ def read_splats(path: Path) -> SplatFile:
         raise SplatFileError(f"{error}: {path}") from error
 
 
-def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") -> None:
+def write_splats(path: str | Path, raw: RawGaussians, mode: RenderMode = "default") -> None:
     """A splat file that viewers open; it appears when it is complete.
 
     A binary PLY file in the layout of 3D Gaussian Splatting (Kerbl et al., 2023), of which `read_splats`
@@ -126,6 +127,7 @@ def write_splats(path: Path, raw: RawGaussians, mode: RenderMode = "default") ->
         >>> bool((file.raw.means == raw.means).all())
         True
     """
+    path = Path(path)
     name = path.name.lower()
     written = next((write for end, write in WRITERS.items() if name.endswith(end)), None)
     if written is None:

@@ -38,6 +38,9 @@ def splats_of(ply: Ply) -> SplatFile:
     if vertices is None:
         raise SplatFileError("expected vertices, got none")
     missing = [name for name in NEEDED if name not in vertices.fields]
+    if missing and {"opacity", "scale_0", "rot_0"} <= set(missing):
+        given = ", ".join(vertices.fields)[:60] or "none"
+        raise SplatFileError(f"expected Gaussians, got points without opacities, sizes and turns ({given})")
     if missing:
         raise SplatFileError(f"expected the fields of splats, got none named {', '.join(missing)}")
     raw = RawGaussians(

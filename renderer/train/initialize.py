@@ -55,9 +55,15 @@ def scene_size(frames: Iterable[Frame]) -> float:
     Raises:
         ClipError: no frame has depth on tissue, or that is no length that can be calculated with.
     """
-    medians = [float(np.median(frame.depth[frame.depth_mask])) for frame in frames if _has_depth(frame)]  # type: ignore[index]
+    medians, is_masked = list[float](), False
+    for frame in frames:
+        if _has_depth(frame):
+            medians.append(float(np.median(frame.depth[frame.depth_mask])))  # type: ignore[index]
+        else:
+            is_masked |= frame.depth is not None and bool((frame.depth > 0).any())
     if not medians:
-        raise ClipError("reconstruction expects measured depth on the tissue, and this clip has none")
+        got = "its masks leave out all of it" if is_masked else "this clip has none"
+        raise ClipError(f"reconstruction expects measured depth on the tissue, and {got}")
     size = float(np.median(medians))
     if not 1 / MOST_DISTANT < size < MOST_DISTANT:
         least = f"{1 / MOST_DISTANT:g} to {MOST_DISTANT:g}"

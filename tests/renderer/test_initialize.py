@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+import pytest
 
 from renderer.camera import Camera
-from renderer.clip import Frame
+from renderer.clip import ClipError, Frame
 from renderer.train.config import TrainConfig
-from renderer.train.initialize import DETAIL, EVENNESS, relative_detail, sampled
+from renderer.train.initialize import DETAIL, EVENNESS, relative_detail, sampled, scene_size
 
 WIDTH, HEIGHT, COUNT = 64, 48, 10
 CAMERA = Camera(60.0, 60.0, WIDTH / 2, HEIGHT / 2, WIDTH, HEIGHT)
@@ -81,3 +84,11 @@ def test_the_border_of_a_mask_is_no_detail() -> None:
     frame.tissue_mask[10:20, 10:30] = False
     frame.image[10:20, 10:30] = 255
     np.testing.assert_allclose(relative_detail(frame, DETAIL)[frame.tissue_mask], 1, atol=1e-5)
+
+
+def test_masks_that_leave_out_all_depth_are_named() -> None:
+    given = frames(shown=COUNT)
+    with pytest.raises(ClipError, match="and its masks leave out all of it"):
+        scene_size(replace(frame, tissue_mask=np.zeros((HEIGHT, WIDTH), bool)) for frame in given)
+    with pytest.raises(ClipError, match="and this clip has none"):
+        scene_size(replace(frame, depth=None) for frame in given)

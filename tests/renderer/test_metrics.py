@@ -42,6 +42,14 @@ def test_psnr_of_a_constant_error_is_known():
     assert psnr_masked(reference + 0.1, reference, everything) == pytest.approx(20.0, abs=1e-9)
 
 
+def test_whole_numbers_are_on_no_known_scale():
+    grey, everything = np.full((8, 9, 3), 0.5), np.ones((8, 9), dtype=bool)
+    for measure in (psnr, psnr_masked, ssim):
+        for pair in ((grey, np.uint8(255 * grey)), (np.uint8(255 * grey), grey)):
+            with pytest.raises(ValueError, match=r"floats in \[0, 1\], got uint8"):
+                measure(*pair, everything)
+
+
 @pytest.mark.parametrize("rows", [1, 3, 7])
 def test_the_two_psnr_differ_by_the_share_of_the_mask(rows):
     reference = np.full((8, 9, 3), 0.5, dtype=np.float32)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,7 +17,7 @@ from safetensors.numpy import save_file
 
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
-from renderer.stored_arrays import Arrays
+from renderer.stored_arrays import Arrays, write_arrays
 from renderer.train.checkpoint import Checkpoint, checkpoint_paths, read_newest_checkpoint, write_checkpoint
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
@@ -156,3 +157,10 @@ def test_numbers_that_a_file_may_hold_are_drawn_whatever_they_are(run: tuple[Tra
                 with np.errstate(all="ignore"):
                     picture = render(model.at(0.5), camera)
                 assert picture.image.shape[:2] == (camera.height, camera.width)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes")
+def test_others_may_read_what_the_user_lets_them_read(tmp_path: Path) -> None:
+    (tmp_path / "usual").touch()
+    write_arrays(tmp_path / "a.safetensors", {"x": np.ones(3, np.float32)})
+    assert (tmp_path / "a.safetensors").stat().st_mode == (tmp_path / "usual").stat().st_mode

@@ -100,9 +100,10 @@ def continue_reconstruction(state: AppState) -> None:
     """Go on with the run that was cut short, as it was begun, whatever has been chosen since."""
     run = state.runs.reconstruction
     clip, request = state.source.clip, run.request
-    if can_continue(state) and clip is not None and request is not None:
-        # Read in another way it is not the clip that is open: that is opened when its turn comes.
-        same = request.clip_options == state.source.options
+    if can_continue(state) and request is not None:
+        # Another clip, or the same one read in another way: the run's own is opened when its turn comes.
+        is_open = clip is not None and clip.path.absolute() == request.clip_path.absolute()
+        same = is_open and request.clip_options == state.source.options
         enqueue(state, (Waiting(clip if same else None, replace(request, resume=True), run.told),))
 
 
@@ -195,12 +196,9 @@ def take_model(state: AppState, request: ModelRequest, scene: Scene) -> None:
 
 
 def can_continue(state: AppState) -> bool:
-    """A run was cut short and its clip is the one that is open."""
+    """A run was cut short, whatever clip is open now."""
     job = state.runs.reconstruction
-    if job.request is None or job.status not in ("cancelled", "failed") or job.saved_nothing:
-        return False
-    clip = state.source.clip
-    return clip is not None and job.clip is not None and clip.path == job.clip.path
+    return job.request is not None and job.status in ("cancelled", "failed") and not job.saved_nothing
 
 
 def why_not_reconstruct(state: AppState) -> str:

@@ -114,11 +114,10 @@ def _draw_end(state: AppState, run: Reconstruction) -> None:
         note(run.way_out)
     if run.saved_nothing:
         return
-    own = "" if job_actions.can_continue(state) else "It can continue only on its own clip: open that first."
     kept = CONTINUES if run.has_checkpoint else STARTS_OVER
     reason = run_actions.why_not_look(state, run.run_path, has_checkpoint=run.has_checkpoint)
     ways = (
-        ("Continue", job_actions.continue_reconstruction, kept, own),
+        ("Continue", job_actions.continue_reconstruction, kept, ""),
         ("View model", run_actions.look_at_present, LOOK_TEXT, reason),
     )
     for (label, act, text, why), width in in_line(ways):

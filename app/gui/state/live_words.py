@@ -45,9 +45,10 @@ def is_not_live(live: Live) -> bool:
 
 
 def not_live(status: LiveStatus) -> str:
-    """Why, and that what is seen is the last picture."""
-    parts = [HEADS[status.signal], status.reason]
-    if status.signal not in ("black", "connecting"):
+    """Why, and that what is seen is the last picture, if there ever was one."""
+    never = status.arrived == 0
+    parts = ["NO SIGNAL" if never and status.signal == "lost" else HEADS[status.signal], status.reason]
+    if not never and status.signal not in ("black", "connecting"):
         parts.append("last frame shown")
     return " · ".join(filter(None, parts))
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import cv2
 import numpy as np
@@ -25,6 +25,11 @@ from renderer.readers.picture_kinds import kind_by_name
 from renderer.readers.pictures import BROKEN, VIDEOS, is_picture, is_visible, moves, natural_key, read_rgb
 from renderer.utf8_paths import not_utf8
 
+if TYPE_CHECKING:
+    from av.container import InputContainer
+
+MOVING: Final = VIDEOS | {".gif", ".ts"}
+"""Endings of videos, and of what may be one."""
 SIDE: Final = 160
 """Pixels of the longer side of a thumbnail."""
 LOOKED_AT: Final = 500
@@ -58,7 +63,7 @@ class Entry:
 
     @property
     def may_have_thumbnail(self) -> bool:
-        return self.kind == "folder" or is_picture(self.path) or self.path.suffix.lower() in VIDEOS
+        return self.kind == "folder" or is_picture(self.path) or self.path.suffix.lower() in MOVING
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,20 +179,30 @@ def _video_frame(path: Path) -> ByteImage | None:
 def _frame_by_pyav(path: Path) -> ByteImage | None:
     import av
 
-    from renderer.readers.video_index import decoded, open_container, video_stream
-    from renderer.readers.video_shape import quarter_turns
+    from renderer.readers.video_index import open_container
 
     try:
         with open_container(path) as container:
-            stream = video_stream(container, path)
             if container.duration:
                 container.seek((container.start_time or 0) + container.duration // 10)
-            frame = next(decoded(container, stream), None)
-        if frame is None:  # A transport stream has no list of places to go to.
+            found = _next_frame(container, path)
+        if found is None:  # A transport stream has no list of places to go to.
             with open_container(path) as container:
-                frame = next(decoded(container, video_stream(container, path)), None)
-        if frame is None:
-            return None
-        return np.rot90(np.asarray(frame.to_ndarray(format="rgb24"), np.uint8), quarter_turns(frame))
+                found = _next_frame(container, path)
+        return found
     except av.error.FFmpegError:
         return None
+
+
+def _next_frame(container: InputContainer, path: Path) -> ByteImage | None:
+    """Upright, in the shape that it has on the screen."""
+    from renderer.readers.video_index import decoded, video_stream
+    from renderer.readers.video_shape import pixel_aspect, quarter_turns
+
+    stream = video_stream(container, path)
+    frame = next(decoded(container, stream), None)
+    if frame is None:
+        return None
+    upright = np.rot90(np.asarray(frame.to_ndarray(format="rgb24"), np.uint8), quarter_turns(frame))
+    across = max(1, round(upright.shape[1] * float(pixel_aspect(stream, frame))))
+    return np.asarray(cv2.resize(upright, (across, upright.shape[0])), np.uint8)

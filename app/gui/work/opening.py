@@ -274,7 +274,9 @@ def _open_session(path: Path, source: Path | None) -> Opened:
 
 
 def _open_splats(scene: Scene) -> Opened:
-    return Opened(None, splats=scene, notices=scene.notices)
+    is_empty = not len(scene.model) and not scene.split_by_time
+    warning = f"there are no Gaussians to show in {scene.title}" if is_empty else ""
+    return Opened(None, splats=scene, notices=scene.notices, warning=warning)
 
 
 def _open_run(folder: RunFolder, source: Path | None) -> Opened:

@@ -48,20 +48,24 @@ class Strip:
 
 def count_for(clip: Clip, width: float, height: float) -> int:
     """How many small pictures fill a strip of that size on the screen."""
-    columns, rows = clip.size
-    return int(min(max(width / max(height * columns / rows, 1), 1), len(clip), MOST))
+    return int(min(max(width / max(height * _shape(clip), 1), 1), len(clip), MOST))
+
+
+def _shape(clip: Clip) -> float:
+    """Width by height on the screen."""
+    return clip.pixel_aspect * clip.size[0] / clip.size[1]
 
 
 def make_strip(request: StripRequest) -> Iterator[Strip]:
     """Better with every frame that is read; one that cannot be read is grey, with a cross."""
     clip, count = request.clip, request.count
-    width = max(1, round(HEIGHT * clip.size[0] / clip.size[1]))
+    width = max(1, round(HEIGHT * _shape(clip)))
     image = np.full((HEIGHT, width * count, 3), GROUND, np.uint8)
     for place in range(count):
         frame = int((place + 0.5) * len(clip) / count)
         tile = image[:, place * width : (place + 1) * width]
         try:
-            _put(clip.read_image(frame), tile)
+            _put(clip.read_image(frame), clip.pixel_aspect, tile)
         except ClipError:
             _cross_out(tile)
         yield Strip(request, image.copy())
@@ -75,9 +79,9 @@ def _cross_out(place: ByteImage) -> None:
     place[:] = tile
 
 
-def _put(frame: ByteImage, place: ByteImage) -> None:
+def _put(frame: ByteImage, pixel_aspect: float, place: ByteImage) -> None:
     """In its own shape, in the middle."""
-    (rows, columns), (height, width) = frame.shape[:2], place.shape[:2]
+    (height, width), rows, columns = place.shape[:2], frame.shape[0], pixel_aspect * frame.shape[1]
     scale = min(height / rows, width / columns)
     size = max(1, min(width, round(columns * scale))), max(1, min(height, round(rows * scale)))
     left, top = (width - size[0]) // 2, (height - size[1]) // 2

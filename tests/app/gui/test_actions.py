@@ -228,13 +228,16 @@ def test_continue_asks_for_what_was_begun_whatever_was_chosen_since(
     assert state.runs.reconstruction.told == run.told
 
 
-def test_continue_is_not_offered_for_another_clip(
+def test_continue_is_of_the_run_s_own_clip_while_another_is_open(
     state: AppState, make_job: MakeFake, tmp_path: Path
 ) -> None:
-    started(state, make_job)
+    first = started(state, make_job).request
     state.runs.reconstruction.status = "failed"
     state.source.clip = make_clip(tmp_path / "other")
-    assert not job_actions.can_continue(state)
+    job_actions.continue_reconstruction(state)
+    (waiting,) = state.runs.queue
+    assert isinstance(first, TrainRequest)
+    assert (waiting.clip, waiting.request) == (None, replace(first, resume=True))
 
 
 def test_what_a_reconstruction_lacks_is_said(state: AppState, tmp_path: Path) -> None:

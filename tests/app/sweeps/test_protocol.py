@@ -20,7 +20,9 @@ def test_it_prints_a_sweep_that_runs_every_method_at_its_published_length(
 ) -> None:
     printed = vesselsplat("protocol", "--print")
     assert printed.out == files("app.sweeps").joinpath("protocol.toml").read_text()
-    spec = spec_of(tomllib.loads(printed.out) | {"clips": [str(clip_path)]}, tmp_path / "protocol.toml")
+    whole = vesselsplat("protocol", clip_path, "--print")
+    assert tomllib.loads(whole.out) == tomllib.loads(printed.out) | {"clips": [str(clip_path)]}
+    spec = spec_of(tomllib.loads(whole.out), tmp_path / "protocol.toml")
     plan = planned(spec, tmp_path)
     settings = [job.settings for job in plan.jobs]
     assert len(settings) == 4 * 3

@@ -32,6 +32,7 @@ def contents(folder: Path) -> dict[str, bytes]:
         "a zip archive": (folder / "a.zip").read_bytes(),
         "a gzip file": gzip.compress(b"picture", mtime=0),
         "a HEIC image": b"\0\0\0\x18ftypheic" + bytes(100),
+        "a JPEG XL image": b"\0\0\0\x0cJXL \r\n\x87\n" + bytes(100),
         "a PDF document": b"%PDF-1.7" + bytes(100),
         "an empty file": b"",
     }
@@ -47,7 +48,7 @@ def test_a_refusal_names_what_came_under_the_name_of_a_picture(tmp_path: Path) -
                 reads(path)
 
 
-@pytest.mark.parametrize("kind", ["a zip archive", "a PDF document", "an empty file"])
+@pytest.mark.parametrize("kind", ["a zip archive", "a JPEG XL image", "a PDF document", "an empty file"])
 def test_and_of_a_video(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "case.mp4"
     path.write_bytes(contents(tmp_path)[kind])

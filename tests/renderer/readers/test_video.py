@@ -169,6 +169,28 @@ def test_of_a_cut_mp4_the_whole_frames_remain(tmp_path, decoder):
     assert "cut off" in clip.notices[0]
 
 
+def test_of_a_cut_mkv_with_sound_the_whole_frames_remain(tmp_path):
+    """Its header tells how long picture or sound last, whichever is longer."""
+    whole = tmp_path / "whole.mkv"
+    with av.open(str(whole), "w") as container:
+        stream, sound = container.add_stream("mpeg4", rate=25), container.add_stream("pcm_s16le", rate=8000)
+        stream.width, stream.height = 128, 64
+        for number in range(LENGTH):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(numbered_picture(number), "rgb24")))
+            noise = np.random.default_rng(number).integers(-900, 900, (1, 320), np.int16)
+            heard = av.AudioFrame.from_ndarray(noise, format="s16", layout="mono")
+            heard.sample_rate, heard.pts = 8000, 320 * number
+            container.mux(sound.encode(heard))
+        container.mux([*stream.encode(), *sound.encode()])
+    assert not any("cut off" in notice for notice in open_video(whole).notices)
+    content = whole.read_bytes()
+    path = tmp_path / "cut.mkv"
+    path.write_bytes(content[: int(0.6 * len(content))])
+    clip = open_video(path)
+    assert 30 < len(clip) < 75
+    assert "cut off" in clip.notices[0]
+
+
 def test_a_video_of_one_frame(tmp_path, decoder):
     clip = open_video(opencv_video(tmp_path / "one.avi", "MJPG", 1))
     assert len(clip) == 1
