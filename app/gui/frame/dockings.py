@@ -194,9 +194,13 @@ def follow(state: AppState) -> None:
         tuning_actions.came(state)
     _show(panel(EDIT), state.editing.active and free)
     _show(panel(MASKS), state.masking.active and free)
-    if state.source.asked and (pictures := _window("Images")) is not None:
-        panel("Images").focus_window_at_next_frame = pictures.hidden
-        actions.pictures_came(state)
+    name = SPLATS if alone else "Images"
+    if state.source.asked and (opened := _window(name)) is not None:
+        # Of another arrangement of panels, which may bring its own to the front, it takes some frames.
+        is_in_front = opened.active and not opened.hidden
+        panel(name).focus_window_at_next_frame = not is_in_front
+        if is_in_front:
+            actions.pictures_came(state)
     if state.reports.asked:
         # Once in front, it is as the View menu says.
         panel(REPORT).is_visible = panel(REPORT).focus_window_at_next_frame = True
