@@ -130,7 +130,9 @@ def open_path(state: AppState, path: Path) -> None:
     """Ask for a clip or a run; what is open stays until the new one is there, what is unsaved for good."""
 
     def go() -> None:
-        state.source.opening = OpenRequest(path.absolute(), state.source.first_options(path.absolute()))
+        clip, options = state.source.clip, state.source.first_options(path.absolute())
+        beside = clip.path if clip is not None else None
+        state.source.opening = OpenRequest(path.absolute(), options, beside=beside)
         state.window.banner = None
         state.live.stop_connecting()
 

@@ -74,19 +74,20 @@ def draw_banner(state: AppState) -> None:
             # Also over a panel that floats there; a menu or a question stays above it.
             imgui.internal.bring_window_to_display_front(imgui.internal.get_current_window())
         message = capital(state.window.banner.message)
-        wrap = min(imgui.calc_text_size(message).x + em(1), width - em(7))
+        can_stop, find = state.window.banner.can_stop, state.window.banner.find
+        beside = em(7 if find is None and not can_stop else 12.5)
+        wrap = min(imgui.calc_text_size(message).x + em(1), width - beside)
         with imgui_ctx.begin_group(), imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + wrap):
             imgui.align_text_to_frame_padding()
             imgui.text_unformatted(message)
         imgui.same_line(0, em(1))
-        can_stop, find = state.window.banner.can_stop, state.window.banner.find
         button("Dismiss", lambda: actions.dismiss(state))
         if can_stop:
             imgui.same_line()
             button("Stop waiting", lambda: actions.stop_opening(state))
         if find is not None:
             imgui.same_line()
-            button("Find it...", find)
+            button("Find it…", find)
 
 
 def _middle() -> tuple[ImVec2, float]:

@@ -51,6 +51,8 @@ class OpenRequest:
     """To be read, instead of that of the options."""
     source: Path | None = None
     """Where the clip of a run lies now, or what a session is of, as a person says."""
+    beside: Path | None = None
+    """The clip that is open: it may be that of a run, which lay elsewhere then."""
 
 
 class SourceLost(UserError):
@@ -168,7 +170,7 @@ def _open(request: OpenRequest) -> Iterator[Opened]:
     folder = request.path.parent if request.path.suffix == ".safetensors" else request.path
     run = RunFolder(folder)
     if run.is_run or request.path.suffix == ".safetensors":
-        yield _open_run(run, request.source)
+        yield _open_run(run, request.source, request.beside)
         return
     if series_files(request.path):
         yield _open_splats(series_scene(request.path))
@@ -279,19 +281,24 @@ def _open_splats(scene: Scene) -> Opened:
     return Opened(None, splats=scene, notices=scene.notices, warning=warning)
 
 
-def _open_run(folder: RunFolder, source: Path | None) -> Opened:
+def _open_run(folder: RunFolder, source: Path | None, beside: Path | None) -> Opened:
     record, lost = folder.record(), None
     if source is not None and not record.clip.is_of(source):
         raise UserError(f"expected the clip that {folder.path.name} was trained on, got another: {source}")
-    place = source or Path(record.clip.path)
+    place = source or _place_of(record, beside)
     try:
         clip, bare = _clip_of(record, place)
+        # Of this name and place it is from now on.
+        record = replace(record, clip=replace(record.clip, path=str(place.absolute()), name=clip.name))
     except ClipError as error:
         trouble = f"the run's clip cannot be opened; only its model is shown: {error}"
         clip, bare, lost = None, None, SourceLost(trouble, folder.path, place)
     notices = clip.notices if clip is not None else ()
     finished, warning, said = folder.is_finished, "", told(folder)
     model = finished_scene(folder, record) if finished else last_checkpoint(folder, record, said)
+    if model is not None and model.record.clip is not None:
+        named = replace(model.record.clip, name=record.clip.name)
+        model = replace(model, record=replace(model.record, clip=named))
     if model is not None and clip is not None and model.is_of(clip):
         # The same objects, so that comparing them is quick; it is done in every frame.
         model = replace(model, cameras=clip.cameras[model.start : model.start + len(model.cameras)])
@@ -304,8 +311,10 @@ def _open_run(folder: RunFolder, source: Path | None) -> Opened:
         shown = ", shown here" if model is not None else ""
         onward = f"{folder.path.name} is not finished: Continue resumes from its last checkpoint{shown}"
         notices = (*notices, onward)
-    request = replace(request_of(folder, record), clip_path=place)
-    run, options = OpenedRun(folder.path, record, request, model, said), record.clip.options
+    run, options = (
+        OpenedRun(folder.path, record, request_of(folder, record), model, said),
+        record.clip.options,
+    )
     return Opened(clip, run, bare, notices=notices, options=options, warning=warning, lost=lost)
 
 
@@ -335,6 +344,14 @@ def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
         input=record.input,
         enhance_params=params,
     )
+
+
+def _place_of(record: RunRecord, beside: Path | None) -> Path:
+    """Where the clip of a run lies: where it did, or beside, if nothing is there any more."""
+    place = Path(record.clip.path)
+    if place.exists() or beside is None or not beside.exists():
+        return place
+    return beside if record.clip.is_of(beside) else place
 
 
 def _clip_of(record: RunRecord, path: Path) -> tuple[Clip, Clip]:

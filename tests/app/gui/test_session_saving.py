@@ -317,5 +317,14 @@ def test_a_run_whose_clip_was_moved_is_shown_with_it_where_a_person_says(
     request = state.runs.reconstruction.request
     assert request is not None
     assert request.clip_path == moved
+    assert state.scene.model.is_of(state.source.clip)
     (found,) = RunFinder().find(RunsRequest(places.runs, state.source.clip, 0))
     assert [one.path for one in found.runs] == [run.path]
+    other, channels = opened_state(places, moved)
+    actions.open_path(other, run.path)
+    turn(other, channels)
+    turn(other, channels)
+    assert other.window.banner is None
+    assert other.scene.model is not None
+    assert other.source.clip is not None
+    assert (other.source.clip.path, other.scene.model.is_of(other.source.clip)) == (moved, True)

@@ -122,7 +122,7 @@ def test_what_cannot_be_saved_is_not_waited_for(state: AppState) -> None:
     summary_actions.add_shown(state)
     (request,) = state.summary.awaited
     assert summary_actions.why_not_write(state) == "An image is still being saved."
-    summary_actions.take_saved(state, request, Failure("the disk is full"))
+    summary_actions.take_saved(state, request, Failure(OSError("the disk is full")))
     assert state.summary.awaited == ()
     assert state.summary.items == ()
     assert state.window.banner is not None

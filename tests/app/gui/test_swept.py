@@ -108,7 +108,7 @@ def test_an_image_that_is_not_there_is_noted_and_that_of_another_job_is_not_take
     sweep_actions.choose_job(state, second)
     with pytest.raises(UserError, match=PICTURE):
         list(read_swept_image(second))
-    sweep_actions.take_image(state, second, Failure("gone"))
+    sweep_actions.take_image(state, second, Failure(UserError("gone")))
     (image,) = read_swept_image(first)
     sweep_actions.take_image(state, first, image)
     assert state.reports.image is None
