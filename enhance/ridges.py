@@ -37,7 +37,7 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
     in whichever order. A grey image is its own green.
 
     Raises:
-        ImageError: an image that cannot be used; no scale.
+        ImageError: an image that cannot be used; no scale, or one that is no length.
 
     Example:
         >>> import numpy as np
@@ -50,6 +50,8 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
     """
     if not sigmas:
         raise ImageError("expected at least one sigma, got none")
+    if wrong := [sigma for sigma in sigmas if not 0 < sigma < np.inf]:
+        raise ImageError(f"expected sigmas above 0 pixels, got {wrong[0]}")
     colors = read_picture(image).colors
     green = (colors if colors.ndim == 2 else colors[..., 1]).astype(np.float64)
     return np.asarray(np.max([_ridge(green, sigma) for sigma in sigmas], axis=0), dtype=np.float32)
@@ -87,7 +89,7 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
         share: of the tissue without margin, in (0, 1].
 
     Raises:
-        ImageError: an image that cannot be used, or a mask of another size.
+        ImageError: an image that cannot be used, a mask of another size, or no such share.
 
     Example:
         >>> import numpy as np
@@ -98,6 +100,8 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
         >>> 40 < columns[0] <= columns[-1] < 56
         True
     """
+    if not 0 < share <= 1:
+        raise ImageError(f"expected a share above 0, up to 1, got {share}")
     strength = vesselness(image)
     tissue = field_of_view(image) if tissue_mask is None else np.asarray(tissue_mask) != 0
     if tissue.shape != strength.shape:

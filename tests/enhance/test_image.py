@@ -26,6 +26,13 @@ THREE: Any = 3
 GOOD = np.full((4, 5, 3), 0.5, dtype=np.float32)
 
 
+class Tensor:
+    """Of another library, as one that records gradients."""
+
+    def __array__(self, dtype: object = None, copy: object = None) -> NDArray[Any]:
+        raise RuntimeError("detach it first")
+
+
 def changed(value: float) -> NDArray[np.float32]:
     image = GOOD.copy()
     image[2, 3, 1] = value
@@ -52,6 +59,8 @@ def changed(value: float) -> NDArray[np.float32]:
         (changed(-0.25), "-0.25 to 0.5"),
         (changed(1.0000001), "0.5 to 1.0000001"),
         (np.ma.masked_greater(GOOD, 0.4), "expected an image without a mask of its own"),
+        (Tensor(), "expected an image that numpy can read, got Tensor"),
+        ([[0.1, 0.2], [0.3]], "expected an image that numpy can read, got list"),
     ],
 )
 def test_bad_images_are_refused_with_a_reason(image: NDArray[Any], says: str) -> None:

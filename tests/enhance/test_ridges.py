@@ -120,3 +120,11 @@ def test_mask_of_a_retina_lies_on_annotated_vessels() -> None:
     mask = vessel_mask(image)
     assert np.mean(annotated[mask]) > 0.8
     assert mask.sum() > 0.25 * annotated.sum()
+
+
+@pytest.mark.parametrize("number", [0.0, -2.0, np.nan, np.inf])
+def test_numbers_that_mean_nothing_are_refused(number: float) -> None:
+    with pytest.raises(ImageError, match="expected sigmas above 0 pixels"):
+        vesselness(vessels(), [2.0, number])
+    with pytest.raises(ImageError, match="expected a share above 0, up to 1"):
+        vessel_mask(vessels(), share=number)

@@ -166,8 +166,8 @@ def draw_fainter(state: AppState) -> None:
         return
     params = state.enhancement.params
     imgui.align_text_to_frame_padding()
-    contrast = f"contrast {found.after:.1f}, was {found.before:.1f}"
-    imgui.text_colored(theme.now().warning, f"These settings make vessels fainter here: {contrast}.")
+    seen = f"colour difference {found.after:.1f}, was {found.before:.1f}"
+    imgui.text_colored(theme.now().warning, f"These settings make vessels fainter here: {seen}.")
     explain(FAINTER_TEXT)
     if isinstance(params, EnhanceParams):
         beside("Use Vessel")

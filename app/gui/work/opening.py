@@ -295,13 +295,7 @@ def _open_run(folder: RunFolder, source: Path | None, beside: Path | None) -> Op
         clip, bare, lost = None, None, SourceLost(trouble, folder.path, place)
     notices = clip.notices if clip is not None else ()
     finished, warning, said = folder.is_finished, "", told(folder)
-    model = finished_scene(folder, record) if finished else last_checkpoint(folder, record, said)
-    if model is not None and model.record.clip is not None:
-        named = replace(model.record.clip, name=record.clip.name)
-        model = replace(model, record=replace(model.record, clip=named))
-    if model is not None and clip is not None and model.is_of(clip):
-        # The same objects, so that comparing them is quick; it is done in every frame.
-        model = replace(model, cameras=clip.cameras[model.start : model.start + len(model.cameras)])
+    model = _model_of(folder, record, clip, said)
     if model is not None and finished:
         try:
             model = replace(model, saved_edits=read_edits(folder, len(model.model)))
@@ -311,11 +305,22 @@ def _open_run(folder: RunFolder, source: Path | None, beside: Path | None) -> Op
         shown = ", shown here" if model is not None else ""
         onward = f"{folder.path.name} is not finished: Continue resumes from its last checkpoint{shown}"
         notices = (*notices, onward)
-    run, options = (
-        OpenedRun(folder.path, record, request_of(folder, record), model, said),
-        record.clip.options,
-    )
+    run = OpenedRun(folder.path, record, request_of(folder, record), model, said)
+    options = record.clip.options
     return Opened(clip, run, bare, notices=notices, options=options, warning=warning, lost=lost)
+
+
+def _model_of(folder: RunFolder, record: RunRecord, clip: Clip | None, said: TrainingLog) -> Scene | None:
+    """As trained so far, of the clip as it is called now."""
+    finished = folder.is_finished
+    model = finished_scene(folder, record) if finished else last_checkpoint(folder, record, said)
+    if model is not None and model.record.clip is not None:
+        named = replace(model.record.clip, name=record.clip.name)
+        model = replace(model, record=replace(model.record, clip=named))
+    if model is not None and clip is not None and model.is_of(clip):
+        # The same objects, so that comparing them is quick; it is done in every frame.
+        model = replace(model, cameras=clip.cameras[model.start : model.start + len(model.cameras)])
+    return model
 
 
 def last_checkpoint(folder: RunFolder, record: RunRecord, said: TrainingLog) -> Scene | None:
