@@ -17,7 +17,7 @@ from app.files.records import Source
 from app.report.bench import PARTS, Bench, Clock, Part, machine, opened
 from app.report.diagrams import Point, within_budget, within_error
 from app.report.page import page
-from app.report.section import Section
+from app.report.section import REPORT, Section
 from renderer.readers.listing import count
 
 MINUTES, MINUTES_WITH_CLIP = 27.0, 54.0
@@ -62,7 +62,7 @@ def run(flags: argparse.Namespace) -> None:
         sections, seconds = measured(bench, parts, 60 * minutes)
         clip = {"name": "phantom"} if flags.clip is None else plain(Source.of(flags.clip))
         report = provenance(machine=facts, clip=clip, seconds=seconds, parts=sections)
-        (staging / "report.json").write_text(strict_json(report, indent=1), encoding="utf-8")
+        (staging / REPORT).write_text(strict_json(report, indent=1), encoding="utf-8")
         said = {"clip": clip["name"], "measured": f"{report['utc']}, in {sum(seconds.values()):.0f} s"}
         (staging / "report.html").write_text(page(sections, said | facts), encoding="utf-8")
     sys.stdout.write(f"{flags.out}: report.html, report.json in {time.monotonic() - began:.0f} s\n")

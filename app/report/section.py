@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self, TypeGuard
+from typing import Any, Final, Self, TypeGuard
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -14,6 +14,8 @@ from app.errors import UserError
 from app.report.diagrams import Diagram, GainDiagram, Growth, Point
 from renderer.json_files import read_json
 
+REPORT: Final = "report.json"
+"""Its file, beside the page."""
 Cell = str | float | int | bool | None
 """A bool is passed (True) or failed; None was not measured."""
 

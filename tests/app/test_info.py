@@ -336,3 +336,22 @@ def test_what_cannot_be_read_is_one_line(tmp_path: Path, vesselsplat: Cli, name:
 def test_without_a_path_it_tells_the_versions(vesselsplat: Cli) -> None:
     facts = json.loads(vesselsplat("info", "--json").out)
     assert "packages" in facts
+
+
+def test_a_report_is_known_by_its_folder_and_its_page(
+    tmp_path: Path, told: Callable[[Path], dict[str, Any]]
+) -> None:
+    folder = tmp_path / "report"
+    folder.mkdir()
+    section = {"title": "Images"}
+    facts = {
+        "clip": {"name": "liver"},
+        "utc": "2026-01-02T03:04:05",
+        "machine": {},
+        "parts": {"images": section},
+    }
+    (folder / "report.json").write_text(json.dumps(facts | {"app": "VesselSplat", "version": "0.2.0"}))
+    (folder / "report.html").write_text("<html></html>")
+    first, *others = (told(path) for path in (folder / "report.json", folder / "report.html", folder))
+    assert first["what"]["kind"] == "report"
+    assert [{**one, "path": first["path"]} for one in others] == [first, first]

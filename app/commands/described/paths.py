@@ -22,6 +22,7 @@ from app.errors import UserError
 from app.exports.replay.recorded import recorded
 from app.files.image_files import TIFF
 from app.gui.session_file import SUFFIX
+from app.report.section import REPORT, holds_report
 from app.runs.run_folder import RunFolder
 from app.sweeps.folder import SWEEP, is_sweep
 from renderer.clip import ClipError
@@ -65,6 +66,8 @@ def _file(path: Path) -> tuple[Fact, ...]:
         return _sweep(path.parent)
     if path.suffix == ".json":
         return of_json(path)
+    if path.suffix == ".html" and holds_report(path.with_suffix(".json")):
+        return of_json(path.with_suffix(".json"))
     if path.suffix == ".toml" or (path.suffix == ".csv" and not is_export(path)):
         return _of_sweep(path)
     own = _own(path)
@@ -99,6 +102,8 @@ def _folder(path: Path) -> tuple[Fact, ...]:
         return of_splats(path)
     if files := series_files(path):
         return of_series(path, files)
+    if holds_report(path / REPORT):
+        return of_json(path / REPORT)
     known = layout_of(path).name != "images"
     pictures = any(is_frame(entry) for entry in frame_folder(path).iterdir())
     if known or pictures:
