@@ -88,13 +88,7 @@ def choose_way(state: AppState, way: DepthWay) -> None:
 
 def choose_source(state: AppState, source: DepthSource) -> None:
     """The same, as the option of the command line says it."""
-    _choose(state, replace(asked(state), depth=source))
-
-
-def asked(state: AppState) -> ClipOptions:
-    """How the open clip is read, or will be in a moment."""
-    wish = state.source.depth_wish
-    return state.source.options if wish is None else wish.options
+    choose_reading(state, replace(state.source.reading, depth=source))
 
 
 def assumes_view(state: AppState) -> bool:
@@ -118,16 +112,17 @@ def _type(state: AppState, name: str, text: str) -> None:
     plain = re.sub(r"\s*(mm|°)?\s*$", "", text).strip().replace(",", ".")
     try:
         values: dict[str, Any] = {name: float(plain) if plain else getattr(DEFAULTS, name)}
-        options = replace(asked(state), **values)
+        options = replace(state.source.reading, **values)
     except ValidationError as error:
         actions.fail(state, problem(error, {name: capital(name.replace("_", " "))}))
     except ValueError:
         actions.fail(state, f"{capital(name.replace('_', ' '))}: expected a number, got {plain}")
     else:
-        _choose(state, options)
+        choose_reading(state, options)
 
 
-def _choose(state: AppState, options: ClipOptions) -> None:
+def choose_reading(state: AppState, options: ClipOptions) -> None:
+    """How the open clip is read from now on."""
     if state.source.clip is not None and state.source.bare is not None:
         changed = options != state.source.options
         state.source.depth_wish = DepthRequest(state.source.bare, options) if changed else None

@@ -37,8 +37,10 @@ def _take(state: AppState, chosen: SettingsSnapshot) -> None:
     look.params, look.scope, look.pixels = chosen.params, chosen.scope, chosen.pixels
     state.comparing.chosen = replace(chosen.comparison, wipe=now.wipe, flipped=now.flipped)
     draft.config, draft.input, draft.kept = chosen.config, chosen.input, chosen.kept
-    if state.source.depth != chosen.depth:
-        depth_actions.choose_source(state, chosen.depth)
+    baseline, view = chosen.baseline, chosen.field_of_view
+    reading = replace(state.source.reading, depth=chosen.depth, baseline=baseline, field_of_view=view)
+    if reading != state.source.reading:
+        depth_actions.choose_reading(state, reading)
     if state.source.part != chosen.part:
         state.source.part = chosen.part
         clip_actions.keep_settings(state)

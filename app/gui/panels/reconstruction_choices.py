@@ -135,7 +135,7 @@ def _draw_depth(state: AppState, clip: Clip) -> None:
 
 def _draw_pair(state: AppState, clip: Clip) -> None:
     """What the scale of a stereo pair follows from, where its files do not state it."""
-    options = depth_actions.asked(state)
+    options = state.source.reading
     known = "unknown, in mm" if clip.baseline is None else f"{clip.baseline:.4g} mm, calibrated"
     baseline = "" if options.baseline is None else f"{options.baseline:g} mm"
     row("Baseline", BASELINE_TEXT)

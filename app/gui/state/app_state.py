@@ -89,7 +89,9 @@ class AppState:
             draft.config,
             draft.input,
             draft.kept,
-            self.source.depth,
+            self.source.reading.depth,
+            self.source.reading.baseline,
+            self.source.reading.field_of_view,
         )
 
     @property

@@ -13,7 +13,7 @@ from app.gui.views.comparison import Comparison
 from app.gui.work.thumbnails import Thumbnails
 from app.runs.clip_selection import WHOLE, ClipPart
 from enhance import EnhanceParams
-from renderer.readers.clip_options import DepthSource
+from renderer.readers.clip_options import DEFAULTS, DepthSource
 from renderer.train.config import TrainConfig
 
 NAMES: Final = {
@@ -25,6 +25,8 @@ NAMES: Final = {
     "input": "reconstruction settings",
     "kept": "reconstruction settings",
     "depth": "depth",
+    "baseline": "depth",
+    "field_of_view": "depth",
 }
 PARAMS: Final = {
     "strength": "strength",
@@ -50,6 +52,10 @@ class SettingsSnapshot:
     input: InputKind = "original"
     kept: KeptSettings | None = None
     depth: DepthSource = "auto"
+    baseline: float | None = DEFAULTS.baseline
+    """mm, as typed."""
+    field_of_view: float = DEFAULTS.field_of_view
+    """Degrees, as typed."""
 
     def with_params(self, params: EnhancementSettings) -> SettingsSnapshot:
         return replace(self, params=params)

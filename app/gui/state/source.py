@@ -82,9 +82,14 @@ class Source:
         return self.neighbours.place(self.path) if single and len(self.neighbours.images) > 1 else None
 
     @property
+    def reading(self) -> ClipOptions:
+        """How the open clip is read, or will be in a moment."""
+        return self.options if self.depth_wish is None else self.depth_wish.options
+
+    @property
     def depth(self) -> DepthSource:
         """Where it comes from in the open clip, or will in a moment."""
-        return (self.depth_wish.options if self.depth_wish is not None else self.options).depth
+        return self.reading.depth
 
     def first_options(self, path: Path) -> ClipOptions:
         """With which to open it: as said at the start, else the eyes and lens that were chosen for it."""

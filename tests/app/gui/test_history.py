@@ -13,6 +13,7 @@ from app.gui.actions import (
     arriving,
     clip_actions,
     comparing,
+    depth_actions,
     history_actions,
     job_actions,
     preset_actions,
@@ -62,10 +63,13 @@ SETTINGS: dict[str, Set] = {
     "comparison": lambda s: comparing.choose_source(s, "left", "clahe"),
     "reconstruction settings": iterations,
     "reconstruction settings ": wishes,
+    "depth": lambda s: depth_actions.type_baseline(s, "4.2"),
+    "depth ": lambda s: depth_actions.type_field_of_view(s, "80"),
 }  # fmt: skip
 
 
 def test_every_setting_is_undone_and_redone_in_its_turn(state: AppState) -> None:
+    state.source.bare = state.source.clip
     seen: list[SettingsSnapshot] = [state.chosen]
     for name, act in SETTINGS.items():
         act(state)
