@@ -71,7 +71,8 @@ def masks_in(folder: Path, labels: Sequence[str]) -> MaskFiles:
         ClipError: no such folder, no mask in it that belongs to a frame, or two for one.
     """
     if not folder.is_dir():
-        raise ClipError(f"expected a folder of tool masks, got no such folder: {folder}")
+        got = "a file" if folder.exists() else "no such folder"
+        raise ClipError(f"expected a folder of tool masks, got {got}: {folder}")
     found = sorted((path for path in files_in(folder) if path.suffix.lower() in NAMED), key=natural_key)
     keys, named = {_key(stem) for stem in _stems(labels)}, dict[str | int, Path]()
     for path in found:

@@ -65,7 +65,7 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
 
 def _draw_slider(state: AppState, count: int, across: int) -> None:
     imgui.set_next_item_width(across)
-    label = in_folder(state) or _place(state)
+    label = in_folder(state) or place(state)
     now, most, flags = state.moment + 1, max(count, 2), imgui.SliderFlags_.always_clamp
     grab = imgui.get_style().color_(imgui.Col_.slider_grab) if count > 1 else theme.grey(0, 0)
     with imgui_ctx.push_style_color(imgui.Col_.slider_grab, grab):
@@ -80,11 +80,14 @@ def in_folder(state: AppState) -> str:
     return "" if place is None else f"{place + 1} of {len(state.source.neighbours.images)} in this folder"
 
 
-def _place(state: AppState) -> str:
+def place(state: AppState) -> str:
     """The number of the frame, for the slider to fill in, and of a video its time."""
     clip = state.source.clip
     if state.moments < 2 and clip is None:
         return "no clip"
+    if state.is_model_alone and state.scene.model is not None and state.scene.model.start:
+        # As its clip numbers them, of which the model is a part.
+        return f"frame {state.moment + state.scene.model.start + 1} · %d / {state.moments}"
     seconds = None if clip is None else seconds_at(clip, state.moment)
     slow = f" · {state.timeline.pace:.0%}% of its speed" if state.timeline.pace < SLOW else ""
     return f"frame %d / {state.moments}" + ("" if seconds is None else f" · {clock(seconds)}") + slow

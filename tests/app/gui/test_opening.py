@@ -13,6 +13,7 @@ from app.cli import load
 from app.errors import UserError
 from app.files.provenance import version
 from app.gui.actions import actions, arriving, camera_actions, job_actions
+from app.gui.panels.timeline import place
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
 from app.gui.update.jobs import start_due
@@ -163,6 +164,11 @@ def test_a_run_whose_clip_is_gone_still_shows_its_model(
     assert state.view_request is not None
     assert state.view_request.time == 0.5
     assert any("clip cannot be opened" in line for line in state.window.log)
+    count = len(state.scene.model.cameras)
+    assert place(state) % 13 == f"frame 13 / {count}"
+    state.scene.model = replace(state.scene.model, first=5)
+    actions.seek_view(state, 2 / count)
+    assert place(state) % 3 == f"frame 8 · 3 / {count}"
 
 
 def test_a_lone_model_file_is_refused_in_one_line(tmp_path: Path, model: DynamicGaussians) -> None:
