@@ -127,7 +127,7 @@ def _origin(flags: argparse.Namespace) -> Origin:
     if not 0 <= flags.frame < len(series):
         raise UserError(f"--frame: expected 0 to {len(series) - 1}, got {flags.frame}: {flags.input}")
     image, path = series.read(flags.frame), series.sources[flags.frame]
-    frame = flags.frame if series.is_video else None
+    frame = series.frame(flags.frame)
     try:
         tissue = inside([image]) if flags.pixels == "tissue" else None
     except ImageError as error:

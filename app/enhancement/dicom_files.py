@@ -82,7 +82,8 @@ def write_dicom_film(
     if not encoder.plays_in_browsers:
         raise UserError(f"a DICOM video is H.264, which cannot be encoded here. {encoder.way_out}")
     with together(path) as place:
-        video = place.with_suffix(".mp4")
+        # Whatever the object is called: an ending such as .hevc would ask for another codec.
+        video = place.with_name("film.mp4")
         records = list[EnhancedPicture]()
         timing = timing if choices.keep_identity else _silent(timing, notices)
         frames = _checked(pictures, records, timing, path)

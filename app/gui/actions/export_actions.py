@@ -7,6 +7,7 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import Final
 
+from app.enhancement.settable import RENDER
 from app.exports.camera_set import ENDINGS, CameraSet
 from app.exports.exporting import ExportRequest, Step
 from app.exports.sizing import Sizing
@@ -102,8 +103,19 @@ def _lacks_content(state: AppState, offer: Offer) -> str:
         return "The images differ in size: no video can show them."
     if offer.as_shown:
         return ""
-    reasons = (why_not(state, state.comparing.chosen.source(side)) for side in offer.sides)
-    return next((reason for reason in reasons if reason), "")
+    sources = [state.comparing.chosen.source(side) for side in offer.sides]
+    reasons = (why_not(state, source) for source in sources)
+    missing = next((reason for reason in reasons if reason), "")
+    return missing or (_covers_less(state) if offer.form != "picture" and RENDER in sources else "")
+
+
+def _covers_less(state: AppState) -> str:
+    """Why the open reconstruction cannot stand beside every frame from In to Out."""
+    model, (first, last) = state.scene.model, state.source.span
+    if model is None or (model.has_clip_frame(first) and model.has_clip_frame(last)):
+        return ""
+    start, end = model.start + 1, model.start + len(model.cameras)
+    return f"The reconstruction covers frames {start} to {end}: set In and Out within them."
 
 
 def _lacks_dicom(state: AppState, offer: Offer) -> str:

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable
 from dataclasses import replace
 
+from app.errors import UserError
 from app.files.legible import without_flags
 from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.state.app_state import AppState
@@ -15,6 +16,7 @@ from app.runs.job import Cancelled, Failed, Paused, Resumed, TrainingJob
 from app.runs.memory import told
 from app.runs.train_run import TrainRequest
 from app.runs.wall_clock import in_all
+from renderer.clip import ClipError
 from renderer.train.events import (
     Evaluated,
     Finished,
@@ -40,6 +42,11 @@ def start_due(state: AppState, make_job: MakeJob) -> None:
     if not asked and (draft.job is not None or queue_actions.why_held(state)):
         return
     state.runs.queue = tuple(each for each in state.runs.queue if each is not first)
+    try:
+        clip = first.request.part.of(first.clip)
+    except (UserError, ClipError) as error:
+        actions.fail(state, f"{first.request.run_path.name} was not started: {error}")
+        return
     job = make_job(first.request)
     state.runs.reconstruction = Reconstruction(
         config=draft.config,
@@ -49,7 +56,7 @@ def start_due(state: AppState, make_job: MakeJob) -> None:
         status="starting",
         started_at=state.window.now,
         job=job,
-        clip=first.request.part.of(first.clip),
+        clip=clip,
         request=first.request,
         told=first.told,
     )

@@ -23,6 +23,10 @@ CODECS: Final = MappingProxyType(
     }
 )
 """By transfer syntax, as FFmpeg calls them."""
+FRAMES: Final = (0xC3, 0xF7)
+"""Second bytes of the markers that begin the header of a frame of JPEG Lossless and of JPEG-LS."""
+SCAN: Final = 0xDA
+"""That of the marker that begins its data."""
 FORMS: Final = MappingProxyType({1: ("gray", "gray16le"), 3: ("rgb24", "bgr24", "rgb48le", "bgr48le")})
 """By values of a pixel: those of which nothing is changed."""
 
@@ -46,5 +50,18 @@ def decoded_frame(content: bytes, header: DicomHeader) -> NDArray[Any]:
     frame = frames[0]
     if frame.is_corrupt or frame.format.name not in FORMS[header.samples]:
         raise ValueError(f"its pixels are {frame.format.name}")
-    pixels = frame.to_ndarray()
+    pixels: NDArray[Any] = frame.to_ndarray()
+    most = 8 * pixels.dtype.itemsize
+    # FFmpeg brings what is stored in fewer bits up to the whole range of its type.
+    pixels = pixels >> (most - _precision(content, most))
     return np.asarray(pixels[..., ::-1] if frame.format.name.startswith("bgr") else pixels)
+
+
+def _precision(content: bytes, most: int) -> int:
+    """Bits of a value, as the frame's header says; `most` where it says nothing that can be."""
+    at = 2
+    while at + 5 <= len(content) and content[at] == 0xFF and content[at + 1] != SCAN:
+        if content[at + 1] in FRAMES:
+            return content[at + 4] if 1 < content[at + 4] <= most else most
+        at += 2 + int.from_bytes(content[at + 2 : at + 4])
+    return most

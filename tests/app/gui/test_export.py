@@ -11,6 +11,7 @@ import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.methods import Params
+from app.enhancement.settable import RENDER
 from app.enhancement.setting_words import in_letters, worded
 from app.exports.exporting import Step, export
 from app.exports.page import Panel, describe, sheet
@@ -22,7 +23,9 @@ from app.files.records import Source
 from app.gui.actions import actions, export_actions, job_actions
 from app.gui.actions.export_records import sized
 from app.gui.state.app_state import AppState
+from app.gui.state.exports import What
 from app.gui.update.jobs import start_due
+from app.runs.clip_selection import ClipPart
 from app.scenes.records import RunSource
 from app.scenes.view_request import ViewRequest
 from assets import phantom_path
@@ -186,3 +189,16 @@ def test_frames_without_a_name_count_from_one_in_captions(
     record = PanesPicture(source=source, frame=FrameRecord(index=2), panes=(pane,))
     (made,) = PaneMaker(record, Opened((), video)).made(2)
     assert made.panel.label == f"Original   {said}"
+
+
+@pytest.mark.parametrize("what", ["video of both panes", "measures of both panes"])
+def test_a_reconstruction_of_some_frames_is_not_set_beside_others(
+    state: AppState, clip: Clip, model: DynamicGaussians, what: What
+) -> None:
+    state.scene.model, state.scene.size = replace(scene_of(model, clip.cameras[2:4]), first=2), (48, 40)
+    state.comparing.chosen = replace(state.comparing.chosen, right=RENDER)
+    state.timeline.frame_index = 2
+    assert "covers frames 3 to 4: set In and Out" in export_actions.why_not_export(state, what)
+    assert export_actions.why_not_export(state, "both panes") == ""
+    state.source.part = ClipPart(trim=(2, 3))
+    assert export_actions.why_not_export(state, what) == ""

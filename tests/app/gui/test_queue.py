@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, job_actions, queue_actions
+from app.enhancement.image_mask import PictureMask
+from app.gui.actions import actions, clip_actions, job_actions, queue_actions
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
@@ -80,6 +81,20 @@ def test_the_next_starts_when_one_has_ended_and_never_before(
     assert [request.config.iterations for request in jobs.requests] == [100, 200]
     assert jobs.all[0].told == ["start", "close"]
     assert state.runs.queue == ()
+
+
+def test_one_whose_mask_leaves_nothing_is_told_and_the_next_starts(state: AppState, jobs: Jobs) -> None:
+    whole = state.source.part
+    clip_actions.set_mask(state, PictureMask(text=(-1, -1, 1e4, 1e4)))
+    job_actions.start_reconstruction(state)
+    state.source.part = whole
+    job_actions.start_reconstruction(state)
+    start_due(state, jobs.make)
+    assert jobs.all == []
+    assert state.window.banner is not None
+    assert "was not started: expected a mask that keeps some of the" in state.window.banner.message
+    start_due(state, jobs.make)
+    assert len(jobs.all) == 1
 
 
 def test_what_waits_is_as_it_was_chosen(state: AppState, jobs: Jobs) -> None:

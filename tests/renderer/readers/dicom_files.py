@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import struct
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -94,6 +95,24 @@ def lossless(image: np.ndarray, codec: str, form: str) -> bytes:
     encoder.time_base = Fraction(1, 25)
     frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(image), form)
     return b"".join(bytes(packet) for packet in (*encoder.encode(frame), *encoder.encode(None)))
+
+
+def lossless_of(grey: np.ndarray, precision: int) -> bytes:
+    """(H, W) of so many bits as JPEG Lossless (ITU-T T.81, annex H): each value less that to its left, in a
+    code of five bits for its length."""
+    predicted = np.empty(grey.shape, np.int64)
+    predicted[:, 1:], predicted[1:, 0], predicted[0, 0] = grey[:, :-1], grey[:-1, 0], 1 << (precision - 1)
+    bits = ""
+    for apart in (grey.astype(np.int64) - predicted).ravel().tolist():
+        length = abs(apart).bit_length()
+        bits += f"{length:05b}"
+        bits += f"{apart if apart > 0 else apart + (1 << length) - 1:0{length}b}" if length else ""
+    bits += "1" * (-len(bits) % 8)
+    data = int(bits, 2).to_bytes(len(bits) // 8).replace(b"\xff", b"\xff\0")
+    codes = b"\xff\xc4" + struct.pack(">HB", 36, 0) + bytes([0, 0, 0, 0, 17, *[0] * 11, *range(17)])
+    frame = b"\xff\xc3" + struct.pack(">HBHHBBBB", 11, precision, *grey.shape, 1, 1, 0x11, 0)
+    scan = b"\xff\xda" + struct.pack(">HBBBBBB", 8, 1, 1, 0, 1, 0, 0)
+    return b"\xff\xd8" + codes + frame + scan + data + b"\xff\xd9"
 
 
 def stills(image: np.ndarray) -> dict[str, tuple[Dataset, int]]:

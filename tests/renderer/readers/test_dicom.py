@@ -24,6 +24,7 @@ from tests.renderer.readers.dicom_files import (
     encoded,
     labelled,
     lossless,
+    lossless_of,
     picture,
     saved,
     stills,
@@ -135,6 +136,18 @@ def test_lossless_compressions_are_exact(syntax: UID, codec: str, form: str, tmp
     wide = compressed(with_pixels(labelled(syntax=syntax), stored[:, :32], kind, made.BitsStored), [frame])
     with pytest.raises(ClipError, match="expected an intact DICOM file, got a damaged one"):
         open_clip(saved(wide, tmp_path / "b.dcm"))
+
+
+@pytest.mark.parametrize("precision", [9, 12, 16])
+def test_lossless_values_of_fewer_bits_are_as_stored(precision: int, tmp_path: Path) -> None:
+    """Of 12 bits in the object, whatever the frame's own precision."""
+    most = (1 << min(precision, 12)) - 1
+    stored = (GREY.astype(np.uint32) * most // 255).astype(np.uint16)
+    made = with_pixels(labelled(syntax=JPEGLosslessSV1), stored, "MONOCHROME2", min(precision, 12))
+    path = saved(compressed(made, [lossless_of(stored, precision)]), tmp_path / "a.dcm")
+    plain = with_pixels(labelled(), stored, "MONOCHROME2", min(precision, 12))
+    expected = open_clip(saved(plain, tmp_path / "b.dcm")).read_image(0)
+    assert np.array_equal(open_clip(path).read_image(0), expected)
 
 
 def test_what_cannot_be_read_is_one_line(tmp_path: Path) -> None:
