@@ -41,6 +41,8 @@ def opened(path: Path) -> Iterator[ImageFile.ImageFile]:
     require_regular(path)
     try:
         with _dicom(path) if is_dicom(path) else Image.open(path) as picture:
+            # What has a name Pillow maps into memory, and then reads grey TIFF that lies on its side wrongly.
+            picture.filename = ""
             budget().require(pixels=picture.width * picture.height)
             yield picture
     except NONSENSE as error:

@@ -129,12 +129,12 @@ def read_rgb(path: Path) -> ByteImage:
     """
     try:
         with opened(path) as picture:
+            upright = ImageOps.exif_transpose(picture)
             if not picture.mode.startswith(("I", "F")):
-                upright = ImageOps.exif_transpose(picture)
                 return np.array(upright.convert("RGB"), dtype=np.uint8)
+            grey = np.asarray(upright)
     except BROKEN as error:
         raise _unreadable(path, error) from error
-    grey = read_stored(path)
     if grey.dtype.kind == "f" or grey.min() < 0 or grey.max() > 65535:
         raise ClipError(f"expected an image of 8 or 16 bits, got {grey.dtype} values: {path}")
     byte = in_bytes(grey)
@@ -185,8 +185,11 @@ def _upright_size(picture: ImageFile.ImageFile, path: Path) -> tuple[int, int]:
     # Of a PNG, Pillow decodes all pixels before it tells the EXIF, which may, but hardly does, follow them.
     whole = picture.format != "PNG" or _tells_more_after_pixels(path)
     exif = picture.getexif() if whole else Image.Image.getexif(picture)
-    lies = exif.get(ExifTags.Base.Orientation, 1) >= 5
-    return (height, width) if lies else (width, height)
+    if exif.get(ExifTags.Base.Orientation, 1) < 5:
+        return width, height
+    # Of some formats Pillow tells the size before turning, of others after it.
+    rows, columns = read_rgb(path).shape[:2]
+    return columns, rows
 
 
 def _tells_more_after_pixels(path: Path) -> bool:

@@ -64,6 +64,21 @@ def test_sizes_are_told_by_headers_alone(tmp_path: Path, monkeypatch: pytest.Mon
     assert common_size(paths) == (30, 20)
 
 
+@pytest.mark.parametrize("orientation", ORIENTATIONS)
+@pytest.mark.parametrize(("suffix", "kind"), [(".tif", np.uint8), (".tif", np.uint16), (".png", np.uint16)])
+def test_so_do_tiffs_and_deep_ones(tmp_path: Path, orientation: int, suffix: str, kind: type) -> None:
+    shape = (40, 60) if kind is np.uint16 else (40, 60, 3)
+    stored = np.random.default_rng(0).integers(0, np.iinfo(kind).max, shape).astype(kind)
+    exif = Image.Exif()
+    exif[ExifTags.Base.Orientation] = orientation
+    path = tmp_path / f"scan{suffix}"
+    Image.fromarray(stored).save(path, exif=exif)
+    upright = read_rgb(path)
+    Image.fromarray(stored).save(tmp_path / f"plain{suffix}")
+    assert np.array_equal(upright, ORIENTATIONS[orientation](read_rgb(tmp_path / f"plain{suffix}")))
+    assert common_size([path]) == (upright.shape[1], upright.shape[0])
+
+
 def test_a_png_that_tells_its_orientation_after_its_pixels_is_turned(tmp_path: Path) -> None:
     exif = Image.Exif()
     exif[ExifTags.Base.Orientation] = 6
