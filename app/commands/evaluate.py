@@ -20,6 +20,7 @@ from app.report.paper_rows import PAPER
 from app.runs.run_folder import ClipRecord
 from app.runs.wall_clock import in_all
 from renderer.lpips import WEIGHT_FILES
+from renderer.readers.clip_options import ClipOptions
 
 COLUMNS = {
     "psnr": ("PSNR\ndB", ".2f"),
@@ -54,8 +55,11 @@ def run(flags: argparse.Namespace) -> None:
     paths = [flags.run] if flags.against is None else [flags.run, flags.against]
     evaluations = [open_evaluation(path, flags.lpips_weights, edited=flags.edited) for path in paths]
     clips = [evaluation.record.clip for evaluation in evaluations]
-    if clips[0].part != clips[-1].part:
+    # Each run keeps its own copies of masks: where they lie is no part.
+    if clips[0].part.of_anywhere != clips[-1].part.of_anywhere:
         raise UserError("--against: expected a run on the same frames and mask, got one on another part")
+    if _reading(clips[0].options) != _reading(clips[-1].options):
+        raise UserError("--against: expected a run on frames that were read in the same way, got others")
     if clips[0].sha256 != clips[-1].sha256:
         raise UserError(f"--against: expected a run on the clip {clips[0].name}, got one on {clips[-1].name}")
     report, *others = [evaluation.report(measured(evaluation)) for evaluation in evaluations]
@@ -67,6 +71,11 @@ def run(flags: argparse.Namespace) -> None:
         _print_compared(report)
     else:
         _print(report)
+
+
+def _reading(options: ClipOptions) -> tuple[object, ...]:
+    """What says which frames there are, and which of them are held out."""
+    return options.frame_step, options.deinterlacing, options.stereo, options.split
 
 
 def measured(evaluation: Evaluation) -> list[FrameMeasures]:

@@ -122,8 +122,9 @@ def _given(paths: list[Path]) -> list[Given]:
         series = open_series(path)
         origins = map(plain, series.origins())
         for index, (source, origin) in enumerate(zip(series.sources, origins, strict=True)):
-            origin |= {"frame": index} if series.is_video else {}
-            sequence = source if series.is_video else source.parent
+            number = series.frame(index)
+            origin |= {} if number is None else {"frame": number}
+            sequence = source.parent if number is None else source
             found.append(Given(origin, source, sequence, partial(series.read, index)))
     return found
 

@@ -44,8 +44,9 @@ class PictureRequest:
         return StatisticsRequest(self.clip, self.scope, windows_of(params), self.pixels, self.mask, self.span)
 
     def with_params(self, params: EnhancementSettings) -> PictureRequest:
-        """The same frame, enhanced by these."""
-        return replace(self, params=params)
+        """The same frame, enhanced by these; of the clip goes along what does not depend on what differs."""
+        same = self.params is None or windows_of(self.params) == windows_of(params)
+        return replace(self, params=params, of_clip=self.of_clip if same else None)
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,7 +65,9 @@ def delete_run(path: Path, *, for_good: bool = False) -> None:
         return
     # In one step it is no run any more: what is cut short leaves nothing that looks like one.
     doomed = path.with_name(f".{path.name}.deleted")
+    shutil.rmtree(doomed, ignore_errors=True)  # Of one that was cut short.
     path.rename(doomed)
+    RunFolder(doomed).record_path.unlink()
     shutil.rmtree(doomed)
 
 

@@ -122,6 +122,13 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 WRITTEN = ("still.dcm", "still-kept.dcm", "bare.dcm", "video.dcm", "video-kept.dcm", "sound-kept.dcm")
 
 
+def test_a_video_is_what_its_transfer_syntax_says_whatever_it_is_called(made: Path, tmp_path: Path) -> None:
+    path = tmp_path / "a.hevc.dcm"
+    assert main(["enhance", str(made / "film.dcm"), str(path)]) == 0
+    assert "H.264" in dcmread(path).file_meta.TransferSyntaxUID.name
+    assert read_video_header(path).codec == "h264"
+
+
 def test_an_object_says_that_it_is_derived_and_of_nobody(made: Path) -> None:
     for name, kind in (("still.dcm", VIDEO.removesuffix(".1")), ("video.dcm", VIDEO)):
         told = dcmread(made / name)

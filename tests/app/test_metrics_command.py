@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from app.files.provenance import digest
+from renderer.sources import open_clip
 from tests.app.conftest import Call, tissue
+from tests.renderer.readers.test_hamlyn import write_hamlyn
 
 Cli = Callable[..., Call]
 
@@ -117,3 +119,22 @@ def test_metrics_take_the_frames_of_a_video(folder: Path, tmp_path: Path, vessel
     assert "in.avi 2" in vesselsplat("metrics", video).out
     call = vesselsplat("metrics", video, "--against", folder / "0.png", folder / "1.png")
     assert (call.code, "one original for each of 3" in call.error) == (2, True)
+
+
+def test_frames_of_a_data_set_have_their_numbers_and_two_clips_are_no_sequence(
+    tmp_path: Path, vesselsplat: Cli
+) -> None:
+    one = write_hamlyn(tmp_path / "a")
+    told = json.loads(vesselsplat("metrics", one, "--json").out)
+    assert [one["image"]["frame"] for one in told["images"]] == list(range(len(open_clip(one))))
+    assert told["sequence"] is not None
+    both = json.loads(vesselsplat("metrics", one, write_hamlyn(tmp_path / "b"), "--json").out)
+    assert (len(both["images"]), both["sequence"]) == (2 * len(told["images"]), None)
+
+
+def test_a_frame_of_a_data_set_that_was_tuned_comes_again(tmp_path: Path, vesselsplat: Cli) -> None:
+    clip, out = write_hamlyn(tmp_path / "a"), tmp_path / "out"
+    tuned = vesselsplat("tune", clip, "--out", out, "--frame", 2, "--vary", "z=0.2,0.6")
+    assert tuned.code == 0, tuned.error
+    again = vesselsplat("replay", out / "setting-000.png", "--source", clip)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out

@@ -133,6 +133,7 @@ def restore(state: AppState, draft: SummaryDraft, places: tuple[Path | None, ...
     kept = zip(draft.pictures, places, strict=True)
     state.summary.items = tuple(Item(place, one.note) for one, place in kept if place is not None)
     state.summary.title, state.summary.notes = draft.title, draft.notes
+    state.summary.awaited = ()  # What is being saved was for the case before.
     if lost := places.count(None):
         actions.say(state, f"{lost} of {len(places)} images of the case summary are no longer there")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from app.enhancement.amounts import spaced
 from app.enhancement.contact_sheet import columns_of
 from app.enhancement.parameter_grid import Axis, Setting, settings
@@ -50,6 +52,9 @@ def start_grid(state: AppState) -> None:
         actions.fail(state, str(error).removeprefix("--vary: "))
         return
     columns = columns_of([len(one.values) for one in axes], in_order=True)
+    if picture.of_clip == "later":
+        # A grid keeps what it began with: its maker measures the clip.
+        picture = replace(picture, of_clip=None)
     tuning.grid = Grid(picture.with_params(state.enhancement.params), wanted, columns)
     tuning.cells, tuning.running, tuning.chosen, tuning.look = {}, True, None, None
 

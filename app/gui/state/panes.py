@@ -92,7 +92,9 @@ def other_request(state: AppState, side: Side) -> OtherRequest | None:
         assert state.scene.model is not None
         return OtherRequest(alone, state.scene.model, state.background)
     look = _look(state, source)
-    return OtherRequest(alone, source) if look is None else OtherRequest(original, look)
+    if look is None:
+        return OtherRequest(alone, source)
+    return OtherRequest(replace(pictures.with_params(look), params=None), look)
 
 
 def _look(state: AppState, source: str) -> EnhancementSettings | None:

@@ -84,3 +84,10 @@ def test_a_black_frame_is_still_a_picture(clip: Clip) -> None:
     dark = replace(clip, read_frame=frame)
     whole = last(PictureRequest(dark, 0, EnhanceParams(), pixels="tissue"))
     np.testing.assert_array_equal(whole.enhanced, black)
+
+
+def test_statistics_of_other_windows_do_not_go_along(clip: Clip) -> None:
+    request = PictureRequest(clip, 0, EnhanceParams(), scope="clip", of_clip="own")
+    assert request.with_params(EnhanceParams(z=0.1)).of_clip == "own"
+    for other in (EnhanceParams(radii=(2,)), EnhanceParams(eps=0.1), EnhanceParams(subsample=4)):
+        assert request.with_params(other).of_clip is None

@@ -70,6 +70,21 @@ def test_a_run_deleted_for_good_is_gone_and_nothing_else(run: Path) -> None:
     assert list(run.parent.iterdir()) == [beside]
 
 
+def test_deleting_that_is_cut_short_leaves_no_run_and_is_no_hindrance(
+    run: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    again = Path(shutil.copytree(run, run.parent / "kept"))
+    remove = shutil.rmtree
+    monkeypatch.setattr("shutil.rmtree", lambda path, **how: None)
+    delete_run(run, for_good=True)
+    (left,) = (path for path in run.parent.iterdir() if path != again)
+    assert not RunFolder(left).is_run
+    monkeypatch.setattr("shutil.rmtree", remove)
+    again.rename(run)
+    delete_run(run, for_good=True)
+    assert list(run.parent.iterdir()) == []
+
+
 def test_what_is_in_training_or_no_run_stays(run: Path) -> None:
     with locked(run):
         for change in (delete_run, lambda path: rename_run(path, "new")):

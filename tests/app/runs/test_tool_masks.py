@@ -158,6 +158,9 @@ def test_the_command_masks_and_training_takes_them(unmasked: Path, tmp_path: Pat
     )
     assert trained.code == 0, trained.error
     assert "left out: tools" not in trained.error
+    shutil.copytree(tmp_path / "run", tmp_path / "again")
+    compared = vesselsplat("evaluate", tmp_path / "run", "--against", tmp_path / "again")
+    assert compared.code == 0, compared.error
 
 
 @pytest.mark.parametrize("flag", ["--given", "--tool-masks"])
