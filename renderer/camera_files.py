@@ -20,6 +20,8 @@ FROM_OPENGL: Final = np.diag([1.0, -1.0, -1.0, 1.0])
 """Cameras of transforms.json look along -z, with y up."""
 PINHOLES: Final = {"SIMPLE_PINHOLE": (0, 0, 1, 2), "PINHOLE": (0, 1, 2, 3)}
 """COLMAP's models without distortion: places of fx, fy, cx, cy among their numbers."""
+DISTORTION = ("k1", "k2", "k3", "k4", "p1", "p2")
+"""Numbers of a transforms.json that bend the image; 0 where the lens is straight."""
 
 
 LEAST_SHIFT: Final = 0.01
@@ -140,6 +142,8 @@ def _of_splatting(entry: dict[str, Any]) -> NamedCamera:
 
 def _of_transforms(entry: dict[str, Any]) -> NamedCamera:
     """Numbers of the lens may be the file's or the frame's own."""
+    if any(float(entry.get(name) or 0) != 0 for name in DISTORTION):
+        raise ValueError(f"a lens with distortion ({', '.join(DISTORTION)}), where one without is needed")
     width, height = int(entry["w"]), int(entry["h"])
     fx = float(entry["fl_x"]) if "fl_x" in entry else _focal(float(entry["camera_angle_x"]), width)
     lens = Camera(
@@ -179,7 +183,8 @@ def _lens(words: list[str]) -> Camera:
 
 def _of_image(words: list[str], lenses: dict[str, Camera]) -> NamedCamera:
     matrix = pose_matrix(np.array(words[5:8], float), np.array([*words[2:5], words[1]], float))
-    return NamedCamera(Path(words[9]).stem, lenses[words[8]].moved(matrix))
+    # A name may have blanks: it is all that is left of the line.
+    return NamedCamera(Path(" ".join(words[9:])).stem, lenses[words[8]].moved(matrix))
 
 
 def _inverse(pose: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -65,6 +65,7 @@ class PyAvVideo:
         self._close: weakref.finalize[..., PyAvVideo] | None = None
         stream = self._start()
         first = self._frame(0)
+        self._size = first.width, first.height
         self.pixel_aspect = float(pixel_aspect(stream, first))
         self.stereo = told_layout(first)
         self.notices = tuple(self._oddities(first))
@@ -83,8 +84,8 @@ class PyAvVideo:
         times = self._index.times
         if self._per_frame == 1:
             return times
-        lasting = [later - one for one, later in pairwise(times)] or [float(1 / self._index.nominal_rate)]
-        lasting.append(lasting[-1])
+        lasting = [later - one for one, later in pairwise(times)]
+        lasting.append(lasting[-1] if lasting else float(1 / self._index.nominal_rate))
         return tuple(
             time + half * last / 2 for time, last in zip(times, lasting, strict=True) for half in (0, 1)
         )
@@ -96,6 +97,10 @@ class PyAvVideo:
         with self._lock:
             before = self._neighbour(number - 1)
             frame = self._frame(number)
+            if (frame.width, frame.height) != self._size:
+                (width, height), got = self._size, f"{frame.width}x{frame.height}"
+                wanted = f"expected frames of {width}x{height}, as the first one"
+                raise ClipError(f"{wanted}, got {got} in frame {number + 1}: {self._path}")
             if frame.interlaced_frame and self._deinterlacing != "off":
                 after = self._neighbour(number + 1)
                 frame = deinterlaced(before, frame, after, field=field if self._per_frame == 2 else None)

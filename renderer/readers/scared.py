@@ -106,12 +106,14 @@ def open_scared(path: Path) -> Clip:
 
 @dataclass(frozen=True)
 class _Lens:
-    """What Q says: px, px, px and mm."""
+    """What Q says: px, px, px, mm and px."""
 
     focal: float
     cx: float
     cy: float
     baseline: float
+    apart: float
+    """Between the principal points of the eyes: what disparities lack."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,7 +134,7 @@ class _Reader:
         if self.depth_is_points:
             return within(_nearest(_left_points(path, camera.height), camera), NEAREST, FARTHEST)
         disparity = read_map(path)
-        known = np.where(disparity > 0, disparity, np.inf)
+        known = np.where(disparity > 0, disparity + np.float32(lens.apart), np.inf)
         depth = (lens.focal * lens.baseline / known).astype(np.float32)
         return within(depth, NEAREST, FARTHEST)
 
@@ -186,7 +188,8 @@ def _lens(path: Path) -> _Lens:
         given = f"Q[2,3] = {q[2, 3]:g} and Q[3,2] = {q[3, 2]:g}"
         raise ClipError(f"expected a focal length above 0 and a baseline in Q, got {given}: {path}")
     # OpenCV counts from the centre of the first pixel, which here is at 0.5.
-    return _Lens(float(q[2, 3]), float(0.5 - q[0, 3]), float(0.5 - q[1, 3]), float(abs(1 / q[3, 2])))
+    baseline, apart = float(abs(1 / q[3, 2])), float(q[3, 3] / q[3, 2])
+    return _Lens(float(q[2, 3]), float(0.5 - q[0, 3]), float(0.5 - q[1, 3]), baseline, apart)
 
 
 def _poses(paths: Sequence[Path]) -> tuple[FloatArray, tuple[str, ...]]:

@@ -56,7 +56,8 @@ def evaluated(
     size: float,
     mode: RenderMode = "default",
 ) -> Evaluated:
-    """Means over the frames; a depth error where some frame has a measured depth that the model covers."""
+    """Means over the frames of which something is evaluated; a depth error where some frame has a measured
+    depth that the model covers."""
     quality, errors = [], []
     for frame in frames:
         drawn = render(gaussians.at(frame.time), frame.camera, near=NEAR_SHARE * size, mode=mode)
@@ -64,5 +65,6 @@ def evaluated(
         quality.append(psnr(rounded, frame.image / 255.0, frame.evaluation_mask))
         if frame.measured_depth is not None:
             errors.append(depth_rmse(drawn.depth, frame.measured_depth, frame.evaluation_mask))
-    known = [error for error in errors if not math.isnan(error)]
-    return Evaluated(iteration, float(np.mean(quality)), float(np.mean(known)) if known else None)
+    known, seen = ([one for one in found if not math.isnan(one)] for found in (errors, quality))
+    mean = float(np.mean(seen)) if seen else math.nan
+    return Evaluated(iteration, mean, float(np.mean(known)) if known else None)

@@ -108,7 +108,10 @@ def test_a_new_folder_may_have_a_dot_in_its_name(
 def test_an_unknown_format_is_no_new_folder(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     refused = vesselsplat("enhance", folder / "1.png", tmp_path / "out.xyz")
     assert (refused.code, refused.error.count("\n")) == (2, 1)
-    assert "expected an image, a folder, .mp4, .webm or .dcm to write, got" in refused.error
+    assert (
+        "expected an image such as .png, .jpg or .tiff, a folder, .mp4, .webm or .dcm to write, got"
+        in refused.error
+    )
     assert not (tmp_path / "out.xyz").exists()
     (tmp_path / "out.xyz").mkdir()
     assert vesselsplat("enhance", folder / "1.png", tmp_path / "out.xyz").code == 0

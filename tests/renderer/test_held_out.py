@@ -15,7 +15,7 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train import held_out
 from renderer.train.events import Evaluated, Finished
-from renderer.train.held_out import MOST, SHARE, HeldOut
+from renderer.train.held_out import MOST, SHARE, HeldOut, evaluated
 from renderer.train.training import train
 from tests.renderer.sheet import SMALL, moving_sheet
 from tests.renderer.test_training import same_bytes
@@ -52,6 +52,17 @@ def test_at_the_end_all_held_out_frames_count(tmp_path: Path) -> None:
     )
     assert events[-1].psnr == pytest.approx(every, abs=0.01)
     assert every < some - 1
+
+
+def test_a_frame_of_which_nothing_is_evaluated_takes_no_part(tmp_path: Path) -> None:
+    clip = moving_sheet()
+    views = [clip.read_frame(index) for index in clip.test_indices]
+    model = run(clip)[1].model
+    hidden = replace(views[0], evaluation_mask=np.zeros_like(views[0].evaluation_mask))
+    every, some, none = (
+        evaluated(model, given, 9, 50.0).psnr for given in (views, [*views, hidden], [hidden])
+    )
+    assert (some, np.isnan(none)) == (every, True)
 
 
 def test_a_run_is_measured_as_it_is_drawn_in_training() -> None:

@@ -27,7 +27,7 @@ SIZE: Final = 10.0
 """Of the scene."""
 DONE: Final = 600
 """Steps, when density is controlled."""
-NO_DEPTH: Final = "reconstruction expects measured depth on the tissue, and this clip has none"
+NO_DEPTH: Final = "reconstruction expects measured depth on the tissue, and {}"
 
 
 def adam() -> Iterator[Row]:
@@ -167,9 +167,13 @@ def initialisation() -> Iterator[Row]:
     small, large = (sampled([frame(depth)], config) for depth in (10.0, 1e-2))
     apart = np.abs(1e-3 * small.means - large.means).max() / 1e-2
     yield Row(hazard, "millimetres and metres give the same", float(apart), 1e-6, "of the depth")
-    empty = {"depth all 0": frame(0.0), "empty mask": replace(usual, tissue_mask=np.zeros(SHAPE, bool))}
-    for name, given in empty.items():
-        accepted = float(not _refuses(partial(scene_size, [given])))
+    masked = replace(usual, tissue_mask=np.zeros(SHAPE, bool))
+    empty = {
+        "depth all 0": (frame(0.0), "this clip has none"),
+        "empty mask": (masked, "its masks leave out all of it"),
+    }
+    for name, (given, why) in empty.items():
+        accepted = float(not _refuses(partial(scene_size, [given]), NO_DEPTH.format(why)))
         done = "refused in one line: measured depth on the tissue is expected"
         yield Row(hazard, f"{name}: not refused", accepted, 0, "cases", done)
 
@@ -200,10 +204,10 @@ def _seeds_off(raw: RawGaussians, given: Frame, config: TrainConfig) -> float:
     return worst(np.abs(errors).ravel())
 
 
-def _refuses(work: Callable[[], object]) -> bool:
+def _refuses(work: Callable[[], object], line: str) -> bool:
     """In that line."""
     try:
         work()
     except ClipError as refusal:
-        return NO_DEPTH in str(refusal)
+        return line in str(refusal)
     return False

@@ -63,6 +63,9 @@ class Refusal:
 NO_DEPTH: Final = Refusal(
     ClipError, "reconstruction expects measured depth on the tissue, and this clip has none"
 )
+ALL_MASKED: Final = Refusal(
+    ClipError, "reconstruction expects measured depth on the tissue, and its masks leave out all of it"
+)
 DIVERGES: Final = Refusal(TrainingError, "the loss rises")
 
 
@@ -82,8 +85,8 @@ def refused() -> Iterator[Row]:
         faster = {rate: min(1.0, 100 * getattr(CONFIG, rate)) for rate in RATES}
         config = replace(CONFIG, method=method, iterations=120, **faster)
         yield _refused(f"{method}, learning rates x100", _whole(), config, DIVERGES)
-    for name, change in (("depth all 0", _without_depth), ("every mask empty", _without_tissue)):
-        yield _refused(f"vesselsplat, {name}", _changed(change), CONFIG, NO_DEPTH)
+    yield _refused("vesselsplat, depth all 0", _changed(_without_depth), CONFIG, NO_DEPTH)
+    yield _refused("vesselsplat, every mask empty", _changed(_without_tissue), CONFIG, ALL_MASKED)
 
 
 def units() -> Iterator[Row]:

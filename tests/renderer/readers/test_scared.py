@@ -16,7 +16,7 @@ from PIL import Image
 from renderer.camera import Camera
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.scared import BASELINE, usual_step, write_scared
+from renderer.readers.scared import BASELINE, NEAREST, usual_step, write_scared
 from renderer.sources import open_clip
 from tests.renderer.small_clip import COUNT, HEIGHT, LENS, WIDTH, points_of, read_all, refusal, small_frames
 
@@ -106,6 +106,21 @@ def test_the_baseline_has_no_sign(keyframe, sign):
     edit(keyframe / "data/reprojection_data", "reprojection-matrix", lambda q: q * [[1], [1], [1], [sign]])
     truth = small_frames(angle=0.02)[4]
     np.testing.assert_allclose(open_clip(keyframe).read_frame(4).depth, truth.depth, rtol=1e-5)
+
+
+def test_eyes_whose_principal_points_differ_give_the_depth_that_q_says(keyframe):
+    plain, apart = open_clip(keyframe).read_frame(4).depth, 3.0
+
+    def moved(q):
+        q[3, 3] = apart * q[3, 2]
+        return q
+
+    edit(keyframe / "data/reprojection_data", "reprojection-matrix", moved)
+    focal_by_baseline = LENS.fx * open_clip(keyframe).baseline
+    expected = focal_by_baseline / (focal_by_baseline / np.where(plain > 0, plain, np.inf) + apart)
+    known = (plain > 0) & (expected > NEAREST)
+    assert known.mean() > 0.5
+    np.testing.assert_allclose(open_clip(keyframe).read_frame(4).depth[known], expected[known], rtol=1e-4)
 
 
 def test_the_first_camera_is_the_world(keyframe):

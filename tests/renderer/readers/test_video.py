@@ -191,6 +191,26 @@ def test_of_a_cut_mkv_with_sound_the_whole_frames_remain(tmp_path):
     assert "cut off" in clip.notices[0]
 
 
+def test_a_frame_of_another_size_is_refused_in_a_line(tmp_path):
+    """Two streams one behind the other, as recorders write them when the source changes."""
+    parts = []
+    for name, (height, width) in (("a", (48, 64)), ("b", (80, 96))):
+        with av.open(str(tmp_path / f"{name}.h264"), "w") as container:
+            stream = container.add_stream("libx264", rate=25)
+            stream.width, stream.height = width, height
+            for number in range(4):
+                grey = np.full((height, width, 3), 40 + 20 * number, np.uint8)
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(grey, "rgb24")))
+            container.mux(stream.encode())
+        parts.append((tmp_path / f"{name}.h264").read_bytes())
+    path = tmp_path / "both.h264"
+    path.write_bytes(b"".join(parts))
+    clip = open_video(path)
+    assert clip.read_image(1).shape == (48, 64, 3)
+    with pytest.raises(ClipError, match="expected frames of 64x48, as the first one, got 96x80 in frame"):
+        clip.read_image(len(clip) - 1)
+
+
 def test_a_video_of_one_frame(tmp_path, decoder):
     clip = open_video(opencv_video(tmp_path / "one.avi", "MJPG", 1))
     assert len(clip) == 1
@@ -321,6 +341,8 @@ def test_one_picture_a_field_or_as_stored_when_asked(tmp_path):
     assert fields.frame_times == pytest.approx([index / 50 for index in range(40)], abs=1e-6)
     for field in range(2, 38):
         assert np.abs(fields.read_image(field).astype(int) - bar(field)).mean() < 3, field
+    one = encoded(tmp_path / "one.mp4", [woven(0)], options=INTERLACED, interlaced=True)
+    assert open_clip(one, ClipOptions(deinterlacing="field")).frame_times == pytest.approx([0, 0.02])
     stored = open_clip(path, ClipOptions(deinterlacing="off"))
     assert np.abs(stored.read_image(5).astype(int) - woven(5)).mean() < 2
     assert "not deinterlaced" in stored.notices[0]
