@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import struct
 from pathlib import Path
 
@@ -43,7 +44,11 @@ class Mpeg4Writer:
     def finish(self) -> None:
         self._writer.release()
         # OpenCV converts with the matrix of BT.601 and does not say so; its RGB is that of screens, BT.709.
-        tag_colors(self._path, primaries=BT709, transfer=BT709, matrix=BT601)
+        try:
+            tag_colors(self._path, primaries=BT709, transfer=BT709, matrix=BT601)
+        except (ValueError, struct.error) as error:
+            # OpenCV does not say that it could not write.
+            raise OSError(errno.EIO, "the video is not whole, as of a full disk", str(self._path)) from error
 
     def close(self) -> None:
         self._writer.release()

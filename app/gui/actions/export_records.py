@@ -161,12 +161,13 @@ def _panes(state: AppState, offer: Offer) -> PanesRecord:
     mode = shown_mode(state) if offer.as_shown else "side by side"
     if mode == "flip":
         sides, mode = ("left" if state.comparing.chosen.flipped else "right",), "side by side"
+    panes = tuple(_pane(state, side, picture) for side in sides)
     return PanesRecord(
         clip_options=state.source.options,
         frame=FrameRecord(index=picture.frame_index, label=picture.clip.labels[picture.frame_index]),
         **vars(state.exports.sizing),
         arrangement=Arrangement(mode, state.comparing.wiped),
-        panes=tuple(dict.fromkeys(_pane(state, side, picture) for side in sides)),
+        panes=tuple(dict.fromkeys(panes)) if mode == "side by side" else panes,
     )
 
 

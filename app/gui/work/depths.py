@@ -10,7 +10,7 @@ from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWays, depth_ways
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.frames import with_field_of_view
-from renderer.sources import with_chosen_depth
+from renderer.sources import open_case, with_chosen_depth
 
 
 @dataclass(frozen=True)
@@ -43,5 +43,9 @@ class DepthRequest:
 
 def read_depth(request: DepthRequest) -> Iterator[Clip]:
     """Raises ClipError: there is no such depth."""
-    seen = with_field_of_view(request.bare, request.options.field_of_view)
+    if request.bare.depth_origin == "beside":
+        # Disparities become depths as the clip is read, by these very options.
+        seen = open_case(request.bare.path, request.options)
+    else:
+        seen = with_field_of_view(request.bare, request.options.field_of_view)
     yield with_chosen_depth(seen, request.options)

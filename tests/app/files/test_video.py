@@ -17,7 +17,7 @@ import pytest
 
 from app.errors import UserError
 from app.files.image_series import open_series
-from app.files.mpeg4_video import tag_colors
+from app.files.mpeg4_video import Mpeg4Writer, tag_colors
 from app.files.timing import Timing
 from app.files.video import write_video
 from app.files.video_encoder import VideoEncoder, video_encoder
@@ -185,6 +185,17 @@ def test_other_files_are_not_tagged(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="expected"):
             tag_colors(path, 1, 1, 6)
         assert path.read_bytes() == content
+
+
+def test_a_video_that_opencv_could_not_finish_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "out.mp4"
+    writer = Mpeg4Writer(path, (64, 48), Timing(25.0))
+    writer.write(frames(1)[0], None)
+    writer.close()
+    path.write_bytes(path.read_bytes()[:-40])
+    with pytest.raises(OSError, match="is not whole") as caught:
+        writer.finish()
+    assert caught.value.filename == str(path)
 
 
 @pytest.mark.parametrize(

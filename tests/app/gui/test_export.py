@@ -11,7 +11,7 @@ import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.methods import Params
-from app.enhancement.settable import RENDER
+from app.enhancement.settable import ENHANCED, RENDER
 from app.enhancement.setting_words import in_letters, worded
 from app.exports.exporting import Step, export
 from app.exports.page import Panel, describe, sheet
@@ -202,3 +202,12 @@ def test_a_reconstruction_of_some_frames_is_not_set_beside_others(
     assert export_actions.why_not_export(state, "both panes") == ""
     state.source.part = ClipPart(trim=(2, 3))
     assert export_actions.why_not_export(state, what) == ""
+
+
+def test_a_difference_of_two_sides_that_show_the_same_is_one(
+    tmp_path: Path, state: AppState, clip: Clip
+) -> None:
+    state.comparing.chosen = replace(state.comparing.chosen, mode="difference", left=ENHANCED, right=ENHANCED)
+    request = export_actions.export_request(state, "panes as shown")
+    assert isinstance(request.record, PanesPicture)
+    assert (request.record.arrangement.mode, len(request.record.panes)) == ("difference", 2)

@@ -17,6 +17,7 @@ from app.gui.state.source import Source
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.views.measurement import Located, Measurement
+from app.gui.work.depths import DepthRequest, read_depth
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.settings import UNKNOWN, Places, Settings, load_clips
 from app.runs.run_folder import RunFolder
@@ -352,3 +353,14 @@ def test_baseline_and_field_of_view_are_typed_and_give_a_stereo_pair_a_scale(
 
 def test_a_bare_clip_is_that_of_the_files(tmp_path: Path) -> None:
     assert not open_bare(write_video(tmp_path / "video"), ClipOptions(depth="brightness")).has_depth
+
+
+def test_disparities_beside_the_images_become_depth_by_what_is_typed(tmp_path: Path) -> None:
+    for index in range(3):
+        Image.fromarray(np.full((48, 64, 3), 90 + index, np.uint8)).save(tmp_path / f"frame_{index}.png")
+        Image.fromarray(np.full((48, 64), 5, np.float32)).save(tmp_path / f"frame_{index}_disparity.tiff")
+    chosen = ClipOptions(field_of_view=120, baseline=4)
+    (clip,) = read_depth(DepthRequest(open_bare(tmp_path), chosen))
+    expected = open_clip(tmp_path, chosen)
+    assert (clip.unit, clip.cameras) == (expected.unit, expected.cameras)
+    np.testing.assert_array_equal(clip.read_frame(1).depth, expected.read_frame(1).depth)
