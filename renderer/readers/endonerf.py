@@ -17,6 +17,7 @@ from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.listing import listed
+from renderer.readers.nonzero_masks import read_mask
 from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.readers.poses import nearest_rotations
@@ -24,6 +25,8 @@ from renderer.readers.tool_masks import Sample, burned_in_rows, marked_pixels, m
 
 POSES = "poses_bounds.npy"
 FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
+DARK = 127
+"""Up to which a mask of grey levels marks nothing, as what is compressed has noise around 0."""
 FINE_STEPS = 32
 """Steps per millimetre of the PNGs in depth_fine/."""
 
@@ -73,6 +76,10 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     looked_at = np.unique(np.linspace(0, len(cameras) - 1, _SAMPLES).astype(int)).tolist()
     samples = [reader.sample(index) for index in looked_at]
     mask_notices = _judge_masks(path, samples, options) if files.masks else []
+    if files.masks and 1 < (most := max(_brightest(files.masks[index]) for index in looked_at)) <= DARK:
+        mask_notices.append(
+            f"masks/ holds values up to {most} of 255 and marks nothing: above {DARK} it would"
+        )
     if not all(reader.tools_agree(index) for index in looked_at):
         files = replace(files, tools=files.masks)
         mask_notices.append("gt_masks/ marks tissue of masks/ as tool, and is not trained on")
@@ -136,7 +143,7 @@ class _Reader:
     def tissue(self, paths: tuple[Path, ...], index: int) -> BoolImage:
         if not paths:
             return np.ones((self.cameras[0].height, self.cameras[0].width), dtype=bool)
-        return np.equal(marked_pixels(read_stored(paths[index])), self.marked_is_tissue)
+        return np.equal(marked_pixels(read_mask(paths[index])), self.marked_is_tissue)
 
     def sample(self, index: int) -> Sample:
         marked = np.equal(self.tissue(self.files.masks, index), self.marked_is_tissue)
@@ -237,6 +244,11 @@ def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: di
     if missing:
         counts = f"{name}/ has {len(found)} frames but {other}/ has {len(others)}"
         raise ClipError(f"{counts}: {other}/ lacks number {listed(missing)}: {path}")
+
+
+def _brightest(path: Path) -> int:
+    stored = read_stored(path)
+    return int((stored if stored.ndim == 2 else stored[..., :3]).max())
 
 
 def _judge_masks(path: Path, samples: list[Sample], options: ClipOptions) -> list[str]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ClipError
 from renderer.readers.pictures import read_stored, stored_kind
@@ -25,15 +26,20 @@ def read_nonzero(path: Path, size: tuple[int, int]) -> BoolImage:
     A mask of the same shape and another size is resampled by its nearest pixel. Raises ClipError
     when the file is no picture or of another shape, or when its alpha alone marks something.
     """
-    stored = read_stored(path)
-    if stored.ndim == 3 and stored.shape[2] == 4 and not stored[..., :3].any() and np.ptp(stored[..., 3]):
-        raise ClipError(
-            f"expected a mask that is not black where it marks, got one in the alpha alone: {path}"
-        )
+    stored = read_mask(path)
     levels = stored if stored.ndim == 2 else stored[:, :, :3].max(axis=2)
     _require_shape((levels.shape[1], levels.shape[0]), size, path)
     marked = (levels != 0).astype(np.uint8)
     return np.asarray(cv2.resize(marked, size, interpolation=cv2.INTER_NEAREST_EXACT) > 0)
+
+
+def read_mask(path: Path) -> NDArray[Any]:
+    """As `read_stored`. Raises ClipError, too: a mask that marks something in its alpha alone."""
+    stored = read_stored(path)
+    if stored.ndim == 3 and stored.shape[2] == 4 and not stored[..., :3].any() and np.ptp(stored[..., 3]):
+        got = "got one in the alpha alone"
+        raise ClipError(f"expected a mask that is not black where it marks, {got}: {path}")
+    return stored
 
 
 def require_shapes(paths: Iterable[Path], size: tuple[int, int]) -> None:

@@ -75,6 +75,19 @@ def test_masks_of_0_and_1_mean_the_same(folder, top):
     )
 
 
+def test_masks_that_mark_nothing_for_being_dark_are_named(folder):
+    assert not any("marks nothing" in notice for notice in open_endonerf(folder).notices)
+    rewrite_masks(folder, lambda mask: np.where(mask > 0, 2, 0).astype(np.uint8))
+    assert any(
+        "values up to 2 of 255 and marks nothing" in notice for notice in open_endonerf(folder).notices
+    )
+
+
+def test_masks_in_the_alpha_alone_are_refused(folder):
+    rewrite_masks(folder, lambda mask: np.dstack([0 * mask] * 3 + [mask]))
+    assert "in the alpha alone" in refusal(folder)
+
+
 def test_without_masks_everything_is_tissue(folder):
     shutil.rmtree(folder / "masks")
     shutil.rmtree(folder / "gt_masks")
