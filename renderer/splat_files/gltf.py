@@ -53,9 +53,11 @@ def read_glb_splats(content: bytes) -> SplatFile:
         spaces = {told.get("colorSpace", DISPLAYED) for _, told, _ in _primitives(document)}
         # Values out of their range are repaired, or left out, at the end.
         with np.errstate(all="ignore"):
-            parts = [_placed(part, pose) for part, pose in _parts(document, binary)]
+            files = list(_parts(document, binary))
+            parts = [_placed(file.raw, pose) for file, pose in files]
         extras = _extras(document)
-        mode: RenderMode = "mip" if extras.get("render_mode") == "mip" else "default"
+        modes = {extras.get("render_mode"), *(file.mode for file, _ in files)}
+        mode: RenderMode = "mip" if "mip" in modes else "default"
         metres = float(extras.get("metres_per_unit", 1.0))
     except (SplatFileError, OverBudget):
         raise
@@ -71,8 +73,9 @@ def read_glb_splats(content: bytes) -> SplatFile:
     with np.errstate(all="ignore"):
         means = (raw.means / metres).astype(np.float32)
         log_scales = (raw.log_scales - np.log(metres)).astype(np.float32)
-    file = repaired(replace(raw, means=means, log_scales=log_scales), mode)
-    return file if spaces == {DISPLAYED} else replace(file, notices=(*file.notices, LINEAR))
+    whole = repaired(replace(raw, means=means, log_scales=log_scales), mode)
+    said = (*(notice for file, _ in files for notice in file.notices), *whole.notices)
+    return replace(whole, notices=said if spaces == {DISPLAYED} else (*said, LINEAR))
 
 
 def _extras(document: Any) -> Mapping[str, Any]:
@@ -82,7 +85,7 @@ def _extras(document: Any) -> Mapping[str, Any]:
     return extras if asset.get("generator") == "VesselSplat" and isinstance(extras, dict) else {}
 
 
-def _parts(document: Any, binary: bytes) -> Iterator[tuple[RawGaussians, Pose]]:
+def _parts(document: Any, binary: bytes) -> Iterator[tuple[SplatFile, Pose]]:
     """Of each primitive of splats, itself and where its node places it."""
     for primitive, told, pose in _primitives(document):
         yield _splats(document, primitive, told, binary), pose
@@ -127,13 +130,13 @@ def _pose(node: Any) -> Pose:
     return pose
 
 
-def _splats(document: Any, primitive: Any, told: Any, binary: bytes) -> RawGaussians:
+def _splats(document: Any, primitive: Any, told: Any, binary: bytes) -> SplatFile:
     """In right, up, back, as the file has them."""
     within = told.get("extensions", {})
     packed = next((within[name] for name in SPZ if name in within), None)
     if packed is not None:
-        blob = _view(document, packed["bufferView"], binary)
-        return y_up(read_spz(bytes(blob)).raw)
+        file = read_spz(bytes(_view(document, packed["bufferView"], binary)))
+        return replace(file, raw=y_up(file.raw))
     if within:
         raise SplatFileError(f"expected plain splats or SPZ in the glTF file, got {', '.join(within)[:80]}")
     if told.get("kernel", "ellipse") != "ellipse":
@@ -163,7 +166,7 @@ def _splats(document: Any, primitive: Any, told: Any, binary: bytes) -> RawGauss
     )
     if {len(value) for value in raw.arrays().values()} != {len(means)}:
         raise ValueError("attributes of different lengths")
-    return raw
+    return SplatFile(raw)
 
 
 def _array(document: Any, number: Any, binary: bytes, width: int) -> NDArray[np.float32]:

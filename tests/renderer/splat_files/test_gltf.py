@@ -19,7 +19,9 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.rotations import matrix, unit_quats
 from renderer.splat_files import SplatFile, SplatFileError, is_named_as_splats, read_splats
 from renderer.splat_files.gltf import read_glb_splats
+from renderer.splat_files.spz import read_spz
 from renderer.splat_files.spz_writing import spz_bytes
+from renderer.splats import RenderMode
 from tests.benchmarks.attack.mutations import mutated
 from tests.renderer.splat_files.files import gaussians
 
@@ -183,10 +185,11 @@ def test_rounded_and_interleaved_attributes_are_read() -> None:
 @pytest.mark.parametrize(
     "name", ["KHR_gaussian_splatting_compression_spz", "KHR_gaussian_splatting_compression_spz_2"]
 )
-def test_spz_within_is_unpacked(name: str) -> None:
+@pytest.mark.parametrize("mode", ["default", "mip"])
+def test_spz_within_is_unpacked(name: str, mode: RenderMode) -> None:
     raw = gaussians(30)
     document, _ = plain(raw)
-    blob = spz_bytes(raw, "default")
+    blob = spz_bytes(raw, mode)
     primitive = document["meshes"][0]["primitives"][0]
     primitive["extensions"][NAME]["extensions"] = {name: {"bufferView": 0}}
     document["bufferViews"] = [{"buffer": 0, "byteLength": len(blob)}]
@@ -194,6 +197,7 @@ def test_spz_within_is_unpacked(name: str) -> None:
     # An SPZ file is in right, up, back, too: nothing is turned.
     assert np.allclose(file.raw.means, raw.means, atol=0.01)
     assert np.allclose(file.raw.log_scales, raw.log_scales, atol=1 / 16)
+    assert (file.mode, file.notices) == (mode, read_spz(blob).notices)
 
 
 def test_colours_of_another_space_are_told() -> None:
