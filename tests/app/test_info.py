@@ -16,6 +16,7 @@ import pytest
 from PIL import Image
 
 from app.files.image_files import write_image
+from app.files.provenance import provenance
 from app.gui.session_file import Session, SessionSource, write_session
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
@@ -355,3 +356,11 @@ def test_a_report_is_known_by_its_folder_and_its_page(
     first, *others = (told(path) for path in (folder / "report.json", folder / "report.html", folder))
     assert first["what"]["kind"] == "report"
     assert [{**one, "path": first["path"]} for one in others] == [first, first]
+
+
+def test_the_frame_of_saved_panes_is_its_number_and_its_name(tmp_path: Path, vesselsplat: Cli) -> None:
+    facts = provenance(kind="panes", frame={"index": 4, "label": "a.png"})
+    write_image(tmp_path / "panes.png", np.zeros((4, 6, 3), np.uint8), facts)
+    text, values = (vesselsplat("info", tmp_path / "panes.png", *flags).out for flags in ((), ("--json",)))
+    assert "frame        4: a.png" in text
+    assert json.loads(values)["frame"] == {"index": 4, "label": "a.png"}

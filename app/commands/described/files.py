@@ -265,8 +265,14 @@ def _told(facts: dict[str, Any]) -> Facts:
             sha = origin.get("sha256") or origin.get("model_sha256")
             found.append(Fact(name, f"{origin['name']}" + (f", SHA-256 {sha[:16]}…" if sha else ""), origin))
     for name in ("method", "frame", "time", "view", "renderer", "input"):
-        if first.get(name) is not None:
-            found.append(Fact(name, str(first[name]), first[name]))
+        if (value := first.get(name)) is not None:
+            # Of panes, a frame is its number with its name.
+            told = (
+                f"{value['index']}: {value['label']}"
+                if isinstance(value, dict) and "label" in value
+                else value
+            )
+            found.append(Fact(name, str(told), value))
     params = first.get("params")
     if isinstance(params, dict):
         text = ", ".join(f"{name} {value}" for name, value in params.items() if value is not None)
