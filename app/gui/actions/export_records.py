@@ -154,7 +154,8 @@ def _record(
 
 
 def _panes(state: AppState, offer: Offer) -> PanesRecord:
-    """What the sides show, one of them where both show the same, and how they are laid out."""
+    """What the sides show, one of them where both show the same, but for their difference, and how they are
+    laid out."""
     picture, sides = state.picture_request, offer.sides
     if picture is None or not sides:
         return PanesRecord()
@@ -167,7 +168,7 @@ def _panes(state: AppState, offer: Offer) -> PanesRecord:
         frame=FrameRecord(index=picture.frame_index, label=picture.clip.labels[picture.frame_index]),
         **vars(state.exports.sizing),
         arrangement=Arrangement(mode, state.comparing.wiped),
-        panes=tuple(dict.fromkeys(panes)) if mode == "side by side" else panes,
+        panes=panes if mode == "difference" else tuple(dict.fromkeys(panes)),
     )
 
 
