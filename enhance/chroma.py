@@ -81,6 +81,6 @@ def _sample(
 def _median(values: NDArray[np.float64]) -> float:
     """As np.median, in a fraction of its time."""
     upper = len(values) // 2
-    sorted_there = np.partition(values, upper)
-    below = sorted_there[upper] if len(values) % 2 else sorted_there[:upper].max()
-    return float(0.5 * (below + sorted_there[upper]))
+    parted = np.partition(values, upper)
+    below = parted[upper] if len(values) % 2 else parted[:upper].max()
+    return float(0.5 * (below + parted[upper]))

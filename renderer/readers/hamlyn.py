@@ -24,7 +24,7 @@ LEFT_COLUMNS = 40
 
 INTRINSICS = "intrinsics.txt"
 
-_MASKS, _DEPTH = "gt_masks", ("gt_depth", "depth")
+_MASKS, _DEPTH, _RIGHT = "gt_masks", ("gt_depth", "depth"), "images_right"
 
 
 def is_hamlyn(path: Path) -> bool:
@@ -46,7 +46,8 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     first pixel, for the whole pictures; LEFT_COLUMNS are cut off pictures, masks and depth alike and
     the principal point moves by as many. It stands still. What is not zero in gt_masks/ is a tool;
     depth is in mm along z, 0 and what is far from the frame's median is no measurement. Nothing is
-    resampled. The field trains on even frames and tests on odd ones: `options.split` "even-odd".
+    resampled. The field trains on even frames and tests on odd ones: `options.split` "even-odd". Pictures of
+    the right eye in images_right/ are cut alike, which leaves disparities as they are.
 
     Raises:
         ClipError: parts that are missing or do not agree, masks that look inverted, bad intrinsics.
@@ -55,7 +56,8 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     masks = beside(images, path / _MASKS) if (path / _MASKS).is_dir() else ()
     folder = next((name for name in _DEPTH if (path / name).is_dir()), None)
     depth = beside(images, path / folder) if folder else ()
-    width, height = common_size((*images.values(), *masks, *depth))
+    right = beside(images, path / _RIGHT) if (path / _RIGHT).is_dir() else ()
+    width, height = common_size((*images.values(), *masks, *depth, *right))
     if width <= LEFT_COLUMNS:
         raise ClipError(f"expected images wider than {LEFT_COLUMNS} px, got {width}x{height}: {path}")
     camera = _camera(path / INTRINSICS, width, height)
@@ -79,7 +81,12 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         has_depth=bool(depth),
         unit="mm" if depth else "scene units",
         notices=tuple(said),
+        read_right=(lambda index: _cut(read_rgb(right[index]))) if right else None,
     )
+
+
+def _cut(image: ByteImage) -> ByteImage:
+    return np.ascontiguousarray(image[:, LEFT_COLUMNS:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +98,7 @@ class _Reader:
     marked_is_tissue: bool
 
     def image(self, index: int) -> ByteImage:
-        return np.ascontiguousarray(read_rgb(self.images[index])[:, LEFT_COLUMNS:])
+        return _cut(read_rgb(self.images[index]))
 
     def depth(self, index: int) -> DepthMap | None:
         if not self.depth_files:

@@ -135,3 +135,18 @@ def test_what_does_not_agree_is_refused(folder, tmp_path):
         shutil.copytree(folder, copy)
         damage(copy)
         assert said in refusal(copy)
+
+
+def test_right_images_are_cut_alike_and_give_the_depth_of_their_disparity(tmp_path):
+    coarse = np.random.default_rng(0).integers(0, 255, (64, 128, 3), dtype=np.uint8)
+    scene = np.asarray(Image.fromarray(coarse).resize((384, 192), Image.Resampling.BICUBIC))
+    for name, start in (("images", 0), ("images_right", 6)):
+        (tmp_path / name).mkdir()
+        for index in range(2):
+            Image.fromarray(scene[:, start : start + 320]).save(tmp_path / name / f"{index:06d}.png")
+    np.savetxt(tmp_path / "intrinsics.txt", [[200, 0, 160], [0, 200, 96], [0, 0, 1]])
+    clip = open_clip(tmp_path, ClipOptions(depth="stereo", baseline=5.0))
+    assert clip.read_right is not None
+    assert clip.read_right(1).shape == clip.read_image(1).shape == (192, 280, 3)
+    depth = clip.read_frame(1).depth
+    assert np.median(depth[depth > 0]) == pytest.approx(200 * 5 / 6, rel=0.02)
