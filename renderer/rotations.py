@@ -7,6 +7,7 @@ scheme for unit quaternion curves with simple high order derivatives", SIGGRAPH 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,3 +84,9 @@ def unit_quats(quats: NDArray[np.float32]) -> NDArray[np.float32]:
     unit = np.divide(quats, length, out=np.zeros_like(quats), where=length > 0)
     unit[length[:, 0] == 0, 0] = 1
     return np.asarray(unit * np.where(unit[:, :1] < 0, -1, 1), np.float32)
+
+
+def of_nearer_sign(quats: NDArray[Any], others: NDArray[Any]) -> NDArray[Any]:
+    """(N, 4) the same turns, each of the sign nearer to that of the others, so that what goes straight from
+    one to the next takes the short way."""
+    return np.where((quats * others).sum(axis=1, keepdims=True) < 0, -quats, quats)

@@ -13,6 +13,7 @@ from annotated_types import Ge, Interval
 
 from app.runs.dark_surround import lit_part
 from renderer.clip import BoolImage, Clip, Frame
+from renderer.readers.nonzero_masks import read_nonzero
 from renderer.tools.agreement import WEAK, Agreement
 from renderer.tools.learning import Example, LearnedTools, learned_well
 from renderer.tools.mask_files import MaskFiles, MaskOrigin, mask_names, origin_of, write_mask
@@ -67,10 +68,7 @@ def make_masks(
         frame = lit.read_frame(index)
         mask = by_hand.read(index, _size(frame))
         if mask is None:
-            found, mask = find(frame), _drawn_meanwhile(folder / name, index, _size(frame))
-            if mask is None:
-                mask = found
-                write_mask(folder / name, mask, found_by)
+            mask = _kept(folder / name, find(frame), found_by)
         elif by_hand.files[index] != folder / name:
             write_mask(folder / name, mask, "by hand")
         shares.append(float(mask.mean()))
@@ -79,10 +77,12 @@ def make_masks(
         yield _report(report, shares, scores)
 
 
-def _drawn_meanwhile(path: Path, index: int, size: tuple[int, int]) -> BoolImage | None:
-    if not path.is_file() or origin_of(path) != "by hand":
-        return None
-    return MaskFiles(path.parent, {index: path}).read(index, size)
+def _kept(path: Path, found: BoolImage, found_by: MaskOrigin) -> BoolImage:
+    """The mask that is there from now on: what was found, unless a hand has drawn one meanwhile."""
+    if path.is_file() and origin_of(path) == "by hand":
+        return read_nonzero(path, (found.shape[1], found.shape[0]))
+    write_mask(path, found, found_by)
+    return found
 
 
 def _taught_by(by_hand: MaskFiles) -> list[int]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from renderer.draw.records import COLOR, MEAN, OPACITY, PLACE, QUAT, SCALES, TEXELS, packed, unpacked
 from renderer.gaussians import DynamicGaussians
 from renderer.projection import ALPHA_CUT
+from renderer.rotations import of_nearer_sign
 from renderer.splats import Float32Array, Splats
 
 Offsets = NDArray[Any]
@@ -219,7 +220,7 @@ def _unit_turns(records: Float32Array, last: Float32Array | None = None) -> Floa
     lengths = np.linalg.norm(quats, axis=1, keepdims=True)
     quats = np.where(lengths > 0, quats / np.where(lengths > 0, lengths, 1), [1.0, 0.0, 0.0, 0.0])
     if last is not None:
-        quats *= np.where((quats * last[:, QUAT]).sum(axis=1, keepdims=True) < 0, -1.0, 1.0)
+        quats = of_nearer_sign(quats, last[:, QUAT])
     records[:, QUAT] = quats
     return records
 

@@ -76,7 +76,8 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     looked_at = np.unique(np.linspace(0, len(cameras) - 1, _SAMPLES).astype(int)).tolist()
     samples = [reader.sample(index) for index in looked_at]
     mask_notices = _judge_masks(path, samples, options) if files.masks else []
-    if files.masks and 1 < (most := max(_brightest(files.masks[index]) for index in looked_at)) <= DARK:
+    marks_none = bool(files.masks) and marked_share(samples) == 0
+    if marks_none and (most := max(_brightest(files.masks[index]) for index in looked_at)) > 1:
         mask_notices.append(
             f"masks/ holds values up to {most} of 255 and marks nothing: above {DARK} it would"
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any, Final
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
-from renderer.rotations import unit_quats
+from renderer.rotations import of_nearer_sign, unit_quats
 from renderer.splats import Float32Array
 
 MOST_SAMPLES: Final = 48
@@ -122,22 +123,14 @@ def _quantised(samples: list[RawGaussians]) -> tuple[Track, ...]:
         stacked = np.stack(list(values), axis=1)
         return stacked if np.ptp(stacked, axis=1).max(initial=0) > SAME else stacked[:, :1]
 
+    turns = (unit_quats(one.quats) for one in samples)
     return _tracks((
         over_time(one.means for one in samples),
         over_time(one.colors for one in samples),
-        over_time(_without_flips([unit_quats(one.quats) for one in samples])),
+        over_time(accumulate(turns, lambda before, now: of_nearer_sign(now, before))),
         over_time(one.log_scales for one in samples),
         over_time(one.opacity_logits[:, None] for one in samples),
     ))  # fmt: skip
-
-
-def _without_flips(quats: list[Float32Array]) -> list[Float32Array]:
-    """The same turns, each of the sign that is nearer to the one before, as the page goes straight from one
-    to the next."""
-    kept = quats[:1]
-    for now in quats[1:]:
-        kept.append(np.where((now * kept[-1]).sum(axis=1, keepdims=True) < 0, -now, now))
-    return kept
 
 
 def _tracks(values: Iterable[Float32Array]) -> tuple[Track, ...]:

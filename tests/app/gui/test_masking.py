@@ -20,23 +20,14 @@ from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.masking import (
     FrameMask,
-    KeepMask,
-    MakingRequest,
-    MaskRequest,
-    folder_of,
-    keep_mask,
-    make_all,
 )
 from app.live.picture import LIVE
 from renderer.clip import BoolImage
-from renderer.readers.calibration import Calibration, LensCalibration
-from renderer.readers.clip_options import ClipOptions
 from renderer.tools.mask_files import origin_of, own_masks, write_mask
 from tests.app.gui.conftest import SIZE, FakeJob, make_clip
 from tests.app.gui.settling import served
 from tests.app.gui.test_keys import keyboard
 from tests.app.gui.ui import Shown, Ui, compare
-from tests.renderer.tools.onnx_files import write_convolution
 
 
 def settle(state: AppState, channels: Channels | None = None) -> Channels:
@@ -51,11 +42,15 @@ def settle(state: AppState, channels: Channels | None = None) -> Channels:
 
 @pytest.fixture
 def masking(opened: AppState) -> AppState:
+    return begun(opened)
+
+
+def begun(state: AppState) -> AppState:
     """With the frame's mask shown."""
-    masking_actions.toggle(opened)
-    settle(opened)
-    assert opened.masking.shown is not None
-    return opened
+    masking_actions.toggle(state)
+    settle(state)
+    assert state.masking.shown is not None
+    return state
 
 
 def test_the_images_come_to_the_front_to_be_painted_on(opened: AppState) -> None:
@@ -191,119 +186,6 @@ def test_an_area_grows_and_is_dropped_where_the_frame_has_changed(masking: AppSt
     assert request is not None
     masking_actions.take_grown(masking, request, ~vessel)
     assert on_disk(masking).keys() == before.keys()
-
-
-def test_all_other_frames_are_learned_and_those_by_hand_stay(masking: AppState) -> None:
-    masking_actions.choose_radius(masking, 4 / SIZE[0])
-    stroke(masking, (12.0, 0.0), (12.0, 40.0))
-    channels = settle(masking)
-    before = on_disk(masking)[0]
-    masking_actions.make_all(masking)
-    settle(masking, channels)
-    assert masking.masking.making is None
-    assert masking.masking.report is not None
-    assert masking.masking.report.done == 6
-    masks = on_disk(masking)
-    assert sorted(masks) == list(range(6))
-    np.testing.assert_array_equal(masks[0], before)
-    assert masking.masking.there is not None
-    assert masking.masking.there.frames("by hand") == (0,)
-    assert origin_of(masking.masks_folder / "3.png") == "learned"
-    # The vessel moves to the right, a pixel a frame; the mask follows what it looks like.
-    assert masks[5][:, 14:20].mean() > 0.6
-    actions.seek(masking, 5)
-    settle(masking, channels)
-    assert shown(masking).origin == "learned"
-    masking_actions.accept(masking)
-    settle(masking, channels)
-    assert masking.masking.there.frames("by hand") == (0, 5)
-
-
-def test_what_is_drawn_while_the_others_are_made_stays(masking: AppState) -> None:
-    clip = masking.masks_clip
-    assert clip is not None
-    made = make_all(MakingRequest(clip, masking.masks_folder))
-    while next(made).done < 2:
-        pass
-    drawn = np.zeros((SIZE[1], SIZE[0]), bool)
-    drawn[:5] = True
-    list(keep_mask(KeepMask(MaskRequest(clip, masking.masks_folder, 4), drawn)))
-    list(made)
-    path = masking.masks_folder / "4.png"
-    np.testing.assert_array_equal(on_disk(masking)[4], drawn)
-    assert (origin_of(path), sorted(on_disk(masking))) == ("by hand", list(range(6)))
-
-
-def test_masks_of_a_clip_lie_apart_for_each_calibration(masking: AppState) -> None:
-    clip = masking.masks_clip
-    assert clip is not None
-    lens = LensCalibration(fx=500, fy=500, cx=10, cy=10)
-    options = [
-        ClipOptions(),
-        *(ClipOptions(calibration=Calibration(lens=one)) for one in (lens, replace(lens, fx=400))),
-    ]
-    assert len({folder_of(Path("masks"), clip, one) for one in options}) == 3
-
-
-def test_masks_of_another_program_are_taken(masking: AppState, tmp_path: Path) -> None:
-    given = np.zeros((SIZE[1], SIZE[0]), bool)
-    given[:, :7] = True
-    (tmp_path / "given").mkdir()
-    for name in ("0.png", "00004.png"):
-        write_mask(tmp_path / "given" / name, given, "by a model")
-    masking_actions.choose_folder(masking)
-    assert masking.window.choosing is not None
-    masking.window.choosing.then(tmp_path / "given")
-    settle(masking)
-    assert sorted(on_disk(masking)) == [0, 4]
-    assert masking.masking.there is not None
-    assert masking.masking.there.frames("from a folder") == (0, 4)
-    np.testing.assert_array_equal(shown(masking).mask, given)
-    masking_actions.clear_frame(masking)
-    settle(masking)
-    masking_actions.make_all(masking, tmp_path / "given")
-    settle(masking)
-    assert (masking.masking.there.frames("by hand"), on_disk(masking)[0].any()) == ((0,), False)
-    (tmp_path / "empty").mkdir()
-    masking_actions.make_all(masking, tmp_path / "empty")
-    settle(masking)
-    assert masking.window.banner is not None
-    assert "expected masks named as the frames" in masking.window.banner.message
-    assert masking.masking.making is None
-
-
-def test_a_network_masks_the_other_frames_and_a_broken_one_is_named(
-    masking: AppState, tmp_path: Path
-) -> None:
-    pytest.importorskip("onnxruntime")
-    stroke(masking, (30.0, 20.0))
-    channels = settle(masking)
-    before = on_disk(masking)[0]
-    # Set where red is low: on the vessel. ImageNet's mean of red is 0.485, its spread 0.229.
-    weights, bias = np.array([[-1, 0, 0]], np.float32), np.array([(0.58 - 0.485) / 0.229], np.float32)
-    network = write_convolution(tmp_path / "net.onnx", weights, bias)
-    masking_actions.make_all(masking, network)
-    settle(masking, channels)
-    masks = on_disk(masking)
-    np.testing.assert_array_equal(masks[0], before)
-    assert masks[4][20, 15:18].all()
-    assert not masks[4][20, 20:].any()
-    # The same values in [0, 1] and its only class named: another bias, and two classes.
-    masking_actions.choose_network_values(masking, "unit")
-    masking_actions.type_network_tools(masking, "1")
-    two = np.array([[0, 0, 0], [-1, 0, 0]], np.float32), np.array([0, 0.58], np.float32)
-    masking_actions.make_all(masking, write_convolution(tmp_path / "two.onnx", *two))
-    settle(masking, channels)
-    assert np.array_equal(on_disk(masking)[4], masks[4])
-    masking_actions.type_network_tools(masking, "0, 1")
-    masking_actions.make_all(masking, tmp_path / "two.onnx")
-    settle(masking, channels)
-    assert on_disk(masking)[4].all()
-    network.write_text("nothing")
-    masking_actions.make_all(masking, network)
-    settle(masking, channels)
-    assert masking.window.banner is not None
-    assert "expected an ONNX network" in masking.window.banner.message
 
 
 @pytest.mark.parametrize(
