@@ -1,9 +1,10 @@
-"""Calibrations as programs write them: OpenCV and ROS (YAML, JSON), Kalibr (YAML), StereoCalibration.ini."""
+"""Calibrations as programs write them: OpenCV (YAML, XML, JSON), ROS and Kalibr (YAML), COLMAP's cameras.txt,
+StereoCalibration.ini."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,6 +15,8 @@ from pydantic import ValidationError
 
 from renderer.clip import ClipError
 from renderer.readers.calibration import Calibration, LensCalibration, Model, SecondEye, first_fault
+from renderer.readers.colmap_lens import colmap_lens
+from renderer.readers.opencv_xml import opencv_xml
 from renderer.readers.rectification import read_ini
 from renderer.regular_files import read_regular
 
@@ -35,6 +38,7 @@ TWO_EYES: Final = (
     (("kl", "dl"), ("kr", "dr")),
     (("cameramatrix1", "distcoeffs1"), ("cameramatrix2", "distcoeffs2")),
 )
+LENSES: Final = (*ONE_EYE, *(left for left, _ in TWO_EYES))
 MODELS: Final[Mapping[str, Model]] = {
     "plumb_bob": "pinhole", "rational_polynomial": "pinhole", "radtan": "pinhole", "none": "pinhole",
     "equidistant": "fisheye", "fisheye": "fisheye",
@@ -42,12 +46,14 @@ MODELS: Final[Mapping[str, Model]] = {
 FORMS: Final = "OpenCV's or ROS's camera_matrix, M1 and M2, or Kalibr's cam0"
 
 Names = Mapping[str, Any]
+Pairs = Sequence[tuple[str, str]]
 
 
 def read_calibration(path: Path) -> Calibration:
     """What the file says.
 
-    Of two eyes the left one is the first; lengths are in mm, and below METRES in metres.
+    Of two eyes the left one is the first; lengths are in mm, and below METRES in metres. OpenCV's stereo
+    example writes R and T to a second file: extrinsics.yml beside intrinsics.yml is read with it.
 
     Raises:
         ClipError: the file cannot be read, or says nothing of a lens, or something that no lens has.
@@ -55,7 +61,10 @@ def read_calibration(path: Path) -> Calibration:
     if path.suffix.lower() == ".ini":
         return read_ini(path)
     try:
-        return _of_names(_named(read_regular(path, MOST_BYTES).decode()))
+        text = _text(path)
+        if path.suffix.lower() == ".txt":
+            return colmap_lens(text)
+        return _of_names(_named(text) | _extrinsic(path))
     except ValidationError as error:
         raise ClipError(f"{first_fault(error)}: {path}") from error
     except UnicodeDecodeError as error:
@@ -64,6 +73,22 @@ def read_calibration(path: Path) -> Calibration:
         raise ClipError(f"{error}: {path}") from error
     except OSError as error:
         raise ClipError(f"cannot read the calibration, {error.strerror or error}: {path}") from error
+
+
+def _text(path: Path) -> str:
+    return read_regular(path, MOST_BYTES).decode().lstrip("\ufeff")
+
+
+def _extrinsic(path: Path) -> dict[str, Any]:
+    """What extrinsics.yml says beside an intrinsics.yml."""
+    beside = path.with_name(path.name.replace("intrinsics", "extrinsics"))
+    if beside == path or not beside.is_file():
+        return {}
+    try:
+        said = _named(_text(beside), (("r", "t"),))
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{error} in {beside.name} beside it") from error
+    return {name: said[name] for name in ("r", "t") if name in said}
 
 
 class _Loader(yaml.SafeLoader):  # type: ignore[misc]
@@ -75,21 +100,26 @@ _Loader.add_constructor(
 )
 
 
-def _named(content: str) -> Names:
+def _named(text: str, expected: Pairs = LENSES) -> dict[str, Any]:
     """What a text says by names, in lower case; where a single one holds them all, as SCARED's
     "camera-calibration", what that holds."""
-    plain = (line for line in content.lstrip("\ufeff").splitlines() if not line.startswith("%YAML"))
+    value = opencv_xml(text) if text.lstrip().startswith("<") else _yaml(text)
+    for each in (value, *(inner for inner in value.values() if isinstance(inner, dict))):
+        names = {str(name).lower(): said for name, said in each.items()}
+        if "cam0" in names or any(first in names for first, _ in expected):
+            return names
+    raise ValueError(f"expected {FORMS}, got {', '.join(map(str, [*value][:4]))}")
+
+
+def _yaml(text: str) -> Names:
+    plain = (line for line in text.splitlines() if not line.startswith("%YAML"))
     try:
         value = yaml.load("\n".join(plain), _Loader)
     except (yaml.YAMLError, RecursionError, ValueError, TypeError, AttributeError) as error:
-        raise ValueError("expected a calibration in YAML or JSON, got another text") from error
+        raise ValueError("expected a calibration in YAML, JSON or XML, got another text") from error
     if not isinstance(value, dict):
         raise ValueError(f"expected {FORMS}, got another text")
-    for each in (value, *(inner for inner in value.values() if isinstance(inner, dict))):
-        names = {str(name).lower(): said for name, said in each.items()}
-        if "cam0" in names or any(matrix in names for matrix, _ in (*ONE_EYE, *(two[0] for two in TWO_EYES))):
-            return names
-    raise ValueError(f"expected {FORMS}, got {', '.join(map(str, [*value][:4]))}")
+    return value
 
 
 def _of_names(names: Names) -> Calibration:

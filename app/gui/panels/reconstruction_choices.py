@@ -50,7 +50,8 @@ BASELINE_TEXT: Final = (
 VIEW_TEXT: Final = "Horizontal field of view of the left camera, in degrees. Empty: 60° is assumed."
 LENS_TEXT: Final = (
     "A file with the calibration of the lens, or of both eyes: images are undistorted, and depth of both "
-    "eyes is in mm. As of OpenCV, ROS or Kalibr (.yml, .yaml, .json), or StereoCalibration.ini."
+    "eyes is in mm. As of OpenCV, ROS or Kalibr (.yml, .yaml, .xml, .json), COLMAP's cameras.txt, or "
+    "StereoCalibration.ini."
 )
 DROP_LENS_TEXT: Final = "Show the images as they are stored."
 NO_WAY: Final = "Choose…"

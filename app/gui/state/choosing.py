@@ -70,7 +70,7 @@ MODELS: Final = Filter("Splat files", SPLATS)
 SAVED: Final = Filter("Saved images", (".png", ".jpg", ".jpeg"))
 SESSIONS: Final = Filter("Sessions", (SUFFIX,))
 NETWORKS: Final = Filter("ONNX networks", (".onnx",))
-CALIBRATIONS: Final = Filter("Calibrations", (".yml", ".yaml", ".json", ".ini"))
+CALIBRATIONS: Final = Filter("Calibrations", (".yml", ".yaml", ".xml", ".json", ".ini", ".txt"))
 VIEWS: Final = Filter("Views and cameras", (".json", ".txt"))
 OPENED: Final = Filter(
     "Everything that opens",

@@ -72,7 +72,7 @@ def two_eyes(names):
     }
 
 
-@pytest.mark.parametrize("suffix", ["yml", "yaml", "json"])
+@pytest.mark.parametrize("suffix", ["yml", "yaml", "json", "xml"])
 def test_what_opencv_writes(tmp_path, suffix):
     assert read_calibration(by_opencv(tmp_path / f"lens.{suffix}", one_eye())) == Calibration(lens=LENS)
 
@@ -94,13 +94,73 @@ def test_json_of_a_script(tmp_path, names):
 @pytest.mark.parametrize(
     "names", [("M1", "D1", "M2", "D2"), ("cameraMatrix1", "distCoeffs1", "cameraMatrix2", "distCoeffs2")]
 )
-@pytest.mark.parametrize("suffix", ["yml", "json"])
+@pytest.mark.parametrize("suffix", ["yml", "json", "xml"])
 def test_both_eyes(tmp_path, names, suffix):
     found = read_calibration(by_opencv(tmp_path / f"eyes.{suffix}", two_eyes(names)))
     assert found.right is not None
     np.testing.assert_allclose(found.right.rotation, TURN, atol=1e-12)
     assert found.right.shift == tuple(SHIFT)
     assert found.right.lens == found.lens
+
+
+def test_both_files_of_the_stereo_example(tmp_path):
+    values = two_eyes(("M1", "D1", "M2", "D2"))
+    path = by_opencv(
+        tmp_path / "intrinsics.yml", {name: values.pop(name) for name in ("M1", "D1", "M2", "D2")}
+    )
+    with pytest.raises(ClipError, match="expected R and T"):
+        read_calibration(path)
+    beside = by_opencv(tmp_path / "extrinsics.yml", values | {"Q": np.eye(4).tolist()})
+    found = read_calibration(path)
+    assert found.right is not None
+    assert found.right.shift == tuple(SHIFT)
+    beside.write_text("nothing")
+    with pytest.raises(ClipError, match=r"in extrinsics\.yml beside it: "):
+        read_calibration(path)
+
+
+PARAMETERS = {
+    "SIMPLE_RADIAL": ("400 320.5 240.5 -.2", "pinhole", [-0.2, 0, 0, 0]),
+    "RADIAL": ("400 320.5 240.5 -.2 .05", "pinhole", [-0.2, 0.05, 0, 0]),
+    "OPENCV": ("400 400 320.5 240.5 -.2 .05 .01 .02", "pinhole", [-0.2, 0.05, 0.01, 0.02]),
+    "FULL_OPENCV": ("400 400 320.5 240.5 1 2 3 4 5 6 7 8", "pinhole", [1, 2, 3, 4, 5, 6, 7, 8]),
+    "RADIAL_FISHEYE": ("400 320.5 240.5 -.2 .05", "fisheye", [-0.2, 0.05, 0, 0]),
+    "OPENCV_FISHEYE": ("400 400 320.5 240.5 1 2 3 4", "fisheye", [1, 2, 3, 4]),
+    "PINHOLE": ("400 400 320.5 240.5", "pinhole", []),
+}
+
+
+@pytest.mark.parametrize("model", PARAMETERS)
+def test_a_lens_of_colmap_whose_pixels_begin_at_their_corner(tmp_path, model):
+    numbers, ours, bent = PARAMETERS[model]
+    text = f"# Camera list\n#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 {model} 640 480 {numbers}\n"
+    found = read_calibration(written(tmp_path, "cameras.txt", text)).lens
+    assert (found.fx, found.fy, found.cx, found.cy, found.size) == (400, 400, 320, 240, (640, 480))
+    assert (found.model, [*found.distortion]) == (ours, bent)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("1 FOV 640 480 1 2 3 4 5", "expected a lens of SIMPLE_PINHOLE"),
+        ("1 OPENCV 640 480 1 2 3", "expected 8 parameters of OPENCV, got 3"),
+        ("1 PINHOLE 640 480 1 1 2 2\n2 PINHOLE 640 480 1 1 3 3", "expected one lens"),
+        ("1 PINHOLE x 480 1 1 2 2", "invalid literal"),
+        ("1", "got none"),
+        ("", "got 0"),
+    ],
+)
+def test_what_is_no_lens_of_colmap(tmp_path, text, said):
+    with pytest.raises(ClipError, match=said) as caught:
+        read_calibration(written(tmp_path, "cameras.txt", text))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["<a", "<a></a>", "<?xml version='1.0'?><opencv_storage></opencv_storage>"])
+def test_xml_of_something_else(tmp_path, text):
+    with pytest.raises(ClipError, match="expected OpenCV") as caught:
+        read_calibration(written(tmp_path, "c.xml", text))
+    assert "\n" not in str(caught.value)
 
 
 def test_the_form_of_scared_and_a_turn_as_a_vector(tmp_path):
@@ -131,7 +191,7 @@ def test_a_board_measured_in_metres(tmp_path):
 
 
 WRONG = {
-    "another text": ("hello: [", "in YAML or JSON"),
+    "another text": ("hello: [", "in YAML, JSON or XML"),
     "no names": ("12", "got another text"),
     "other names": ({"fps": 25, "who": "x"}, "got fps, who"),
     "no distortion": ({"camera_matrix": MATRIX}, "got no distortion_coefficients"),
@@ -144,7 +204,7 @@ WRONG = {
     "no T": ({k: v for k, v in two_eyes(("M1", "D1", "M2", "D2")).items() if k != "T"}, "R and T"),
     "no turn": (two_eyes(("M1", "D1", "M2", "D2")) | {"R": [[1, 0, 0]] * 3}, "expected a rotation"),
     "one place": (two_eyes(("M1", "D1", "M2", "D2")) | {"T": [0, 0, 0]}, "more than 0"),
-    "a bomb": ("[" * 100_000, "in YAML or JSON"),
+    "a bomb": ("[" * 100_000, "in YAML, JSON or XML"),
     "kalibr's half": ("cam0: {intrinsics: [1, 2, 3, 4]}", "of cam0, got less"),
 }  # fmt: skip
 
