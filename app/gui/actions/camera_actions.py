@@ -107,12 +107,16 @@ def take_point(state: AppState, request: PickRequest, point: Located | None) -> 
         return
     if point is None:
         state.window.toast = Toast("No surface under the pointer", state.window.now + TOAST_SECONDS)
-    elif request.purpose == "measure":
-        viewer = state.scene.viewer
-        view = request.view
-        viewer.measurement = viewer.measurement.with_point(point, view.time, view.scene.name)
-    else:
+    elif request.purpose == "orbit":
         state.scene.viewer.pivot, state.scene.viewer.flying = point.point, False
+    else:
+        viewer, view, goes_on = state.scene.viewer, request.view, request.purpose == "measure on"
+        viewer.measurement = viewer.measurement.with_point(point, view.time, view.scene.name, goes_on=goes_on)
+
+
+def close_outline(state: AppState) -> None:
+    """The measured line ends where it began, around an area."""
+    state.scene.viewer.measurement = state.scene.viewer.measurement.as_outline()
 
 
 def centre(state: AppState, model: Scene) -> Vector:

@@ -1,4 +1,4 @@
-"""What lies over the 3D view: its centre, the measured distance, the camera path, the scale of colours."""
+"""What lies over the 3D view: its centre, what is measured, the camera path, the scale of colours."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import Area, em, tag
 from app.gui.views.lines import frustum, seen
+from app.gui.views.measurement import LEAST_CORNERS, Measurement
 from app.gui.views.picture_view import PictureView, Placement
 from app.scenes.free_camera import Vector
 from app.scenes.view_kinds import Scale
@@ -25,6 +26,8 @@ SHARE = 0.12
 """Depth of a small camera, of the scene's distance."""
 SEGMENTS = 32
 """Of the scale."""
+NEAR_POINT = 0.6
+"""Of a line's height, within which a click is on a point."""
 
 NO_DISTANCE = "No distance: depth has no scale"
 
@@ -65,7 +68,7 @@ class Sight:
 
 
 def draw_marks(state: AppState, request: ViewRequest, area: Area) -> None:
-    """Over a picture of the request: the path, what the view turns around, and the measured distance."""
+    """Over a picture of the request: the path, what the view turns around, and what is measured."""
     sight, viewer = Sight(request.camera, area), state.scene.viewer
     _draw_path(state, request, sight)
     if viewer.pivot is not None and not viewer.flying and (at := sight.point(viewer.pivot)) is not None:
@@ -73,30 +76,46 @@ def draw_marks(state: AppState, request: ViewRequest, area: Area) -> None:
             ink = imgui.get_color_u32(color)
             imgui.get_window_draw_list().add_circle(at, em(0.32), ink, thickness=em(weight))
     measured = viewer.measurement
-    points = measured.points if measured.of == request.scene.name else ()
-    shown = [end for point in points if (end := sight.point(point)) is not None]
-    _draw_distance(shown)
-    if len(shown) == 2:
+    shown = _points_seen(measured, request, sight)
+    _draw_line(shown, measured.closed)
+    if len(shown) > 1 and len(shown) == len(measured.points):
         text = NO_DISTANCE if request.scene.is_guessed else measured.text(request.scene.unit)
         if not request.scene.is_guessed and request.time != measured.time:
             text += f" at {request.scene.moment(measured.time)}"
         tag(text, _beside_line(shown, text, area), theme.TAG_CAUTION)
 
 
-def _draw_distance(ends: list[ImVec2]) -> None:
-    """Its line and ends, with a dark rim: tissue can be of their colour."""
+def _points_seen(measured: Measurement, request: ViewRequest, sight: Sight) -> list[ImVec2]:
+    """Where points of the view's own model are on the screen; those behind the camera are not."""
+    points = measured.points if measured.of == request.scene.name else ()
+    return [end for point in points if (end := sight.point(point)) is not None]
+
+
+def is_on_first(state: AppState, request: ViewRequest, area: Area) -> bool:
+    """Whether the pointer is where a line of the view began, which can be closed there."""
+    measured, (x, y) = state.scene.viewer.measurement, area.mouse()
+    seen = _points_seen(measured, request, Sight(request.camera, area))
+    if measured.closed or request.time != measured.time or len(seen) < LEAST_CORNERS:
+        return False
+    first = seen[0] - area.corner
+    return math.hypot(first.x - x, first.y - y) < em(NEAR_POINT)
+
+
+def _draw_line(ends: list[ImVec2], closed: bool) -> None:
+    """With its points, and a dark rim: tissue can be of their colour."""
     draw = imgui.get_window_draw_list()
     for color, rim in ((theme.grey(0.0, 0.7), 0.06), (theme.MARK, 0.0)):
         ink = imgui.get_color_u32(color)
-        if len(ends) == 2:
-            draw.add_line(ends[0], ends[1], ink, em(0.1 + 2 * rim))
+        for first, second in pairwise([*ends, *ends[:1]] if closed else ends):
+            draw.add_line(first, second, ink, em(0.1 + 2 * rim))
         for end in ends:
             draw.add_circle_filled(end, em(0.22 + rim), ink)
 
 
 def _beside_line(ends: list[ImVec2], text: str, area: Area) -> ImVec2:
-    """Where a label covers neither end of a line: right of it, or left of it where the area ends."""
-    left, right = sorted(ends, key=lambda end: end.x)
+    """Where a label covers no point of a line: right of it, or left of it where the area ends."""
+    by_side = sorted(ends, key=lambda end: end.x)
+    left, right = by_side[0], by_side[-1]
     across = imgui.calc_text_size(text).x + em(0.9)
     if right.x + em(0.6) + across <= area.end.x:
         return right + ImVec2(em(0.6), -em(0.7))

@@ -14,7 +14,7 @@ from app.gui.actions import actions, camera_actions, laid_out, presenting
 from app.gui.commands.camera_commands import second_commands
 from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.panels.menus import draw_commands
-from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks
+from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks, is_on_first
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import frame_share, hides_enhancement
 from app.gui.style import theme
@@ -30,6 +30,7 @@ from app.gui.style.widgets import (
     explain,
     stack_tags,
 )
+from app.gui.views.measurement import LEAST_CORNERS, Measurement
 from app.kernels.progress import rounded
 from app.scenes.backgrounds import Background
 from app.scenes.scene import Scene
@@ -56,7 +57,8 @@ SECOND = f"{icons.ICON_FA_COLUMNS}###second"
 FRAME = f"{icons.ICON_FA_CLONE}  Frame###snap"
 FLY_TEXT = "G: fly with W, S, A, D, Q and E; drag to look around, wheel for speed. Shift+C: back."
 MEASURE_TEXT = (
-    "M: click two points on the surface. Measured on the model, at its expected depth; ± is one standard "
+    "M: click two points on the surface; Shift+click goes on to a third and further ones, on the first it "
+    "closes the line: the flat area inside. Measured on the model, at its expected depth; ± is one standard "
     "deviation, from the spread of the surface there and the error of the run's depths."
 )
 SECOND_TEXT = (
@@ -232,7 +234,16 @@ def _pick(state: AppState, request: ViewRequest, area: Area) -> None:
         camera_actions.ask_point(state, request, pixel, "orbit")
     moved = imgui.get_mouse_drag_delta(left, 0.0)
     if measuring and imgui.is_mouse_released(left) and math.hypot(moved.x, moved.y) < CLICK:
-        camera_actions.ask_point(state, request, pixel, "measure")
+        _measure(state, request, area)
+
+
+def _measure(state: AppState, request: ViewRequest, area: Area) -> None:
+    goes_on = imgui.get_io().key_shift
+    if goes_on and is_on_first(state, request, area):
+        camera_actions.close_outline(state)
+    else:
+        pixel = Sight(request.camera, area).pixel()
+        camera_actions.ask_point(state, request, pixel, "measure on" if goes_on else "measure")
 
 
 def _draw_picture(state: AppState, shown: OnScreen | None, frame_texture: FrameTexture, area: Area) -> None:
@@ -331,6 +342,14 @@ def _is_under_frame(state: AppState) -> bool:
     return state.scene.viewer.snapped and frame_over(state) is not None
 
 
+def _next_click(measured: Measurement) -> str:
+    """What comes next, for a line that has begun."""
+    count = len(measured.points)
+    if count < 2 or measured.closed:
+        return "click two points"
+    return "Shift+click: further" if count < LEAST_CORNERS else "Shift+click: further, on the first: area"
+
+
 def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
     """What the hand does, and from where it is seen."""
     tags: list[Tag] = []
@@ -338,7 +357,7 @@ def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
     if viewer.flying:
         tags.append((f"FLYING · W A S D Q E · speed {viewer.speed:.2f} · G to stop", theme.TAG_CAUTION))
     if viewer.measuring:
-        tags.append(("MEASURING on the model · click two points", theme.TAG_CAUTION))
+        tags.append((f"MEASURING on the model · {_next_click(viewer.measurement)}", theme.TAG_CAUTION))
     if viewer.snapped and state.frame_image is None:
         tags.append(("READING THE FRAME…", theme.TAG_ENHANCED))
     elif viewer.snapped and shown.request.kind == "difference":

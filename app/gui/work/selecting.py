@@ -24,7 +24,7 @@ from renderer.editing.sight import Sight, Trail, Trait
 if TYPE_CHECKING:
     from renderer.picking import SurfacePoint
 
-Purpose = Literal["orbit", "measure"]
+Purpose = Literal["orbit", "measure", "measure on"]
 TRAITS: tuple[Trait, ...] = ("opacity", "size", "depth", "motion")
 Limits = tuple[float, float]
 MOST_TIMES = 32
@@ -54,7 +54,7 @@ def pick(request: PickRequest) -> Iterator[Located | None]:
         yield None
         return
     # The log of the run is read for a distance alone, not for a centre to turn around.
-    of_run = _depth_error(request.view.scene) if request.purpose == "measure" else 0.0
+    of_run = _depth_error(request.view.scene) if request.purpose != "orbit" else 0.0
     error = math.hypot(found.spread, of_run)
     yield Located(vector(found.point), vector(found.ray), error)
 

@@ -52,7 +52,7 @@ def test_distances_on_the_surface_are_those_on_splats(scene: Scene) -> None:
         assert first is not None
         assert second is not None
         assert first.error > 0
-        ends.append(Measurement((first, second)).distance)
+        ends.append(Measurement((first, second)).length)
     assert ends[0] == pytest.approx(ends[1], rel=0.003)
     assert ends[1] == pytest.approx(30.6, rel=0.03)
     assert located(mesh, (48, 36)) is None

@@ -168,7 +168,7 @@ def test_clicks_measure_and_drags_still_turn(
     assert request is not None
     assert opened.scene.model is not None
     expected = 60 / request.camera.fx * 50.0  # On the model's sheet, which is 50 before the camera.
-    assert opened.scene.viewer.measurement.distance == pytest.approx(expected, rel=1e-3)
+    assert opened.scene.viewer.measurement.length == pytest.approx(expected, rel=1e-3)
     assert "mm" in opened.scene.viewer.measurement.text("mm")
     labels: list[tuple[float, float]] = []
     mark = scene_marks.tag
@@ -190,6 +190,38 @@ def test_clicks_measure_and_drags_still_turn(
     assert opened.scene.viewer.measurement.points == ()
 
 
+def test_shift_goes_on_with_a_line_and_closes_it_on_its_first_point(
+    ui: Ui, opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    draw: Draw = lambda: view3d(opened)  # noqa: E731
+    ui.frame(draw)
+    camera_actions.toggle_measuring(opened)
+
+    def click(*at: float) -> None:
+        ui.drag(draw, at, at)
+        wish = opened.scene.viewer.pick
+        if wish is not None:
+            (answer,) = pick(wish)
+            camera_actions.take_point(opened, wish, answer)
+            opened.scene.viewer.pick = None
+
+    click(420, 330)
+    ui.io.add_key_event(imgui.Key.mod_shift, True)
+    click(480, 330)
+    click(480, 370)
+    assert "on the first: area" in texts(view_tags(opened, StillViewport().show(opened)))
+    click(422, 331)
+    measured, request = opened.scene.viewer.measurement, opened.view_request
+    assert request is not None
+    assert len(measured.points) == 3
+    pixel = 50.0 / request.camera.fx  # In mm, on the model's sheet, which is 50 before the camera.
+    assert measured.area == pytest.approx(60 * 40 / 2 * pixel**2, rel=1e-2)
+    click(420, 330)
+    ui.io.add_key_event(imgui.Key.mod_shift, False)
+    assert len(opened.scene.viewer.measurement.points) == 1
+
+
 def test_ends_of_a_distance_have_a_dark_rim(ui: Ui, monkeypatch: pytest.MonkeyPatch) -> None:
     """On yellow fat they would not be seen without."""
     circles: list[tuple[float, int]] = []
@@ -202,7 +234,7 @@ def test_ends_of_a_distance_have_a_dark_rim(ui: Ui, monkeypatch: pytest.MonkeyPa
             circles.append((radius, ink))
 
     monkeypatch.setattr(imgui, "get_window_draw_list", Noted)
-    ui.frame(lambda: scene_marks._draw_distance([ImVec2(420, 330)]))
+    ui.frame(lambda: scene_marks._draw_line([ImVec2(420, 330)], closed=False))
     (rim, dark), (end, mark) = circles
     assert rim > end
     assert dark == imgui.get_color_u32(theme.grey(0.0, 0.7))
