@@ -229,7 +229,7 @@ class Session:
 
 SUBSTANCE: Final = (
     "part", "edits", "params", "scope", "pixels", "enhancing", "stored", "comparison", "views", "config",
-    "input", "kept", "run_name", "varied", "notes",
+    "input", "kept", "run_name", "varied", "notes", "clip_options",
 )  # fmt: skip
 SESSION = TypeAdapter(Session)
 

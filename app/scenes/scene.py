@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -52,6 +53,8 @@ class Scene:
     """What an export says of it."""
     path: Path | None = None
     """The run folder or the file; None when that left nothing to read."""
+    clip_path: Path | None = None
+    """Where the clip lies that it was made of; None: not known."""
     iteration: int = 0
     iterations: int = 0
     """0 for a file of splats."""
@@ -76,6 +79,11 @@ class Scene:
     def start(self) -> int:
         """The frame of the whole clip that its first one is."""
         return self.first or 0
+
+    @property
+    def identity(self) -> str:
+        """What tells it from others that are open: files of one name may lie in two folders."""
+        return str(self.path or self.name)
 
     @property
     def is_of_run(self) -> bool:
@@ -156,8 +164,13 @@ class Scene:
         return 0 <= frame - self.start < len(self.cameras)
 
     def is_of_other(self, clip: Clip) -> bool:
-        """It was made of a clip of another name: of two patients, the cameras may be the same."""
-        return self.record.clip is not None and self.record.clip.name != clip.name
+        """It was made of a clip elsewhere, or, where that is not known, of another name: of two patients,
+        the cameras may be the same, and the names of folders."""
+        if self.record.clip is None:
+            return False
+        if self.clip_path is not None:
+            return os.path.abspath(self.clip_path) != os.path.abspath(clip.path)
+        return self.record.clip.name != clip.name
 
     def is_of(self, clip: Clip) -> bool:
         """Its cameras are those of the clip, or of a part of it; of estimated poses, the lens is."""
@@ -201,7 +214,9 @@ def open_scene(path: Path, *, as_trained: bool = False) -> Scene:
     folder = RunFolder(path)
     if not folder.is_run and series_files(path):
         return series_scene(path)
-    scene = finished_scene(folder, folder.record())
+    record = folder.record()
+    place = Path(record.clip.path)
+    scene = replace(finished_scene(folder, record), clip_path=place if place.exists() else None)
     edits = None if as_trained else read_edits(folder, len(scene.model))
     if edits is None:
         return scene

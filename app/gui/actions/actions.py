@@ -136,10 +136,12 @@ def open_path(state: AppState, path: Path) -> None:
         state.window.banner = None
         state.live.stop_connecting()
 
-    if path.suffix.lower() in VIEW_SUFFIXES:
-        go()  # What joins the session ends no edits.
-    else:
+    if path.suffix.lower() not in VIEW_SUFFIXES:
         leave_session(state, go)
+    elif state.source.opening is not None:
+        fail(state, f"{path.name} joins what is open: wait until {state.source.opening.path.name} is there")
+    else:
+        go()  # It ends no edits.
 
 
 def stop_opening(state: AppState) -> None:

@@ -14,6 +14,7 @@ from app.gui.views.picture_view import PictureView
 from app.gui.work.depths import DepthRequest
 from app.gui.work.opening import Opened
 from app.gui.work.settings import UNKNOWN
+from renderer.clip import Clip
 
 
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:
@@ -22,8 +23,10 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         state.source.opening, state.reports = None, Reports(opened.report, asked=True)
         actions.say(state, f"opened {path.name}")
         return
-    again = _is_same_clip(state, opened)
-    state.source.opening, state.source.path, state.session.path = None, opened.path or path, None
+    again, before = _is_same_clip(state, opened), state.source.clip
+    state.source.opening, state.session.path = None, None
+    # A session of notes alone has no source.
+    state.source.path = opened.path if opened.session is not None else opened.path or path
     state.session.is_unsaved, state.source.asked = False, True
     if opened.clip is None or state.source.clip is None or opened.clip.path != state.source.clip.path:
         state.scene.cameras = CameraList()
@@ -50,6 +53,8 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     for notice in opened.notices:
         actions.say(state, notice)
     actions.say(state, f"opened {path.name}")
+    if _begins_with_notes(state, before, opened):
+        actions.announce(state, "Notes and case summary go on with this clip: File > New case begins anew")
     if opened.warning:
         actions.fail(state, opened.warning)
     if opened.lost is not None:
@@ -59,6 +64,13 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     if not opened.in_passing and path.parent != state.places.config:
         state.settings = state.settings.opened(path)
         actions.save_settings(state)
+
+
+def _begins_with_notes(state: AppState, before: Clip | None, opened: Opened) -> bool:
+    """What was written of another clip is still there; a case may have several."""
+    if before is None or opened.clip is None or opened.session is not None or opened.in_passing:
+        return False
+    return before.path != opened.clip.path and session_actions.has_case(state)
 
 
 def _kept_depth(state: AppState, opened: Opened) -> DepthRequest | None:

@@ -111,7 +111,9 @@ def take_point(state: AppState, request: PickRequest, point: Located | None) -> 
         state.scene.viewer.pivot, state.scene.viewer.flying = point.point, False
     else:
         viewer, view, goes_on = state.scene.viewer, request.view, request.purpose == "measure on"
-        viewer.measurement = viewer.measurement.with_point(point, view.time, view.scene.name, goes_on=goes_on)
+        viewer.measurement = viewer.measurement.with_point(
+            point, view.time, view.scene.identity, goes_on=goes_on
+        )
 
 
 def close_outline(state: AppState) -> None:

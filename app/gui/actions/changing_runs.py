@@ -21,9 +21,11 @@ def why_not_change(state: AppState, run: ListedRun) -> str:
         return "It is in training."
     if any(waiting.request.run_path == run.path for waiting in state.runs.queue):
         return "It is queued: remove it from the queue first."
-    if is_shown(state, run.path) and state.editing.is_unsaved:
-        return "Save or undo the edits of its model first."
-    return ""
+    if not is_shown(state, run.path):
+        return ""
+    if state.runs.reconstruction.is_alive:
+        return "Its model is shown until the run in training has a first one."
+    return "Save or undo the edits of its model first." if state.editing.is_unsaved else ""
 
 
 def is_shown(state: AppState, path: Path) -> bool:
@@ -104,6 +106,6 @@ def take_changed(state: AppState, request: ChangeRequest, answer: Changed | Fail
         second_actions.close_second(state)
         if answer.path is not None:
             second_actions.open_second(state, answer.path)
-    clip = state.source.clip
-    if is_shown(state, request.path) and not state.runs.reconstruction.is_alive and clip is not None:
+    clip, comes = state.source.clip, state.source.opening is not None
+    if clip is not None and is_shown(state, request.path) and not comes:
         actions.open_path(state, answer.path or clip.path)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.editing import Change, Editing, Tool, tinted_model
+from app.gui.state.editing import Change, Editing, Step, Tool, tinted_model
 from app.gui.work.background import Failure
 from app.gui.work.saving_edits import SavedEdits, SaveRequest
 from app.gui.work.selecting import Around, Limits, Selected, SelectRequest
@@ -150,37 +149,55 @@ def select_present(state: AppState) -> None:
 
 def _ask(state: AppState, wish: Region | Around | None, how: Combination) -> None:
     editing, view = state.editing, state.plain_view_request
-    if editing.active and editing.base is not None and view is not None and editing.wish is None:
-        editing.wish = SelectRequest(editing.base, view, wish, how)
+    if not editing.active or editing.base is None or view is None:
+        return
+    request = SelectRequest(editing.base, view, wish, how)
+    if editing.wish is None:
+        editing.wish = request
+        return
+    # A slider asks many times over: of two in a row the later one takes all that the earlier would select.
+    before = editing.waiting[-1] if editing.waiting else None
+    if isinstance(before, SelectRequest) and how == "replace":
+        editing.waiting.pop()
+    editing.waiting.append(request)
 
 
 def take_selected(state: AppState, request: SelectRequest, answer: Selected | Failure) -> None:
-    """The answer to a wish, and then what was asked for while it was on its way: nothing of that where it
-    fails, as it was meant for what would have been selected."""
+    """The answer to a wish, and then what was asked for while it was on its way: where it fails, nothing up
+    to the next selection, as it was meant for what would have been selected."""
     editing = state.editing
     if request is not editing.wish:
         return
     editing.wish = None
     if isinstance(answer, Failure):
-        editing.waiting.clear()
+        while editing.waiting and not isinstance(editing.waiting[0], SelectRequest):
+            editing.waiting.pop(0)
         actions.fail(state, f"nothing was selected: {answer.message}")
-        return
+    else:
+        _take_selection(state, request, answer)
+    _go_on(state)
+
+
+def _take_selection(state: AppState, request: SelectRequest, answer: Selected) -> None:
+    editing, mask = state.editing, answer.mask
     editing.limits = answer.limits
     if answer.center is not None:
         editing.center = answer.center
-    if answer.mask is not None:
-        mask = answer.mask
-        change(state, lambda edits: edits.selecting(mask, request.how))
+    if mask is not None:
+        _do(state, _changed(lambda edits: edits.selecting(mask, request.how)))
     elif request.wish is not None:
         actions.announce(state, "No surface under the pointer")
-    for later in drained(editing.waiting):
-        change(state, later)
 
 
-def drained(waiting: list[Change]) -> list[Change]:
-    taken = list(waiting)
-    waiting.clear()
-    return taken
+def _go_on(state: AppState) -> None:
+    """With what waits, up to the next selection."""
+    editing = state.editing
+    while editing.waiting and editing.wish is None:
+        later = editing.waiting.pop(0)
+        if isinstance(later, SelectRequest):
+            editing.wish = later
+        else:
+            _do(state, later)
 
 
 # ---- changing
@@ -189,12 +206,21 @@ def drained(waiting: list[Change]) -> list[Change]:
 def change(state: AppState, how: Change) -> None:
     """One step of the history; after a selection that is still on its way. None while another model comes."""
     editing = state.editing
-    if not editing.active or state.source.opening is not None:
-        return
+    if editing.active and state.source.opening is None:
+        _do(state, _changed(how))
+
+
+def _changed(how: Change) -> Step:
+    return lambda history: history.then(how(history.present))
+
+
+def _do(state: AppState, step: Step) -> None:
+    """At once, or after a selection that is still on its way."""
+    editing = state.editing
     if editing.wish is not None:
-        editing.waiting.append(how)
+        editing.waiting.append(step)
         return
-    editing.history = editing.history.then(how(editing.edits))
+    editing.history = step(editing.history)
     _show(state)
 
 
@@ -213,17 +239,11 @@ invert = partial(change, how=Edits.inverted)
 
 def undo(state: AppState) -> None:
     """An edit in edit mode, else a parameter."""
-    _step(state, History.undone) if state.editing.active else history_actions.undo(state)
+    _do(state, History.undone) if state.editing.active else history_actions.undo(state)
 
 
 def redo(state: AppState) -> None:
-    _step(state, History.redone) if state.editing.active else history_actions.redo(state)
-
-
-def _step(state: AppState, way: Callable[[History], History]) -> None:
-    if state.editing.wish is None:
-        state.editing.history = way(state.editing.history)
-        _show(state)
+    _do(state, History.redone) if state.editing.active else history_actions.redo(state)
 
 
 # ---- keeping

@@ -174,7 +174,7 @@ def _lacks_model(state: AppState, offer: Offer) -> str:
 def _is_measured(state: AppState) -> bool:
     """A point of the model that is open."""
     model, measured = state.scene.model, state.scene.viewer.measurement
-    return model is not None and bool(measured.points) and measured.of == model.name
+    return model is not None and bool(measured.points) and measured.of == model.identity
 
 
 def stem_of(state: AppState) -> str:

@@ -10,6 +10,7 @@ from app.gui.state.scene import Second
 from app.gui.work.background import Failure
 from app.gui.work.beside import Beside, BesideRequest
 from app.gui.work.opening import Opened, OpenRequest
+from app.scenes.scene import Scene
 
 
 def open_second(state: AppState, path: Path) -> None:
@@ -46,10 +47,23 @@ def take_second(state: AppState, request: OpenRequest, answer: Opened | Failure)
     if isinstance(answer, Failure):
         actions.fail(state, answer.message)
         return
-    shown = answer.splats or (answer.run.model if answer.run is not None else None)
-    if shown is None:
+    if answer.model is None:
         actions.fail(state, f"expected a finished run or a splat file beside the first: {request.path}")
+    else:
+        _show(state, answer.model)
+
+
+def show_instead(state: AppState, path: Path, shown: Scene) -> None:
+    """Beside the model in training; refused where that has no preview yet."""
+    if state.scene.model is None:
+        waits = "wait for the first preview of the reconstruction in training"
+        actions.fail(state, f"{path.name} is shown beside it: {waits}")
         return
+    _show(state, shown)
+    actions.announce(state, f"{path.name} is shown beside the reconstruction in training")
+
+
+def _show(state: AppState, shown: Scene) -> None:
     state.scene.second = Second(shown=shown)
     if state.scene.model is not None and shown.first != state.scene.model.first:
         actions.say(

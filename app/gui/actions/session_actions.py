@@ -32,18 +32,19 @@ from app.gui.work.opening import OpenRequest, SourceLost
 from app.gui.work.writing import SessionRequest
 from app.runs.run_edits import packed, unpacked
 
+UNNAMED = "session"
 AUTOSAVE_SECONDS = 1.0
 """At least so long between two sessions that are saved in passing."""
 
 
 def snapshot(state: AppState, folder: Path) -> Session:
     """The session as it stands, for a file in `folder`."""
-    run, draft = state.runs.reconstruction.run_path, state.runs.reconstruction
+    run, draft = _run_of_source(state), state.runs.reconstruction
     return Session(
         source=SessionSource.of(state.source.path, folder) if state.source.path else None,
         run=SessionSource.of(run, folder) if run else None,
         second=SessionSource.of(beside, folder) if (beside := _second(state)) else None,
-        clip_options=state.source.options,
+        clip_options=state.source.reading,
         part=state.source.part,
         edits=_unsaved(state),
         frame=state.timeline.frame_index,
@@ -74,6 +75,15 @@ def snapshot(state: AppState, folder: Path) -> Session:
         notes=state.session.notes,
         summary=_summary(state, folder),
     )
+
+
+def _run_of_source(state: AppState) -> Path | None:
+    """The reconstruction that is shown, where it is of what is open: another clip may have been opened since
+    it was begun."""
+    run, clip = state.runs.reconstruction, state.source.clip
+    if run.request is None or clip is None or state.source.path == run.run_path:
+        return run.run_path
+    return run.run_path if os.path.abspath(run.request.clip_path) == os.path.abspath(clip.path) else None
 
 
 def _summary(state: AppState, folder: Path) -> SummaryDraft:
@@ -120,7 +130,7 @@ def restore(state: AppState, session: Session, second: Path | None = None) -> No
     _restore_views(state, session)
     draft = state.runs.reconstruction
     draft.name, draft.kept = session.run_name, session.kept
-    if draft.request is None:
+    if not draft.is_alive:
         draft.config, draft.input = session.config, session.input
     if len(session.varied) == 2:
         state.tuning.choices = (session.varied[0], session.varied[1])
@@ -189,16 +199,43 @@ def save(state: AppState) -> None:
     or saved before, else by a name that is asked for."""
     if state.session.path is None:
         save_as(state)
-    elif state.source.path is not None:
+    elif has_content(state):
         path = state.session.path
         state.window.wishes += (SessionRequest(path, snapshot(state, path.parent), in_passing=False),)
 
 
 def save_as(state: AppState) -> None:
     """The same by another name, which later ones go to."""
-    if state.source.path is not None:
-        name = state.session.path.stem if state.session.path is not None else state.source.path.stem
+    if has_content(state):
+        named = state.session.path or state.source.path
+        name = named.stem if named is not None else UNNAMED
         actions.choose_path(state, "save", save_to, "session", f"{name}{SUFFIX}")
+
+
+def has_content(state: AppState) -> bool:
+    """There is something to keep: what is open, or, of a live source, what was written down."""
+    return state.source.path is not None or has_case(state)
+
+
+def has_case(state: AppState) -> bool:
+    """Something has been written down, or collected for the case summary."""
+    summary = state.summary
+    return any((state.session.notes, summary.title, summary.notes, summary.items))
+
+
+def ask_new_case(state: AppState) -> None:
+    """Whether notes and case summary shall begin anew."""
+    state.session.asks_new_case = has_case(state)
+
+
+def answer_new_case(state: AppState, *, agreed: bool) -> None:
+    """Without notes and images of the case before; files that were saved stay."""
+    state.session.asks_new_case = False
+    if agreed:
+        summary = state.summary
+        state.session.notes = summary.title = summary.notes = ""
+        # What is being saved is of the case before.
+        summary.items, summary.awaited = (), ()
 
 
 def save_to(state: AppState, path: Path) -> None:
@@ -209,7 +246,7 @@ def save_to(state: AppState, path: Path) -> None:
 
 def autosave_request(state: AppState) -> SessionRequest | None:
     """What has changed since it was last saved in passing, once in a while."""
-    if state.source.path is None or state.window.now - state.session.autosaved_at < AUTOSAVE_SECONDS:
+    if not has_content(state) or state.window.now - state.session.autosaved_at < AUTOSAVE_SECONDS:
         return None
     state.session.autosaved_at = state.window.now
     path = autosave_path(state.places.config)
@@ -227,7 +264,7 @@ def _compare(state: AppState, session: Session) -> None:
 
 def look_for_changes(state: AppState) -> bool:
     """Whether something is not in the session's file, as of this moment."""
-    if state.source.path is not None and state.session.path is not None:
+    if state.session.path is not None:
         _compare(state, snapshot(state, state.session.path.parent))
     return state.session.is_unsaved
 

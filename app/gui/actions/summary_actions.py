@@ -6,7 +6,7 @@ from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
-from app.enhancement.settable import LONGEST_NAME
+from app.enhancement.settable import LONGEST_NAME, LONGEST_NOTES
 from app.exports.exporting import UNTITLED, ExportRequest, Step, Summary
 from app.exports.records import MEASURES, PanesPicture
 from app.exports.sources import Opened
@@ -67,7 +67,9 @@ def take_saved(state: AppState, request: ExportRequest, answer: Step | Failure) 
 def add_file(state: AppState, path: Path) -> None:
     """A picture that was saved before, once."""
     path = path.absolute()
-    if any(item.path == path for item in state.summary.items):
+    if len(state.summary.items) >= MOST_ITEMS:
+        actions.fail(state, f"{path.name} was not added: there are {MOST_ITEMS} images already")
+    elif any(item.path == path for item in state.summary.items):
         actions.announce(state, f"{path.name} is in the case summary already")
     elif path.suffix.lower() not in SAVED.suffixes:
         actions.fail(state, f"expected a PNG or JPEG image that VesselSplat saved, got {path.name}")
@@ -96,13 +98,13 @@ def type_title(state: AppState, title: str) -> None:
 
 def type_notes(state: AppState, notes: str) -> None:
     """On all of it."""
-    state.summary.notes = notes
+    state.summary.notes = notes[:LONGEST_NOTES]
 
 
 def type_note(state: AppState, place: int, note: str) -> None:
     """Below one picture."""
     items = list(state.summary.items)
-    items[place] = replace(items[place], note=note)
+    items[place] = replace(items[place], note=note[:LONGEST_NOTES])
     state.summary.items = tuple(items)
 
 

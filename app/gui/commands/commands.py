@@ -147,9 +147,12 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
                 applies=lambda s: s.live.session is not None, synonyms=("stop", "end", "disconnect")),
         Command("Save session", session_actions.save, ("Ctrl+S",),
                 text="save the open files, settings, views and notes; open it like a clip",
-                applies=lambda s: s.source.path is not None, synonyms=("project", "workspace", "store")),
+                applies=session_actions.has_content, synonyms=("project", "workspace", "store")),
         Command("Save session as…", session_actions.save_as, ("Ctrl+Shift+S",),
-                text="save the session by another name", applies=lambda s: s.source.path is not None),
+                text="save the session by another name", applies=session_actions.has_content),
+        Command("New case", session_actions.ask_new_case, text="begin notes and case summary anew",
+                applies=session_actions.has_case,
+                synonyms=("patient", "clear", "reset", "empty", "notes", "summary")),
     )  # fmt: skip
     exported = (
         Command("Show the last export in its folder", export_actions.reveal,

@@ -27,6 +27,7 @@ def ask_before_quitting(state: AppState) -> None:
             queue_actions.answer_closing(state, close=False)
             actions.leave_session(state, dockings.quit_app)
     _draw_unsaved(state)
+    draw_new_case(state)
     _draw_question(state)
 
 
@@ -38,6 +39,17 @@ def _draw_unsaved(state: AppState) -> None:
     said = f"{legible(kept.path.name)} has changed since it was saved."
     if reply := ask("Unsaved changes", (said,), ("Save", "Discard", "Stay")):
         session_actions.answer(state, reply.lower())
+
+
+def draw_new_case(state: AppState) -> None:
+    """Before notes and case summary begin anew."""
+    if not state.session.asks_new_case:
+        return
+    images = len(state.summary.items)
+    collected = f"{images} image{'s' * (images != 1)} of the case summary" if images else "the case summary"
+    said = f"The notes and {collected} leave the window. Files that were saved stay."
+    if reply := ask("Begin a new case?", (said,), ("Begin", "Keep")):
+        session_actions.answer_new_case(state, agreed=reply == "Begin")
 
 
 def _draw_question(state: AppState) -> None:

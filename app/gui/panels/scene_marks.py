@@ -87,7 +87,7 @@ def draw_marks(state: AppState, request: ViewRequest, area: Area) -> None:
 
 def _points_seen(measured: Measurement, request: ViewRequest, sight: Sight) -> list[ImVec2]:
     """Where points of the view's own model are on the screen; those behind the camera are not."""
-    points = measured.points if measured.of == request.scene.name else ()
+    points = measured.points if measured.of == request.scene.identity else ()
     return [end for point in points if (end := sight.point(point)) is not None]
 
 

@@ -20,6 +20,7 @@ from renderer.editing.sight import Trait
 Tool = Literal["look", "rectangle", "lasso", "sphere", "box"]
 TOOLS: tuple[Tool, ...] = ("look", "rectangle", "lasso", "sphere", "box")
 Change = Callable[[Edits], Edits]
+Step = Callable[[History], History]
 
 
 @dataclass
@@ -56,8 +57,8 @@ class Editing:
     """Until it is answered."""
     saving: SaveRequest | None = None
     """Until it is answered."""
-    waiting: list[Change] = field(default_factory=list)
-    """Changes that were asked for after it."""
+    waiting: list[Step | SelectRequest] = field(default_factory=list)
+    """What was asked for after it, in that order."""
     leaving: Callable[[], None] | None = None
     """What waits for an answer to "save the edits?"."""
     after_saving: Callable[[], None] | None = None

@@ -22,6 +22,8 @@ class KeptSession:
     """Something has changed since, in a session that has a file."""
     leaving: Callable[[], None] | None = None
     """What waits for an answer to "save the changes?"."""
+    asks_new_case: bool = False
+    """Whether a question stands: notes and case summary are to begin anew."""
     after_saving: Callable[[], None] | None = None
     """What goes on once they are saved."""
     recoverable: Path | None = None

@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 from app.enhancement.clip_statistics import ClipStatistics, StatisticsRequest
 from app.enhancement.frame_enhancer import Pictures
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
 from app.files.legible import located
-from app.gui.actions import actions, arriving, clip_actions, path_actions, session_actions, summary_actions
+from app.gui.actions import (
+    actions,
+    arriving,
+    clip_actions,
+    path_actions,
+    second_actions,
+    session_actions,
+    summary_actions,
+)
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
@@ -128,13 +137,23 @@ def take_opened(state: AppState, request: OpenRequest, answer: Opened | Failure)
             session_actions.offer_to_find(state, answer.error)
     elif answer.views is not None:
         path_actions.add_views(state, answer.views, request.path)
-    else:
+    elif state.runs.reconstruction.is_alive and answer.model is not None and answer.session is None:
+        second_actions.show_instead(state, request.path, answer.model)
+    elif answer.report is not None:
         arriving.show_opened(state, request.path, answer)
-        clip_actions.keep_lens(state, request)
-        if answer.session is not None:
-            session_actions.restore(state, answer.session, answer.second)
-            summary_actions.restore(state, answer.session.summary, answer.pictures)
-            session_actions.taken_up(state, request.path)
+    else:
+        # What has been changed meanwhile, while one could go on with what was open.
+        session_actions.look_for_changes(state)
+        actions.leave_session(state, partial(_show_opened, state, request, answer))
+
+
+def _show_opened(state: AppState, request: OpenRequest, answer: Opened) -> None:
+    arriving.show_opened(state, request.path, answer)
+    clip_actions.keep_lens(state, request)
+    if answer.session is not None:
+        session_actions.restore(state, answer.session, answer.second)
+        summary_actions.restore(state, answer.session.summary, answer.pictures)
+        session_actions.taken_up(state, request.path)
 
 
 def take_other(side: Side, state: AppState, request: OtherRequest, answer: Other | Failure) -> None:

@@ -33,7 +33,7 @@ class Measurement:
     located: tuple[Located, ...] = ()
     time: float = 0.0
     of: str = ""
-    """Name of the reconstruction whose surface it is."""
+    """The reconstruction whose surface it is: `Scene.identity`."""
     closed: bool = False
     """The line ends where it began, and goes around an area."""
 

@@ -122,6 +122,11 @@ class Opened:
         return tuple(notice for notice in self.clip.notices if notice != self.warning)
 
     @property
+    def model(self) -> Scene | None:
+        """Of a file of splats, or of a run."""
+        return self.splats or (self.run.model if self.run is not None else None)
+
+    @property
     def content(self) -> Content:
         """Folders of images without depth count as stills."""
         if self.run is not None or self.clip is None:
@@ -258,7 +263,7 @@ def _open_session(path: Path, source: Path | None) -> Opened:
     if wanted is None or place is None:
         named = session.source or session.run
         if named is None:
-            raise UserError(f"expected a session of a clip or of a run, found neither in it: {path}")
+            return Opened(None, session=session, pictures=_pictures(session, path), warning=damage)
         old = named.place(path)
         places = f"at its old place {old.parent} or beside the session"
         raise SourceLost(f"expected {old.name} {places}, found neither: {path}", path, old)
@@ -270,9 +275,13 @@ def _open_session(path: Path, source: Path | None) -> Opened:
         notices = (*notices, f"{place.name} has changed since the session was saved")
     warning = damage or opened.warning
     second = session.second.found(path) if session.second else None
-    pictures = tuple(one.file.found(path) for one in session.summary.pictures)
-    opened = replace(opened, session=session, second=second, pictures=pictures, lost=lost)
+    opened = replace(opened, session=session, second=second, pictures=_pictures(session, path), lost=lost)
     return replace(opened, path=place, notices=notices, warning=warning)
+
+
+def _pictures(session: Session, path: Path) -> tuple[Path | None, ...]:
+    """Of its case summary: where they are now."""
+    return tuple(one.file.found(path) for one in session.summary.pictures)
 
 
 def _open_splats(scene: Scene) -> Opened:
@@ -316,7 +325,8 @@ def _model_of(folder: RunFolder, record: RunRecord, clip: Clip | None, said: Tra
     model = finished_scene(folder, record) if finished else last_checkpoint(folder, record, said)
     if model is not None and model.record.clip is not None:
         named = replace(model.record.clip, name=record.clip.name)
-        model = replace(model, record=replace(model.record, clip=named))
+        place = None if clip is None else clip.path
+        model = replace(model, record=replace(model.record, clip=named), clip_path=place)
     if model is not None and clip is not None and model.is_of(clip):
         # The same objects, so that comparing them is quick; it is done in every frame.
         model = replace(model, cameras=clip.cameras[model.start : model.start + len(model.cameras)])

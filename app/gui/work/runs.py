@@ -159,7 +159,8 @@ def run_model(request: ModelRequest) -> Iterator[Scene]:
     run = request.run
     folder = RunFolder(run.run_path)
     footage, part = _footage(folder, request)
-    yield run_scene(folder, request.model, footage, run.config, part, request.training)
+    scene = run_scene(folder, request.model, footage, run.config, part, request.training)
+    yield replace(scene, clip_path=run.clip_path)
 
 
 def _footage(folder: RunFolder, request: ModelRequest) -> tuple[Clip | RunRecord, ClipPart]:

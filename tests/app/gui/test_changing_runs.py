@@ -23,9 +23,11 @@ from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
 from app.runs.train_run import TrainRequest, run_training
 from assets import phantom_path
+from renderer.gaussians import DynamicGaussians
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from tests.app.gui.conftest import FakeJob
+from tests.app.gui.scenes import scene_of
 from tests.app.gui.test_window import Driver, is_settled, wait
 
 CONFIG = TrainConfig(iterations=2, n_gaussians=300)
@@ -67,6 +69,18 @@ def test_the_run_that_is_shown_is_looked_for_though_no_list_is_on_screen(listed:
     (listed.runs.found,) = RunFinder().find(listed.runs_request)
     assert listed.runs_request is None
     assert changing_runs.can_change_shown(listed)
+
+
+def test_a_run_whose_model_is_shown_while_another_starts_waits(
+    listed: AppState, model: DynamicGaussians
+) -> None:
+    one, two = run_of(listed, "one"), run_of(listed, "two")
+    assert listed.source.clip is not None
+    listed.scene.model = replace(scene_of(model, listed.source.clip.cameras), path=one.path)
+    assert changing_runs.why_not_change(listed, one) == ""
+    listed.runs.reconstruction.status = "starting"
+    assert "until the run in training" in changing_runs.why_not_change(listed, one)
+    assert changing_runs.why_not_change(listed, two) == ""
 
 
 def shown_list(state: AppState) -> list[str]:

@@ -154,6 +154,35 @@ def test_what_is_asked_for_while_a_selection_is_on_its_way_comes_after_it(splats
     assert 0 < len(splats.editing.edits.deleted) < 30
 
 
+def test_a_selection_asked_for_during_another_is_the_one_that_is_deleted(splats: AppState) -> None:
+    edit_actions.select_range(splats, "opacity", (0.0, 1.0))
+    edit_actions.select_range(splats, "depth", (0.0, 1e9))
+    edit_actions.select_range(splats, "depth", (1e8, 1e9))
+    edit_actions.delete(splats)
+    while splats.editing.wish is not None:
+        settle(splats)
+    assert splats.editing.edits == Edits.none(30)
+    drag(splats, (0, 0), (48, 80))
+    drag(splats, (48, 0), (96, 80), how="add")
+    edit_actions.undo(splats)
+    edit_actions.delete(splats)
+    while splats.editing.wish is not None:
+        settle(splats)
+    assert 0 < len(splats.editing.edits.deleted) < 30
+
+
+def test_what_follows_a_selection_that_fails_is_left_up_to_the_next(splats: AppState) -> None:
+    edit_actions.select_range(splats, "opacity", (0.0, 1.0))
+    edit_actions.delete(splats)
+    drag(splats, (0, 0), (48, 80))
+    edit_actions.delete(splats)
+    request = splats.editing.wish
+    assert request is not None
+    edit_actions.take_selected(splats, request, Failure(ValueError("broken")))
+    settle(splats)
+    assert 0 < len(splats.editing.edits.deleted) < 30
+
+
 def test_undo_outside_edit_mode_is_of_parameters(splats: AppState) -> None:
     drag(splats, (0, 0), (48, 80))
     settle(splats)

@@ -164,7 +164,7 @@ def test_measured_points_are_followed_through_the_clip(run: Exporter, runs: dict
     for point in points:
         assert point is not None
         x, y, z = point.point
-        measured = measured.with_point(Located((float(x), float(y), float(z))), time, model.name)
+        measured = measured.with_point(Located((float(x), float(y), float(z))), time, model.identity)
     state.scene.viewer = replace(state.scene.viewer, measurement=measured)
     path = exported(run, what)
     assert path.name == "original-tracks.csv"

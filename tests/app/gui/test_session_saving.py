@@ -100,6 +100,8 @@ def test_a_saved_session_is_among_recent_files_and_opens_from_there(
     first.act(state)
     for _ in range(4):
         turn(state, channels)
+    assert state.session.leaving is not None  # The new setting is in no file.
+    session_actions.answer(state, "discard")
     assert state.session.path == path
     assert state.enhancement.params != EnhanceParams(z=0.5)
 

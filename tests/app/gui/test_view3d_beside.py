@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -44,7 +45,7 @@ def test_what_was_measured_on_a_preview_goes_with_it(opened: AppState, model: Dy
     preview = opened.scene.model
     assert preview is not None
     viewer, point = opened.scene.viewer, Located((1.0, 2.0, 50.0))
-    viewer.measurement = Measurement().with_point(point, 0.0, preview.name)
+    viewer.measurement = Measurement().with_point(point, 0.0, preview.identity)
     job_actions.show_finished_model(opened, model)
     wish = opened.runs.model_wish
     assert wish is not None
@@ -68,13 +69,21 @@ def test_another_clip_than_the_open_one_is_named_and_keeps_its_own_time(
     assert opened.has_frames
     actions.seek(opened, 3)
     assert opened.time == pytest.approx(0.5)
-    other = replace(clip, name="another patient")
+    other = replace(clip, name="another patient", path=Path("another patient"))
     opened.source.clip = other
     assert opened.shows_other_clip
     assert not opened.has_frames
     assert opened.time == opened.scene.own_time == 0.0
     actions.seek_view(opened, 0.25)
     assert (opened.time, opened.timeline.frame_index) == (0.25, 3)
+    # Folders of two patients may have one name.
+    opened.source.clip = replace(clip, path=Path("patient 2") / clip.name)
+    opened.scene.model = replace(opened.scene.model, clip_path=Path("patient 1") / clip.name)
+    assert opened.shows_other_clip
+    assert not opened.has_frames
+    opened.scene.model = replace(opened.scene.model, clip_path=Path("patient 2").absolute() / clip.name)
+    assert opened.has_frames
+    opened.source.clip, opened.scene.model = other, replace(opened.scene.model, clip_path=None)
     opened.scene.size = (96, 80)
     assert view_tags(opened, StillViewport().show(opened))[0] == (
         f"OF ANOTHER CLIP · {clip.name}",
