@@ -347,7 +347,8 @@ def _next_click(measured: Measurement) -> str:
     count = len(measured.points)
     if count < 2 or measured.closed:
         return "click two points"
-    return "Shift+click: further" if count < LEAST_CORNERS else "Shift+click: further, on the first: area"
+    more = "Shift+click adds a point"
+    return more if count < LEAST_CORNERS else f"{more}, on the first one closes an area"
 
 
 def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:

@@ -210,7 +210,7 @@ def test_shift_goes_on_with_a_line_and_closes_it_on_its_first_point(
     ui.io.add_key_event(imgui.Key.mod_shift, True)
     click(480, 330)
     click(480, 370)
-    assert "on the first: area" in texts(view_tags(opened, StillViewport().show(opened)))
+    assert "closes an area" in texts(view_tags(opened, StillViewport().show(opened)))
     click(422, 331)
     measured, request = opened.scene.viewer.measurement, opened.view_request
     assert request is not None
