@@ -8,6 +8,7 @@ from app.report.section import Cell, Column, Plate, Section, Table
 from app.sweeps.plan import SweepRecord
 from app.sweeps.summary import HIGHER, SHOWN, Summary, said
 from app.sweeps.table import Row
+from renderer.readers.listing import listed
 
 MOST_ROWS = 5000
 """Of all jobs, on the page; the files beside it have all."""
@@ -41,13 +42,26 @@ def over_all(summary: Summary, measures: Sequence[str]) -> Table:
     rows = []
     for setting in summary.settings:
         spreads = [summary.spread(setting, name) for name in measures]
-        rows.append((said(setting), *_pairs((one.mean, one.deviation) for one in spreads)))
+        clips = max((one.count for one in spreads), default=0)
+        rows.append((said(setting), clips, *_pairs((one.mean, one.deviation) for one in spreads)))
     return Table(
         title="Means over clips",
-        columns=(Column("setting"), *_columns(measures)),
+        columns=(Column("setting"), Column("clips"), *_columns(measures)),
         rows=tuple(rows),
-        note="± is the standard deviation over clips of the means over seeds.",
+        note="± is the standard deviation over clips of the means over seeds." + _left_out(summary, measures),
     )
+
+
+def _left_out(summary: Summary, measures: Sequence[str]) -> str:
+    """A sentence on clips over which no mean is taken; empty where there are none."""
+    without: dict[tuple[str, ...], list[str]] = {}
+    for name in measures:
+        compared = set(summary.compared_clips(name))
+        left = tuple(clip for clip in summary.measured_clips(name) if clip not in compared)
+        if left:
+            without.setdefault(left, []).append(name)
+    told = "; ".join(f"{listed(names)} without {listed(clips)}" for clips, names in without.items())
+    return f" Means are over the clips of which every setting has the measure: {told}." if told else ""
 
 
 def by_clip(summary: Summary, measures: Sequence[str]) -> Table:
@@ -99,16 +113,23 @@ def differences(summary: Summary, measures: Sequence[str]) -> Iterator[Table]:
 
 
 def best(summary: Summary, measures: Sequence[str], clips: Sequence[str] = ()) -> Table:
-    """By measure, over all clips and for each of these."""
+    """By measure, over the compared clips and for each of these."""
     rows = []
     for name in measures:
+        compared, measured = len(summary.compared_clips(name)), len(summary.measured_clips(name))
+        together = "all clips" if compared == measured else f"{compared} of {measured} clips"
         for clip in (None, *clips):
             setting = summary.best(name, clip)
             if setting is not None:
                 mean = summary.spread(setting, name, clip).mean
-                rows.append((name, clip or "all clips", said(setting), mean))
+                rows.append((name, clip or together, said(setting), mean))
     columns = (Column("measure"), Column("clip"), Column("best setting"), Column("mean"))
-    return Table(title="Best setting by measure", columns=columns, rows=tuple(rows))
+    return Table(
+        title="Best setting by measure",
+        columns=columns,
+        rows=tuple(rows),
+        note=_left_out(summary, measures).strip(),
+    )
 
 
 def all_jobs(summary: Summary) -> Table:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from statistics import NormalDist, fmean, median, stdev
 from typing import Final
 
@@ -109,11 +110,21 @@ class Summary:
     def setting(self, row: Row) -> Setting:
         return tuple((name, row.settings.get(name)) for name in self.varied if name in row.settings)
 
+    def measured_clips(self, measure: str) -> tuple[str, ...]:
+        """Those of which some setting has the measure."""
+        measured = set[str]().union(*self._clips_by_setting(measure))
+        return tuple(clip for clip in self.clips if clip in measured)
+
+    def compared_clips(self, measure: str) -> tuple[str, ...]:
+        """Those of which all settings have the measure, but for settings that never have it: what fails on
+        hard clips would otherwise look better than what does not."""
+        return self._compared.get(measure, ())
+
     def spread(self, setting: Setting, measure: str, clip: str | None = None) -> Spread:
-        """Over seeds, of one clip; over clips of the means over seeds, of all."""
+        """Over seeds, of one clip; over the compared clips of the means over seeds, of all."""
         if clip is not None:
-            return Spread.of(self._values(setting, measure, lambda row: row.clip == clip))
-        means = [self.spread(setting, measure, one) for one in self.clips]
+            return Spread.of(self._values(setting, measure, clip))
+        means = [self.spread(setting, measure, one) for one in self.compared_clips(measure)]
         return Spread.of([one.mean for one in means if one.count])
 
     def difference(self, setting: Setting, base: Setting, measure: str) -> Difference:
@@ -122,17 +133,18 @@ class Summary:
         return Difference.of([ours[pair] - theirs[pair] for pair in ours if pair in theirs])
 
     def best(self, measure: str, clip: str | None = None) -> Setting | None:
-        """None: nothing was measured."""
+        """Of one clip, or over the compared clips; None: nothing was measured there."""
         sign = -1 if measure in HIGHER else 1
         means = {setting: self.spread(setting, measure, clip).mean for setting in self.settings}
         known = {setting: mean for setting, mean in means.items() if not math.isnan(mean)}
         return min(known, key=lambda setting: sign * known[setting]) if known else None
 
     def diagram(self, measure: str) -> Diagram:
-        """Every setting by its median seconds, since a worker's first job loads kernels, and mean measure."""
-        points = []
+        """Every setting by its median seconds, since a worker's first job loads kernels, and mean measure;
+        both over the compared clips."""
+        points, clips = [], self.compared_clips(measure)
         for setting in self.settings:
-            times = [row.costs["seconds"] for row in self._of(setting)]
+            times = [row.costs["seconds"] for clip in clips for row in self._jobs.get((setting, clip), ())]
             seconds = median([float(one) for one in times if isinstance(one, int | float)] or [math.nan])
             mean = self.spread(setting, measure).mean
             if not math.isnan(seconds + mean):
@@ -141,17 +153,38 @@ class Summary:
         words = measure.replace("_", " ")
         return Diagram(measure=words, points=tuple(points), more_is_better=measure in HIGHER)
 
-    def _of(self, setting: Setting) -> list[Row]:
-        return [row for row in self.rows if self.setting(row) == setting]
+    @cached_property
+    def _jobs(self) -> Mapping[tuple[Setting, str], Sequence[Row]]:
+        """By setting and clip: those of several seeds."""
+        found: dict[tuple[Setting, str], list[Row]] = {}
+        for row in self.rows:
+            found.setdefault((self.setting(row), row.clip), []).append(row)
+        return found
 
-    def _values(self, setting: Setting, measure: str, wanted: Callable[[Row], bool]) -> list[float]:
-        values = (row.measures.get(measure) for row in self._of(setting) if wanted(row))
+    @cached_property
+    def _compared(self) -> Mapping[str, tuple[str, ...]]:
+        """By measure."""
+        found = {}
+        for measure in self.measures:
+            common = set(self.clips).intersection(*filter(None, self._clips_by_setting(measure)))
+            found[measure] = tuple(clip for clip in self.clips if clip in common)
+        return found
+
+    def _clips_by_setting(self, measure: str) -> list[set[str]]:
+        """Those of which a setting has the measure, of each setting."""
+        return [
+            {clip for clip in self.clips if self._values(setting, measure, clip)} for setting in self.settings
+        ]
+
+    def _values(self, setting: Setting, measure: str, clip: str) -> list[float]:
+        values = (row.measures.get(measure) for row in self._jobs.get((setting, clip), ()))
         return [value for value in values if value is not None]
 
     def _paired(self, setting: Setting, measure: str) -> dict[tuple[str, Value], float]:
         pairs = {
             (row.clip_sha256, row.settings.get("seed")): row.measures.get(measure)
-            for row in self._of(setting)
+            for row in self.rows
+            if self.setting(row) == setting
         }
         return {pair: value for pair, value in pairs.items() if value is not None}
 

@@ -44,7 +44,10 @@ A, B = (("method", "a"),), (("method", "b"),)
 def test_spread_over_seeds_and_over_clips(summary: Summary) -> None:
     assert summary.settings == (A, B)
     assert summary.spread(A, "psnr", "x") == Spread(2, 31.0, pytest.approx(math.sqrt(2)))
-    assert summary.spread(A, "psnr") == Spread(2, 25.5, pytest.approx(11 / math.sqrt(2)))
+    assert summary.spread(A, "bv", "x") == Spread(2, 2.0, pytest.approx(math.sqrt(2)))
+    assert summary.spread(A, "bv") == Spread(2, 3.5, pytest.approx(3 / math.sqrt(2)))
+    # Of y, b has no PSNR.
+    assert summary.spread(A, "psnr") == Spread(1, 31.0, pytest.approx(math.nan, nan_ok=True))
     assert summary.spread(B, "psnr").count == 1
 
 
@@ -67,7 +70,7 @@ def test_the_best_setting_is_the_largest_or_the_smallest_as_the_measure_means(su
 
 def test_the_diagram_has_a_point_a_setting(summary: Summary) -> None:
     points = {point.setting: (point.seconds, point.error) for point in summary.diagram("psnr").points}
-    assert points == {"method a": (2.0, 25.5), "method b": (3.0, 32.5)}
+    assert points == {"method a": (2.0, 31.0), "method b": (3.0, 32.5)}
     assert summary.diagram("psnr").more_is_better
     assert not summary.diagram("bv").more_is_better
 
@@ -97,5 +100,12 @@ def test_every_column_has_a_name_of_its_own(summary: Summary) -> None:
     for table in tables:
         names = [column.name for column in table.columns]
         assert len(set(names)) == len(names)
-    assert [column.name for column in tables[0].columns] == ["setting", "psnr", "psnr ±", "bv", "bv ±"]
+    assert [column.name for column in tables[0].columns] == [
+        "setting",
+        "clips",
+        "psnr",
+        "psnr ±",
+        "bv",
+        "bv ±",
+    ]
     assert [column.name for column in tables[2].columns][4:6] == ["difference from", "difference to"]
