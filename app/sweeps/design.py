@@ -10,6 +10,8 @@ from annotated_types import Interval, Len
 from pydantic import ConfigDict, Field, model_validator
 from pydantic.dataclasses import dataclass
 
+from app.sweeps.names import BY_NAME
+
 CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
 
@@ -47,7 +49,7 @@ class Sample:
     """Points in the box of all ranges."""
 
     count: Annotated[int, Interval(ge=1, le=100_000)]
-    ranges: Annotated[dict[str, Range], Len(1, 100)]
+    ranges: Annotated[dict[str, Range], Len(1, 100), BY_NAME]
     design: Literal["random", "latin hypercube"] = "latin hypercube"
     """A Latin hypercube has one point in each of `count` equal parts of every range (McKay et al. 1979)."""
     seed: Annotated[int, Interval(ge=0, le=2**31 - 1)] = 0

@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import AfterValidator, ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as checked_dataclass
 
 from app.console.progress import progress
@@ -17,6 +17,7 @@ from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import digest, provenance, strict_json
 from app.sweeps.folder import SWEEP, is_sweep
 from app.sweeps.jobs import Job, JobFolder
+from app.sweeps.names import names_of
 from app.sweeps.settings import TaskName
 from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for
 from renderer.json_files import read_text
@@ -40,7 +41,7 @@ class SweepRecord:
     """What a sweep's folder says of it."""
 
     task: TaskName
-    varied: tuple[str, ...]
+    varied: Annotated[tuple[str, ...], AfterValidator(names_of)]
     jobs: tuple[str, ...]
     """Keys, in the order of the spec."""
 

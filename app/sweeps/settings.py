@@ -73,10 +73,9 @@ Settings = Enhancing | Training | Meshing
 
 def settings_of(task: TaskName, given: Mapping[str, Any]) -> Settings:
     """Raises UserError: a name that the task does not know, or a value out of its range."""
-    clean = {name.replace("-", "_"): value for name, value in given.items()}
     if task == "enhance":
-        return _enhancing(clean)
-    return _meshing(clean) if task == "mesh" else _training(clean)
+        return _enhancing(dict(given))
+    return _meshing(dict(given)) if task == "mesh" else _training(dict(given))
 
 
 def _meshing(given: dict[str, Any]) -> Meshing:

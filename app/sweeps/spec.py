@@ -17,6 +17,7 @@ from app.console.flags import problem
 from app.errors import UserError
 from app.files.image_files import is_image
 from app.sweeps.design import Sample
+from app.sweeps.names import BY_NAME
 from app.sweeps.settings import Settings, TaskName, settings_of
 from renderer.readers.pictures import VIDEOS
 from renderer.regular_files import read_whole
@@ -51,11 +52,13 @@ class Spec:
     task: TaskName
     """enhance: enhance images and measure them; train: reconstruct, and evaluate on held-out frames; mesh:
     both, and the tissue surface as a file."""
-    settings: dict[str, Value] = field(default_factory=dict)
-    """Of all jobs, named as the flags of the command."""
-    variants: Annotated[list[dict[str, Value]], Len(0, 1000)] = field(default_factory=list)
+    settings: Annotated[dict[str, Value], BY_NAME] = field(default_factory=dict)
+    """Of all jobs, named as the flags of the command, here as everywhere with - or _ between words."""
+    variants: Annotated[list[Annotated[dict[str, Value], BY_NAME]], Len(0, 1000)] = field(
+        default_factory=list
+    )
     """Settings that belong together, such as a method and its own ones."""
-    grid: dict[str, Values] = field(default_factory=dict)
+    grid: Annotated[dict[str, Values], BY_NAME] = field(default_factory=dict)
     """Settings and the values of each: every combination is tried."""
     sample: Sample | None = None
     """Points drawn from ranges of settings."""

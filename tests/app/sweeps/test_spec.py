@@ -34,6 +34,22 @@ def test_every_variant_meets_every_point_of_the_grid_and_every_seed() -> None:
     assert asked.varied == ("method", "smoothing", "iterations", "node_columns")
 
 
+def test_settings_may_be_written_as_their_flags_are() -> None:
+    for first, second, third, fourth in (
+        ("n-gaussians", "node-columns", "depth-weight", "mean-rate"),
+        ("n_gaussians", "node_columns", "depth_weight", "mean_rate"),
+    ):
+        asked = spec(
+            task="train",
+            settings={fourth: 0.5},
+            variants=[{third: 0.5}],
+            grid={first: [8000, 30000]},
+            sample={"count": 2, "ranges": {second: {"from": 5, "to": 9, "whole": True}}},
+        )
+        assert asked.varied == ("depth_weight", "n_gaussians", "node_columns")
+        assert [one.told()["n_gaussians"] for one in all_settings(asked)] == [8000, 8000, 30000, 30000]
+
+
 def test_combinations_that_say_the_same_are_one_job() -> None:
     assert len(all_settings(spec(grid={"z": ["auto", 0.5, 0.5]}))) == 2
 
@@ -52,6 +68,9 @@ def test_combinations_that_say_the_same_are_one_job() -> None:
         ({"settings": {"method": "clahe", "z": 0.2}}, "method clahe: expected settings among method, pixels"),
         ({"settings": {"method": "best"}}, "method: expected one of paper, vessel"),
         ({"settings": {"z": 0.1}, "grid": {"z": [0.2]}}, "expected each setting in one place, got z in two"),
+        ({"settings": {"d-factor": 1}, "grid": {"d_factor": [2]}}, "in one place, got d_factor in two"),
+        ({"grid": {"d-factor": [1.0], "d_factor": [2.0]}}, "grid: expected d_factor once, got {'d-f"),
+        ({"variants": [{"d-factor": 1.0, "d_factor": 2.0}]}, "variants.0: expected d_factor once"),
         ({"seeds": [1]}, "seeds: expected none"),
         ({"task": "train", "settings": {"preset": "vessel"}}, "preset: has no effect"),
         ({"task": "train", "seeds": [1], "settings": {"seed": 2}}, "got seed in two"),

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import math
+from pathlib import Path
 
 import pytest
 
+from app.sweeps.plan import read_sweep
 from app.sweeps.sections import by_clip, differences, over_all
 from app.sweeps.summary import Difference, Spread, Summary, quantile, said
 from app.sweeps.table import Row
@@ -109,3 +112,9 @@ def test_every_column_has_a_name_of_its_own(summary: Summary) -> None:
         "bv ±",
     ]
     assert [column.name for column in tables[2].columns][4:6] == ["difference from", "difference to"]
+
+
+def test_a_record_of_before_with_names_as_flags_have_them_tells_settings_apart(tmp_path: Path) -> None:
+    written = {"task": "train", "varied": ["n-gaussians"], "jobs": ["1"]}
+    (tmp_path / "sweep.json").write_text(json.dumps(written))
+    assert read_sweep(tmp_path).varied == ("n_gaussians",)
