@@ -8,7 +8,7 @@ from app.report.section import Cell, Column, Plate, Section, Table
 from app.sweeps.plan import SweepRecord
 from app.sweeps.summary import HIGHER, SHOWN, Summary, said
 from app.sweeps.table import Row
-from renderer.readers.listing import listed
+from renderer.readers.listing import count, listed
 
 MOST_ROWS = 5000
 """Of all jobs, on the page; the files beside it have all."""
@@ -70,10 +70,10 @@ def by_clip(summary: Summary, measures: Sequence[str]) -> Table:
     for clip in summary.clips:
         for setting in summary.settings:
             spreads = [summary.spread(setting, name, clip) for name in measures]
-            count = max((one.count for one in spreads), default=0)
-            if count:
+            seeds = max((one.count for one in spreads), default=0)
+            if seeds:
                 numbers = _pairs((one.mean, one.deviation) for one in spreads)
-                rows.append((clip, said(setting), count, *numbers))
+                rows.append((clip, said(setting), seeds, *numbers))
     return Table(
         title="Means over seeds",
         columns=(Column("clip"), Column("setting"), Column("seeds"), *_columns(measures)),
@@ -94,11 +94,12 @@ def differences(summary: Summary, measures: Sequence[str]) -> Iterator[Table]:
             if found.spread.count:
                 low, high = (found.spread.mean + sign * found.half_width for sign in (-1, 1))
                 clear = "yes" if found.is_clear else "no"
-                rows.append((said(setting), name, found.spread.count, found.spread.mean, low, high, clear))
+                over = count(found.spread.count, found.over)
+                rows.append((said(setting), name, over, found.spread.mean, low, high, clear))
     names = (
         "setting",
         "measure",
-        "pairs",
+        "over",
         "difference",
         "difference from",
         "difference to",
@@ -108,7 +109,8 @@ def differences(summary: Summary, measures: Sequence[str]) -> Iterator[Table]:
         title=f"Differences from {said(base)}",
         columns=tuple(map(Column, names)),
         rows=tuple(rows),
-        note="Of jobs of the same clip and seed; the interval of 95 % for the mean, by Student's t.",
+        note="Of jobs of the same clip and seed; the interval of 95 % for the mean, by Student's t, is over "
+        "clips, of their means over seeds. That over seeds is of one clip and says nothing of others.",
     )
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from statistics import NormalDist, fmean, median, stdev
-from typing import Final
+from typing import Final, Literal
 
 from app.report.diagrams import Diagram, Point
 from app.sweeps.settings import TaskName
@@ -56,8 +56,10 @@ class Difference:
     """Of a measure between two settings, over jobs of the same clip and seed."""
 
     spread: Spread
+    """Over clips, of the means over seeds; over seeds, where there is one clip."""
     half_width: float
-    """Of the interval of 95 % for the mean, by Student's t; NaN of one pair."""
+    """Of the interval of 95 % for the mean, by Student's t; NaN of one clip with one seed."""
+    over: Literal["clip", "seed"] = "clip"
 
     @property
     def is_clear(self) -> bool:
@@ -65,11 +67,19 @@ class Difference:
         return abs(self.spread.mean) > self.half_width
 
     @classmethod
-    def of(cls, values: Sequence[float]) -> Difference:
-        spread = Spread.of(values)
-        if spread.count < 2:
-            return cls(spread, math.nan)
-        return cls(spread, quantile(spread.count - 1) * spread.deviation / math.sqrt(spread.count))
+    def of(cls, by_clip: Sequence[Sequence[float]]) -> Difference:
+        """`by_clip`: of each clip, the differences of its seeds, one or more. Seeds of one clip are no
+        further clips: they say how it varies on that clip alone."""
+        if len(by_clip) == 1 and len(by_clip[0]) > 1:
+            return cls(*_with_interval(by_clip[0]), "seed")
+        return cls(*_with_interval([fmean(seeds) for seeds in by_clip]))
+
+
+def _with_interval(values: Sequence[float]) -> tuple[Spread, float]:
+    spread = Spread.of(values)
+    if spread.count < 2:
+        return spread, math.nan
+    return spread, quantile(spread.count - 1) * spread.deviation / math.sqrt(spread.count)
 
 
 def quantile(freedom: int) -> float:
@@ -130,7 +140,10 @@ class Summary:
     def difference(self, setting: Setting, base: Setting, measure: str) -> Difference:
         """What `setting` has more than `base`."""
         ours, theirs = self._paired(setting, measure), self._paired(base, measure)
-        return Difference.of([ours[pair] - theirs[pair] for pair in ours if pair in theirs])
+        by_clip: dict[str, list[float]] = {}
+        for clip, seed in ours.keys() & theirs.keys():
+            by_clip.setdefault(clip, []).append(ours[clip, seed] - theirs[clip, seed])
+        return Difference.of(list(by_clip.values()))
 
     def best(self, measure: str, clip: str | None = None) -> Setting | None:
         """Of one clip, or over the compared clips; None: nothing was measured there."""

@@ -6,6 +6,7 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from app.sweeps.plan import read_sweep
@@ -61,6 +62,11 @@ def test_differences_are_of_the_same_clip_and_seed(summary: Summary) -> None:
     # Two pairs, 1 and 2: t(1) * s / sqrt(2) = 12.706 * 0.7071 / 1.4142.
     assert found.half_width == pytest.approx(12.706 / 2)
     assert not found.is_clear
+    assert found.over == "seed"
+    assert summary.difference(B, A, "bv").over == "clip"
+    (table,) = differences(summary, ["psnr", "bv"])
+    # BV: of x, 0 and -1; of y, -4.
+    assert [row[1:4] for row in table.rows] == [("psnr", "2 seeds", 1.5), ("bv", "2 clips", -2.25)]
 
 
 def test_the_best_setting_is_the_largest_or_the_smallest_as_the_measure_means(summary: Summary) -> None:
@@ -87,10 +93,29 @@ def test_quantiles_of_students_t(freedom: int, value: float) -> None:
 
 
 def test_equal_values_differ_clearly_from_zero_unless_they_are_zero() -> None:
-    assert Difference.of([1.0, 1.0, 1.0]).is_clear
-    assert not Difference.of([0.0, 0.0]).is_clear
-    assert not Difference.of([5.0]).is_clear
+    assert Difference.of([[1.0, 1.0, 1.0]]).is_clear
+    assert Difference.of([[1.0], [1.0], [1.0]]).is_clear
+    assert not Difference.of([[0.0, 0.0]]).is_clear
+    assert not Difference.of([[5.0]]).is_clear
     assert Difference.of([]).spread.count == 0
+
+
+def test_seeds_of_a_clip_are_no_further_clips() -> None:
+    # Means over seeds: 2, 4 and 0; t(2) * s / sqrt(3) = 4.303 * 2 / 1.732.
+    found = Difference.of([[1.9, 2.0, 2.1], [4.0, 4.0], [0.0]])
+    assert (found.over, found.spread.count, found.spread.mean) == ("clip", 3, pytest.approx(2.0))
+    assert found.half_width == pytest.approx(4.303 * 2 / math.sqrt(3))
+    assert not found.is_clear
+    again = Difference.of([[1.9, 2.0, 2.1] * 10, [4.0] * 20, [0.0] * 30])
+    assert again.half_width == pytest.approx(found.half_width)
+
+
+def test_differences_without_an_effect_are_clear_in_five_of_a_hundred_sweeps() -> None:
+    """Each clip favours one or the other of two methods, on average neither; seeds vary little."""
+    random = np.random.default_rng(0)
+    effects = random.normal(0, 1.0, (2000, 4, 1)) + random.normal(0, 0.05, (2000, 4, 3))
+    share = np.mean([Difference.of(sweep.tolist()).is_clear for sweep in effects])
+    assert 0.035 < share < 0.065
 
 
 def test_what_is_left_to_the_program_is_auto() -> None:
