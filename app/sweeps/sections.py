@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from app.report.section import Cell, Column, Plate, Section, Table
 from app.sweeps.plan import SweepRecord
 from app.sweeps.summary import HIGHER, SHOWN, Summary, said
-from app.sweeps.table import Row
+from app.sweeps.table import Row, column_of
 from renderer.readers.listing import count, listed
 
 MOST_ROWS = 5000
@@ -146,7 +146,8 @@ def all_jobs(summary: Summary) -> Table:
         )
         for row in summary.rows[:MOST_ROWS]
     ]
-    columns = (Column("clip"), *map(Column, shown), *map(Column, summary.measures), Column("seconds"))
+    measures = [column_of(name, shown) for name in summary.measures]
+    columns = (Column("clip"), *map(Column, shown), *map(Column, measures), Column("seconds"))
     cut = f"The first {MOST_ROWS}; " if len(summary.rows) > MOST_ROWS else ""
     return Table(
         title="Finished jobs", columns=columns, rows=tuple(rows), note=f"{cut}table.csv has every setting."

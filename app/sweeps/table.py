@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -38,9 +38,15 @@ class Row:
     costs: dict[str, Value]
 
     def flat(self) -> dict[str, Value]:
-        """One value a column. A setting and a measure of one name cannot be."""
+        """One value a column."""
         head: dict[str, Value] = {name: getattr(self, name) for name in HEAD}
-        return head | self.settings | self.measures | self.costs
+        measures = {column_of(name, self.settings): value for name, value in self.measures.items()}
+        return head | self.settings | measures | self.costs
+
+
+def column_of(measure: str, settings: Collection[str]) -> str:
+    """What a measure is called beside settings: n_gaussians is asked for, and measured."""
+    return f"measured_{measure}" if measure in settings else measure
 
 
 def rows(record: SweepRecord, folder: Path) -> list[Row]:

@@ -19,7 +19,7 @@ from app.runs.run_folder import RunFolder
 from app.sweeps.jobs import PICTURE, RUN, JobFolder
 from app.sweeps.settings import Enhancing, TaskName, settings_of
 from app.sweeps.summary import SHOWN, Summary, drawn_as, said
-from app.sweeps.table import Row
+from app.sweeps.table import Row, column_of
 from renderer.clip import ByteImage
 
 SECONDS: Final = "seconds"
@@ -99,7 +99,7 @@ def _job(summary: Summary, row: Row, folder: Path, order: Sequence[str]) -> Swep
     setting, seed = summary.setting(row), row.settings.get("seed")
     words = said(setting) if seed is None else f"{said(setting)}, seed {seed}"
     chosen = {name: value for name, value in setting if _is_number(value)}
-    measures = {name: row.measures.get(name) for name in order}
+    measures = {column_of(name, chosen): row.measures.get(name) for name in order}
     values = {**measures, SECONDS: row.costs.get(SECONDS), **chosen}
     place = JobFolder.of(folder, row.job)
     run = place.path / RUN

@@ -67,6 +67,20 @@ def test_the_folder_and_its_file_open_as_jobs_and_tables(state: AppState, folder
         assert np.isnan(sweep.places("method clahe", "seconds", "bv")[1]).all()
 
 
+def test_a_setting_and_a_measure_of_one_name_are_two_axes(state: AppState, tmp_path: Path) -> None:
+    given = {"clips": ["a"], "task": "train", "grid": {"n_gaussians": [8000, 30000]}}
+    spec = spec_of(given, tmp_path / "sweep.toml")
+    jobs = tuple(Job("train", "a", "5" * 64, one, 8) for one in all_settings(spec))
+    recorded(Plan(spec, jobs, {}), tmp_path / "out")
+    for job, count in zip(jobs, (7312.0, 21544.0), strict=True):
+        kept = JobFolder.of(tmp_path / "out", job.key)
+        kept.finish(job, {"measures": {"psnr": 30.0, "n_gaussians": count}, "seconds": 1.0})
+    sweep = opened(state, tmp_path / "out")
+    (series,) = sweep.series
+    across, up = sweep.places(series, "n_gaussians", "measured_n_gaussians")
+    assert (across.tolist(), up.tolist()) == ([8000, 30000], [7312, 21544])
+
+
 def test_settings_of_a_job_are_those_that_it_was_done_with(state: AppState, folder: Path) -> None:
     first, second = opened(state, folder).jobs
     assert first.params == VesselParams(strength=1.5)

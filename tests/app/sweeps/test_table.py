@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
+from app.enhancement.parameter_grid import Measures
+from app.evaluation.evaluate import FrameMeasures
 from app.sweeps.page import sweep_page
 from app.sweeps.plan import SweepRecord
-from app.sweeps.table import Row, write_tables
+from app.sweeps.sections import all_jobs
+from app.sweeps.settings import TaskName, settings_of
+from app.sweeps.summary import Summary
+from app.sweeps.table import COSTS, HEAD, Row, column_of, write_tables
 
 TABLE = (
     Row(
@@ -45,6 +51,32 @@ def test_parquet_has_the_same_columns(tmp_path: Path) -> None:
     assert [one["z"] for one in read] == [None, 0.5]
     assert [one["on"] for one in read] == [True, False]
     assert read[1]["state"] == "failed"
+
+
+def test_what_was_asked_for_stands_beside_what_was_measured(tmp_path: Path) -> None:
+    asked, measured = {"n_gaussians": 8000, "vertices": 900}, {"n_gaussians": 7312.0, "vertices": 871.0}
+    table = (
+        Row("1", "x", "h", "finished", "", dict(asked), dict(measured), {"seconds": 2.0}),
+        Row("2", "x", "h", "failed", "why", dict(asked), {}, {}),
+    )
+    write_tables(table, tmp_path)
+    first, second = csv.DictReader((tmp_path / "table.csv").read_text().splitlines())
+    assert (first["n_gaussians"], first["vertices"]) == (second["n_gaussians"], second["vertices"])
+    assert (first["n_gaussians"], first["measured_n_gaussians"]) == ("8000", "7312.0")
+    assert (first["vertices"], first["measured_vertices"]) == ("900", "871.0")
+    jobs = all_jobs(Summary.of(table, ["n_gaussians"]))
+    named = dict(zip([column.name for column in jobs.columns], jobs.rows[0], strict=True))
+    assert (named["n_gaussians"], named["measured_n_gaussians"], named["vertices"]) == (8000, 7312.0, 871.0)
+
+
+def test_no_setting_or_measure_has_the_name_of_another_column() -> None:
+    tasks: tuple[TaskName, ...] = ("enhance", "train", "mesh")
+    settings = {name for task in tasks for name in settings_of(task, {}).told()}
+    settings |= set(settings_of("enhance", {"method": "vessel"}).told())
+    measures = {field.name for kind in (Measures, FrameMeasures) for field in fields(kind)}
+    measures |= {"images", "n_gaussians", "train_seconds", "wall_seconds", "vertices", "triangles", "bytes"}
+    assert not (settings | measures) & {*HEAD, *COSTS}
+    assert not {column_of(name, settings) for name in measures} & settings
 
 
 def test_the_page_names_what_failed_and_escapes_names() -> None:
