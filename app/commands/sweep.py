@@ -19,6 +19,7 @@ from app.report.section import Table as Measured
 from app.report.section import said
 from app.sweeps.engines.opening import open_engine
 from app.sweeps.jobs import JobFolder
+from app.sweeps.keeping import not_kept, to_render
 from app.sweeps.page import sweep_page
 from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
 from app.sweeps.sections import best, differences, over_all
@@ -87,7 +88,8 @@ def run(flags: argparse.Namespace) -> None:
 
 
 def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: bool) -> list[Row]:
-    """Run what is left, then write the tables and the page; the rows of the tables.
+    """Run what is left, then write the tables and the page; the rows of the tables. What finished jobs lack
+    of what is asked for is a line on stderr.
 
     Raises:
         UserError: another process runs a sweep there, or the engine is gone.
@@ -105,6 +107,8 @@ def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: 
             raise KeyboardInterrupt(f"interrupted; {done}, the same command resumes") from interrupt
         finally:
             table = write_summary(folder)
+        for sentence in not_kept(plan, folder):
+            sys.stderr.write(f"{sentence}\n")
     return table
 
 
@@ -123,7 +127,7 @@ def require_all_done(plan: Plan, folder: Path) -> None:
 
 
 def _run(plan: Plan, folder: Path, on: str, workers: int | None) -> None:
-    if not state(plan.jobs, folder).left:
+    if not state(plan.jobs, folder).left and not to_render(plan, folder):
         return
     spec = plan.spec
     with (

@@ -71,6 +71,13 @@ class Meshing:
 Settings = Enhancing | Training | Meshing
 
 
+def training_of(settings: Settings) -> Training | None:
+    """Also of a surface; None of what is enhanced."""
+    if isinstance(settings, Meshing):
+        return settings.training
+    return settings if isinstance(settings, Training) else None
+
+
 def settings_of(task: TaskName, given: Mapping[str, Any]) -> Settings:
     """Raises UserError: a name that the task does not know, or a value out of its range."""
     if task == "enhance":

@@ -14,6 +14,7 @@ from app.files.atomic import write_bytes
 from app.sweeps.clip_transfer import packed
 from app.sweeps.engines.engine import Engine
 from app.sweeps.jobs import PICTURE, JobFolder, Keeps
+from app.sweeps.keeping import to_render
 from app.sweeps.plan import Plan
 from app.sweeps.worker import Order, Outcome, carry_out_order, made_known
 
@@ -36,8 +37,8 @@ def run_jobs(
     report: Report,
     carry_out: Callable[[Order], Outcome] = carry_out_order,
 ) -> None:
-    """Do what is neither done nor failed; `folder` is recorded. `carry_out`: a function of a module, since
-    it is sent to the workers.
+    """Do what is neither done nor failed, and draw the renders that finished jobs lack; `folder` is recorded.
+    `carry_out`: a function of a module, since it is sent to the workers.
 
     Raises:
         UserError: the engine is gone; finished jobs are kept.
@@ -45,10 +46,11 @@ def run_jobs(
     token, keeps = made_known(folder), Keeps(plan.spec.models, plan.spec.renders)
     places = {job.key: JobFolder.of(folder, job.key) for job in plan.jobs}
     states = {key: place.state for key, place in places.items()}
+    rendered = {job.key for job in to_render(plan, folder)}
     waiting = deque(
-        Order(job, plan.clip_of(job), folder.absolute(), token, plan.spec.threads, keeps)
+        Order(job, plan.clip_of(job), folder.absolute(), token, plan.spec.threads, keeps, job.key in rendered)
         for job in plan.jobs
-        if states[job.key] == "left"
+        if states[job.key] == "left" or job.key in rendered
     )
     done, failed = len(plan.jobs) - len(waiting), sum(one == "failed" for one in states.values())
     running: dict[Future[Outcome], Order] = {}

@@ -14,6 +14,7 @@ from app.enhancement.parameter_grid import Measures, measured
 from app.enhancement.records import EnhancedPicture
 from app.evaluation.evaluate import Evaluation, FrameMeasures, open_evaluation
 from app.evaluation.mean import mean_of_finite
+from app.files.atomic import filled
 from app.files.image_files import write_image
 from app.files.image_series import open_series
 from app.files.provenance import provenance, write_png
@@ -47,6 +48,15 @@ def carry_out(job: Job, clip: Path, folder: Path, keeps: Keeps) -> Numbers:
         measures |= mesh_measures(folder / RUN, folder / SURFACE, meshing)
     _clear(folder / RUN, keeps)
     return measures
+
+
+def render_again(folder: Path) -> None:
+    """All held-out frames, of the finished training in the folder of a job.
+
+    Raises:
+        UserError, ClipError, OSError: its model or its clip is gone or has changed.
+    """
+    _write_renders(open_evaluation(folder / RUN), folder)
 
 
 def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Numbers:
@@ -101,8 +111,8 @@ def _train(wanted: Training, clip: Path, folder: Path, keeps: Keeps) -> Numbers:
     report = evaluation.report(frames)
     middle = evaluation.indices[len(evaluation.indices) // 2]
     _write_render(evaluation, middle, folder / PICTURE)
-    for index in evaluation.indices if keeps.renders else ():
-        _write_render(evaluation, index, folder / RENDERS / f"frame-{index:06d}.png")
+    if keeps.renders:
+        _write_renders(evaluation, folder)
     return {name: _finite(value) for name, value in report["mean"].items()}
 
 
@@ -123,6 +133,13 @@ def _clear(run: Path, keeps: Keeps) -> None:
     """Checkpoints are three times as large as the model."""
     for path in (*checkpoint_paths(run), *(() if keeps.model else (RunFolder(run).model_path,))):
         path.unlink()
+
+
+def _write_renders(evaluation: Evaluation, folder: Path) -> None:
+    """All or none."""
+    with filled(folder / RENDERS) as renders:
+        for index in evaluation.indices:
+            _write_render(evaluation, index, renders / f"frame-{index:06d}.png")
 
 
 def _write_render(evaluation: Evaluation, index: int, path: Path) -> None:

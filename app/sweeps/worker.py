@@ -40,6 +40,8 @@ class Order:
     token: str
     threads: int
     keeps: Keeps
+    renders_again: bool = False
+    """The job is finished, but for the renders of its held-out frames."""
     content: bytes | None = None
     """Of the clip, where the worker cannot see it; see `clip_transfer`."""
 
@@ -67,14 +69,21 @@ def carry_out_order(order: Order) -> Outcome:
     """Do a job unless it is done; never raises but for what ends the process."""
     key = order.job.key
     shared = JobFolder.of(order.sweep, key) if _sees(order) else None
-    if shared and shared.is_finished:
+    if shared and shared.is_finished and not order.renders_again:
         return Outcome(key, "finished")
+    if order.renders_again and not shared:
+        return Outcome(key, "failed", "the worker does not see the sweep's folder, where the model is")
     limit_threads(order.threads)
     from app.sweeps.clip_transfer import Missing, located
+    from app.sweeps.tasks import render_again
     from enhance import ImageError
     from renderer.clip import ClipError
 
     try:
+        if shared and order.renders_again:
+            render_again(shared.path)
+            shared.forget_failure()
+            return Outcome(key, "finished")
         clip = located(order.clip, order.job.clip_sha256, order.content)
         if shared:
             shared.path.mkdir(parents=True, exist_ok=True)
