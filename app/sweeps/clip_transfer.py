@@ -13,6 +13,7 @@ from typing import Final
 from app.errors import UserError
 from app.files.provenance import digest
 from renderer.layouts import layout_of
+from renderer.readers.clip_files import files_in
 
 MOST_BYTES: Final = 2_000_000_000
 """Of a clip that is sent; larger ones are for shared folders."""
@@ -46,7 +47,7 @@ def packed(path: Path) -> bytes:
     Raises:
         UserError: it is too large to be sent, or files of it lie beside its folder.
     """
-    files = (path,) if path.is_file() else layout_of(path).files(path)
+    files = _files(path)
     size = sum(file.stat().st_size for file in files)
     if size > MOST_BYTES:
         raise UserError(
@@ -88,13 +89,24 @@ def _copies() -> tempfile.TemporaryDirectory[str]:
 
 def _is_there(path: Path, sha256: str) -> bool:
     try:
-        changed = path.stat().st_mtime_ns
-        return _digest(path, changed) == sha256
+        return _digest(path, _state(path)) == sha256
     except OSError:
         return False
 
 
 @lru_cache(maxsize=256)
-def _digest(path: Path, changed: int) -> str:
-    """Once a clip and process: `changed` is when, so that a changed file is looked at again."""
+def _digest(path: Path, state: int) -> str:
+    """Once a clip and process, and again for another `state` of its files."""
     return digest(path)
+
+
+def _state(path: Path) -> int:
+    """Of all files of a clip, by a look at their sizes and times: a folder's own time says nothing of a file
+    that is overwritten in it. Raises OSError: one is not there."""
+    stats = ((file, file.stat()) for file in _files(path))
+    return hash(tuple((file, found.st_size, found.st_mtime_ns) for file, found in stats))
+
+
+def _files(path: Path) -> tuple[Path, ...]:
+    """Those that the digest of a clip is of."""
+    return (path,) if path.is_file() else layout_of(path).files(path) or tuple(files_in(path))

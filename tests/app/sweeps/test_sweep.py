@@ -17,7 +17,8 @@ import numpy as np
 import pytest
 
 from app.errors import UserError
-from app.sweeps.clip_transfer import located, packed
+from app.files.provenance import digest
+from app.sweeps.clip_transfer import Missing, located, packed
 from app.sweeps.engines.engine import Engine
 from app.sweeps.jobs import FAILURE, PICTURE, RESULT, JobFolder, Keeps
 from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
@@ -232,6 +233,23 @@ def test_a_clip_that_changed_is_another_one(plan: Plan, folder: Path) -> None:
     carried_out(plan, folder, Here())
     now = state(plan.jobs, folder)
     assert (now.finished, now.failed) == (3, 3)
+
+
+def test_a_worker_notices_a_frame_that_is_overwritten_in_place(tmp_path: Path) -> None:
+    clip = tmp_path / "clip"
+    clip.mkdir()
+    for name in ("0.png", "1.png"):
+        assert cv2.imwrite(str(clip / name), np.full((24, 32, 3), 100, np.uint8))
+    sha256, folder_time = digest(clip), clip.stat().st_mtime_ns
+    assert located(clip, sha256, None) == clip
+    overwritten = cv2.imencode(".png", np.full((24, 32, 3), 7, np.uint8))[1].tobytes()
+    with (clip / "1.png").open("r+b") as file:
+        file.write(overwritten)
+        file.truncate()
+    assert clip.stat().st_mtime_ns == folder_time
+    with pytest.raises(Missing):
+        located(clip, sha256, None)
+    assert located(clip, digest(clip), None) == clip
 
 
 def test_content_is_checked_against_the_digest(tmp_path: Path, clip_path: Path) -> None:
