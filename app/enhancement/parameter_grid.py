@@ -124,9 +124,15 @@ def _range(name: str, said: str) -> tuple[object, ...]:
     except (IndexError, ValueError):
         first = last = math.nan
         count = 0
-    if len(parts) != 3 or not (math.isfinite(first) and math.isfinite(last) and 1 <= count <= MOST_CELLS):
+    if len(parts) != 3 or not (math.isfinite(last - first) and 1 <= count <= MOST_CELLS):
         raise UserError(f"--vary: expected {name}=FROM:TO:COUNT with numbers and COUNT >= 1, got {said!r}")
-    return tuple(round(float(value), 6) for value in np.linspace(first, last, count))
+    step = abs(last - first) / max(count - 1, 1)
+    if count == 1 or step == 0:
+        return (first,)
+    # Six decimals, or six digits of a small step: short to type again, and no two alike.
+    decimals = max(6, 5 - math.floor(math.log10(step)))
+    between = (round(float(value), decimals) for value in np.linspace(first, last, count)[1:-1])
+    return first, *between, last
 
 
 def _value(word: str) -> object:

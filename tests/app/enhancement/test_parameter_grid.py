@@ -28,12 +28,35 @@ Cli = Callable[..., Call]
 def test_an_axis_is_a_range_or_a_list() -> None:
     assert axis("d_factor=0:2:5", EnhanceParams) == Axis("d_factor", (0.0, 0.5, 1.0, 1.5, 2.0))
     assert axis("d-factor=1:1:1", EnhanceParams).values == (1.0,)
+    assert axis("d_factor=1:0:4", EnhanceParams).values == (1.0, 0.666667, 0.333333, 0.0)
+    assert axis("d_factor=2:2:3", EnhanceParams).values == (2.0,)
     assert axis("p=auto, 0.5,0.1/0.2/0.3", EnhanceParams).values == ("auto", "0.5", ("0.1", "0.2", "0.3"))
 
 
 @pytest.mark.parametrize(
+    "said", ["1e-6:5e-6:9", "1e-7:9e-7:5", "1e-8:1e-7:3", "1:1.00001:400", "9e-7:1e-7:4", "1e-7:1e-7:1"]
+)
+def test_a_range_has_as_many_values_as_asked_for_all_of_them_in_it(said: str) -> None:
+    first, last, count = (float(part) for part in said.split(":"))
+    values = [float(str(value)) for value in axis(f"eps={said}", EnhanceParams).values]
+    assert len(values) == count
+    assert values == pytest.approx(np.linspace(first, last, int(count)).tolist(), rel=1e-5, abs=0)
+    assert min(values) == min(first, last)
+    assert max(values) == max(first, last)
+
+
+@pytest.mark.parametrize(
     "text",
-    ["speed=1", "d_factor", "d_factor=", "d_factor=0:1", "d_factor=0:x:3", "d_factor=0:1:0", "z=0:inf:3"],
+    [
+        "speed=1",
+        "d_factor",
+        "d_factor=",
+        "d_factor=0:1",
+        "d_factor=0:x:3",
+        "d_factor=0:1:0",
+        "z=0:inf:3",
+        "z=-1e308:1e308:3",
+    ],
 )
 def test_a_bad_axis_is_one_line(text: str) -> None:
     with pytest.raises(UserError, match=r"--vary: expected") as caught:
