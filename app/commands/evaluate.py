@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
@@ -62,6 +63,9 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError("--against: expected a run on frames that were read in the same way, got others")
     if clips[0].sha256 != clips[-1].sha256:
         raise UserError(f"--against: expected a run on the clip {clips[0].name}, got one on {clips[-1].name}")
+    if not _over_the_same_pixels(evaluations[0], evaluations[-1]):
+        own, others = (_masks(clip.options) for clip in clips)
+        raise UserError(f"--against: expected a run evaluated over the pixels of {own}, got one of {others}")
     report, *others = [evaluation.report(measured(evaluation)) for evaluation in evaluations]
     for other in others:
         report |= {"against": other, "compared": compared(report, other, clips[0])}
@@ -76,6 +80,22 @@ def run(flags: argparse.Namespace) -> None:
 def _reading(options: ClipOptions) -> tuple[object, ...]:
     """What says which frames there are, and which of them are held out."""
     return options.frame_step, options.deinterlacing, options.stereo, options.split
+
+
+def _over_the_same_pixels(one: Evaluation, other: Evaluation) -> bool:
+    """Whether the masks of all measured frames are equal, however they were asked for."""
+    if one.record.clip.options == other.record.clip.options:
+        return True
+    return all(
+        np.array_equal(
+            one.clip.read_frame(index).evaluation_mask, other.clip.read_frame(index).evaluation_mask
+        )
+        for index in one.indices
+    )
+
+
+def _masks(options: ClipOptions) -> str:
+    return f"--evaluation-masks {options.evaluation_masks} --mask-polarity {options.mask_polarity}"
 
 
 def measured(evaluation: Evaluation) -> list[FrameMeasures]:

@@ -1,0 +1,60 @@
+"""Two runs are compared only where both are measured over the same pixels."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import pytest
+
+from app.runs.train_run import run_training
+from renderer.readers.clip_options import ClipOptions
+from tests.app.conftest import CONFIG, Call, request_of
+
+Cli = Callable[..., Call]
+
+
+@pytest.fixture(scope="module")
+def two_kinds(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[ClipOptions], Path]:
+    """Of one clip whose masks/ leave out more than its gt_masks/: a run for any options."""
+    folder = tmp_path_factory.mktemp("kinds")
+    clip = folder / "small"
+    shutil.copytree(clip_path, clip)
+    _leave_out_more(clip / "masks")
+
+    def trained(options: ClipOptions) -> Path:
+        path = folder / f"{options.evaluation_masks}-{options.mask_polarity}"
+        if not path.exists():
+            config = replace(CONFIG, iterations=4, n_gaussians=300)
+            list(run_training(request_of(clip, path, config=config, clip_options=options)))
+        return path
+
+    return trained
+
+
+def _leave_out_more(masks: Path) -> None:
+    for path in masks.iterdir():
+        mask = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+        assert mask is not None
+        mask[:, :12] = 255
+        cv2.imwrite(str(path), mask)
+
+
+def test_runs_evaluated_over_other_masks_are_not_compared(
+    two_kinds: Callable[[ClipOptions], Path], vesselsplat: Cli
+) -> None:
+    own, other = two_kinds(ClipOptions()), two_kinds(ClipOptions(evaluation_masks="gt_masks"))
+    call = vesselsplat("evaluate", own, "--against", other)
+    assert (call.code, call.out, call.error.count("\n")) == (2, "", 1)
+    assert "--evaluation-masks masks" in call.error
+    assert "got one of --evaluation-masks gt_masks" in call.error
+
+
+def test_the_same_masks_asked_for_in_other_words_are_compared(
+    two_kinds: Callable[[ClipOptions], Path], vesselsplat: Cli
+) -> None:
+    own, other = two_kinds(ClipOptions()), two_kinds(ClipOptions(mask_polarity="tool"))
+    assert vesselsplat("evaluate", own, "--against", other).code == 0
