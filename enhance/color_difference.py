@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.image import AnyImage, BoolImage, Float32Image, read_picture
+from enhance.image import AnyImage, BoolImage, Float32Image
 from enhance.metrics import vessel_and_ring
 
 BLOCK: Final = 64
@@ -44,8 +44,7 @@ def vessel_color_difference(
         >>> round(vessel_color_difference(image, vessel), 1)
         13.5
     """
-    colors = read_picture(image).colors
-    vessel, ring = vessel_and_ring(colors, vessel_mask, tissue_mask)
+    colors, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask)
     (first, of_vessel), (second, of_ring) = (_by_block(colors, where) for where in (vessel, ring))
     both = (of_vessel >= LEAST) & (of_ring >= LEAST)
     return float(ciede2000(first[both], second[both]).mean()) if both.any() else math.nan

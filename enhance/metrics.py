@@ -1,4 +1,7 @@
-"""Visibility in numbers and what it costs: noise, saturation, flicker. Neither detection nor diagnosis."""
+"""Visibility in numbers and what it costs: noise, saturation, flicker. Neither detection nor diagnosis.
+
+Pixels whose alpha is 0 count in no measure.
+"""
 
 from __future__ import annotations
 
@@ -60,10 +63,7 @@ def dvbv_otsu(image: AnyImage, *, tissue_mask: BoolImage | None = None) -> DvBv:
         >>> dvbv_otsu(np.uint8([[10, 20, 200, 240]]))  # variances of 200, 240 and of 10, 20
         DvBv(dv=400.0, bv=25.0, ratio=16.0)
     """
-    grey = np.rint(grey_levels(image)).astype(np.uint8).ravel()
-    if tissue_mask is not None:
-        _check_mask(tissue_mask, _colors(image))
-        grey = grey[tissue_mask.ravel() != 0]
+    grey = np.rint(grey_levels(image)).astype(np.uint8)[kept(image, tissue_mask)]
     if not grey.size:
         return DvBv(math.nan, math.nan, math.nan)
     threshold, _ = cv2.threshold(grey, 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
@@ -101,7 +101,7 @@ def dvbv_local(
     before, after = _local_variance(grey_levels(original)), _local_variance(grey_levels(image))
     if before.shape != after.shape:
         raise ImageError(f"expected image and original of one size, got {after.shape} and {before.shape}")
-    counted = np.ones(before.shape, bool) if tissue_mask is None else _whole_windows(tissue_mask)
+    counted = _whole_windows(kept(original, tissue_mask) & kept(image))
     detail = before > (_mean(before[counted]) if threshold is None else threshold)
     return _ratio(_mean(after[detail & counted]), _mean(after[~detail & counted]))
 
@@ -184,8 +184,7 @@ def blackened_share(image: AnyImage, original: AnyImage, vessel_mask: BoolImage)
     """
     before, after = _colors(original), _colors(image)
     _check_sizes(after, before)
-    _check_mask(vessel_mask, before)
-    vessel = vessel_mask != 0
+    vessel = kept(original, vessel_mask) & kept(image)
     black = np.float32(2 * BLACK)
     return _mean(((value(after) < black) & (value(before) >= black))[vessel])
 
@@ -214,7 +213,7 @@ def noise_gain(image: AnyImage, original: AnyImage, *, tissue_mask: BoolImage | 
     """
     before, after = _colors(original), _colors(image)
     _check_sizes(after, before)
-    flat = _flat(before, tissue_mask)
+    flat = _flat(before, kept(original, tissue_mask) & kept(image))
     was, is_now = (_noise(colors, flat) for colors in (before, after))
     return is_now / was if was > 0 else math.nan
 
@@ -238,7 +237,7 @@ def chroma_noise_gain(image: AnyImage, original: AnyImage, *, tissue_mask: BoolI
     _check_sizes(after, before)
     if before.ndim == 2:
         return math.nan
-    flat = _flat(before, tissue_mask)
+    flat = _flat(before, kept(original, tissue_mask) & kept(image))
     was, is_now = (_noise(colors[..., ::2] - colors[..., 1:2], flat) for colors in (before, after))
     return is_now / was if was > 0 else math.nan
 
@@ -259,17 +258,22 @@ def flicker(images: Iterable[AnyImage], originals: Iterable[AnyImage]) -> float:
         >>> round(flicker(images, originals), 3)  # steps of 4 in place of 1
         3.0
     """
-    after, before = ([float(grey_levels(image).mean()) for image in clip] for clip in (images, originals))
+    after, before = (
+        [_mean(grey_levels(image)[kept(image)]) for image in clip] for clip in (images, originals)
+    )
     if len(after) != len(before):
         raise ImageError(f"expected as many images as originals, got {len(after)} and {len(before)}")
     return _mean_step(after) - _mean_step(before)
 
 
-def saturated_share(image: AnyImage) -> float:
-    """Share of pixels, 0 to 1, whose largest channel is at 250 of 255 or above.
+def saturated_share(image: AnyImage, *, tissue_mask: BoolImage | None = None) -> float:
+    """Share of pixels, 0 to 1, whose largest channel is at 250 of 255 or above. NaN: no pixel counts.
+
+    Args:
+        tissue_mask: (H, W), True = keep: the share is of these pixels.
 
     Raises:
-        ImageError: an image that cannot be used.
+        ImageError: an image that cannot be used, or a mask of another size.
 
     Example:
         >>> import numpy as np
@@ -277,11 +281,26 @@ def saturated_share(image: AnyImage) -> float:
         >>> saturated_share(np.uint8([[0, 100, 250, 255]]))
         0.5
     """
-    return float(np.mean(value(read_picture(image).colors) >= np.float32(SATURATED)))
+    return _mean((value(_colors(image)) >= np.float32(SATURATED))[kept(image, tissue_mask)])
+
+
+def kept(image: AnyImage, mask: BoolImage | None = None) -> BoolImage:
+    """(H, W), True where something is visible and the mask, if any, keeps it.
+
+    Raises:
+        ImageError: an image that cannot be used, or a mask of another size.
+    """
+    picture = read_picture(image)
+    if mask is None:
+        return picture.visible
+    _check_mask(mask, picture.colors)
+    return picture.visible & (mask != 0)
 
 
 def _colors(image: AnyImage) -> Float32Image:
-    return read_picture(image).colors
+    """Black where nothing is visible: what is stored there does not reach pixels beside it."""
+    picture = read_picture(image)
+    return picture.colors if picture.alpha is None else picture.colors * picture.visible[..., None]
 
 
 def _check_sizes(image: Float32Image, original: Float32Image) -> None:
@@ -302,34 +321,26 @@ def _greens(
     image: AnyImage, vessel_mask: BoolImage, tissue_mask: BoolImage | None
 ) -> tuple[Float32Image, Float32Image]:
     """Of the vessel's pixels, and of those around it."""
-    colors = _colors(image)
-    vessel, ring = vessel_and_ring(colors, vessel_mask, tissue_mask)
+    colors, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask)
     return _green(colors)[vessel], _green(colors)[ring]
 
 
 def vessel_and_ring(
-    colors: Float32Image, vessel_mask: BoolImage, tissue_mask: BoolImage | None
-) -> tuple[BoolImage, BoolImage]:
-    """(H, W) of each: the vessel, and what lies around it, for comparing the two.
+    image: AnyImage, vessel_mask: BoolImage, tissue_mask: BoolImage | None
+) -> tuple[Float32Image, BoolImage, BoolImage]:
+    """The colours; and (H, W) the vessel and what lies around it, for comparing the two.
 
     Raises:
-        ImageError: a mask of another size.
+        ImageError: an image that cannot be used, or a mask of another size.
     """
-    _check_mask(vessel_mask, colors)
-    vessel = vessel_mask != 0
+    colors, vessel = _colors(image), kept(image, vessel_mask)
     ring = _dilated(vessel, RING_GAP + RING_WIDTH) & ~_dilated(vessel, RING_GAP)
-    if tissue_mask is not None:
-        _check_mask(tissue_mask, colors)
-        ring &= tissue_mask != 0
-    return vessel, ring
+    return colors, vessel, ring & kept(image, tissue_mask)
 
 
-def _flat(colors: Float32Image, tissue_mask: BoolImage | None) -> BoolImage:
-    bright = value(colors)
-    keep = np.asarray((bright > np.float32(2 * BLACK)) & (_green(colors) < np.float32(SATURATED)))
-    if tissue_mask is not None:
-        _check_mask(tissue_mask, colors)
-        keep &= tissue_mask != 0
+def _flat(colors: Float32Image, counted: BoolImage) -> BoolImage:
+    """(H, W) of what counts, the half with the smallest gradient."""
+    keep = counted & (value(colors) > np.float32(2 * BLACK)) & (_green(colors) < np.float32(SATURATED))
     smooth = cv2.GaussianBlur(_green(colors), (0, 0), FLAT_SIGMA)
     slope = np.hypot(cv2.Sobel(smooth, cv2.CV_32F, 1, 0), cv2.Sobel(smooth, cv2.CV_32F, 0, 1))
     return np.asarray(keep & (slope <= np.median(slope[keep]))) if keep.any() else keep
@@ -346,8 +357,8 @@ def _mean_step(means: list[float]) -> float:
 
 
 def grey_levels(image: AnyImage) -> NDArray[np.float64]:
-    """Grey by BT.601, (H, W), 0 to 255, not rounded."""
-    colors = read_picture(image).colors.astype(np.float64) * 255
+    """Grey by BT.601, (H, W), 0 to 255, not rounded; 0 where nothing is visible."""
+    colors = _colors(image).astype(np.float64) * 255
     return colors if colors.ndim == 2 else np.asarray(colors @ np.array([0.299, 0.587, 0.114]))
 
 

@@ -299,10 +299,9 @@ def _dvbv(image: ByteImage, mask: BoolImage | None = None) -> Numbers:
 
 def _visibility(image: ByteImage, original: ByteImage, mask: BoolImage, vessels: BoolImage) -> Numbers:
     """Over the pixels of the mask; the ridges are the same for every picture of a frame."""
-    evaluated = image[mask][:, None]
     return {
         "vessel_contrast": vessel_contrast(image, vessels, tissue_mask=mask),
-        "saturated_share": saturated_share(evaluated) if mask.any() else float("nan"),
+        "saturated_share": saturated_share(image, tissue_mask=mask),
         "dv_bv_local": dvbv_local(image, original, tissue_mask=mask).ratio,
     }
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,8 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 from enhance import ImageError
+from enhance.color_difference import vessel_color_difference
 from enhance.metrics import (
     blackened_share,
+    chroma_noise_gain,
     dvbv_local,
     dvbv_otsu,
     flicker,
@@ -254,3 +257,40 @@ def test_local_dvbv_within_a_mask_does_not_see_what_lies_outside() -> None:
     cut = dvbv_local(image[10:], original[10:], tissue_mask=mask[10:])
     assert (cut.dv, cut.bv) == pytest.approx((within.dv, within.bv))
     assert np.isnan(dvbv_local(image, original, tissue_mask=np.zeros_like(mask)).ratio)
+
+
+def test_what_is_transparent_counts_in_no_measure() -> None:
+    """Whatever colours are stored there, and as if a mask left it out."""
+    image = vessels()
+    alpha = np.full(image.shape[:2], 255, np.uint8)
+    alpha[80:] = 0
+    dirty = image.copy()
+    dirty[80:] = np.random.default_rng(5).integers(0, 256, dirty[80:].shape, np.uint8)
+    clean, dirty = (np.dstack((colors, alpha)) for colors in (image, dirty))
+    vessel = image[..., 1] < np.quantile(image[..., 1], 0.1)
+    seen: list[Callable[[Any], float]] = [
+        lambda one: dvbv_otsu(one).ratio,
+        saturated_share,
+        lambda one: dvbv_local(one, clean).ratio,
+        lambda one: vessel_contrast(one, vessel),
+        lambda one: vessel_cnr(one, vessel),
+        lambda one: vessel_color_difference(one, vessel),
+        lambda one: noise_gain(one, clean),
+        lambda one: noise_gain(clean, one),
+        lambda one: chroma_noise_gain(one, clean),
+        lambda one: blackened_share(one, clean, vessel),
+        lambda one: flicker([clean, one], [clean, clean]),
+    ]
+    assert [measure(dirty) for measure in seen] == [measure(clean) for measure in seen]
+    assert dvbv_otsu(dirty) == dvbv_otsu(image[:80])
+    assert saturated_share(dirty) == saturated_share(image[:80])
+    assert math.isnan(saturated_share(np.zeros((4, 4, 4), np.uint8)))
+
+
+def test_the_saturated_share_is_of_the_pixels_of_the_mask() -> None:
+    image = np.full((20, 20), 100, np.uint8)
+    image[:5], image[10:] = 255, 0
+    mask = np.arange(20)[:, None].repeat(20, axis=1) < 10
+    assert (saturated_share(image), saturated_share(image, tissue_mask=mask)) == (0.25, 0.5)
+    with pytest.raises(ImageError, match="expected a mask of shape"):
+        saturated_share(image, tissue_mask=mask[:4])
