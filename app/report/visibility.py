@@ -40,8 +40,9 @@ COLUMNS: Final = (
     *("Weber", "CNR", "dE00", "sat%", "noise", "chroma", "black%", "ms"),
 )
 """DV, BV and DV/BV by the inferred Otsu definition over the tissue; "whole" the same ratio over the whole
-picture as in the paper; then dvbv_local; Weber contrast, CNR and colour difference (CIEDE2000) of the
-vessels; noise gain, of all and of colours alone; share of vessel pixels that became black."""
+picture as in the paper; then dvbv_local over the tissue; Weber contrast, CNR and colour difference
+(CIEDE2000) of the vessels; the saturated share of the tissue; noise gain, of all and of colours alone; share
+of vessel pixels that became black."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,13 +114,14 @@ def pattern(ratio: Mapping[str, float]) -> tuple[str, bool, int]:
 
 
 def _measures(image: ByteImage, one: Sample) -> tuple[float, ...]:
-    otsu, local = dvbv_otsu(image, tissue_mask=one.tissue), dvbv_local(image, one.image)
+    otsu = dvbv_otsu(image, tissue_mask=one.tissue)
+    local = dvbv_local(image, one.image, tissue_mask=one.tissue)
     return (
         *(otsu.dv, otsu.bv, otsu.ratio, dvbv_otsu(image).ratio, local.dv, local.bv, local.ratio),
         vessel_contrast(image, one.vessels, tissue_mask=one.tissue),
         vessel_cnr(image, one.vessels, tissue_mask=one.tissue),
         vessel_color_difference(image, one.vessels, tissue_mask=one.tissue),
-        100 * saturated_share(image),
+        100 * saturated_share(image, tissue_mask=one.tissue),
         noise_gain(image, one.image, tissue_mask=one.tissue),
         chroma_noise_gain(image, one.image, tissue_mask=one.tissue),
         100 * blackened_share(image, one.image, one.vessels),
