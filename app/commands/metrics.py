@@ -23,13 +23,14 @@ from app.files.image_series import open_series
 from app.files.provenance import plain, provenance, strict_json
 from enhance import ImageError
 from enhance.color_difference import vessel_color_difference
-from enhance.image import BoolImage
+from enhance.image import BoolImage, read_picture
 from enhance.metrics import (
     blackened_share,
     chroma_noise_gain,
     dvbv_local,
     dvbv_otsu,
     flicker,
+    kept,
     noise_gain,
     saturated_share,
     vessel_cnr,
@@ -39,9 +40,12 @@ from enhance.ridges import field_of_view, vessel_mask
 from renderer.metrics import psnr, ssim
 
 DEFINITIONS = {
+    "pixels": "the field of view of the original, or of an image without one, as far as nothing there is "
+    "transparent; psnr and ssim: all that is not transparent",
     "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
+    "dv_bv_whole": "the same over the whole image, a black surround included",
     "dv_bv_local": "mean 5x5 variance of grey where the original has detail, and elsewhere",
-    "saturated_share": "share of pixels whose largest channel is 250 of 255 or more",
+    "saturated_share": "share of the pixels whose largest channel is 250 of 255 or more",
     "vessel_contrast": "Weber contrast in green of the vessel mask against a ring around it; the mask is the "
     "one given, or the strongest dark ridges of the original",
     "vessel_cnr": "the same difference over the standard deviation of the ring",
@@ -151,19 +155,29 @@ def _luma_step(pictures: list[Given]) -> float:
 
 def measure_picture(given: Given, original: Given | None, mask: Given | None) -> dict[str, Any]:
     """All measures of one picture, by name. Raises UserError when the pictures cannot be compared."""
-    image = given.read()
-    measured = {"image": given.origin} | _alone(image, given.path)
+    image = _read(given)
+    before = image if original is None else _read(original)
+    _check_size(image, before, given.path)
+    shown = kept(image) & kept(before)
+    tissue = field_of_view(before) & shown
+    measured = {"image": given.origin} | _alone(image, tissue)
     vessel = None if mask is None else _mask(mask, image)
     if original is None:
-        return measured if vessel is None else measured | _contrast(image, vessel, None)
-    before = original.read()
-    truth = original.origin | _alone(before, original.path)
-    _check_size(image, before, given.path)
-    tissue = field_of_view(before)
+        return measured if vessel is None else measured | _contrast(image, vessel, tissue)
     vessel = vessel_mask(before, tissue_mask=tissue) if vessel is None else vessel
-    truth |= _contrast(before, vessel, tissue)
-    compared = _contrast(image, vessel, tissue) | _against(image, before, vessel, tissue)
+    truth = original.origin | _alone(before, tissue) | _contrast(before, vessel, tissue)
+    compared = _contrast(image, vessel, tissue) | _against(image, before, vessel, tissue, shown)
     return measured | {"original": truth} | compared
+
+
+def _read(given: Given) -> ArrayImage:
+    """Black where nothing is visible, so that no measure depends on what is stored there."""
+    image = given.read()
+    try:
+        alpha = read_picture(image).alpha
+    except ImageError as error:
+        raise UserError(f"{error}: {given.path}") from error
+    return image if alpha is None else np.where(alpha[..., None] > 0, image, image.dtype.type(0))
 
 
 def _mask(given: Given, image: ArrayImage) -> BoolImage:
@@ -179,15 +193,18 @@ def _check_size(image: ArrayImage, original: ArrayImage, path: Path) -> None:
         raise UserError(f"expected an image of its original's size {sizes[0]}, got {sizes[1]}: {path}")
 
 
-def _alone(image: ArrayImage, path: Path) -> dict[str, float]:
-    try:
-        dvbv, saturated = dvbv_otsu(image), saturated_share(image)
-    except ImageError as error:
-        raise UserError(f"{error}: {path}") from error
-    return {"dv": dvbv.dv, "bv": dvbv.bv, "dv_bv": dvbv.ratio, "saturated_share": saturated}
+def _alone(image: ArrayImage, tissue: BoolImage) -> dict[str, float]:
+    dvbv = dvbv_otsu(image, tissue_mask=tissue)
+    return {
+        "dv": dvbv.dv,
+        "bv": dvbv.bv,
+        "dv_bv": dvbv.ratio,
+        "dv_bv_whole": dvbv_otsu(image).ratio,
+        "saturated_share": saturated_share(image, tissue_mask=tissue),
+    }
 
 
-def _contrast(image: ArrayImage, vessel: BoolImage, tissue: BoolImage | None) -> dict[str, float]:
+def _contrast(image: ArrayImage, vessel: BoolImage, tissue: BoolImage) -> dict[str, float]:
     return {
         "vessel_contrast": vessel_contrast(image, vessel, tissue_mask=tissue),
         "vessel_cnr": vessel_cnr(image, vessel, tissue_mask=tissue),
@@ -196,11 +213,10 @@ def _contrast(image: ArrayImage, vessel: BoolImage, tissue: BoolImage | None) ->
 
 
 def _against(
-    image: ArrayImage, original: ArrayImage, vessel: BoolImage, tissue: BoolImage
+    image: ArrayImage, original: ArrayImage, vessel: BoolImage, tissue: BoolImage, shown: BoolImage
 ) -> dict[str, float]:
-    local = dvbv_local(image, original)
+    local = dvbv_local(image, original, tissue_mask=tissue)
     after, before = _unit(image), _unit(original)
-    everywhere = np.ones(image.shape[:2], dtype=bool)
     return {
         "dv_local": local.dv,
         "bv_local": local.bv,
@@ -208,8 +224,8 @@ def _against(
         "noise_gain": noise_gain(after, before, tissue_mask=tissue),
         "chroma_noise_gain": chroma_noise_gain(after, before, tissue_mask=tissue),
         "blackened_share": blackened_share(after, before, vessel),
-        "psnr": psnr(after, before, everywhere),
-        "ssim": ssim(after, before, everywhere),
+        "psnr": psnr(after, before, shown),
+        "ssim": ssim(after, before, shown),
     }
 
 

@@ -63,7 +63,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--pixels",
         choices=PIXELS,
         default=PIXELS[0],
-        help="pixels that are enhanced and measured; see enhance --help (default automatic)",
+        help="pixels that are enhanced; see enhance --help (default automatic)",
     )
     group = parser.add_argument_group("fixed settings", "settings of either method; see enhance --help")
     names = [name for name in VESSEL_FIELDS if name not in FIELDS]
@@ -166,7 +166,14 @@ def _write_summary(
     title += f", best {sort} first" if sort else ""
     columns = columns_of([len(one.values) for one in axes], in_order=sort is None)
     shown = tuple(SheetCell(label=said(row.setting), params=row.setting.params) for row in rows)
-    sheet = TuningSheet(**origin.shared, title=title, columns=columns, breaks_labels=True, settings=shown)
+    sheet = TuningSheet(
+        **origin.shared,
+        title=title,
+        columns=columns,
+        breaks_labels=True,
+        measured_over="field of view",
+        settings=shown,
+    )
     picture = contact_sheet(title, [row.tile for row in rows], columns, breaks=True)
     write_png(folder / "sheet.png", picture, sheet.signed)
     (folder / "tuning.csv").write_bytes(_table(axes, rows))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from itertools import product
 from time import perf_counter
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 from pydantic import ValidationError
@@ -25,6 +25,8 @@ from enhance.ridges import field_of_view, vessel_mask
 from enhance.shown import Pixels
 
 MOST_CELLS = 400
+MeasuredOver = Literal["field of view", "whole image"]
+"""The pixels that DV, BV and the saturated share are of; every other measure is of the field of view."""
 SLOWEST: Final = ("radii", "subsample", "eps", "radius", "shading")
 """What an enhancer computes first: these vary least often, so that most cells compute only their own part."""
 
@@ -68,15 +70,23 @@ SMALLER_IS_BETTER: Final = frozenset(
 )
 DEFINITIONS: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
+        "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold, "
+        "over the field of view",
         "vessel_contrast": "Weber contrast in green of the original's strongest dark ridges against a ring",
         "noise_gain": "high-frequency noise over that of the original, where the original is flat",
-        "saturated_share": "share of pixels whose largest channel is 250 of 255 or more",
+        "saturated_share": "share of the field of view whose largest channel is 250 of 255 or more",
         "color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 pixels",
         "chroma_noise_gain": "as noise_gain, of the colours alone",
         "milliseconds": "for what this cell changes, after the cells computed before it",
     }
 )
+DEFINITIONS_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
+        "saturated_share": "share of pixels whose largest channel is 250 of 255 or more",
+    }
+)
+"""Of those that are of the whole image, its black surround included, in files that ask for that."""
 
 
 @dataclass(frozen=True)
@@ -177,12 +187,14 @@ def tried(
     wanted: Sequence[Setting],
     tissue_mask: BoolImage | None = None,
     pixels: Pixels = "automatic",
+    measured_over: MeasuredOver = "field of view",
 ) -> Iterator[Cell]:
     """Enhance and measure, one after another, in the order in which least is computed twice.
 
     Args:
-        tissue_mask: (H, W), True = counts in the statistics; None: all. Measures are of the field of view.
+        tissue_mask: (H, W), True = counts in the statistics; None: all.
         pixels: what is enhanced, as of `enhance.enhance`.
+        measured_over: what is measured.
 
     Raises:
         ImageError: a picture that cannot be enhanced.
@@ -198,7 +210,7 @@ def tried(
         start = perf_counter()
         result = enhancer.enhance(setting.params)
         milliseconds = 1000 * (perf_counter() - start)
-        measures = measured(result.image, image, vessels, view, milliseconds)
+        measures = measured(result.image, image, vessels, view, milliseconds, measured_over)
         yield Cell(setting, result.image, result.statistics, measures)
 
 
@@ -208,17 +220,23 @@ def working_order(wanted: Sequence[Setting]) -> list[Setting]:
 
 
 def measured(
-    image: ArrayImage, original: ArrayImage, vessels: BoolImage, view: BoolImage, milliseconds: float
+    image: ArrayImage,
+    original: ArrayImage,
+    vessels: BoolImage,
+    view: BoolImage,
+    milliseconds: float,
+    measured_over: MeasuredOver = "field of view",
 ) -> Measures:
     """Of an enhanced picture; `vessels` and `view` are masks (H, W) of the original."""
-    otsu = dvbv_otsu(image)
+    pixels = view if measured_over == "field of view" else None
+    otsu = dvbv_otsu(image, tissue_mask=pixels)
     return Measures(
         dv=otsu.dv,
         bv=otsu.bv,
         dv_bv=otsu.ratio,
         vessel_contrast=vessel_contrast(image, vessels, tissue_mask=view),
         noise_gain=noise_gain(image, original, tissue_mask=view),
-        saturated_share=saturated_share(image),
+        saturated_share=saturated_share(image, tissue_mask=pixels),
         milliseconds=milliseconds,
         color_difference=vessel_color_difference(image, vessels, tissue_mask=view),
         chroma_noise_gain=chroma_noise_gain(image, original, tissue_mask=view),

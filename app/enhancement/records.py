@@ -9,7 +9,7 @@ from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass
 
 from app.enhancement.methods import RecordedSettings
-from app.enhancement.parameter_grid import Measures
+from app.enhancement.parameter_grid import MeasuredOver, Measures
 from app.enhancement.settable import Pixels
 from app.files.dicom.choices import DicomChoices
 from app.files.records import LENIENT, Record, Source, Told
@@ -96,4 +96,6 @@ class TuningSheet(Record):
     columns: int
     breaks_labels: bool = False
     """Into as many lines as they need; False, as before 0.2.0: made as small as one line has room for."""
+    measured_over: MeasuredOver = "whole image"
+    """What its DV/BV is of; of sheets that do not say, the whole image."""
     settings: tuple[SheetCell, ...]

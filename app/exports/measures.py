@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from app.enhancement.parameter_grid import DEFINITIONS, measured
+from app.enhancement.parameter_grid import DEFINITIONS, DEFINITIONS_BEFORE, MeasuredOver, measured
 from app.exports.panes import Made, PaneMaker
 from app.exports.records import MeasuresTable
 from app.exports.sizing import Sizing
@@ -20,7 +20,13 @@ from enhance.ridges import field_of_view, vessel_mask
 Row = dict[str, Any]
 
 
-def measures_at(frame: int, names: Sequence[str], maker: PaneMaker, made: Sequence[Made]) -> list[Row]:
+def measures_at(
+    frame: int,
+    names: Sequence[str],
+    maker: PaneMaker,
+    made: Sequence[Made],
+    measured_over: MeasuredOver = "field of view",
+) -> list[Row]:
     """Those of these names, of each pane's picture, `made` in its own size; NaN: it cannot be measured.
 
     Raises ClipError or ImageError.
@@ -28,21 +34,22 @@ def measures_at(frame: int, names: Sequence[str], maker: PaneMaker, made: Sequen
     original = maker.clip.read_image(frame)
     view = field_of_view(original)
     vessels = vessel_mask(original, tissue_mask=view)
-    found = (asdict(measured(one.panel.image, original, vessels, view, 0.0)) for one in made)
+    found = (asdict(measured(one.panel.image, original, vessels, view, 0.0, measured_over)) for one in made)
     return [{name: one[name] for name in names} for one in found]
 
 
 def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
     """At a frame a row a pane. Raises ClipError or ImageError."""
     label, made = maker.clip.labels[frame], maker.made(frame, Sizing())
-    rows = measures_at(frame, record.measures, maker, made)
+    rows = measures_at(frame, record.measures, maker, made, record.measured_over)
     told = zip(record.panes, rows, strict=True)
     return [{"frame": frame, "label": label, "pane": pane.title} | row for pane, row in told]
 
 
 def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
     """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and record."""
-    definitions = {name: text for name, text in DEFINITIONS.items() if name in record.measures}
+    every = DEFINITIONS if record.measured_over == "field of view" else {**DEFINITIONS, **DEFINITIONS_BEFORE}
+    definitions = {name: text for name, text in every.items() if name in record.measures}
     with together(path) as place:
         write_bytes(place, _table(rows, record.measures))
         write_sidecar(place, record.signed | {"definitions": definitions, "frames": rows})

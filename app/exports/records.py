@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import RecordedSettings
-from app.enhancement.parameter_grid import METRICS
+from app.enhancement.parameter_grid import METRICS, MeasuredOver
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.enhancement.settable import (
     LONGEST_NAME,
@@ -254,6 +254,8 @@ class MeasuresTable(SpanRecord):
     kind: Literal["measures"] = "measures"
     measures: tuple[Measure, ...] = MEASURES_BEFORE
     """Columns of the table."""
+    measured_over: MeasuredOver = "whole image"
+    """What DV, BV and the saturated share are of; of tables that do not say, the whole image."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

@@ -149,7 +149,14 @@ def _record(
         )
     first, last = span
     if form == "measures":
-        return extended(MeasuresTable, panes, first_frame=first, last_frame=last, measures=MEASURES)
+        return extended(
+            MeasuresTable,
+            panes,
+            first_frame=first,
+            last_frame=last,
+            measures=MEASURES,
+            measured_over="field of view",
+        )
     return extended(PanesVideo, panes, first_frame=first, last_frame=last, frames_per_second=rate)
 
 
