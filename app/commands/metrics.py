@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from itertools import zip_longest
+from itertools import chain, zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -70,14 +70,18 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="images to measure, a folder of them or a video",
     )
     parser.add_argument(
-        "--against", metavar="ORIGINAL", nargs="+", type=Path, help="the original of each image, in order"
+        "--against",
+        metavar="ORIGINAL",
+        nargs="+",
+        type=Path,
+        help="the original of each image, in order; of folders by name, where the names are the same",
     )
     parser.add_argument(
         "--vessels",
         metavar="MASK",
         nargs="+",
         type=Path,
-        help="vessel masks (non-zero where vessels are), in order, if known",
+        help="vessel masks (non-zero where vessels are), if known; paired as originals are",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
@@ -86,6 +90,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 class Given:
     """One picture of those that were named."""
 
+    name: str
+    """Without suffix."""
     origin: dict[str, Any]
     """Name and digest of its file, and of a video the number of the frame."""
     path: Path
@@ -99,9 +105,10 @@ class Given:
 
 
 def run(flags: argparse.Namespace) -> None:
-    pictures = _given(flags.images)
-    originals = _one_each(_given(flags.against or []), pictures, "original")
-    masks = _one_each(_given(flags.vessels or []), pictures, "vessel mask")
+    images = [_given(path) for path in flags.images]
+    pictures = list(chain(*images))
+    originals = _one_each([_given(path) for path in flags.against or []], images, "original")
+    masks = _one_each([_given(path) for path in flags.vessels or []], images, "vessel mask")
     measured = []
     with progress("measure", len(pictures)) as report:
         for triple in zip_longest(pictures, originals, masks):
@@ -119,23 +126,44 @@ def run(flags: argparse.Namespace) -> None:
             sys.stdout.write(f"{name}: {value:.4g} grey levels per image\n")
 
 
-def _given(paths: list[Path]) -> list[Given]:
-    """Every picture of the files, folders and videos, in order. Raises UserError or ClipError."""
-    found = []
-    for path in paths:
-        series = open_series(path)
-        origins = map(plain, series.origins())
-        for index, (source, origin) in enumerate(zip(series.sources, origins, strict=True)):
-            number = series.frame(index)
-            origin |= {} if number is None else {"frame": number}
-            sequence = source.parent if number is None else source
-            found.append(Given(origin, source, sequence, partial(series.read, index)))
+def _given(path: Path) -> list[Given]:
+    """Every picture of a file, folder or video, in order. Raises UserError or ClipError."""
+    found, series = [], open_series(path)
+    origins = map(plain, series.origins())
+    for index, (name, source, origin) in enumerate(zip(series.names, series.sources, origins, strict=True)):
+        number = series.frame(index)
+        origin |= {} if number is None else {"frame": number}
+        sequence = source.parent if number is None else source
+        found.append(Given(name, origin, source, sequence, partial(series.read, index)))
     return found
 
 
-def _one_each(given: list[Given], pictures: list[Given], what: str) -> list[Given]:
-    if given and len(given) != len(pictures):
+def _one_each(given: list[list[Given]], images: list[list[Given]], what: str) -> list[Given]:
+    """One for every picture, folder by folder where there are as many of both; none where none is given.
+
+    Raises UserError where they cannot be paired.
+    """
+    if not given:
+        return []
+    if len(given) != len(images):
+        return _paired(list(chain(*given)), list(chain(*images)), what)
+    pairs = zip(given, images, strict=True)
+    return list(chain(*(_paired(those, pictures, what) for those, pictures in pairs)))
+
+
+def _paired(given: list[Given], pictures: list[Given], what: str) -> list[Given]:
+    """By name where names are the same, however many there are; in order where none is."""
+    named = {one.name: one for one in given}
+    strange = [picture for picture in pictures if picture.name not in named]
+    if len(named) == len(given) and not strange:
+        return [named[picture.name] for picture in pictures]
+    if len(given) != len(pictures):
         raise UserError(f"expected one {what} for each of {len(pictures)} images, got {len(given)}")
+    if len(named) == len(given) and len(strange) < len(pictures):
+        raise UserError(
+            f"expected one {what} for each image by its name, got none for {strange[0].label}, "
+            f"though there is one for {len(pictures) - len(strange)} of {len(pictures)}"
+        )
     return given
 
 

@@ -1,0 +1,81 @@
+"""`vesselsplat metrics`: which original belongs to which image."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import pytest
+
+from tests.app.conftest import Call, tissue
+
+Cli = Callable[..., Call]
+
+
+@pytest.fixture
+def originals(tmp_path: Path) -> Path:
+    return written(tmp_path / "originals", range(4))
+
+
+def written(folder: Path, numbers: range, name: str = "{:03d}.png") -> Path:
+    """Images whose content follows from their number."""
+    folder.mkdir()
+    for number in numbers:
+        cv2.imwrite(str(folder / name.format(number)), tissue(number, 100 + 20 * number))
+    return folder
+
+
+def pairs(vesselsplat: Cli, *arguments: object) -> list[tuple[str, str, float | None]]:
+    call = vesselsplat("metrics", *arguments, "--json")
+    assert call.code == 0, call.error
+    images = json.loads(call.out)["images"]
+    return [(one["image"]["name"], one["original"]["name"], one["psnr"]) for one in images]
+
+
+def test_folders_are_paired_by_name_however_many_originals_there_are(
+    originals: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    results = written(tmp_path / "results", range(1, 3))
+    found = pairs(vesselsplat, results, "--against", originals)
+    assert found == [("001.png", "001.png", None), ("002.png", "002.png", None)]
+    single = pairs(vesselsplat, results / "002.png", "--against", originals)
+    assert single == [("002.png", "002.png", None)]
+
+
+def test_several_folders_are_paired_folder_by_folder(
+    originals: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    others = written(tmp_path / "others", range(2, 6))
+    found = pairs(vesselsplat, others, originals, "--against", others, originals)
+    assert [(one, other) for one, other, _ in found] == [(one, one) for one, *_ in found]
+    assert {ratio for *_, ratio in found} == {None}
+
+
+def test_an_image_without_an_original_of_its_name_is_refused_where_others_have_one(
+    originals: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    results = written(tmp_path / "results", range(1, 5))
+    call = vesselsplat("metrics", results, "--against", originals)
+    assert (call.code, call.out, call.error.count("\n")) == (2, "", 1)
+    assert "got none for 004.png" in call.error
+    assert "3 of 4" in call.error
+    call = vesselsplat("metrics", results, "--vessels", originals)
+    assert (call.code, "one vessel mask for each image by its name" in call.error) == (2, True)
+
+
+def test_other_names_are_paired_in_order_where_there_are_as_many(
+    originals: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    results = written(tmp_path / "results", range(4), "enhanced-{}.png")
+    assert {ratio for *_, ratio in pairs(vesselsplat, results, "--against", originals)} == {None}
+    (originals / "000.png").unlink()
+    call = vesselsplat("metrics", results, "--against", originals)
+    assert (call.code, "one original for each of 4 images, got 3" in call.error) == (2, True)
+
+
+def test_files_named_one_by_one_keep_their_order(originals: Path, vesselsplat: Cli) -> None:
+    first, second = originals / "001.png", originals / "002.png"
+    found = pairs(vesselsplat, first, second, "--against", second, first)
+    assert [(one, other) for one, other, _ in found] == [("001.png", "002.png"), ("002.png", "001.png")]
