@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import Final
 
 import cv2
@@ -66,6 +66,7 @@ class Visibility:
     """Grey levels; NaN: no strong edge."""
 
 
+UNCHANGED: Final = Setting(ORIGINAL, "unchanged")
 NAMES: Final = tuple(field.name for field in fields(Visibility))
 GAINS: Final = ("noise", "contrast", "thin", "cnr", "color")
 Seen = Mapping[Setting, Visibility]
@@ -86,7 +87,7 @@ def results(one: Sample) -> Iterator[tuple[Setting, ByteImage]]:
         yield Setting(VESSEL, f"strength {strength:g}", strength == DEFAULT), np.asarray(result)
     for name, method in methods().items():
         if name == ORIGINAL:
-            yield Setting(name, "unchanged"), one.image
+            yield UNCHANGED, one.image
         elif name != VESSEL:
             whole = method(one.image, one.tissue)
             for share in SHARES:
@@ -102,11 +103,15 @@ def mixed(result: ByteImage, original: ByteImage, share: float) -> ByteImage:
 def averaged(images: Sequence[Seen]) -> dict[Setting, Visibility]:
     """Over images: geometric means of gains, else means of what was measured.
 
-    A gain is NaN where an image has none: a method that turns vessels bright.
+    Images whose original has nothing that a gain could be over are left out of it, for all settings alike. A
+    gain is NaN where another image has none: a method that turns vessels bright.
     """
-    return {
-        setting: _averaged([each[setting] for each in images]) for setting in (images[0] if images else ())
-    }
+    return {setting: _averaged(setting, images) for setting in (images[0] if images else ())}
+
+
+def has_vessels(found: Seen) -> bool:
+    """Whether contrast and noise of an image can be compared with its original's."""
+    return _is_defined("noise", found) and _is_defined("contrast", found)
 
 
 def best_other(setting: Setting, found: Seen) -> Setting | None:
@@ -183,14 +188,21 @@ def _visibility(image: ByteImage, one: Sample, before: NDArray[np.float64]) -> V
     )
 
 
-def _averaged(images: Sequence[Visibility]) -> Visibility:
-    by_measure = dict(zip(NAMES, zip(*map(astuple, images), strict=True), strict=True))
-    means = {name: mean_of_finite(values) for name, values in by_measure.items() if name not in GAINS}
+def _averaged(setting: Setting, images: Sequence[Seen]) -> Visibility:
+    def values(name: str) -> list[float]:
+        counting = [each for each in images if name not in GAINS or _is_defined(name, each)]
+        return [getattr(each[setting], name) for each in counting]
+
+    means = {name: mean_of_finite(values(name)) for name in NAMES if name not in GAINS}
     return Visibility(
-        **{name: _geometric(by_measure[name]) for name in GAINS},
+        **{name: _geometric(values(name)) for name in GAINS},
         **{name: math.nan if mean is None else mean for name, mean in means.items()},
     )
 
 
+def _is_defined(gain: str, found: Seen) -> bool:
+    return math.isfinite(getattr(found[UNCHANGED], gain))
+
+
 def _geometric(gains: Sequence[float]) -> float:
-    return math.exp(float(np.mean(np.log(gains)))) if min(gains) > 0 else math.nan
+    return math.exp(float(np.mean(np.log(gains)))) if min(gains, default=math.nan) > 0 else math.nan

@@ -18,9 +18,11 @@ from app.report.visibility_front import (
     Setting,
     averaged,
     best_other,
+    has_vessels,
     is_ahead,
     seen,
 )
+from renderer.readers.listing import count
 
 FRAMES: Final = 3
 TITLE: Final = "Vessels: contrast against noise"
@@ -35,11 +37,15 @@ COLUMNS: Final = (
 def measure(bench: Bench, clock: Clock) -> Section:
     """On frames of the clip, evenly spread; of the phantom, whose vessels are known."""
     missing: list[str] = []
-    images = list(_images(bench, clock, missing))
+    looked_at = list(_images(bench, clock, missing))
+    images = [one for one in looked_at if has_vessels(one)]
     found = averaged(images)
     diagram = diagram_of(found, f"{TITLE}, {bench.clip.name}")
-    if images and not diagram.gains:
+    if looked_at and not images:
         missing.append("contrast: no vessels were found")
+    elif len(images) < len(looked_at):
+        left_out = len(looked_at) - len(images)
+        missing.append(f"{left_out} of {count(len(looked_at), 'image')}: no vessels were found, or no noise")
     return Section(
         title=TITLE,
         sentences=(*_method(bench, len(images)), *_reading(found)) if diagram.gains else (),

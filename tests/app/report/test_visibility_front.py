@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.text import Annotation
 
+from app.report import visibility_front
 from app.report.bench import Bench, Clock
 from app.report.diagrams import Gain, GainDiagram, gain_front
 from app.report.gain_plot import gain_figure
@@ -27,12 +28,14 @@ from app.report.visibility_front import (
     DEFAULT,
     SHARES,
     STRENGTHS,
+    UNCHANGED,
     Seen,
     Setting,
     Visibility,
     area_under_curve,
     averaged,
     best_other,
+    has_vessels,
     is_ahead,
     seen,
     thin_part,
@@ -126,10 +129,38 @@ def test_means_are_geometric_for_gains_and_of_what_was_measured() -> None:
     a, b = Setting("a", "1"), Setting("b", "1")
     halves = (of_gains(0.5, 2.0), of_gains(2.0, 8.0))
     bright = of_gains(1.0, -1.0)
-    mean = averaged([{a: halves[0], b: bright}, {a: halves[1], b: halves[0]}])
+    same = {UNCHANGED: of_gains(1.0, 1.0)}
+    mean = averaged([{a: halves[0], b: bright} | same, {a: halves[1], b: halves[0]} | same])
     assert (mean[a].noise, mean[a].contrast) == pytest.approx((1.0, 4.0))
     assert math.isnan(mean[b].contrast)
     assert averaged([]) == {}
+
+
+def test_an_image_without_vessels_counts_for_no_method() -> None:
+    a = Setting("a", "1")
+    seen_ = {a: of_gains(2.0, 3.0), UNCHANGED: of_gains(1.0, 1.0)}
+    nothing = dict.fromkeys((a, UNCHANGED), of_gains(math.nan, math.nan))
+    assert [has_vessels(each) for each in (seen_, nothing)] == [True, False]
+    mean = averaged([nothing, seen_])
+    assert (mean[a].noise, mean[a].contrast) == pytest.approx((2.0, 3.0))
+    assert math.isnan(averaged([nothing])[a].contrast)
+
+
+def test_a_black_frame_leaves_the_measures_of_the_others(
+    clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    black = Sample(np.full_like(one().image, 3), one().tissue, np.zeros_like(one().vessels))
+    few = {name: method for name, method in methods().items() if name in ("original", "paper", "vessel")}
+    monkeypatch.setattr(visibility_front, "methods", lambda: few)
+    monkeypatch.setattr(visibility, "of_clip", lambda path, frames: [black, one(), one()])
+    part = visibility.measure(bench(clip_path, tmp_path), Clock.of(1000))
+    assert part.not_measured == ("1 of 3 images: no vessels were found, or no noise",)
+    assert "over 2 images" in part.sentences[0]
+    monkeypatch.setattr(visibility, "of_clip", lambda path, frames: [one()])
+    alone = visibility.measure(bench(clip_path, tmp_path), Clock.of(1000))
+    assert len(part.gain_diagrams[0].gains) == len(alone.gain_diagrams[0].gains) > 2
+    for both, single in zip(part.gain_diagrams[0].gains, alone.gain_diagrams[0].gains, strict=True):
+        assert (both.noise, both.contrast) == pytest.approx((single.noise, single.contrast))
 
 
 def test_the_area_is_1_for_vessels_that_are_darkest_and_a_half_for_any_pixels() -> None:
