@@ -22,6 +22,7 @@ from app.runs.processor import processor_name
 from app.runs.system_info import collect
 from renderer.clip import Clip
 from renderer.phantom import Phantom, PhantomParams, write_phantom
+from renderer.readers.listing import count
 from renderer.sources import open_clip
 
 PHANTOM: Final = PhantomParams(n_frames=40)
@@ -78,6 +79,13 @@ class Bench:
     def runs(self) -> Runs:
         """Trained on the clip."""
         return Runs(self.clip_path, self.clip, self.work / "runs", self.say)
+
+
+def measured_frames(clip: Clip) -> str:
+    """Of which frames renders are: those held out of training, where the clip is long enough."""
+    if clip.test_indices:
+        return count(len(clip.test_indices), "held-out frame")
+    return f"{count(len(clip.train_indices), 'training frame')} (the clip is too short for held-out ones)"
 
 
 def scene_name(path: Path) -> str:

@@ -14,7 +14,7 @@ from typing import Final, Literal
 import numpy as np
 
 from app.evaluation.mean import mean_of_finite
-from app.report.bench import Bench, Clock
+from app.report.bench import Bench, Clock, measured_frames
 from app.report.paper_rows import PAPER
 from app.report.runs import SEEDS, Trained, schedule
 from app.report.section import Cell, Column, Table
@@ -48,12 +48,11 @@ HEADS: Final = (
     *(Column("the rise"), Column("the paper's renders")),
 )
 NOTE: Final = (
-    "DV/BV of held-out frames, mean of the frames' ratios. Pixels: all (a render is black where nothing "
-    "is), gt_masks (all but tools) or masks (all but tools and pixels without stereo depth). Statistics: "
-    "level, saturation mean and deviations (Eqs 2, 9 and 12) over the whole image, as in the paper, or over "
-    "tissue, as in training here; pooled over the clip. A rise holds where its mean over the seeds lies "
-    "more than two of their standard deviations above 1. Frames have no seed. The paper does not state which "
-    "pixels."
+    "Mean of the frames' ratios. Pixels: all (a render is black where nothing is), gt_masks (all but tools) or "
+    "masks (all but tools and pixels without stereo depth). Statistics: level, saturation mean and deviations (Eqs 2, 9 "
+    "and 12) over the whole image, as in the paper, or over tissue, as in training here; pooled over the "
+    "clip. A rise holds where its mean over the seeds lies more than two of their standard deviations "
+    "above 1. Frames have no seed. The paper does not state which pixels."
 )
 
 
@@ -191,7 +190,8 @@ def _named(kind: Kind) -> str:
 
 def table(found: list[Rise], clip: Clip) -> Table:
     """A row for each."""
-    return Table(title="DV/BV by pixels and statistics", columns=HEADS, note=NOTE,
+    return Table(title="DV/BV by pixels and statistics", columns=HEADS,
+                 note=f"DV/BV of {measured_frames(clip)}. {NOTE}",
                  rows=tuple(_row(one, clip) for one in found))  # fmt: skip
 
 

@@ -94,13 +94,13 @@ def settings() -> Iterator[tuple[str, TrainConfig]]:
 
 def outcome(finished: Finished, clip: Clip, config: TrainConfig, truth: Phantom | None = None) -> Outcome:
     """Of a run of `config` on `clip`: on held-out training frames where `config.hold_out` is set, else on
-    test frames.
+    test frames; on training frames where the clip is too short for any of them.
 
     Args:
         truth: the phantom that the clip shows, so that motion can be measured.
     """
     fit, held_out = split(clip, config)
-    model, indices = finished.model, held_out if config.hold_out else clip.test_indices
+    model, indices = finished.model, (held_out if config.hold_out else clip.test_indices) or fit
     return Outcome(
         **vars(measured(model, clip, indices, fit, config.render_mode)),
         motion_rmse=motion_rmse(model, truth, indices, config.render_mode) if truth else math.nan,

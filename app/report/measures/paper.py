@@ -10,7 +10,7 @@ import numpy as np
 
 from app.evaluation.evaluate import LPIPS, find_lpips, no_lpips, open_evaluation
 from app.evaluation.mean import mean_of_finite
-from app.report.bench import Bench, Clock, scene_name
+from app.report.bench import Bench, Clock, measured_frames, scene_name
 from app.report.dvbv import FRAMES, Rise, measured_rises, verdict
 from app.report.dvbv import table as table_of_rises
 from app.report.measures.training import INPUTS
@@ -60,8 +60,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
             "threshold; unless stated otherwise, over the evaluated pixels, of frames enhanced with "
             "statistics of tissue. Their ratio does not consider vessels: it falls where bright tissue is "
             "spread more than dark tissue, though vessels may stand out more, and it depends on the pixels "
-            "and statistics used, which the paper does not state. Renders are of held-out frames, "
-            "after fewer steps than published.",
+            "and statistics used, which the paper does not state. Renders are of "
+            f"{measured_frames(bench.clip)}, after fewer steps than published.",
             f"LPIPS: {LPIPS}.",
             *_reading_of_rises(rises),
             *_reading_of_renders(ours),

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
-from app.report.bench import Bench, Clock
+from app.report.bench import Bench, Clock, measured_frames
 from app.report.outcomes import Run, diagrams, grouped, setting_of, table
 from app.report.runs import SEEDS, STEPS, schedule
 from app.report.section import Plate, Section
@@ -31,8 +31,8 @@ def measure(bench: Bench, clock: Clock) -> Section:
         title="Reconstruction: error against run time",
         sentences=(
             f"{bench.clip.name}: {len(bench.clip)} frames of {bench.clip.size[0]}x{bench.clip.size[1]}, "
-            f"measured on {len(bench.clip.test_indices)} held-out frames against the frames a run was "
-            "trained on. Diagrams and `s training` give the seconds of training steps alone, kernels "
+            f"measured on {measured_frames(bench.clip)} against the frames a run was trained on. "
+            "Diagrams and `s training` give the seconds of training steps alone, kernels "
             f"compiled; `s in total`: {WALL}. Settings with several runs have as many seeds; a seed "
             "reproduces the same figures, and settings with one seed are timed again.",
         ),

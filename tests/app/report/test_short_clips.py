@@ -1,0 +1,46 @@
+"""Clips of a few frames: measured on what they have, and no run twice."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from app.report.bench import Bench, Clock, measured_frames
+from app.report.measures import paper, training
+from app.report.runs import STEPS
+from app.report.section import Section
+from renderer.phantom import PhantomParams, write_phantom
+
+
+@pytest.fixture(autouse=True)
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    for method in STEPS:
+        monkeypatch.setitem(STEPS, method, (6,))
+
+
+def bench(tmp_path: Path, frames: int) -> Bench:
+    write_phantom(tmp_path / "clip", PhantomParams(n_frames=frames, width=64, height=48, seed=1), "endonerf")
+    return Bench(tmp_path / "clip", (), tmp_path / "work", print)
+
+
+def runs_of(section: Section) -> list[int]:
+    """How many runs each row tells."""
+    (table,) = section.tables
+    place = [column.name for column in table.columns].index("runs")
+    return [int(str(row[place])) for row in table.rows]
+
+
+def test_a_clip_of_one_frame_is_measured_on_it(tmp_path: Path) -> None:
+    one = bench(tmp_path, 1)
+    assert one.clip.test_indices == ()
+    section = training.measure(one, Clock.of(600))
+    assert section.not_measured == ()
+    assert runs_of(section)
+    assert "measured on 1 training frame (the clip is too short" in section.sentences[0]
+    assert "Renders are of 1 training frame" in paper.measure(one, Clock.of(-1)).sentences[0]
+
+
+def test_a_longer_clip_is_measured_on_held_out_frames(clip_path: Path, tmp_path: Path) -> None:
+    clip = Bench(clip_path, (), tmp_path, print).clip
+    assert measured_frames(clip) == "2 held-out frames"
