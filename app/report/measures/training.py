@@ -96,8 +96,8 @@ def _wanted(clip: Clip, default: TrainConfig, seeds: int) -> Iterator[tuple[Trai
     usual = default.n_gaussians
     for count in (usual // 4, usual // 2, 2 * usual):
         yield replace(default, n_gaussians=count), "original"
-    for controls in (4, len(clip) // 2):
-        yield replace(default, n_controls=max(4, controls)), "original"
+    for controls in sorted({4, max(4, len(clip) // 2)}):
+        yield replace(default, n_controls=controls), "original"
     for share in (0.0, 2 / 3):
         yield replace(default, half_resolution_share=share), "original"
     for seed in range(default.seed + 1, default.seed + seeds):

@@ -11,6 +11,7 @@ from app.report.measures import paper, training
 from app.report.runs import STEPS
 from app.report.section import Section
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.train.config import TrainConfig
 
 
 @pytest.fixture(autouse=True)
@@ -44,3 +45,10 @@ def test_a_clip_of_one_frame_is_measured_on_it(tmp_path: Path) -> None:
 def test_a_longer_clip_is_measured_on_held_out_frames(clip_path: Path, tmp_path: Path) -> None:
     clip = Bench(clip_path, (), tmp_path, print).clip
     assert measured_frames(clip) == "2 held-out frames"
+
+
+@pytest.mark.parametrize("frames", [1, 8, 9, 10])
+def test_no_run_is_wanted_twice(tmp_path: Path, frames: int) -> None:
+    clip = bench(tmp_path, frames).clip
+    wanted = list(training._wanted(clip, TrainConfig(), 3))
+    assert len(wanted) == len(set(wanted))
