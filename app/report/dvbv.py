@@ -48,11 +48,11 @@ HEADS: Final = (
     *(Column("the rise"), Column("the paper's renders")),
 )
 NOTE: Final = (
-    "Mean of the frames' ratios. Pixels: all (a render is black where nothing is), gt_masks (all but tools) or "
-    "masks (all but tools and pixels without stereo depth). Statistics: level, saturation mean and deviations (Eqs 2, 9 "
-    "and 12) over the whole image, as in the paper, or over tissue, as in training here; pooled over the "
-    "clip. A rise holds where its mean over the seeds lies more than two of their standard deviations "
-    "above 1. Frames have no seed. The paper does not state which pixels."
+    "Mean of the frames' ratios. Pixels: all (a render is black where nothing is), gt_masks (all but tools) "
+    "or masks (all but tools and pixels without stereo depth). Statistics: level, saturation mean and "
+    "deviations (Eqs 2, 9 and 12) over the whole image, as in the paper, or over tissue, as in training "
+    "here; pooled over the clip. A rise holds where its mean over the seeds lies more than two of their "
+    "standard deviations above 1. Frames have no seed. The paper does not state which pixels."
 )
 
 
