@@ -18,7 +18,10 @@ from app.report.bench import PARTS, Bench, Clock, Part, machine, opened
 from app.report.diagrams import Point, within_budget, within_error
 from app.report.page import page
 from app.report.section import REPORT, Section
+from enhance import ImageError
+from renderer.clip import ClipError
 from renderer.readers.listing import count
+from renderer.train.trainer import TrainingError
 
 MINUTES, MINUTES_WITH_CLIP = 27.0, 54.0
 """What may be begun, so that 30 and 60 suffice on two cores."""
@@ -73,15 +76,25 @@ def run(flags: argparse.Namespace) -> None:
 def measured(
     bench: Bench, parts: Sequence[Part], seconds: float
 ) -> tuple[dict[str, Section], dict[str, float]]:
-    """The section of each part, and the seconds it took; what one leaves of its time, the next ones have."""
+    """The section of each part, and the seconds it took; what one leaves of its time, the next ones have.
+
+    The section of a part that fails says why, and the others go on.
+    """
     measures = [part.measure for part in parts]
     sections, taken, until = {}, {}, time.monotonic() + seconds
     for place, (part, measure) in enumerate(zip(parts, measures, strict=True)):
         began = time.monotonic()
         _say(f"part {place + 1} of {len(parts)}: {part.name}")
         share = part.share / sum(each.share for each in parts[place:])
-        sections[part.name] = measure(bench, Clock.of(share * max(0.0, until - began)))
+        try:
+            sections[part.name] = measure(bench, Clock.of(share * max(0.0, until - began)))
+        except (ClipError, ImageError, TrainingError, UserError) as error:
+            # Hours may have gone into the other parts.
+            reason = str(error).replace(str(bench.clip_path), bench.clip_path.name)
+            sections[part.name] = Section(title=part.name, not_measured=(reason,))
         taken[part.name] = time.monotonic() - began
+        for reason in sections[part.name].not_measured:
+            _say(f"not measured: {reason}")
         _say(f"{part.name}: {taken[part.name]:.0f} s")
     return sections, taken
 

@@ -20,10 +20,11 @@ from app.report.runs import Runs
 from app.report.section import Section
 from app.runs.processor import processor_name
 from app.runs.system_info import collect
-from renderer.clip import Clip
+from renderer.clip import Clip, ClipError
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.readers.listing import count
 from renderer.sources import open_clip
+from renderer.train.trainer import require_depth
 
 PHANTOM: Final = PhantomParams(n_frames=40)
 Say = Callable[[str], None]
@@ -69,6 +70,16 @@ class Bench:
     def clip(self) -> Clip:
         """Raises ClipError when it cannot be read."""
         return open_clip(self.clip_path)
+
+    @cached_property
+    def why_untrained(self) -> str | None:
+        """Why no run can be trained on the clip; None where one can."""
+        try:
+            require_depth(self.clip)
+        except ClipError as error:
+            # What follows is advice on flags that a report does not have, and the path.
+            return str(error).split(" (")[0]
+        return None
 
     @cached_property
     def truth(self) -> Phantom | None:

@@ -165,6 +165,9 @@ def measured_rises(
     if sets.tools_only is None:
         missing.append("DV/BV over gt_masks: the clip has none")
     yield from _of_frames(sets)
+    if bench.why_untrained is not None:
+        missing.append(f"DV/BV of renders: {bench.why_untrained}")
+        return
     found: dict[Method, dict[Kind, dict[int, Ratios]]] = {
         method: {kind: {} for kind in KINDS} for method in methods
     }

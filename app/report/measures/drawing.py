@@ -24,6 +24,7 @@ from renderer.torch_presence import NO_TORCH, has_torch
 Row = raster_accuracy.Row | drawing_accuracy.Row
 Group = tuple[str, Sequence[Row], tuple[Column, ...]]
 """Title, rows and columns of a table."""
+TITLE: Final = "Rendering: error against run time"
 COLUMNS: Final = (
     *(Column("changed"), Column("setting"), Column("mean error, grey levels", best="low")),
     *(Column("99.9th percentile"), Column("largest"), Column("ms", ".2f", "low"), Column("± ms", ".2f")),
@@ -36,6 +37,8 @@ DEFAULTS: Final = ("unchanged", drawing_accuracy.EXPORT, "every frame, 0.02 px")
 
 def measure(bench: Bench, clock: Clock) -> Section:
     """On the trained model, from the camera of a held-out frame."""
+    if bench.why_untrained is not None:
+        return Section(title=TITLE, not_measured=(f"no trained model: {bench.why_untrained}",))
     index = bench.clip.test_indices[0] if bench.clip.test_indices else 0
     model, camera = bench.runs.trained(schedule(bench.clip)).finished.model, bench.clip.cameras[index]
     size, time = f"{camera.width}x{camera.height}", bench.clip.times[index]
@@ -54,7 +57,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
     except OpenGLUnavailable as error:
         missing.append(f"rendering with OpenGL: {error}")
     return Section(
-        title="Rendering: error against run time",
+        title=TITLE,
         sentences=(
             f"{len(model)} Gaussians of the trained model at {size}, against the float64 reference; "
             "keyframes against images of the model computed for each moment. An entry is a pair of a tile "

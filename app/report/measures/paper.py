@@ -88,6 +88,9 @@ def measure(bench: Bench, clock: Clock) -> Section:
 
 
 def _renders(bench: Bench, clock: Clock, missing: list[str]) -> Iterator[dict[str, Cell]]:
+    if bench.why_untrained is not None:
+        missing.append(f"renders of Tables 1 and 2: {bench.why_untrained}")
+        return
     for method, name in METHODS.items():
         for kind in INPUTS:
             if clock.is_out:

@@ -17,6 +17,7 @@ from renderer.measuring.training_accuracy import outcome
 from renderer.train.config import TrainConfig
 from renderer.train.trainer import TrainingError
 
+TITLE: Final = "Reconstruction: error against run time"
 REPEATS: Final = 2
 """Of the other runs on the phantom, for their time alone."""
 INPUTS: Final[tuple[Input, ...]] = ("original", "enhanced")
@@ -24,11 +25,13 @@ INPUTS: Final[tuple[Input, ...]] = ("original", "enhanced")
 
 def measure(bench: Bench, clock: Clock) -> Section:
     """See the file."""
+    if bench.why_untrained is not None:
+        return Section(title=TITLE, not_measured=(bench.why_untrained,))
     default = schedule(bench.clip)
     missing: list[str] = []
     runs = _finished(bench, clock, missing)
     return Section(
-        title="Reconstruction: error against run time",
+        title=TITLE,
         sentences=(
             f"{bench.clip.name}: {len(bench.clip)} frames of {bench.clip.size[0]}x{bench.clip.size[1]}, "
             f"measured on {measured_frames(bench.clip)} against the frames a run was trained on. "
