@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -87,6 +87,11 @@ class Bench:
         return Phantom(PHANTOM) if self.given is None else None
 
     @cached_property
+    def scene_names(self) -> dict[Path, str]:
+        """Of each of the scenes, all different."""
+        return scene_names(self.scenes)
+
+    @cached_property
     def runs(self) -> Runs:
         """Trained on the clip."""
         return Runs(self.clip_path, self.clip, self.work / "runs", self.say)
@@ -99,9 +104,18 @@ def measured_frames(clip: Clip) -> str:
     return f"{count(len(clip.train_indices), 'training frame')} (the clip is too short for held-out ones)"
 
 
-def scene_name(path: Path) -> str:
-    """Of a further scene: a folder alone may be called "images"."""
-    return "/".join(path.resolve().parts[-2:])
+def scene_names(paths: Iterable[Path]) -> dict[Path, str]:
+    """Of further scenes: the last two parts of each path, as a folder alone may be called "images"; more of
+    them where another scene has the same."""
+    whole = {path: path.resolve().parts for path in paths}
+    return {path: _told_apart(parts, set(whole.values()) - {parts}) for path, parts in whole.items()}
+
+
+def _told_apart(parts: tuple[str, ...], others: set[tuple[str, ...]]) -> str:
+    length = 2
+    while any(other[-length:] == parts[-length:] for other in others):
+        length += 1
+    return Path(*parts[-length:]).as_posix()
 
 
 Measure = Callable[[Bench, Clock], Section]

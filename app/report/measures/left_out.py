@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from app.report.bench import Bench, Clock, scene_name
+from app.report.bench import Bench, Clock
 from app.report.costs import held_megabytes
 from app.report.runs import schedule
 from app.report.section import Cell, Column, Section, Table
@@ -101,12 +101,12 @@ def _scenes(bench: Bench, missing: list[str]) -> Iterator[Clip]:
         yield replace(open_clip(path), name=f"phantom, {camera} camera, {tissue} tissue")
     if bench.given is not None:
         yield bench.clip
-    for given in bench.scenes:
-        if scene := _opened(given, missing):
+    for given, name in bench.scene_names.items():
+        if scene := _opened(given, name, missing):
             yield scene
 
 
-def _opened(path: Path, missing: list[str]) -> Clip | None:
+def _opened(path: Path, name: str, missing: list[str]) -> Clip | None:
     """Its depth guessed where it has none, so that reconstruction can be measured on it too; each frame is
     worked out once for all runs."""
     try:
@@ -117,9 +117,9 @@ def _opened(path: Path, missing: list[str]) -> Clip | None:
         )
         said = (f", one frame in {step}" if step > 1 else "") + (", depth estimated" if guessed else "")
         clip = open_clip(path, options)
-        return replace(clip, name=scene_name(path) + said, read_frame=cache(clip.read_frame))
+        return replace(clip, name=name + said, read_frame=cache(clip.read_frame))
     except ClipError as error:
-        missing.append(f"{scene_name(path)}: {str(error).split(':')[0]}")
+        missing.append(f"{name}: {str(error).split(':')[0]}")
         return None
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.evaluation.evaluate import LPIPS, find_lpips, no_lpips, open_evaluation
 from app.evaluation.mean import mean_of_finite
-from app.report.bench import Bench, Clock, measured_frames, scene_name
+from app.report.bench import Bench, Clock, measured_frames
 from app.report.dvbv import FRAMES, Rise, measured_rises, verdict
 from app.report.dvbv import table as table_of_rises
 from app.report.measures.training import INPUTS
@@ -209,9 +209,9 @@ def _sets(bench: Bench, missing: list[str]) -> dict[str, list[Sample]]:
         sets["the phantom, whose vessels are known"] = list(of_phantom(PICTURES))
     else:
         sets[bench.clip.name] = list(of_clip(bench.given, PICTURES))
-    for path in bench.scenes:
+    for path, name in bench.scene_names.items():
         try:
-            sets[scene_name(path)] = list(of_clip(path, PICTURES))
+            sets[name] = list(of_clip(path, PICTURES))
         except ClipError as error:
-            missing.append(f"Table 3, {path.name}: {str(error).split(':')[0]}")
+            missing.append(f"Table 3, {name}: {str(error).split(':')[0]}")
     return sets
