@@ -294,7 +294,7 @@ def kept(image: AnyImage, mask: BoolImage | None = None) -> BoolImage:
     if mask is None:
         return picture.visible
     _check_mask(mask, picture.colors)
-    return picture.visible & (mask != 0)
+    return np.asarray(picture.visible & (mask != 0))
 
 
 def _colors(image: AnyImage) -> Float32Image:

@@ -64,8 +64,10 @@ def run(flags: argparse.Namespace) -> None:
     if clips[0].sha256 != clips[-1].sha256:
         raise UserError(f"--against: expected a run on the clip {clips[0].name}, got one on {clips[-1].name}")
     if not _over_the_same_pixels(evaluations[0], evaluations[-1]):
-        own, others = (_masks(clip.options) for clip in clips)
-        raise UserError(f"--against: expected a run evaluated over the pixels of {own}, got one of {others}")
+        first, second = (_masks(clip.options) for clip in clips)
+        raise UserError(
+            f"--against: expected a run evaluated over the pixels of {first}, got one of {second}"
+        )
     report, *others = [evaluation.report(measured(evaluation)) for evaluation in evaluations]
     for other in others:
         report |= {"against": other, "compared": compared(report, other, clips[0])}
