@@ -14,7 +14,8 @@ import pytest
 
 from app.enhancement.parameter_grid import axis, settings, tried
 from app.exports.records import MeasuresTable
-from app.files.provenance import read_provenance
+from app.files.image_files import read_image
+from app.files.provenance import read_provenance, write_png
 from app.report.visibility import COLUMNS, measured, sample
 from enhance import EnhanceParams
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share
@@ -78,6 +79,10 @@ def test_a_sheet_and_a_table_that_do_not_say_are_of_the_whole_image(
     sheet = tmp_path / "out" / "sheet.png"
     assert read_provenance(sheet)["measured_over"] == "field of view"
     assert "identical" in vesselsplat("replay", sheet, "--source", paths[WIDE]).out
+    facts = read_provenance(sheet)
+    del facts["measured_over"]
+    write_png(sheet, read_image(sheet), facts)
+    assert "identical" not in vesselsplat("replay", sheet, "--source", paths[WIDE]).out, "another DV/BV"
     assert MeasuresTable(first_frame=0, last_frame=1).measured_over == "whole image"
 
 
