@@ -22,8 +22,10 @@ NEAR = 0.01
 """Default near plane in scene units."""
 
 # Columns of a splat record (float32). The exponent of 2 of alpha at offset (dx, dy) from the centre is
-# LOG2_OPACITY + A dx^2 + B dx dy + C dy^2.
-CENTER_X, CENTER_Y, A, B, C, LOG2_OPACITY, RED, GREEN, BLUE, DEPTH, HALF_WIDTH, HALF_HEIGHT = range(12)
+# LOG2_OPACITY + ACROSS (dx + SHEAR dy)^2 + DOWN dy^2: of two squares, since the three terms of the plain form
+# would cancel where a long splat is seen far from its centre. ACROSS is of x for a known y, DOWN of y alone.
+CENTER_X, CENTER_Y, ACROSS, SHEAR, DOWN, LOG2_OPACITY = range(6)
+RED, GREEN, BLUE, DEPTH, HALF_WIDTH, HALF_HEIGHT = range(6, 12)
 RECORD_SIZE = 12
 
 # Columns of the gradient sums that the raster's backward pass leaves for each splat: q is the
@@ -154,9 +156,9 @@ def project(
         record = records[n]
         record[CENTER_X] = view[0] * local[0] / local[2] + view[2]
         record[CENTER_Y] = view[1] * local[1] / local[2] + view[3]
-        record[A] = -0.5 * LOG2_E * yy / determinant
-        record[B] = LOG2_E * xy / determinant
-        record[C] = -0.5 * LOG2_E * xx / determinant
+        record[ACROSS] = -0.5 * LOG2_E * yy / determinant
+        record[SHEAR] = -xy / yy
+        record[DOWN] = -0.5 * LOG2_E / yy
         record[LOG2_OPACITY] = math.log(opacity) * LOG2_E
         record[RED], record[GREEN], record[BLUE] = colors[n, 0], colors[n, 1], colors[n, 2]
         record[DEPTH] = local[2]
@@ -339,5 +341,7 @@ def center_gradients(
         by_centers[n] = 0.0
         if seen[n]:
             record, total = records[n], sums[n]
-            by_centers[n, 0] = -LN_2 * (two * record[A] * total[SUM_QX] + record[B] * total[SUM_QY])
-            by_centers[n, 1] = -LN_2 * (record[B] * total[SUM_QX] + two * record[C] * total[SUM_QY])
+            shear = record[SHEAR]
+            by_x = two * record[ACROSS] * (total[SUM_QX] + shear * total[SUM_QY])
+            by_centers[n, 0] = -LN_2 * by_x
+            by_centers[n, 1] = -LN_2 * (shear * by_x + two * record[DOWN] * total[SUM_QY])

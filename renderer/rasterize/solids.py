@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.projection import (
+    ACROSS,
     BLUE,
     CENTER_X,
     CENTER_Y,
     DEPTH,
+    DOWN,
     LOG2_E,
     NEAR,
     RECORD_SIZE,
     RED,
-    A,
-    B,
-    C,
+    SHEAR,
     camera_vector,
     project,
 )
@@ -64,15 +64,14 @@ def _paint(
         record = records[n]
         x, y, z = np.float64(record[CENTER_X]), np.float64(record[CENTER_Y]), record[DEPTH]
         # Inverse of the covariance, of which the record holds -log2(e) / 2.
-        a, b, c = -2 * record[A] / LOG2_E, -record[B] / LOG2_E, -2 * record[C] / LOG2_E
+        a, shear, d = -2 * record[ACROSS] / LOG2_E, float(record[SHEAR]), -2 * record[DOWN] / LOG2_E
         if as_points:
-            a, b, c, reach = 1.0, 0.0, 1.0, POINT_RADIUS
+            a, shear, d, reach = 1.0, 0.0, 1.0, POINT_RADIUS
         else:
             reach = ELLIPSOID_REACH
-        determinant = a * c - b * b
-        if not determinant > 0:
+        if not (a > 0 and d > 0):
             continue
-        half_width, half_height = reach * math.sqrt(c / determinant), reach * math.sqrt(a / determinant)
+        half_width, half_height = reach * math.sqrt(1 / a + shear * shear / d), reach * math.sqrt(1 / d)
         if not (
             x + half_width > 0 and x - half_width < width and y + half_height > 0 and y - half_height < height
         ):
@@ -82,8 +81,8 @@ def _paint(
         for row in range(first, last + 1):
             dy = row + 0.5 - y
             for column in range(left, right + 1):
-                dx = column + 0.5 - x
-                share = (a * dx * dx + 2 * b * dx * dy + c * dy * dy) / (reach * reach)
+                u = column + 0.5 - x + shear * dy
+                share = (a * u * u + d * dy * dy) / (reach * reach)
                 if share <= 1 and (depth[row, column] == 0 or z < depth[row, column]):
                     depth[row, column] = z
                     light = np.float32(1.0 if as_points else 1 - RIM * share * share)

@@ -19,15 +19,18 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from renderer.projection import (
+    ACROSS,
     BLUE,
     CENTER_X,
     CENTER_Y,
     DEPTH,
+    DOWN,
     GREEN,
     HALF_HEIGHT,
     HALF_WIDTH,
     LOG2_OPACITY,
     RED,
+    SHEAR,
     SUM_BLUE,
     SUM_DEPTH,
     SUM_GREEN,
@@ -39,9 +42,6 @@ from renderer.projection import (
     SUM_QYY,
     SUM_RED,
     SUM_SIZE,
-    A,
-    B,
-    C,
 )
 from renderer.rasterize.binning import TILE
 from renderer.rasterize.exp2 import exp2
@@ -104,16 +104,17 @@ def _set_lanes(across: NDArray[np.float32], down: NDArray[np.float32]) -> None:
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _set_bend(
     a: np.float32,
-    b: np.float32,
-    c: np.float32,
+    shear: np.float32,
+    d: np.float32,
     across: NDArray[np.float32],
     down: NDArray[np.float32],
     bend: NDArray[np.float32],
 ) -> None:
     """What a splat's exponent bends by at each lane, beside its slopes at the block's corner."""
     for lane in range(LANES):
-        x, y = across[lane], down[lane]
-        bend[lane] = x * (a * x + b * y) + c * y * y
+        y = down[lane]
+        u = across[lane] + shear * y
+        bend[lane] = a * u * u + d * y * y
 
 
 @njit(forceinline=True)
@@ -149,19 +150,21 @@ def _blend_tile(
         count = min(BATCH, len(splats) - begin)
         for i in range(begin, begin + count):
             record = _record(records, splats, i)
-            a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
+            a, shear, d, log2_opacity = record[ACROSS], record[SHEAR], record[DOWN], record[LOG2_OPACITY]
             red, green, blue, depth = record[RED], record[GREEN], record[BLUE], record[DEPTH]
             center_x = record[CENTER_X] - np.float32(left) - HALF
             center_y = record[CENTER_Y] - np.float32(top) - HALF
             first_column, last_column = _blocks(center_x, record[HALF_WIDTH])
             first_row, last_row = _blocks(center_y, record[HALF_HEIGHT])
-            _set_bend(a, b, c, across, down, bend)
+            _set_bend(a, shear, d, across, down, bend)
             for row in range(first_row, last_row + 1):
                 dy = np.float32(BLOCK * row) - center_y
                 for column in range(first_column, last_column + 1):
                     dx = np.float32(BLOCK * column) - center_x
-                    level = log2_opacity + dx * (a * dx + b * dy) + c * dy * dy
-                    slope_x, slope_y = TWO * a * dx + b * dy, TWO * c * dy + b * dx
+                    u = dx + shear * dy
+                    level = log2_opacity + a * u * u + d * dy * dy
+                    slope_x = TWO * a * u
+                    slope_y = shear * slope_x + TWO * d * dy
                     block = BLOCKS_ACROSS * row + column
                     for lane in range(LANES):
                         exponent = level + bend[lane] + across[lane] * slope_x + down[lane] * slope_y
@@ -255,13 +258,13 @@ def _blend_tile_backward(
         count = min(BATCH, len(splats) - begin)
         for i in range(begin, begin + count):
             record = _record(records, splats, i)
-            a, b, c, log2_opacity = record[A], record[B], record[C], record[LOG2_OPACITY]
+            a, shear, d, log2_opacity = record[ACROSS], record[SHEAR], record[DOWN], record[LOG2_OPACITY]
             red, green, blue, depth = record[RED], record[GREEN], record[BLUE], record[DEPTH]
             center_x = record[CENTER_X] - np.float32(left) - HALF
             center_y = record[CENTER_Y] - np.float32(top) - HALF
             first_column, last_column = _blocks(center_x, record[HALF_WIDTH])
             first_row, last_row = _blocks(center_y, record[HALF_HEIGHT])
-            _set_bend(a, b, c, across, down, bend)
+            _set_bend(a, shear, d, across, down, bend)
             for total in range(_LANE_SUMS):
                 for lane in range(LANES):
                     lanes[total, lane] = ZERO
@@ -269,8 +272,10 @@ def _blend_tile_backward(
                 dy = np.float32(BLOCK * row) - center_y
                 for column in range(first_column, last_column + 1):
                     dx = np.float32(BLOCK * column) - center_x
-                    level = log2_opacity + dx * (a * dx + b * dy) + c * dy * dy
-                    slope_x, slope_y = TWO * a * dx + b * dy, TWO * c * dy + b * dx
+                    u = dx + shear * dy
+                    level = log2_opacity + a * u * u + d * dy * dy
+                    slope_x = TWO * a * u
+                    slope_y = shear * slope_x + TWO * d * dy
                     dxx, dxy, dyy = dx * dx, dx * dy, dy * dy
                     block = BLOCKS_ACROSS * row + column
                     for lane in range(LANES):

@@ -63,6 +63,28 @@ def test_picture_agrees_with_the_oracle(size: tuple[int, int], seed: int) -> Non
     assert np.abs(got.depth - want.depth.detach().numpy())[covered].mean() < 2e-3
 
 
+@pytest.mark.parametrize("length", [1e2, 1e3, 1e4, 1e5])
+def test_needles_whose_centres_are_far_outside_agree_with_the_oracle(length: float) -> None:
+    """Each goes through the middle of the picture, its centre one standard deviation away, in px."""
+    camera = Camera(fx=600.0, fy=600.0, cx=80.0, cy=64.0, width=160, height=128)
+    angles = np.linspace(0.1, 3.0, 6)
+    along, aside = np.cos(angles), np.sin(angles)
+    scale = 60.0 / 600.0  # Of a pixel at this depth.
+    splats = Splats(
+        np.stack([-length * scale * along, -length * scale * aside, 0 * angles + 60], 1).astype(np.float32),
+        np.stack([np.cos(angles / 2), 0 * angles, 0 * angles, np.sin(angles / 2)], 1).astype(np.float32),
+        np.tile(np.float32([length * scale, 0.05, 0.05]), (6, 1)),
+        np.full(6, 0.8, np.float32),
+        np.random.default_rng(0).uniform(0, 1, (6, 3)).astype(np.float32),
+    )
+    got = render(splats, camera, (0.2, 0.5, 0.1))
+    want = rasterize_reference(*tensors(splats, torch.float64), camera, (0.2, 0.5, 0.1))
+    apart = np.abs(got.image - want.image.detach().numpy())
+    assert (want.alpha > 0.3).any()
+    assert apart.max() < 1.2 / 255
+    assert apart.mean() < 1e-4
+
+
 def loss_weights(shape: tuple[int, int]) -> tuple[Tensor, Tensor, Tensor]:
     rng = np.random.default_rng(5)
     by_image, by_alpha, by_depth = (

@@ -13,13 +13,13 @@ from renderer.camera import Camera
 from renderer.measuring.stability.row import Row, worst
 from renderer.measuring.stability.scenes import NEAR, SCENES, camera_of
 from renderer.projection import (
+    ACROSS,
     CENTER_X,
     CENTER_Y,
     DEPTH,
+    DOWN,
     RECORD_SIZE,
-    A,
-    B,
-    C,
+    SHEAR,
     camera_vector,
     project,
 )
@@ -42,12 +42,16 @@ def rows() -> Iterator[Row]:
         centers, conics = [0.0 if np.array_equal(visible, drawn) else np.inf], []
         for row in np.flatnonzero(drawn)[:20]:
             u, v, z, conic = exact(splats, int(row), camera)
+            across, shear, down = map(float, conic)
             got = records[row].astype(np.float64)
             centers.append(_apart(got[[CENTER_X, CENTER_Y]], (u, v), max(abs(float(u)), abs(float(v)), 1.0)))
             centers.append(_apart(got[[DEPTH]], (z,), float(z)))
-            conics.append(_apart(got[[A, B, C]], conic, max(abs(float(one)) for one in conic)))
+            # Of the shear, the width over the height: what it is where all lies along one line.
+            wide = float(np.hypot(np.sqrt(down / across), shear))
+            for place, value, unit in ((ACROSS, across, across), (SHEAR, shear, wide), (DOWN, down, down)):
+                conics.append(abs(got[place] - value) / abs(unit))
         yield Row("projection (13): centre and depth", name, worst(centers), 1e-6, "of itself")
-        yield Row("covariance (14, 15): its inverse", name, worst(conics), 1e-6, "of its largest")
+        yield Row("covariance (14, 15): its inverse", name, worst(conics), 1e-6, "of itself")
 
 
 def _drawn(splats: Splats, camera: Camera) -> NDArray[np.bool_]:
@@ -74,7 +78,7 @@ def _projected(splats: Splats, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
 
 
 def exact(splats: Splats, row: int, camera: Camera) -> tuple[Exact, Exact, Exact, tuple[Exact, Exact, Exact]]:
-    """Centre u, v, depth z, and the factors of dx^2, dx dy and dy^2 of the exponent of 2, of one splat."""
+    """Centre u, v, depth z, and ACROSS, SHEAR and DOWN of the exponent of 2, of one splat."""
     with localcontext() as context:
         context.prec = DIGITS
         mean = [Decimal(float(one)) for one in splats.means[row]]
@@ -93,10 +97,10 @@ def exact(splats: Splats, row: int, camera: Camera) -> tuple[Exact, Exact, Exact
         xx = sum((one * one for one in first), low_pass)
         yy = sum((one * one for one in second), low_pass)
         xy = sum((a * b for a, b in zip(first, second, strict=True)), Decimal(0))
-        half = 1 / Decimal(2).ln() / 2 / (xx * yy - xy * xy)
+        half = 1 / Decimal(2).ln() / 2
         u = Decimal(camera.fx) * x / z + Decimal(camera.cx)
         v = Decimal(camera.fy) * y / z + Decimal(camera.cy)
-        return u, v, z, (-half * yy, 2 * half * xy, -half * xx)
+        return u, v, z, (-half * yy / (xx * yy - xy * xy), -xy / yy, -half / yy)
 
 
 def _rotation(quat: list[Exact]) -> list[list[Exact]]:

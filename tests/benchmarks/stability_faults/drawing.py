@@ -48,13 +48,13 @@ def _projection() -> list[Fault]:
         return Fault("projection", kind, what, parts, edited(PROJECTION, old, new), quick)
 
     return [
-        edit("sign", "the conic's middle", "[B] = LOG2_E", "[B] = -LOG2_E", quick=True),
+        edit("sign", "the shear", "[SHEAR] = -xy / yy", "[SHEAR] = xy / yy", quick=True),
         edit("sign", "a turn", "- w * z), 2 * (x * z + w * y)", "+ w * z), 2 * (x * z + w * y)"),
         edit("dropped", "the low-pass", "LOW_PASS = 0.3", "LOW_PASS = 0.0"),
         edit("dropped", "the middle of the picture", "/ local[2] + view[2]", "/ local[2]"),
         edit("dropped", "the slope of depth", "(x - across * depth)", "x"),
         edit("dropped", "the translation", "+ view[row + 3]", ""),
-        edit("swapped", "the conic's ends", "[A] = -0.5 * LOG2_E * yy", "[A] = -0.5 * LOG2_E * xx"),
+        edit("swapped", "the height by itself", "[DOWN] = -0.5 * LOG2_E / yy", "[DOWN] = -0.5 * LOG2_E / xx"),
         edit("swapped", "width and height", "math.sqrt(reach * xx)", "math.sqrt(reach * yy)"),
         Fault(
             "projection", "float16", "records", (*DRAWN, *BROKEN), rounded(f"{PROJECTION}:project", 7), True
@@ -133,8 +133,8 @@ def _project_backward() -> list[Fault]:
         edit("sign", "by the covariance", "out[1] = -(left_a * b", "out[1] = (left_a * b"),
         edit("other", "by the opacity", "total[SUM_Q] / opacities[n]", "total[SUM_Q]"),
         edit("sign", "by the centres", "[n, 0] = -LN_2", "[n, 0] = LN_2"),
-        edit("dropped", "by the centres, a factor of two", "two * record[C]", "record[C]"),
-        edit("swapped", "by the centres", "record[A] * total[SUM_QX]", "record[C] * total[SUM_QX]"),
+        edit("dropped", "by the centres, a factor of two", "two * record[DOWN]", "record[DOWN]"),
+        edit("swapped", "by the centres", "two * record[ACROSS]", "two * record[DOWN]"),
         Fault(
             "gradient of projection",
             "float16",
@@ -149,13 +149,13 @@ def _raster() -> list[Fault]:
     def edit(kind: Any, what: str, old: str, new: str, parts: Any, quick: bool = False) -> Fault:
         return Fault("blending", kind, what, parts, edited(TILES, old, new), quick)
 
-    first = "TWO * a * dx + b * dy, TWO * c * dy + b * dx\n                    block ="
-    then = "TWO * a * dx - b * dy, TWO * c * dy + b * dx\n                    block ="
+    first = "slope_y = shear * slope_x + TWO * d * dy\n                    block ="
+    then = "slope_y = shear * slope_x - TWO * d * dy\n                    block ="
     seen = ("pictures", "depths")
     exponential = "renderer.rasterize.exp2"
     return [
         edit("sign", "of a slope", first, then, seen),
-        edit("dropped", "the bend's middle", "x * (a * x + b * y)", "x * a * x", seen),
+        edit("dropped", "the bend's shear", "across[lane] + shear * y", "across[lane]", seen),
         edit(
             "swapped",
             "across and down",
