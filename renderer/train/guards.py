@@ -41,7 +41,8 @@ class Trouble:
 
 
 def leave_out_broken(by: RawGaussians, seen: NDArray[np.bool_]) -> int:
-    """Unmark the Gaussians with a gradient that is not finite, nor its square; how many there were."""
+    """Unmark the Gaussians with a gradient that is not finite, nor its square; how many there were. Their
+    gradients become 0, as nodes gather those of all Gaussians."""
     lost = np.zeros(len(seen), bool)
     _find_broken(by.means, by.quats, by.log_scales, by.opacity_logits, by.colors, seen, lost)
     return int(np.count_nonzero(lost))
@@ -63,7 +64,7 @@ def _find_broken(
     by_log_scales: NDArray[np.float32],
     by_logits: NDArray[np.float32],
     by_colors: NDArray[np.float32],
-    seen: NDArray[np.bool_],  # (N,), unmarked where broken
+    seen: NDArray[np.bool_],  # (N,), unmarked where broken, gradients 0
     lost: NDArray[np.bool_],  # (N,), out
 ) -> None:
     for n in prange(len(seen)):
@@ -78,6 +79,8 @@ def _find_broken(
         # Not finite with a NaN or an infinity in it, or where Adam's second moment would overflow.
         if not np.isfinite(total):
             seen[n] = False
+            by_means[n] = by_quats[n] = by_log_scales[n] = by_colors[n] = np.float32(0.0)
+            by_logits[n] = np.float32(0.0)
             lost[n] = True
 
 

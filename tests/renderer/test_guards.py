@@ -37,6 +37,10 @@ def test_a_gradient_that_is_no_number_is_left_out_alone(name: str, value: float)
     flat[2, 0] = value
     assert leave_out_broken(by, seen) == 1
     assert seen.tolist() == [True, True, False, False, True, True]
+    # Nodes gather gradients of all Gaussians, also of those that are left out.
+    for kind in ("means", "quats", "log_scales", "opacity_logits", "colors"):
+        assert not getattr(by, kind)[3].any()
+        assert getattr(by, kind)[[0, 1, 4, 5]].all()
 
 
 def test_scales_that_run_away_are_held() -> None:
