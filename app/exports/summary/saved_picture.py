@@ -67,12 +67,19 @@ def _media_type(content: bytes) -> str:
 
 def _title(facts: dict[str, Any]) -> str:
     """The clip or the run, and the frame; empty where neither is told."""
-    views = facts.get("views") or [{}]
-    sources = facts.get("source"), *(facts.get(kind, views[0].get(kind)) for kind in ("run", "splats"))
+    view = (facts.get("views") or [facts])[0]
+    sources = facts.get("source"), *(facts.get(kind, view.get(kind)) for kind in ("run", "splats"))
     name = next((str(one["name"]) for one in sources if isinstance(one, dict) and one.get("name")), "")
-    frame = facts.get("frame", views[0].get("frame"))
+    # The frame of panes is there also where there are none.
+    number = _number(facts if facts.get("panes") else view)
+    return f"{name}, frame {number}" if name and number is not None else name
+
+
+def _number(facts: dict[str, Any]) -> int | None:
+    """Of the frame, from 1; None: not told."""
+    frame = facts.get("frame")
     index = frame.get("index") if isinstance(frame, dict) else frame
-    return f"{name}, frame {index + 1}" if name and isinstance(index, int) else name
+    return index + 1 if isinstance(index, int) else None
 
 
 def _parts(facts: dict[str, Any]) -> Iterator[Part]:

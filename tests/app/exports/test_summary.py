@@ -16,12 +16,15 @@ import pytest
 from app.exports.exporting import ExportRequest, Summary, export
 from app.exports.html_file import facts_in
 from app.exports.make import make
-from app.exports.records import CaseSummary
+from app.exports.records import CaseSummary, PanesPicture
 from app.exports.replay.again import replay
 from app.exports.sources import Opened
 from app.exports.summary.saved_picture import read_picture
 from app.files.provenance import NOTICE, provenance, write_png
 from app.files.stepping import run_to_end
+from app.scenes.cpu_rendering import ON_CPU
+from app.scenes.scene import Scene, open_scene
+from app.scenes.view_request import ViewRequest, view_record
 from tests.app.apart import Call
 
 BEFORE = Path(__file__).with_name("before")
@@ -80,6 +83,21 @@ def test_an_image_of_a_kind_that_is_not_known_is_shown_by_its_name(tmp_path: Pat
     write_png(path, np.zeros((4, 5, 3), np.uint8), provenance(kind="hologram", source={"name": "a.mp4"}))
     found = read_picture(path)
     assert (found.title, [part.shows for part in found.parts]) == ("a.mp4", ["Hologram"])
+
+
+def title_of_view(scene: Scene, frame: int, path: Path) -> str:
+    """Of a picture of the 3D view alone, as the window saves it."""
+    view = view_record(ViewRequest.of_frame(scene, frame), ON_CPU)
+    write_png(path, np.zeros((4, 5, 3), np.uint8), PanesPicture(views=(view,)).signed)
+    return read_picture(path).title
+
+
+def test_a_3d_view_alone_is_headed_by_its_own_frame(tmp_path: Path) -> None:
+    scene = open_scene(BEFORE / "run")
+    assert [title_of_view(scene, frame, tmp_path / "a.png") for frame in (0, 4)] == [
+        "run, frame 1",
+        "run, frame 5",
+    ]
 
 
 def test_a_record_of_the_page_is_read_back(tmp_path: Path) -> None:
