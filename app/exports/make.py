@@ -233,6 +233,7 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
         title=record.title,
         about=about,
         frames=record.clip_frames,
+        start=record.start or 0,
         seconds=record.seconds,
         facts=record.signed,
         poses=scene.cameras if record.moves else (),

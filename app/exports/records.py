@@ -99,7 +99,9 @@ class BrowserModel(SceneRecord):
     near: float
     """In scene units, before which nothing is drawn."""
     clip_frames: Annotated[int, Interval(ge=1)]
-    """Of the clip."""
+    """Of the clip, or of the part of it that was trained on."""
+    start: Annotated[int, Interval(ge=0)] | None = None
+    """The frame of the clip, from 0, that the first of these is; None: its first."""
     seconds: Annotated[float, Interval(gt=0)]
     """That the clip takes."""
 

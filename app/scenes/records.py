@@ -115,3 +115,6 @@ class DrawnRecord(SceneRecord):
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
 class ViewRecord(DrawnRecord, MomentRecord):
     """A scene as it is drawn at one moment."""
+
+    start: Annotated[int | None, Told] = None
+    """The frame of the clip, from 0, that the scene's first one is; None: not told, or its first."""

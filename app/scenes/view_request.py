@@ -160,7 +160,7 @@ def steady(views: Sequence[ViewRequest], draw: Draw) -> Generator[ViewRequest, N
 def view_record(view: ViewRequest, renderer: str) -> ViewRecord:
     """What an export says of it, with the name of what draws it: its own run and clip, which need not be
     those of the pictures beside it."""
-    moment = {"time": view.time, "camera": view.camera, "frame": view.frame}
+    moment = {"time": view.time, "camera": view.camera, "frame": view.frame, "start": view.scene.first}
     return extended(ViewRecord, drawn_record(view, renderer), **moment)
 
 

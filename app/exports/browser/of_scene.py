@@ -24,6 +24,7 @@ def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> Bro
         moves=camera in scene.cameras and any(one != camera for one in scene.cameras),
         near=scene.near,
         clip_frames=frames,
+        start=scene.first,
         seconds=frames / frames_per_second,
     )
 

@@ -46,6 +46,7 @@ def browser_page(
     title: str,
     about: str,
     frames: int,
+    start: int = 0,
     seconds: float,
     facts: Mapping[str, Any],
     poses: Sequence[Camera] = (),
@@ -57,7 +58,8 @@ def browser_page(
         near: distance in scene units before which nothing is drawn.
         title: of the clip.
         about: what the model is a reconstruction of.
-        frames: of the clip, by which the page numbers its moments.
+        frames: by which the page numbers its moments.
+        start: the frame of the clip, from 0, that the first of these is.
         seconds: that the clip takes.
         facts: provenance.
         poses: of each frame, with which the page's camera goes; none: it stays.
@@ -74,6 +76,8 @@ def browser_page(
         "frames": frames,
         "seconds": seconds,
     }
+    if start:
+        scene["start"] = start
     if poses:
         scene["poses"] = [np.asarray(one.camera_from_world)[:3].tolist() for one in poses]
     content = base64.b64encode(gzip.compress(b"".join(parts_of_content), LEVEL, mtime=0)).decode()

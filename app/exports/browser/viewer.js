@@ -347,12 +347,12 @@ class Viewer {
 }
 
 function listen(viewer) {
-  const slider = document.getElementById("time"), play = document.getElementById("play");
+  const slider = document.getElementById("time"), play = document.getElementById("play"), start = scene.start ?? 0;
   let playing = false, before = 0, due = false;
   const show = () => {
     slider.value = viewer.time;
     const frame = Math.min(scene.frames - 1, Math.round(viewer.time * scene.frames));
-    document.getElementById("frame").textContent = `frame ${frame + 1} / ${scene.frames}`;
+    document.getElementById("frame").textContent = `frame ${start + frame + 1} / ${start + scene.frames}`;
     if (!due) { due = true; requestAnimationFrame(step); }
   };
   const step = (now) => {

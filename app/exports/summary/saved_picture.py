@@ -76,10 +76,20 @@ def _title(facts: dict[str, Any]) -> str:
 
 
 def _number(facts: dict[str, Any]) -> int | None:
-    """Of the frame, from 1; None: not told."""
-    frame = facts.get("frame")
+    """Of the frame among the clip's, from 1; None: not told."""
+    frame, start = facts.get("frame"), facts.get("start", _trim(facts)[0])
     index = frame.get("index") if isinstance(frame, dict) else frame
-    return index + 1 if isinstance(index, int) else None
+    return 1 + start + index if isinstance(index, int) and isinstance(start, int) else None
+
+
+def _trim(facts: dict[str, Any]) -> tuple[object, ...]:
+    """Frames of the clip that a view is of, where no start is told: of a window they are not known."""
+    if facts.get("window") is not None:
+        return (None,)
+    clip = facts.get("clip")
+    part = clip.get("part") if isinstance(clip, dict) else None
+    trim = part.get("trim") if isinstance(part, dict) else None
+    return tuple(trim) if isinstance(trim, list) and trim else (0,)
 
 
 def _parts(facts: dict[str, Any]) -> Iterator[Part]:

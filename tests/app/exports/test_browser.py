@@ -199,6 +199,24 @@ def test_a_long_clip_is_one_page_whose_camera_goes_with_it(
     assert [(one["first"], one["last"]) for one in said["windows"]] == [(0, 47)]
 
 
+def test_the_page_numbers_its_frames_as_the_clip(
+    vesselsplat: Callable[..., Call], windowed_run: Path, tmp_path: Path
+) -> None:
+    page = tmp_path / "two.html"
+    done = vesselsplat("export", windowed_run, "--window", 2, "--html", page)
+    assert done.code == 0, done.error
+    text = page.read_text()
+    facts, said, _ = read_page(text)
+    assert (said["start"], said["frames"], facts["start"]) == (32, 48, 32)
+    assert "`frame ${start + frame + 1} / ${start + scene.frames}`" in text
+    again = vesselsplat("replay", page, "--source", windowed_run)
+    assert again.out.rstrip().endswith("identical"), again.error + again.out
+    whole = tmp_path / "all.html"
+    assert vesselsplat("export", windowed_run, "--html", whole).code == 0
+    facts, said, _ = read_page(whole.read_text())
+    assert "start" not in said | facts
+
+
 def test_more_than_a_browser_opens_is_told(
     vesselsplat: Callable[..., Call], runs: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

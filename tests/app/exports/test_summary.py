@@ -6,6 +6,7 @@ import base64
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from html import unescape
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from app.exports.sources import Opened
 from app.exports.summary.saved_picture import read_picture
 from app.files.provenance import NOTICE, provenance, write_png
 from app.files.stepping import run_to_end
+from app.runs.clip_selection import ClipPart
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.scene import Scene, open_scene
 from app.scenes.view_request import ViewRequest, view_record
@@ -98,6 +100,23 @@ def test_a_3d_view_alone_is_headed_by_its_own_frame(tmp_path: Path) -> None:
         "run, frame 1",
         "run, frame 5",
     ]
+
+
+def test_a_3d_view_of_a_part_is_headed_by_the_frame_of_the_clip(tmp_path: Path) -> None:
+    path, scene = tmp_path / "a.png", replace(open_scene(BEFORE / "run"), first=100)
+    assert title_of_view(scene, 4, path) == "run, frame 105"
+
+
+@pytest.mark.parametrize(("window", "title"), [(None, "run, frame 105"), (2, "run")])
+def test_an_image_that_tells_no_start_is_headed_by_what_it_tells_of_the_clip(
+    window: int | None, title: str, tmp_path: Path
+) -> None:
+    """As earlier versions saved them."""
+    scene = open_scene(BEFORE / "run")
+    assert scene.record.clip is not None
+    clip = replace(scene.record.clip, part=ClipPart(trim=(100, 105)))
+    record = replace(scene.record, clip=clip, window=window)
+    assert title_of_view(replace(scene, record=record), 4, tmp_path / "a.png") == title
 
 
 def test_a_record_of_the_page_is_read_back(tmp_path: Path) -> None:
