@@ -23,6 +23,7 @@ from app.files.codecs import CODECS, ending_of
 from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes import view_selection
+from app.scenes.clip_speed import FRAMES_PER_SECOND, clip_speed
 from app.scenes.drawer import Drawer
 from app.scenes.records import MomentRecord
 from app.scenes.renderers import drawer
@@ -125,21 +126,37 @@ def run(flags: argparse.Namespace) -> None:
     research_export.check(flags)
     scene, wanted = view_selection.chosen(flags)
     export_limits.require_one_camera(flags, wanted)
+    speed = _speed(flags, scene, wanted)
     for suffix, folder in splats.items():
         if folder:
             _write_splats(folder, suffix, scene, wanted, flags.sh_degree)
     if flags.video:
-        _write_video(flags, scene, wanted)
+        _write_video(flags, scene, wanted, speed)
     if flags.html:
-        _write_page(flags.html, scene, wanted, flags.frames_per_second)
+        _write_page(flags.html, scene, wanted, speed)
     for path, _ in moving.values():
         if path:
-            _write_moving(path, scene, flags.frames_per_second)
+            _write_moving(path, scene, speed)
     if flags.mesh:
-        mesh_export.write(flags, scene, wanted)
+        mesh_export.write(flags, scene, wanted, speed)
     research_export.write(flags, scene, wanted)
     if flags.cameras:
         camera_export.write(flags, scene, wanted)
+
+
+def _speed(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> float:
+    """Frames a second: as the flag asks, through a clip its own. That they are assumed is told on stderr."""
+    if flags.frames_per_second is not None:
+        return float(flags.frames_per_second)
+    if not export_limits.goes_through_time(flags) or wanted[0].frame is None or len(scene.cameras) == 1:
+        return FRAMES_PER_SECOND
+    speed = clip_speed(scene)
+    if speed is None:
+        sys.stderr.write(
+            f"how fast the clip goes is not known: {FRAMES_PER_SECOND:g} frames a second are assumed "
+            f"(--frames-per-second states it): {flags.scene}\n"
+        )
+    return speed or FRAMES_PER_SECOND
 
 
 def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
@@ -189,14 +206,14 @@ def _write_page(path: Path, scene: Scene, wanted: list[Moment], speed: float) ->
     sys.stdout.write(f"{path}: {len(scene.model)} Gaussians, {path.stat().st_size / 1e6:.1f} MB\n")
 
 
-def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> None:
+def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment], speed: float) -> None:
     pen = Drawer(*drawer(flags.renderer))
     views = view_flags.asked_for(flags, scene, wanted)
     seen = tuple(
         MomentRecord(frame=moment.frame, time=moment.time, camera=moment.camera, near=view.near)
         for moment, view in zip(wanted, views, strict=True)
     )
-    said, speed = drawn_record(views[0], pen.name), flags.frames_per_second
+    said = drawn_record(views[0], pen.name)
     record = extended(RenderVideo, said, frames_per_second=speed, moments=seen)
     with progress("draw", len(wanted)) as report:
         for done in make(record, Opened(tuple(views), pen=pen), flags.video):

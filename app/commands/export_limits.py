@@ -58,6 +58,11 @@ def check(flags: argparse.Namespace) -> None:
             raise UserError(f"{flag(name)}: expected a place outside the run that is exported, got {path}")
 
 
+def goes_through_time(flags: argparse.Namespace) -> bool:
+    """Whether any of what is asked for plays at a speed: a file of all of the clip, or a video."""
+    return any(name in (*WHOLE, "video") or _is_film(name, path) for name, path in outputs(flags))
+
+
 def require_one_camera(flags: argparse.Namespace, wanted: Sequence[Moment]) -> None:
     """Raises UserError: a page is asked for, of several cameras."""
     # Frames are seen by one camera, several cameras at one moment.

@@ -70,7 +70,7 @@ def check(flags: argparse.Namespace) -> None:
         raise UserError(f"--faces: expected at least {LEAST_FACES}, got {flags.faces}")
 
 
-def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
+def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment], speed: float) -> None:
     """A folder has the moments that are asked for, a file all of the clip."""
     path: Path = flags.mesh
     fineness = Fineness(flags.vertices, flags.faces)
@@ -78,12 +78,12 @@ def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> 
         windows = windows_of(scene.model)
         left = [window for window in windows if len(window)]
         said = _size(surface_of_window(scene, (*left, windows[0])[0], fineness).mesh)
-        _write_file(flags, scene)
+        _write_file(flags, scene, speed)
         meshes = f"{len(left)} meshes, one after the other, the first of {said}" if len(left) > 1 else said
         sys.stdout.write(f"{path}: {meshes}, {path.stat().st_size / 1e6:.1f} MB\n")
     else:
         said = _size(window_surface(scene, wanted[0].time, fineness).mesh)
-        _write_folder(flags, scene, wanted)
+        _write_folder(flags, scene, wanted, speed)
         others = ", the first" if scene.split_by_time else ""
         sys.stdout.write(f"{path}: {len(wanted)} meshes{others} of {said}\n")
 
@@ -92,19 +92,19 @@ def _size(mesh: Mesh) -> str:
     return f"{len(mesh.vertices)} vertices, {len(mesh.faces)} triangles"
 
 
-def _write_file(flags: argparse.Namespace, scene: Scene) -> None:
+def _write_file(flags: argparse.Namespace, scene: Scene, speed: float) -> None:
     fineness = {"vertices": flags.vertices, "faces": flags.faces}
-    record = surface_mesh(scene, flags.frames_per_second, **fineness)
+    record = surface_mesh(scene, speed, **fineness)
     with progress("export", len(scene.cameras)) as report:
         for done in make(record, Opened(model=scene), flags.mesh):
             report(done, flags.mesh.name)
 
 
-def _write_folder(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
+def _write_folder(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment], speed: float) -> None:
     sources, fineness = Opened(model=scene), {"vertices": flags.vertices, "faces": flags.faces}
     with filled(flags.mesh) as staging, progress("export", len(wanted)) as report:
         for done, one in enumerate(wanted, start=1):
-            record = surface_mesh(scene, flags.frames_per_second, one.frame, one.time, **fineness)
+            record = surface_mesh(scene, speed, one.frame, one.time, **fineness)
             run_to_end(make(record, sources, staging / f"{one.name}.{flags.mesh_format}"))
             report(done, one.name)
     say_older(flags.mesh, [f"{one.name}.{flags.mesh_format}" for one in wanted])

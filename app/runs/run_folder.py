@@ -13,9 +13,10 @@ from dataclasses import dataclass as plain_dataclass
 from dataclasses import fields, replace
 from itertools import chain
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
 import numpy as np
+from annotated_types import Interval
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
@@ -89,6 +90,8 @@ class ClipRecord:
     """`Camera.to_json`: one a frame, or a single one when the camera is fixed."""
     poses: PosesRecord | None = None
     """Where the cameras were estimated; None: they are the clip's."""
+    frames_per_second: Annotated[float, Interval(gt=0)] | None = None
+    """Of the part; None: the clip does not tell, or the record does not, as of earlier versions."""
     asked: tuple[FrameNumber, FrameNumber] | None = None
     """With poses that were estimated: the frames that were asked for, as `part` may be less; None: all."""
 
@@ -174,6 +177,11 @@ class RunRecord:
     def unit(self) -> str:
         """Of lengths."""
         return self.clip.unit
+
+    @property
+    def frames_per_second(self) -> float | None:
+        """Of the frames that it was trained on; None: not known."""
+        return self.clip.frames_per_second
 
     @property
     def test_indices(self) -> tuple[int, ...]:

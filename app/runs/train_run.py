@@ -262,6 +262,7 @@ def _new_record(request: TrainRequest, posed: Posed, device: Device, copies: Too
             unit=clip.unit,
             cameras=tuple(camera.to_json() for camera in cameras),
             poses=posed.poses,
+            frames_per_second=clip.frames_per_second,
             asked=request.part.trim if posed.poses else None,
         ),
         input=request.input,

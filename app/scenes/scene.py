@@ -62,6 +62,8 @@ class Scene:
     """Not finished: still being trained, or cut short."""
     first: int | None = None
     """The frame of the whole clip that its first one is, of a run of a part; None: it is of all frames."""
+    frames_per_second: float | None = None
+    """Of the clip, as it is or as the run records it; None: not known."""
     test_indices: tuple[int, ...] = ()
     notices: tuple[str, ...] = ()
     """What was repaired or left out."""
@@ -299,6 +301,7 @@ def run_scene(
         iterations=training.iterations,
         live=training.live,
         first=part.first,
+        frames_per_second=footage.frames_per_second,
         test_indices=footage.test_indices,
         poses_are_estimated=isinstance(footage, RunRecord) and footage.clip.poses is not None,
     )

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from app.console.frame_numbers import frame_numbers
 from app.errors import UserError
+from app.scenes.clip_speed import FRAMES_PER_SECOND
 from app.scenes.scene import Scene, open_scene
 from app.scenes.supersampling import FACTORS
 from app.scenes.window_scene import scene_of_window
@@ -18,7 +19,6 @@ from renderer.camera import Camera
 from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
 from renderer.view_files import read_views
 
-FRAMES_PER_SECOND = 15.0
 MOST_PIXELS = 16384
 """Each way: the largest framebuffer of common graphics cards."""
 
@@ -71,9 +71,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--frames-per-second",
         type=float,
-        default=FRAMES_PER_SECOND,
         metavar="F",
-        help="for videos and paths (15)",
+        help=f"for exports through time (default the clip's, else {FRAMES_PER_SECOND:g}) and along paths "
+        f"({FRAMES_PER_SECOND:g})",
     )
     parser.add_argument(
         "--size",
@@ -96,8 +96,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
     """The scene, what was repaired of it told on stderr. Raises UserError for what there is not."""
-    if not 0 < flags.frames_per_second <= 1000:
-        said = flags.frames_per_second
+    said = flags.frames_per_second
+    if said is not None and not 0 < said <= 1000:
         raise UserError(f"--frames-per-second: expected more than 0 and at most 1000, got {said}")
     scene = open_scene(flags.scene, as_trained=flags.as_trained)
     if flags.window is not None:
@@ -169,7 +169,7 @@ def _along(flags: argparse.Namespace) -> Iterator[Moment]:
         raise UserError(str(error)) from error
     if not path.keyframes:
         raise UserError(f"expected a path of at least one keyframe, got none: {flags.path}")
-    for place, key in enumerate(path.moments(flags.frames_per_second)):
+    for place, key in enumerate(path.moments(flags.frames_per_second or FRAMES_PER_SECOND)):
         yield Moment(f"path-{place:06d}", None, key.time, key.camera)
 
 

@@ -13,9 +13,9 @@ from app.exports.make import make
 from app.exports.meshes.of_scene import surface_mesh
 from app.exports.sources import Opened
 from app.files.stepping import run_to_end
+from app.scenes.clip_speed import FRAMES_PER_SECOND, clip_speed
 from app.scenes.scene import open_scene
 from app.scenes.surfaces import surface
-from app.scenes.view_selection import FRAMES_PER_SECOND
 from app.sweeps.settings import Meshing
 from renderer.measuring.surface_accuracy import depth_distances
 from renderer.surface.fineness import Fineness
@@ -28,7 +28,9 @@ def mesh_measures(run: Path, target: Path, wanted: Meshing) -> dict[str, float |
     """Export it to `target`, and compare it with the depth measured on the frames of the evaluation: on a
     phantom that is the true surface. Raises UserError."""
     scene = open_scene(run, as_trained=True)
-    record = surface_mesh(scene, FRAMES_PER_SECOND, vertices=wanted.vertices, faces=wanted.faces)
+    record = surface_mesh(
+        scene, clip_speed(scene) or FRAMES_PER_SECOND, vertices=wanted.vertices, faces=wanted.faces
+    )
     began = perf_counter()
     run_to_end(make(record, Opened(model=scene), target))
     seconds = perf_counter() - began

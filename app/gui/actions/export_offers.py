@@ -36,6 +36,8 @@ OF_TISSUE: Final[tuple[Form, ...]] = (
     "tracks",
 )
 """Of one that says where tissue goes: a splat file per moment does not."""
+THROUGH_TIME: Final[tuple[Form, ...]] = ("moving splats", "browser model", "surface mesh")
+"""One file that plays as fast as the clip."""
 DICOM: Final[tuple[Form, ...]] = ("DICOM still", "DICOM video")
 """Of the enhanced frames alone."""
 VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video", "DICOM video")

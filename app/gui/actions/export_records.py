@@ -36,6 +36,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.state.panes import other_request, shown_mode
 from app.gui.views.comparison import Side, label_of
+from app.scenes.clip_speed import FRAMES_PER_SECOND
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene
@@ -47,7 +48,7 @@ from app.scenes.view_request import (
     moment_record,
     view_record,
 )
-from app.scenes.view_selection import FRAMES_PER_SECOND
+from renderer.clip import Clip
 
 
 def format_of(state: AppState, form: Form) -> str:
@@ -73,12 +74,19 @@ def request_of(state: AppState, what: What, stem: str, suffix: str = "") -> Expo
     clip, moments = state.source.clip, _moments(state, offer)
     views = tuple(view for views in moments for view in views)
     panes = _panes(state, offer)
-    rate = FRAMES_PER_SECOND if clip is None or offer.sees == "path" else clip.frames_per_second
-    record = _record(offer, panes, moments, state.source.span, rate or FRAMES_PER_SECOND)
+    record = _record(offer, panes, moments, state.source.span, _rate(offer, clip, model))
     if isinstance(record, PanesPicture) and suffix == ".jpg":
         record = replace(record, quality=state.exports.quality)
     opened = Opened(views, clip, model, measured=state.picture.of_clip)
     return ExportRequest(folder, stem, suffix, record, opened)
+
+
+def _rate(offer: Offer, clip: Clip | None, model: Scene | None) -> float:
+    """Frames a second of a video: through time as the clip, of panes the one that is open, goes."""
+    if offer.sees == "path":
+        return FRAMES_PER_SECOND
+    through = model if offer.sees == "time" else clip
+    return (through.frames_per_second if through is not None else None) or FRAMES_PER_SECOND
 
 
 def _enhanced(state: AppState, offer: Offer) -> Enhanced:
@@ -104,8 +112,7 @@ def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exporte
         return SplatFolder(tuple((f"frame-{at:06d}{suffix}", splats(at, model.time(at))) for at in frames))
     if what == "arrays of all frames":
         return extended(ModelArrays, model.record, renderer=ON_CPU, moments=_frames(model))
-    clip = state.source.clip
-    speed = (clip.frames_per_second if clip is not None and state.has_frames else None) or FRAMES_PER_SECOND
+    speed = model.frames_per_second or FRAMES_PER_SECOND
     if what == "page for browsers":
         return browser_model(model, model.cameras[0], speed)
     if what == "splats through time":

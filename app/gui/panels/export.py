@@ -135,8 +135,8 @@ def _draw_chosen(state: AppState) -> None:
     title = next(title for title, forms in GROUPS if offer.form in forms)
     imgui.separator_text(f"{title}: {offer.within}")
     note(offer.text)
-    if missing := export_actions.left_out(state):
-        note(missing, theme.now().warning)
+    if doubts := export_actions.doubts(state):
+        note(doubts, theme.now().warning)
     imgui.spacing()
     _draw_name(state)
     _draw_folder(state)

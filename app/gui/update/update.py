@@ -13,7 +13,7 @@ from app.gui.update.channels import Channels
 from app.gui.update.jobs import follow_job
 from app.gui.update.wishes import side_wish
 from app.gui.views.comparison import SIDES
-from app.scenes.view_selection import FRAMES_PER_SECOND
+from app.scenes.clip_speed import FRAMES_PER_SECOND
 from renderer.clip import Clip
 
 PROMPT = 0.012
@@ -112,9 +112,10 @@ def _play(state: AppState, elapsed: float) -> None:
 
 
 def _play_alone(state: AppState, elapsed: float) -> None:
-    """A reconstruction without its clip, in as many moments a second; after the last one comes the first."""
-    time = state.timeline
-    time.playhead = (time.playhead + min(elapsed, 0.25) * FRAMES_PER_SECOND) % state.moments
+    """A reconstruction without its clip, as fast as that goes; after the last moment comes the first."""
+    time, model = state.timeline, state.scene.model
+    speed = (model.frames_per_second if model is not None else None) or FRAMES_PER_SECOND
+    time.playhead = (time.playhead + min(elapsed, 0.25) * speed) % state.moments
     state.scene.own_time = int(time.playhead) / state.moments
 
 

@@ -329,7 +329,9 @@ def _model_of(folder: RunFolder, record: RunRecord, clip: Clip | None, said: Tra
         model = replace(model, record=replace(model.record, clip=named), clip_path=place)
     if model is not None and clip is not None and model.is_of(clip):
         # The same objects, so that comparing them is quick; it is done in every frame.
-        model = replace(model, cameras=clip.cameras[model.start : model.start + len(model.cameras)])
+        cameras = clip.cameras[model.start : model.start + len(model.cameras)]
+        speed = model.frames_per_second or clip.frames_per_second
+        model = replace(model, cameras=cameras, frames_per_second=speed)
     return model
 
 

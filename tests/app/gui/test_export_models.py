@@ -43,17 +43,18 @@ def test_splats_of_a_moment_and_of_all_frames_come_again(run: Exporter, runs: di
 def test_what_a_format_does_not_hold_is_said(run: Exporter) -> None:
     state = run.state
     assert state.scene.model is not None
+    state.scene.model = replace(state.scene.model, frames_per_second=10.0)
     raw = state.scene.model.model.raw
     colored = replace(raw, harmonics=np.zeros((len(raw.means), 3, 3), np.float32))
     export_actions.choose_what(state, "page for browsers")
-    assert not export_actions.left_out(state)
+    assert not export_actions.doubts(state)
     model = replace(state.scene.model.model, raw=colored)
     state.scene.model = replace(state.scene.model, model=model)
-    assert export_actions.left_out(state) == "Colours by direction are left out of the file."
+    assert export_actions.doubts(state) == "Colours by direction are left out of the file."
     export_actions.choose_what(state, "splats through time")
-    assert not export_actions.left_out(state)
+    assert not export_actions.doubts(state)
     export_actions.choose_format(state, "moving splats", ".4dgs")
-    assert export_actions.left_out(state)
+    assert export_actions.doubts(state)
 
 
 @pytest.mark.parametrize("suffix", [".compressed.ply", ".spz", ".sog", ".glb"])
