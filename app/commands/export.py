@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from app.commands import camera_export, export_limits, mesh_export, research_export, view_flags
 from app.console.older_files import say_older
 from app.console.progress import progress
 from app.errors import UserError
-from app.exports.browser.of_scene import browser_model
+from app.exports.browser.of_scene import browser_model, far_off
 from app.exports.make import make
 from app.exports.records import MovingSplats, RenderVideo, Splats
 from app.exports.replay.recorded import recorded
@@ -203,6 +204,8 @@ def _write_page(path: Path, scene: Scene, wanted: list[Moment], speed: float) ->
     run_to_end(make(record, Opened(model=scene), path))
     if scene.model.raw.harmonics.shape[1]:
         sys.stderr.write(f"colours by direction are left out of the page: {path}\n")
+    if said := far_off(replace(record, error=recorded(path).get("error")), scene.unit):
+        sys.stderr.write(f"the motion is {said}, as the page would be too large: {path}\n")
     sys.stdout.write(f"{path}: {len(scene.model)} Gaussians, {path.stat().st_size / 1e6:.1f} MB\n")
 
 

@@ -15,7 +15,7 @@ from app.enhancement.parameter_grid import Setting, tried
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.enhancement.settable import drawn
 from app.errors import UserError
-from app.exports.browser.of_scene import page_windows
+from app.exports.browser.of_scene import far_off, page_windows
 from app.exports.browser.page import browser_page
 from app.exports.measures import Row, measures_at, rows_at, write_measures
 from app.exports.meshes.writing import write_surface
@@ -224,14 +224,17 @@ def _render_video(record: RenderVideo, sources: Sources, target: Path) -> Steps:
 
 def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None:
     scene = sources.scene(record)
+    windows = page_windows(scene, record.tolerance)
+    errors = [one.tracks.error for one in windows if one.tracks.error is not None]
+    record = replace(record, error=max(errors, default=None))
     about = f"Reconstruction of {record.trained_on}" if record.trained_on else "Reconstruction"
     page = browser_page(
-        page_windows(scene),
+        windows,
         record.camera,
         record.near,
         scene.mode,
         title=record.title,
-        about=about,
+        about=", ".join(filter(None, (about, far_off(record, scene.unit)))),
         frames=record.clip_frames,
         start=record.start or 0,
         seconds=record.seconds,

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from app.exports.browser.page import PageWindow
+from app.exports.browser.samples import Sampling
 from app.exports.browser.tracks import tracks_of
 from app.exports.records import BrowserModel
 from app.files.records import extended
 from app.scenes.scene import Scene
 from renderer.camera import Camera
-from renderer.model_windows import windows_of
+from renderer.model_windows import ModelWindow, windows_of
+
+TOLERANCE: Final = 0.25
+"""Pixels of the clip, of tissue at the middle distance."""
+MOST_VALUES: Final = 4096 * 2048
+"""Of a kind, over all Gaussians and moments: what a texture of every browser holds."""
 
 
 def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> BrowserModel:
@@ -23,14 +31,26 @@ def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> Bro
         camera=camera,
         moves=camera in scene.cameras and any(one != camera for one in scene.cameras),
         near=scene.near,
+        tolerance=TOLERANCE * scene.distance / scene.cameras[0].fx,
         clip_frames=frames,
         start=scene.first,
         seconds=frames / frames_per_second,
     )
 
 
-def page_windows(scene: Scene) -> tuple[PageWindow, ...]:
-    """Of its model, in the order of time."""
-    frames = len(scene.cameras)
-    parts = ((tracks_of(one.model), one.frames(frames)) for one in windows_of(scene.model))
-    return tuple(PageWindow(tracks, there[0], there[-1]) for tracks, there in parts)
+def far_off(record: BrowserModel, unit: str) -> str:
+    """How far positions are from those of the model, in words; empty: within the tolerance."""
+    if record.error is None or record.tolerance is None or record.error <= record.tolerance:
+        return ""
+    return f"shown with an error of up to {record.error:.2g} {unit}"
+
+
+def page_windows(scene: Scene, tolerance: float | None) -> tuple[PageWindow, ...]:
+    """Of its model, in the order of time; `tolerance`: see BrowserModel."""
+    frames, most = len(scene.cameras), MOST_VALUES // max(len(scene.model), 1)
+    return tuple(_window(one, one.frames(frames), tolerance, most) for one in windows_of(scene.model))
+
+
+def _window(window: ModelWindow, there: range, tolerance: float | None, most: int) -> PageWindow:
+    sampling = None if tolerance is None else Sampling(len(there), tolerance, most)
+    return PageWindow(tracks_of(window.model, sampling), there[0], there[-1])

@@ -3,7 +3,7 @@ page interpolates linearly."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any, Final
@@ -11,14 +11,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from app.exports.browser.samples import Sampling, sampled
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from renderer.rotations import of_nearer_sign, unit_quats
 from renderer.splats import Float32Array
 
-MOST_SAMPLES: Final = 48
-"""Moments of a motion that is no spline."""
 CUBIC, LINEAR = 3, 1
 """Degrees of what runs through the values."""
 ALIGNED: Final = 4
@@ -73,6 +72,8 @@ class Tracks:
     tracks: tuple[Track, ...]
     degree: int
     """CUBIC: uniform B-splines; LINEAR: through samples at even moments, the first at 0, the last at 1."""
+    error: float | None = None
+    """Of samples, see `samples.Samples`."""
 
     @property
     def content(self) -> bytes:
@@ -90,13 +91,16 @@ def _padded(content: bytes) -> bytes:
     return content + bytes(-len(content) % ALIGNED)
 
 
-def tracks_of(model: DynamicGaussians) -> Tracks:
-    """Colours by direction are left out: the page shows those that do not depend on it."""
+def tracks_of(model: DynamicGaussians, sampling: Sampling | None = None) -> Tracks:
+    """Colours by direction are left out: the page shows those that do not depend on it.
+
+    `sampling`: of a motion that is no spline.
+    """
     motion = model.motion
     if isinstance(motion, SplineMotion):
         return _of_spline(model.raw, motion)
-    moments = np.linspace(0, 1, MOST_SAMPLES)
-    return Tracks(_quantised([motion.moved(model.raw, float(time)) for time in moments]), LINEAR)
+    samples = sampled(model, sampling)
+    return Tracks(_quantised(samples.moments), LINEAR, samples.error)
 
 
 def _of_spline(raw: RawGaussians, motion: SplineMotion) -> Tracks:
@@ -118,7 +122,7 @@ def _lifted(base: Float32Array, controls: Float32Array, count: int) -> Float32Ar
     return base[:, None] + controls if len(controls) else base[:, None]
 
 
-def _quantised(samples: list[RawGaussians]) -> tuple[Track, ...]:
+def _quantised(samples: Sequence[RawGaussians]) -> tuple[Track, ...]:
     def over_time(values: Iterable[Float32Array]) -> Float32Array:
         stacked = np.stack(list(values), axis=1)
         return stacked if np.ptp(stacked, axis=1).max(initial=0) > SAME else stacked[:, :1]

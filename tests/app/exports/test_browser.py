@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from app.errors import UserError
 from app.exports.browser.page import PageWindow, browser_page, read_page
-from app.exports.browser.tracks import CUBIC, LINEAR, MOST_SAMPLES, tracks_of
+from app.exports.browser.samples import USUAL
+from app.exports.browser.tracks import CUBIC, LINEAR, Tracks, tracks_of
 from app.scenes.scene import open_scene
 from renderer.camera import Camera
 from renderer.deformation.motion import Still
@@ -63,7 +64,12 @@ def spline(
 
 def shown(model: DynamicGaussians, time: float) -> dict[str, NDArray[np.float64]]:
     """What the page draws, by its own rules, written out in numpy."""
-    tracks, found = tracks_of(model), {}
+    return drawn(tracks_of(model), time)
+
+
+def drawn(tracks: Tracks, time: float) -> dict[str, NDArray[np.float64]]:
+    """The same of what the page holds."""
+    found = {}
     for track, told in zip(tracks.tracks, tracks.told(), strict=True):
         whole = np.frombuffer(
             tracks.content,
@@ -137,7 +143,7 @@ def test_what_does_not_move_takes_one_value_and_what_has_no_curves_is_sampled() 
 
     model = DynamicGaussians(raw(random), Sampled())  # type: ignore[arg-type]
     moments = {track.name: track.values.shape[1] for track in tracks_of(model).tracks}
-    assert (moments["means"], moments["colors"]) == (MOST_SAMPLES, 1)
+    assert (moments["means"], moments["colors"]) == (USUAL, 1)
     page, moved = shown(model, 0.5), motion.moved(model.raw, 0.5)
     assert np.abs(page["means"] - moved.means).max() < 0.05
 
