@@ -26,6 +26,8 @@ from renderer.splat_files.y_up import y_up
 from renderer.splats import RenderMode
 
 SPZ: Final = (f"{EXTENSION}_compression_spz_2", f"{EXTENSION}_compression_spz")
+READ: Final = frozenset({EXTENSION, *SPZ, "KHR_mesh_quantization"})
+"""Extensions that a file may require."""
 TYPES: Final[Mapping[int, tuple[type, float]]] = {
     5120: (np.int8, 127.0), 5121: (np.uint8, 255.0), 5122: (np.int16, 32767.0), 5123: (np.uint16, 65535.0),
     5126: (np.float32, 1.0),
@@ -50,6 +52,7 @@ def read_glb_splats(content: bytes) -> SplatFile:
     """
     try:
         document, binary = opened_glb(content)
+        _require_read(document)
         spaces = {told.get("colorSpace", DISPLAYED) for _, told, _ in _primitives(document)}
         # Values out of their range are repaired, or left out, at the end.
         with np.errstate(all="ignore"):
@@ -76,6 +79,15 @@ def read_glb_splats(content: bytes) -> SplatFile:
     whole = repaired(replace(raw, means=means, log_scales=log_scales), mode)
     said = (*(notice for file, _ in files for notice in file.notices), *whole.notices)
     return replace(whole, notices=said if spaces == {DISPLAYED} else (*said, LINEAR))
+
+
+def _require_read(document: Any) -> None:
+    """Raises SplatFileError: the file means something else without an extension that is not read."""
+    others = [str(one)[:60] for one in document.get("extensionsRequired", ()) if one not in READ]
+    if others:
+        raise SplatFileError(
+            f"expected a glTF file of plain splats or SPZ, got one that requires {', '.join(others[:3])}"
+        )
 
 
 def _extras(document: Any) -> Mapping[str, Any]:
@@ -192,8 +204,14 @@ def _array(document: Any, number: Any, binary: bytes, width: int) -> NDArray[np.
 
 def _view(document: Any, number: Any, binary: bytes) -> memoryview:
     view = document["bufferViews"][_index(number)]
-    if "uri" in document["buffers"][_index(view["buffer"])]:
+    buffer = _index(view["buffer"])
+    if "uri" in document["buffers"][buffer]:
         raise SplatFileError("expected a glTF file with all its bytes, got one that names other files")
+    # Only the first is the one within the file; others without a name stand for what an extension unpacks.
+    if buffer:
+        raise SplatFileError(
+            "expected a glTF file with all its bytes, got an array that lies in none of them"
+        )
     start, size = _index(view.get("byteOffset", 0)), _index(view["byteLength"])
     if start + size > len(binary):
         raise ValueError("a place beyond the file")

@@ -231,6 +231,23 @@ def test_what_is_not_read_is_named(node: Change, primitive: Change, buffer: Chan
         read_glb_splats(packed(document, binary))
 
 
+def test_an_extension_that_the_file_requires_is_read_or_named() -> None:
+    document, binary = plain(gaussians(20))
+    document["extensionsRequired"] = [NAME, "KHR_mesh_quantization"]
+    assert len(read_glb_splats(packed(document, binary)).raw) == 20
+    document["extensionsRequired"].append("EXT_meshopt_compression")
+    with pytest.raises(SplatFileError, match="got one that requires EXT_meshopt_compression"):
+        read_glb_splats(packed(document, binary))
+
+
+def test_a_buffer_that_an_extension_is_to_fill_is_not_looked_for_in_another() -> None:
+    document, binary = plain(gaussians(20))
+    document["bufferViews"][0] |= {"buffer": 1, "extensions": {"EXT_meshopt_compression": {"buffer": 0}}}
+    document["buffers"].append({"byteLength": len(binary)})
+    with pytest.raises(SplatFileError, match="an array that lies in none of them"):
+        read_glb_splats(packed(document, binary))
+
+
 def test_a_mesh_without_splats_is_told_from_a_damaged_file(tmp_path: Path) -> None:
     document, binary = plain(gaussians(20))
     del document["meshes"][0]["primitives"][0]["extensions"]
