@@ -35,6 +35,7 @@ TYPES: Final[Mapping[int, tuple[type, float]]] = {
 """Of components, with the number that means 1 in normalised ones."""
 DISPLAYED: Final = "srgb_rec709_display"
 LINEAR: Final = "colours are to be blended as light, and are drawn as they are displayed"
+LOGARITHMS: Final = "sizes below 0 are read as logarithms, which older programs wrote into glTF"
 DEEPEST: Final = 64
 """Levels of nodes within each other."""
 MOST_NODES: Final = 10_000
@@ -77,7 +78,7 @@ def read_glb_splats(content: bytes) -> SplatFile:
         means = (raw.means / metres).astype(np.float32)
         log_scales = (raw.log_scales - np.log(metres)).astype(np.float32)
     whole = repaired(replace(raw, means=means, log_scales=log_scales), mode)
-    said = (*(notice for file, _ in files for notice in file.notices), *whole.notices)
+    said = (*dict.fromkeys(notice for file, _ in files for notice in file.notices), *whole.notices)
     return replace(whole, notices=said if spaces == {DISPLAYED} else (*said, LINEAR))
 
 
@@ -167,18 +168,31 @@ def _splats(document: Any, primitive: Any, told: Any, binary: bytes) -> SplatFil
     ]
     if len(harmonics) not in BANDS:
         raise ValueError("a degree of harmonics is missing")
-    scales = np.maximum(values(f"{EXTENSION}:SCALE", 3), np.float32(LEAST_SCALE))
+    scales, said = _linear(values(f"{EXTENSION}:SCALE", 3))
     raw = RawGaussians(
         means=means,
         quats=values(f"{EXTENSION}:ROTATION", 4)[:, [3, 0, 1, 2]],
-        log_scales=np.log(scales),
+        log_scales=np.log(np.maximum(scales, np.float32(LEAST_SCALE))),
         opacity_logits=logits(values(f"{EXTENSION}:OPACITY", 1)[:, 0].astype(np.float64).clip(0, 1)),
         colors=np.float32(0.5) + np.float32(PER_COLOR) * values(f"{EXTENSION}:SH_DEGREE_0_COEF_0", 3),
         harmonics=np.stack(harmonics, axis=1) if harmonics else np.zeros((len(means), 0, 3), np.float32),
     )
     if {len(value) for value in raw.arrays().values()} != {len(means)}:
         raise ValueError("attributes of different lengths")
-    return SplatFile(raw)
+    return SplatFile(raw, notices=said)
+
+
+def _linear(scales: NDArray[np.float32]) -> tuple[NDArray[np.float32], tuple[str, ...]]:
+    """Of sizes as a file has them, and what is to be told. Raises SplatFileError: some are negative."""
+    negative = int((scales < 0).sum())
+    if not negative:
+        return scales, ()
+    # As drafts of the extension had it; logarithms of sizes in metres are negative nearly always.
+    if 2 * negative > scales.size:
+        return np.exp(scales), (LOGARITHMS,)
+    raise SplatFileError(
+        f"expected sizes of 0 or more in the glTF file, got {negative} of {scales.size} that are negative"
+    )
 
 
 def _array(document: Any, number: Any, binary: bytes, width: int) -> NDArray[np.float32]:

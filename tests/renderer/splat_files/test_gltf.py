@@ -209,6 +209,33 @@ def test_colours_of_another_space_are_told() -> None:
     assert "blended as light" in said
 
 
+def with_scales(raw: RawGaussians, scales: np.ndarray) -> bytes:
+    """The file with these in place of its sizes."""
+    document, binary = plain(raw)
+    place = document["meshes"][0]["primitives"][0]["attributes"][f"{NAME}:SCALE"]
+    start, size = (document["bufferViews"][place][name] for name in ("byteOffset", "byteLength"))
+    content = np.ascontiguousarray(scales, np.float32).tobytes()
+    return packed(document, binary[:start] + content + binary[start + size :])
+
+
+def test_logarithms_of_sizes_as_a_draft_had_them_are_read_and_told() -> None:
+    """As splat-transform wrote them before June 2026."""
+    raw = replace(gaussians(40), log_scales=gaussians(40).log_scales - 2)
+    assert 0.5 < (raw.log_scales < 0).mean() < 1, "some are larger than a metre"
+    file = read_glb_splats(with_scales(raw, raw.log_scales))
+    same(file, raw)
+    assert file.notices == ("sizes below 0 are read as logarithms, which older programs wrote into glTF",)
+    assert read_glb_splats(with_scales(raw, np.exp(raw.log_scales))).notices == ()
+
+
+def test_a_few_negative_sizes_are_no_logarithms_and_are_refused() -> None:
+    raw = gaussians(40)
+    sizes = np.exp(raw.log_scales)
+    sizes[3, 1] = -0.01
+    with pytest.raises(SplatFileError, match="sizes of 0 or more in the glTF file, got 1 of 120"):
+        read_glb_splats(with_scales(raw, sizes))
+
+
 Change = dict[str, Any]
 
 
