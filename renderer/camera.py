@@ -47,7 +47,7 @@ class Camera:
 
     Raises:
         CameraError: sizes or focal lengths that are not positive, or a matrix that is not a finite (4, 4) or
-            does more than rotate and translate; or numbers beyond what can be rendered.
+            does more than rotate and translate, as a mirror does; or numbers beyond what can be rendered.
 
     Example:
         >>> import numpy as np
@@ -217,11 +217,19 @@ def _require_pose(matrix: FloatArray) -> None:
     skew = _skew(turn)
     if skew > SKEWEST:
         raise CameraError(f"expected a rotation in camera_from_world, got R R^T - 1 of up to {skew:.2g}")
+    if _is_mirror(turn):
+        raise CameraError("expected a rotation in camera_from_world, got one that mirrors")
     if max(map(abs, place)) > FARTHEST or math.dist(last, (0, 0, 0, 1)) > SKEWEST:
         raise CameraError(
             f"expected a translation of at most {FARTHEST:g} and a last row 0 0 0 1 in "
             f"camera_from_world, got {place} and {last}"
         )
+
+
+def _is_mirror(turn: list[list[float]]) -> bool:
+    """Whether the determinant is negative."""
+    (a, b, c), (d, e, f), (g, h, i) = turn
+    return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0
 
 
 def _skew(turn: list[list[float]]) -> float:

@@ -22,8 +22,8 @@ PINHOLES: Final = {"SIMPLE_PINHOLE": (0, 0, 1, 2), "PINHOLE": (0, 1, 2, 3)}
 """COLMAP's models without distortion: places of fx, fy, cx, cy among their numbers."""
 DISTORTION = ("k1", "k2", "k3", "k4", "p1", "p2")
 """Numbers of a transforms.json that bend the image; 0 where the lens is straight."""
-
-
+STRAIGHT: Final = ("PINHOLE", "SIMPLE_PINHOLE", "PERSPECTIVE", "SIMPLE_RADIAL", "RADIAL", "OPENCV")
+"""Models of a transforms.json that are pinholes where these numbers are 0."""
 LEAST_SHIFT: Final = 0.01
 """Pixels between the principal point and the middle that are worth a word."""
 
@@ -144,19 +144,29 @@ def _of_transforms(entry: dict[str, Any]) -> NamedCamera:
     """Numbers of the lens may be the file's or the frame's own."""
     if any(float(entry.get(name) or 0) != 0 for name in DISTORTION):
         raise ValueError(f"a lens with distortion ({', '.join(DISTORTION)}), where one without is needed")
+    model = str(entry.get("camera_model") or STRAIGHT[0])
+    if model.upper() not in STRAIGHT or entry.get("is_fisheye"):
+        got = "fisheye" if entry.get("is_fisheye") else model
+        raise ValueError(f"a lens of the model {got[:40]}, where {STRAIGHT[0]} is needed")
     width, height = int(entry["w"]), int(entry["h"])
-    fx = float(entry["fl_x"]) if "fl_x" in entry else _focal(float(entry["camera_angle_x"]), width)
-    lens = Camera(
-        fx=fx, fy=float(entry.get("fl_y", fx)), cx=float(entry.get("cx", width / 2)),
-        cy=float(entry.get("cy", height / 2)), width=width, height=height,
-    )  # fmt: skip
+    focals = _focal(entry, "x", width), _focal(entry, "y", height)
+    known = [focal for focal in focals if focal is not None]
+    if not known:
+        raise KeyError("fl_x")
+    # Pixels are square where one of the two is not given.
+    fx, fy = (known[0] if focal is None else focal for focal in focals)
+    cx, cy = float(entry.get("cx", width / 2)), float(entry.get("cy", height / 2))
+    lens = Camera(fx, fy, cx, cy, width, height)
     pose = np.array(entry["transform_matrix"], float)[:4, :4] @ FROM_OPENGL
     return NamedCamera(Path(str(entry["file_path"])).stem, lens.moved(_inverse(pose)))
 
 
-def _focal(angle: float, width: int) -> float:
-    """In pixels, of a horizontal field of view in radians."""
-    return width / 2 / math.tan(angle / 2)
+def _focal(entry: dict[str, Any], axis: str, pixels: int) -> float | None:
+    """In pixels, as it is, or of the field of view in radians along an axis of so many; None: not given."""
+    if f"fl_{axis}" in entry:
+        return float(entry[f"fl_{axis}"])
+    angle = entry.get(f"camera_angle_{axis}")
+    return None if angle is None else pixels / 2 / math.tan(float(angle) / 2)
 
 
 def _of_colmap(folder: Path) -> tuple[NamedCamera, ...]:

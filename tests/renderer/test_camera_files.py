@@ -123,6 +123,57 @@ def test_an_angle_gives_the_focal_length(tmp_path: Path) -> None:
     assert (camera.fx, camera.fy, camera.cx, camera.cy) == pytest.approx((100, 100, 100, 50))
 
 
+@pytest.mark.parametrize(
+    ("lens", "focals"),
+    [
+        ({"camera_angle_x": 1.0, "camera_angle_y": 0.6}, (100 / math.tan(0.5), 50 / math.tan(0.3))),
+        ({"fl_x": 90.0, "camera_angle_y": 0.6}, (90.0, 50 / math.tan(0.3))),
+        ({"camera_angle_x": 1.0, "fl_x": 90.0, "fl_y": 80.0, "camera_angle_y": 0.6}, (90.0, 80.0)),
+        ({"camera_angle_y": 0.6}, (50 / math.tan(0.3), 50 / math.tan(0.3))),
+    ],
+)
+def test_each_axis_has_its_own_focal_length(
+    tmp_path: Path, lens: dict[str, float], focals: tuple[float, float]
+) -> None:
+    content = lens | {"w": 200, "h": 100, "frames": transforms()["frames"][:1]}
+    (tmp_path / "t.json").write_text(json.dumps(content))
+    camera = read_cameras(tmp_path / "t.json")[0].camera
+    assert (camera.fx, camera.fy) == pytest.approx(focals)
+
+
+@pytest.mark.parametrize("model", ["OPENCV", "SIMPLE_RADIAL", "PINHOLE", "perspective", None])
+def test_a_model_whose_distortion_is_0_is_a_pinhole(tmp_path: Path, model: str | None) -> None:
+    (tmp_path / "t.json").write_text(json.dumps(transforms() | {"camera_model": model, "k1": 0, "k2": 0}))
+    same(tmp_path / "t.json")
+
+
+@pytest.mark.parametrize(
+    ("lens", "said"),
+    [
+        ({"camera_model": "OPENCV_FISHEYE", "k1": 0, "k2": 0}, "OPENCV_FISHEYE, where PINHOLE is needed"),
+        ({"camera_model": "EQUIRECTANGULAR"}, "EQUIRECTANGULAR, where PINHOLE is needed"),
+        ({"camera_model": "OPENCV", "is_fisheye": True}, "fisheye, where PINHOLE is needed"),
+    ],
+)
+def test_a_lens_that_is_no_pinhole_is_refused_also_without_distortion(
+    tmp_path: Path, lens: dict[str, object], said: str
+) -> None:
+    (tmp_path / "t.json").write_text(json.dumps(transforms() | lens))
+    with pytest.raises(CameraFileError, match=said):
+        read_cameras(tmp_path / "t.json")
+
+
+def test_a_pose_that_mirrors_is_refused(tmp_path: Path) -> None:
+    nerf, gaussian = transforms(), splatting()
+    nerf["frames"][1]["transform_matrix"] = np.diag([-1.0, 1, 1, 1]).tolist()
+    gaussian[1]["rotation"] = np.diag([1.0, 1, -1]).tolist()
+    own = CAMERAS[0].to_json() | {"camera_from_world": np.diag([1.0, -1, 1, 1]).tolist()}
+    for content in (nerf, gaussian, own):
+        (tmp_path / "t.json").write_text(json.dumps(content))
+        with pytest.raises(CameraFileError, match=r"expected a rotation .*, got one that mirrors"):
+            read_cameras(tmp_path / "t.json")
+
+
 def test_one_camera_of_our_own(tmp_path: Path) -> None:
     (tmp_path / "view.json").write_text(json.dumps(CAMERAS[1].to_json()))
     (one,) = read_cameras(tmp_path / "view.json")
