@@ -18,7 +18,7 @@ from app.exports.records import MovingSplats, RenderVideo, Splats
 from app.exports.replay.recorded import recorded
 from app.exports.sources import Opened
 from app.exports.splats import fourdgs
-from app.exports.splats.writing import COMPRESSED, MOVING, layout_of
+from app.exports.splats.writing import COMPRESSED, MOVING, SPZ, layout_of
 from app.files.atomic import filled
 from app.files.codecs import CODECS, ending_of
 from app.files.records import extended
@@ -162,13 +162,18 @@ def _speed(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> flo
 
 def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
     """The Gaussians where they are at each moment; every file says what it is of."""
-    sources, layout = Opened(model=scene), layout_of(suffix)
+    sources, layout, beyond = Opened(model=scene), layout_of(suffix), list[str]()
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
             when = {"frame": moment.frame, "time": moment.time}
             record = extended(Splats, scene.record, **when, sh_degree=degree, layout=layout)
-            run_to_end(make(record, sources, staging / f"{moment.name}{suffix}"))
+            file = staging / f"{moment.name}{suffix}"
+            run_to_end(make(record, sources, file))
+            if suffix.endswith(SPZ) and not beyond:
+                # Of the first that has any: the others are much like it.
+                beyond = [f"{notice}: {folder / file.name}" for notice in recorded(file).get("clipped", ())]
             report(done, moment.name)
+    sys.stderr.writelines(f"{notice}\n" for notice in beyond)
     say_older(folder, [f"{moment.name}{suffix}" for moment in wanted])
     of_each = "" if scene.split_by_time else f" of {len(scene.model)} Gaussians"
     sys.stdout.write(f"{folder}: {count(len(wanted), 'splat file')}{of_each}\n")

@@ -83,6 +83,8 @@ class Splats(SceneRecord):
     """To which its colours by direction are filled up; None: as the model has them."""
     layout: Literal["compressed"] | None = None
     """Of a PLY file: None: that of 3D Gaussian Splatting."""
+    clipped: Annotated[tuple[str, ...] | None, Told] = None
+    """What the format does not hold, and is written as the nearest that it does, in words."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

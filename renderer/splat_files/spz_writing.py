@@ -22,12 +22,40 @@ LEVEL: Final = 12
 """Of Zstandard, beyond which files hardly shrink."""
 FINEST: Final = 20
 """After the point of a position, and with them at most 23 in all."""
+SIZES: Final = (-10.0, 255 / 16 - 10, 1 / 16)
+"""Logarithms: the least, the largest, and how far apart those are that the format holds."""
+HARMONICS: Final = (-1.0, 127 / 128, 1 / 128)
+"""The same of coefficients; and of those of the colour."""
+COLORS: Final = (-0.5 / COLOR_SCALE, 0.5 / COLOR_SCALE, 1 / 255 / COLOR_SCALE)
 Plane = NDArray[np.uint8]
+
+
+def clipped(raw: RawGaussians) -> tuple[str, ...]:
+    """What is beyond what the format holds, and is written as the nearest that it does, in words."""
+    coefficients = (raw.colors.astype(np.float64) - 0.5) / PER_COLOR
+    least, largest = (f"{np.exp(end):.3g}" for end in SIZES[:2])
+    told = (
+        (raw.log_scales, SIZES, f"sizes are beyond {least} to {largest}"),
+        (coefficients, COLORS, "values of colours are beyond -0.44 to 1.44"),
+        (raw.harmonics, HARMONICS, "values of colours by direction are beyond -1 to 1"),
+    )
+    counted = ((_beyond(values, *held), values.size, said) for values, held, said in told)
+    return tuple(
+        f"{count} of {size} {said}, which SPZ does not hold: they are clipped"
+        for count, size, said in counted
+        if count
+    )
+
+
+def _beyond(values: NDArray[Any], least: float, most: float, step: float) -> int:
+    """How many are farther out than rounding moves them."""
+    return int(((values < least - step / 2) | (values > most + step / 2)).sum())
 
 
 def spz_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
     """What `read_spz` gives back to half a step: sizes, from 4.5e-5 to 370, to 3 %, opacities to 1 / 510,
     harmonics, from -1 to 1, to 1 / 256; positions to 1 / 4,000,000 of the farthest coordinate, or 5e-7.
+    `clipped` says what is beyond.
 
     Raises:
         ValueError: more splats than the format takes, or one farther away than it can say.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Final, Literal
 
@@ -16,7 +17,9 @@ from app.scenes.scene import Scene
 from renderer.splat_files import write_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.splat_files.packed_writing import packed_ply_bytes
+from renderer.splat_files.spz_writing import clipped
 
+SPZ: Final = ".spz"
 COMPRESSED: Final = ".compressed.ply"
 Moving = Callable[[MovingSplats, Scene, Path], Generator[int, None, None]]
 MOVING: Final[Mapping[str, tuple[Callable[[], None], Moving]]] = {
@@ -58,7 +61,8 @@ def write_moment(record: Splats, scene: Scene, target: Path) -> None:
             write_splats(place, moved, scene.mode)
         except ValueError as error:
             raise UserError(f"{error}: {target}") from error
-        write_sidecar(place, record.signed)
+        beyond = clipped(moved) if target.suffix.lower() == SPZ else ()
+        write_sidecar(place, replace(record, clipped=beyond or None).signed)
 
 
 def write_moving(record: MovingSplats, scene: Scene, target: Path) -> Generator[int, None, None]:

@@ -25,8 +25,6 @@ from app.gui.actions.export_offers import (
     OF_MODEL,
     OF_TISSUE,
     OFFERS,
-    ONE_COLOR,
-    THROUGH_TIME,
     Form,
     Offer,
 )
@@ -39,7 +37,6 @@ from app.gui.work.background import Failure
 from app.gui.work.naming import NameRequest
 from app.gui.work.revealing import RevealRequest
 from app.live.picture import LIVE
-from app.scenes.clip_speed import FRAMES_PER_SECOND
 from renderer.camera_files import off_center
 from renderer.readers.dicom.opening import NO_PYDICOM, has_pydicom, is_dicom
 
@@ -188,22 +185,6 @@ def suffix_of(state: AppState) -> str:
     """Of what is chosen in the panel; empty for a folder."""
     form = OFFERS[state.exports.what].form
     return "" if form in FOLDERS else format_of(state, form)
-
-
-def doubts(state: AppState) -> str:
-    """What the model has and the chosen format does not hold, and what is assumed, in sentences; empty for
-    nothing."""
-    model, offer = state.scene.model, OFFERS[state.exports.what]
-    if model is None:
-        return ""
-    loses = suffix_of(state) in ONE_COLOR and model.model.raw.harmonics.shape[1] > 0
-    plays = (offer.form in THROUGH_TIME or offer.sees == "time") and len(model.cameras) > 1
-    said = ["Colours by direction are left out of the file."] if loses else []
-    if plays and model.frames_per_second is None:
-        said.append(
-            f"How fast the clip goes is not known: {FRAMES_PER_SECOND:g} frames a second are assumed."
-        )
-    return " ".join(said)
 
 
 def why_not_start(state: AppState) -> str:

@@ -13,6 +13,7 @@ from app.files.codecs import HEVC, WEBM
 from app.files.dicom.choices import DicomChoices
 from app.files.legible import legible, located
 from app.gui.actions import actions, export_actions
+from app.gui.actions.export_doubts import doubts
 from app.gui.actions.export_offers import DICOM, FORMATS, GROUPS, OFFERS, VIDEOS, Form, Offer
 from app.gui.actions.export_records import format_of
 from app.gui.state.app_state import AppState
@@ -135,8 +136,8 @@ def _draw_chosen(state: AppState) -> None:
     title = next(title for title, forms in GROUPS if offer.form in forms)
     imgui.separator_text(f"{title}: {offer.within}")
     note(offer.text)
-    if doubts := export_actions.doubts(state):
-        note(doubts, theme.now().warning)
+    if told := doubts(state):
+        note(told, theme.now().warning)
     imgui.spacing()
     _draw_name(state)
     _draw_folder(state)

@@ -14,6 +14,7 @@ from app.exports.browser.page import read_page
 from app.exports.browser.tracks import tracks_of
 from app.exports.replay.again import replay
 from app.gui.actions import actions, export_actions
+from app.gui.actions.export_doubts import doubts
 from app.gui.actions.export_offers import OFFERS
 from app.gui.state.exports import What
 from app.gui.views.measurement import Located, Measurement
@@ -47,14 +48,26 @@ def test_what_a_format_does_not_hold_is_said(run: Exporter) -> None:
     raw = state.scene.model.model.raw
     colored = replace(raw, harmonics=np.zeros((len(raw.means), 3, 3), np.float32))
     export_actions.choose_what(state, "page for browsers")
-    assert not export_actions.doubts(state)
+    assert not doubts(state)
     model = replace(state.scene.model.model, raw=colored)
     state.scene.model = replace(state.scene.model, model=model)
-    assert export_actions.doubts(state) == "Colours by direction are left out of the file."
+    assert doubts(state) == "Colours by direction are left out of the file."
     export_actions.choose_what(state, "splats through time")
-    assert not export_actions.doubts(state)
+    assert not doubts(state)
     export_actions.choose_format(state, "moving splats", ".4dgs")
-    assert export_actions.doubts(state)
+    assert doubts(state)
+
+
+def test_what_is_beyond_spz_is_said(run: Exporter) -> None:
+    state = run.state
+    assert state.scene.model is not None
+    raw = state.scene.model.model.raw
+    tiny = replace(raw, log_scales=np.full_like(raw.log_scales, -12.0))
+    state.scene.model = replace(state.scene.model, model=replace(state.scene.model.model, raw=tiny))
+    export_actions.choose_what(state, "splats of this moment")
+    assert not doubts(state)
+    export_actions.choose_format(state, "splats", ".spz")
+    assert doubts(state).endswith("which SPZ does not hold: they are clipped.")
 
 
 @pytest.mark.parametrize("suffix", [".compressed.ply", ".spz", ".sog", ".glb"])

@@ -14,6 +14,7 @@ from app.exports.browser.page import read_page
 from app.exports.exporting import ExportRequest
 from app.exports.records import BrowserModel
 from app.gui.actions import export_actions
+from app.gui.actions.export_doubts import doubts
 from app.gui.actions.export_records import request_of as window_request
 from app.gui.work.settings import Places
 from app.runs.run_folder import RunFolder
@@ -110,7 +111,7 @@ def test_the_window_agrees(
     run = former(filmed_run, tmp_path, film) if is_former else filmed_run
     window = Exporter(places, run)
     export_actions.choose_what(window.state, "page for browsers")
-    assert export_actions.doubts(window.state) == ""
+    assert doubts(window.state) == ""
     record = made(window)
     speed = clip_speed(open_scene(run))
     assert speed is not None
@@ -120,10 +121,10 @@ def test_the_window_agrees(
 def test_the_window_says_that_it_assumes(runs: dict[str, Path], places: Places) -> None:
     window = Exporter(places, runs["original"])
     export_actions.choose_what(window.state, "splats of this moment")
-    assert export_actions.doubts(window.state) == ""
+    assert doubts(window.state) == ""
     for what in ("page for browsers", "video through time"):
         export_actions.choose_what(window.state, what)
-        assert export_actions.doubts(window.state).startswith("How fast the clip goes is not known")
+        assert doubts(window.state).startswith("How fast the clip goes is not known")
     assert made(window).seconds == pytest.approx(10 / 15)
 
 
