@@ -75,7 +75,7 @@ def test_each_frame_is_read_back_within_the_bounds_of_the_format(
     runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path
 ) -> None:
     scene, path = open_scene(runs["original"]), tmp_path / "a.4dgs"
-    done = vesselsplat("export", runs["original"], "--4dgs", path)
+    done = vesselsplat("export", runs["original"], "--4dgs", path, "--frames-per-second", 15)
     assert (done.code, done.error) == (0, "")
     content = path.read_bytes()
     assert validate.validate(content).ok
@@ -97,7 +97,7 @@ def test_of_a_long_clip_gaussians_come_and_go_with_their_windows(
     windowed_run: Path, vesselsplat: Callable[..., Call], tmp_path: Path
 ) -> None:
     scene, path = open_scene(windowed_run), tmp_path / "a.4dgs"
-    done = vesselsplat("export", windowed_run, "--4dgs", path)
+    done = vesselsplat("export", windowed_run, "--4dgs", path, "--frames-per-second", 15)
     assert (done.code, done.error) == (0, "")
     content = path.read_bytes()
     assert validate.validate(content).ok

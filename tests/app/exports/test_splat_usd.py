@@ -62,7 +62,7 @@ def test_usd_core_reads_the_splats_of_every_frame(
     runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path
 ) -> None:
     scene, path = open_scene(runs["original"]), tmp_path / "a.usdc"
-    done = vesselsplat("export", runs["original"], "--usd", path)
+    done = vesselsplat("export", runs["original"], "--usd", path, "--frames-per-second", 15)
     assert (done.code, done.error) == (0, "")
     stage = Usd.Stage.Open(str(path))
     assert (UsdGeom.GetStageMetersPerUnit(stage), UsdGeom.GetStageUpAxis(stage)) == (0.001, "Y")
@@ -94,7 +94,7 @@ def test_each_window_of_a_long_clip_is_seen_while_it_is_there(
     windowed_run: Path, vesselsplat: Callable[..., Call], tmp_path: Path
 ) -> None:
     scene, path = open_scene(windowed_run), tmp_path / "a.usdc"
-    done = vesselsplat("export", windowed_run, "--usd", path)
+    done = vesselsplat("export", windowed_run, "--usd", path, "--frames-per-second", 15)
     assert (done.code, done.error) == (0, "")
     stage = Usd.Stage.Open(str(path))
     fields = list(stage.GetDefaultPrim().GetChildren())
