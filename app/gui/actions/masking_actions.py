@@ -92,14 +92,21 @@ def _know(state: AppState, there: MasksThere) -> None:
 
 def take_mask(state: AppState, request: MaskRequest, frame: FrameMask) -> None:
     if request == wished(state):
+        _finish_line(state)
         state.masking.shown, state.masking.past = frame, ()
 
 
 def paint(state: AppState, at: Point) -> None:
-    """The stroke goes on to here, or begins."""
-    masking = state.masking
+    """The stroke goes on to here, or begins; it ends with the frame that the hand went down on."""
+    masking, index = state.masking, state.timeline.shown_index
     frame = masking.shown
-    if frame is None or masking.growing is not None or (masking.line and masking.line[-1] == at):
+    masking.hand_on = index if masking.hand_on is None else masking.hand_on
+    if masking.hand_on != index:
+        _finish_line(state)
+        return
+    if frame is None or frame.request.index != index or masking.growing is not None:
+        return
+    if masking.line and masking.line[-1] == at:
         return
     if not masking.line:
         masking.past = (*masking.past, frame)[-MOST_PAST:]
@@ -111,6 +118,11 @@ def paint(state: AppState, at: Point) -> None:
 
 def end_stroke(state: AppState) -> None:
     """The hand has let go: what was drawn is kept, or grows first."""
+    state.masking.hand_on = None
+    _finish_line(state)
+
+
+def _finish_line(state: AppState) -> None:
     masking = state.masking
     line, masking.line, frame = masking.line, (), masking.shown
     if not line or frame is None:
@@ -126,7 +138,7 @@ def drop_stroke(state: AppState) -> None:
     masking = state.masking
     if masking.line and masking.shown is not None:
         masking.shown, masking.past = masking.past[-1], masking.past[:-1]
-    masking.line = ()
+    masking.line, masking.hand_on = (), None
 
 
 def take_grown(state: AppState, request: GrowRequest, answer: BoolImage | Failure) -> None:
@@ -142,9 +154,9 @@ def take_grown(state: AppState, request: GrowRequest, answer: BoolImage | Failur
 
 
 def undo(state: AppState) -> None:
-    """The last stroke on this frame: it is as it was, and by whom it was masked."""
+    """The last stroke on this frame: it is as it was, and by whom it was masked. Nothing during a stroke."""
     masking = state.masking
-    if masking.past and masking.growing is None:
+    if masking.past and masking.growing is None and not masking.line:
         before, masking.past = masking.past[-1], masking.past[:-1]
         masking.shown = before
         mask = None if before.origin is None else before.mask
@@ -153,6 +165,7 @@ def undo(state: AppState) -> None:
 
 def clear_frame(state: AppState) -> None:
     """No tool on this frame, by hand."""
+    _finish_line(state)
     masking = state.masking
     if masking.shown is not None:
         masking.past = (*masking.past, masking.shown)[-MOST_PAST:]
@@ -161,12 +174,14 @@ def clear_frame(state: AppState) -> None:
 
 def accept(state: AppState) -> None:
     """The mask is right as it is: it counts as one by hand."""
+    _finish_line(state)
     if state.masking.shown is not None:
         _set(state, state.masking.shown.mask)
 
 
 def forget_frame(state: AppState) -> None:
     """The frame is as nobody had masked it."""
+    _finish_line(state)
     masking = state.masking
     if masking.shown is not None:
         _keep(state, KeepMask(masking.shown.request, None))
@@ -235,6 +250,7 @@ def choose_network(state: AppState) -> None:
 
 def stop_making(state: AppState) -> None:
     """What is made so far stays, and is looked at anew."""
+    _finish_line(state)
     masking = state.masking
     masking.making = masking.there = masking.shown = None
     masking.past = ()

@@ -239,7 +239,7 @@ def follow_brush(state: AppState, place: Placement, area: Area) -> None:
     at = place.picture_at(*area.mouse())
     if imgui.is_item_active() and imgui.is_mouse_down(imgui.MouseButton_.left):
         masking_actions.paint(state, at)
-    elif state.masking.line and not imgui.is_mouse_down(imgui.MouseButton_.left):
+    elif not imgui.is_mouse_down(imgui.MouseButton_.left):
         # Escape takes the mouse from the pane while the button is still held: it drops the stroke.
         masking_actions.end_stroke(state)
 

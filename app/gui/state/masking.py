@@ -29,6 +29,8 @@ class Masking:
     """Of the brush, as a share of the frame's width."""
     line: tuple[Point, ...] = ()
     """The stroke under way, in pixels of the frame."""
+    hand_on: int | None = None
+    """The frame that the hand went down on; None while nothing is held. It draws on no other one."""
     shown: FrameMask | None = None
     """Of the frame on screen, as it is now, with the stroke."""
     past: tuple[FrameMask, ...] = ()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from app.gui.work.masking import (
 )
 from app.live.picture import LIVE
 from renderer.clip import BoolImage
+from renderer.tools.brush import Stroke
 from renderer.tools.mask_files import origin_of, own_masks, write_mask
 from tests.app.gui.conftest import SIZE, FakeJob, make_clip
 from tests.app.gui.settling import served
@@ -217,6 +219,57 @@ def test_making_can_be_stopped(masking: AppState) -> None:
     settle(masking, channels)
     assert masking.masking.making is None
     assert 0 < len(on_disk(masking)) < 6
+
+
+@pytest.mark.parametrize(
+    "end", [masking_actions.end_stroke, masking_actions.drop_stroke, masking_actions.toggle]
+)
+@pytest.mark.parametrize("tool", ["paint", "grow"])
+def test_nothing_that_comes_up_during_a_stroke_breaks_it(
+    masking: AppState, tool: Stroke, end: Callable[[AppState], None]
+) -> None:
+    masking_actions.choose_tool(masking, tool)
+
+    def begin() -> None:
+        masking_actions.paint(masking, (10.0, 20.0))
+        masking_actions.paint(masking, (14.0, 20.0))
+
+    begin()
+    masking_actions.undo(masking)
+    assert masking.masking.line
+    end(masking)
+    assert masking.masking.line == ()
+    masking.masking.active, masking.masking.growing = True, None
+    begin()
+    actions.step(masking, 1)
+    settle(masking)
+    end(masking)
+    assert shown(masking).request.index == 1
+    masking.masking.active, masking.masking.growing = True, None
+    begin()
+    masking_actions.stop_making(masking)
+    settle(masking)
+    end(masking)
+
+
+def test_a_stroke_stays_on_the_frame_that_it_was_begun_on(masking: AppState) -> None:
+    masking_actions.choose_radius(masking, 1.5 / SIZE[0])
+    masking_actions.paint(masking, (5.0, 5.0))
+    masking_actions.paint(masking, (10.0, 5.0))
+    actions.step(masking, 1)
+    masking_actions.paint(masking, (20.0, 30.0))
+    channels = settle(masking)
+    assert shown(masking).request.index == 1
+    masking_actions.paint(masking, (25.0, 30.0))
+    masking_actions.end_stroke(masking)
+    settle(masking, channels)
+    masks = on_disk(masking)
+    assert set(masks) == {0}
+    assert masks[0][5, 5:11].all()
+    assert not masks[0][25:].any()
+    stroke(masking, (20.0, 30.0))
+    settle(masking, channels)
+    assert set(on_disk(masking)) == {0, 1}
 
 
 def test_the_last_stroke_is_kept_when_the_window_closes(masking: AppState) -> None:
