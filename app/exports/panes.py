@@ -113,8 +113,9 @@ class PaneMaker:
             return Made(Panel(f"{pane.title}   {label}", sizing.of(self.clip.read_image(frame))))
         original = PictureRequest(self.clip, frame, None, pane.scope, pane.pixels, pane.mask, pane.span)
         if isinstance(by, EnhanceParams | VesselParams):
-            known = self._sources.of_clip(original.statistics_request(by))
-            original = replace(original, of_clip=known)
+            known = pane.given or self._sources.of_clip(original.statistics_request(by))
+            scope = original.scope if pane.given is None else "clip"
+            original = replace(original, scope=scope, of_clip=known)
         behind = (pane.view and pane.view.background) or BLACK
         (other,) = self._maker.make(OtherRequest(original, by, behind))
         say = in_letters if pane.words is None else worded

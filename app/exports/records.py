@@ -193,6 +193,8 @@ class PaneRecord(Record):
     params: RecordedSettings | None = None
     method: str | None = None
     view: ViewRecord | None = None
+    given: Statistics | None = None
+    """Which it is made with, whatever the scope; None: measured."""
     statistics: Annotated[Statistics | None, Told] = None
     measured: Annotated[dict[str, float | None] | None, Told] = None
     """What the picture's `measures` are of it; None where one cannot be measured."""

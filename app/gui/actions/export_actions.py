@@ -17,7 +17,7 @@ from app.files.codecs import HEVC, WEBM
 from app.files.dicom.choices import DicomChoices
 from app.files.legible import located
 from app.files.video_encoder import NO_ENCODER, VideoEncoder, is_encoded
-from app.gui.actions import actions
+from app.gui.actions import actions, live_actions
 from app.gui.actions.export_names import default_name, why_not_name
 from app.gui.actions.export_offers import (
     DICOM,
@@ -206,7 +206,8 @@ def export_request(state: AppState, what: What, stem: str = "") -> ExportRequest
     if what == "window":
         save_window(state)
         return None
-    request = request_of(state, what, stem or default_name(state, what))
+    seen = live_actions.held(state)
+    request = request_of(seen, what, stem or default_name(seen, what))
     state.exports.under_way, state.exports.pace, state.exports.failure = request, Pace(), ""
     _say_what_shifts(state, request)
     return request
@@ -244,7 +245,8 @@ def shown_request(state: AppState) -> ExportRequest | None:
     what: What = "panes and 3D view"
     if state.source.clip is None and state.plain_view_request is None:
         return None
-    return request_of(state, what, default_name(state, what), ".png")
+    seen = live_actions.held(state)
+    return request_of(seen, what, default_name(seen, what), ".png")
 
 
 def name_wish(state: AppState) -> NameRequest | None:

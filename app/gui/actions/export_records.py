@@ -177,6 +177,8 @@ def _panes(state: AppState, offer: Offer) -> PanesRecord:
     if mode == "flip":
         sides, mode = ("left" if state.comparing.chosen.flipped else "right",), "side by side"
     panes = tuple(_pane(state, side, picture) for side in sides)
+    if offer.form == "picture":
+        panes = tuple(_as_on_screen(state, *pair) for pair in zip(sides, panes, strict=True))
     return PanesRecord(
         clip_options=state.source.options,
         frame=FrameRecord(index=picture.frame_index, label=picture.clip.labels[picture.frame_index]),
@@ -190,7 +192,7 @@ def _pane(state: AppState, side: Side, picture: PictureRequest) -> PaneRecord:
     """What a side shows; in white light and while the original is peeked at the frame, whatever is chosen."""
     source, original = state.comparing.chosen.source(side), replace(picture, params=None)
     active = state.enhancement.active and not state.enhancement.peeking
-    if active and source == ENHANCED:
+    if active and source == ENHANCED and picture.params is not None:
         return pane_record("Enhanced", original, picture.params)
     request = other_request(state, side) if active else None
     # As on screen, the original also where there is nothing else to show.
@@ -199,6 +201,23 @@ def _pane(state: AppState, side: Side, picture: PictureRequest) -> PaneRecord:
     frames = request.by.record.trained_on if isinstance(request.by, Scene) else ""
     title = f"{label_of(source)}   from {frames}" if frames else label_of(source)
     return pane_record(title, request.original, request.by, request.background)
+
+
+def _as_on_screen(state: AppState, side: Side, pane: PaneRecord) -> PaneRecord:
+    """With the statistics of the picture on screen where no file could measure them again: smoothed over a
+    live source, or of one frame as long as the clip's are not known."""
+    asked, wanted = state.picture_request, other_request(state, side)
+    if pane.params is None or asked is None or not (state.live.flows or asked.of_clip == "later"):
+        return pane
+    shown = state.picture.pictures
+    if wanted is not None:
+        made = (other.made for other in state.comparing.others.values() if other.request == wanted)
+        asked, shown = wanted.original, next(made, None)
+    if shown is None or shown.request.params is None:
+        return pane
+    of_shown = shown.request.statistics_request(shown.request.params)
+    same = of_shown == asked.statistics_request(pane.params)
+    return replace(pane, given=shown.statistics) if same else pane
 
 
 def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:

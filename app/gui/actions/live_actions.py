@@ -145,6 +145,18 @@ def clip_of(path: Path, image: ByteImage, pixel_aspect: float = 1.0) -> Clip:
     )
 
 
+def held(state: AppState) -> AppState:
+    """With the live frame that is on screen now as a clip of its own, for what is made of it later; as it is
+    where nothing is live."""
+    shown, clip = state.picture.pictures, state.source.clip
+    if not state.live.flows or shown is None or clip is None:
+        return state
+    still = clip_of(Path(f"live-{stamp()}.png"), shown.original, clip.pixel_aspect)
+    pictures = replace(shown, request=replace(shown.request, clip=still))
+    picture = replace(state.picture, pictures=pictures)
+    return replace(state, source=replace(state.source, clip=still), picture=picture)
+
+
 def following(source: LiveInput, live: Live, first: LivePicture) -> Clip:
     """The clip that stands for what is live: its frame is the newest."""
 
