@@ -43,8 +43,9 @@ def follow_live(state: AppState, make_session: MakeSession) -> None:
     live.drawing.began = time.perf_counter()
     if picture is not None:
         live.newest = picture
-        if live.still is None:
-            _show(state, picture)
+    if live.still is None and live.newest is not None and not _is_shown(state, live.newest):
+        _show(state, live.newest)
+        live.unshown = picture or live.unshown
     _tell(state)
 
 
@@ -112,6 +113,11 @@ def _setting(state: AppState) -> LiveSetting:
     return LiveSetting(None if off else params, pixels)
 
 
+def _is_shown(state: AppState, picture: LivePicture) -> bool:
+    shown = state.picture.pictures
+    return shown is not None and shown.original is picture.original
+
+
 def _show(state: AppState, picture: LivePicture) -> None:
     live, size = state.live, (picture.original.shape[1], picture.original.shape[0])
     assert live.source is not None
@@ -133,7 +139,6 @@ def _show(state: AppState, picture: LivePicture) -> None:
         picture.milliseconds,
         picture.omitted,
     )
-    live.unshown = picture
 
 
 def _tell(state: AppState) -> None:

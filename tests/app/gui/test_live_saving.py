@@ -15,6 +15,7 @@ from app.exports.exporting import ExportRequest, export
 from app.exports.replay.again import replay
 from app.gui.actions import export_actions, live_actions
 from app.gui.state.app_state import AppState
+from app.gui.state.live_words import live_tags
 from app.gui.update.live import follow_live
 from app.gui.work.settings import Places, Settings
 from app.live.address import LiveAddress, LiveInput
@@ -136,3 +137,21 @@ def test_what_is_saved_is_the_frame_on_screen_and_comes_again(
         assert np.array_equal(cv2.imread(str(frame))[..., ::-1], original)
         replayed = replay(path, (frame,), tmp_path / f"{number}.png")
         assert replayed.difference.is_none, replayed.sentence
+
+
+def test_thawed_after_its_end_it_shows_the_last_frame_that_came(live: Live) -> None:
+    live.state.enhancement.active = False
+    live.see()
+    live.see(grey(60))
+    live_actions.toggle_freeze(live.state)
+    live.see(grey(120))
+    live.see(grey(180))
+    assert live.state.live.unshown is None or live.state.live.unshown.number == 1
+    live.session.signal = "ended"
+    live.see()
+    assert np.array_equal(shown(live), grey(60))
+    live_actions.toggle_freeze(live.state)
+    live.see()
+    assert np.array_equal(shown(live), grey(180))
+    assert any("last frame shown" in tag.text for tag in live_tags(live.state.live))
+    assert live.session.delays == []
