@@ -335,7 +335,7 @@ class Window:
     def _end_frame(self) -> None:
         """All is drawn and not yet shown."""
         assert self._second_window is not None
-        shoot_window(self._ctx, self.state, self._channels.saving)
+        shoot_window(self._ctx, self.state)
         self._second_window.follow(self.state)
 
     def _draw_over(self) -> None:

@@ -232,7 +232,13 @@ def save_picture(state: AppState) -> None:
     if reason := why_not_save(state):
         actions.fail(state, f"the image was not saved: {reason}")
     elif (request := shown_request(state)) is not None:
-        state.window.wishes += (request,)
+        ask_image(state, request)
+
+
+def ask_image(state: AppState, request: ExportRequest) -> None:
+    """An image of what is shown, to be written in the background; until it is, closing the window asks."""
+    state.exports.saving += (request,)
+    state.window.wishes += (request,)
 
 
 def save_window(state: AppState) -> None:
@@ -299,6 +305,8 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
 
 def take_saved(state: AppState, request: object, answer: Step | Failure) -> None:
     """The picture of what is shown has been written, or has not."""
+    if isinstance(answer, Failure) or answer.path is not None:
+        state.exports.saving = tuple(one for one in state.exports.saving if one is not request)
     if isinstance(answer, Failure):
         actions.fail(state, f"the image was not saved: {answer.message}")
     elif answer.path is not None:

@@ -115,7 +115,28 @@ def take_clip(state: AppState, request: TakeUpRequest, answer: TakenUp | Failure
 
 
 def at_stake(state: AppState) -> str:
-    """What closing the window would end, in a sentence; empty when it ends nothing."""
+    """What closing the window would end, in sentences; empty when it ends nothing."""
+    return " ".join(what for what, _ in _stakes(state))
+
+
+def what_is_kept(state: AppState) -> str:
+    """Of that, in sentences."""
+    return " ".join(kept for _, kept in _stakes(state) if kept)
+
+
+def _stakes(state: AppState) -> tuple[tuple[str, str], ...]:
+    """What would end, each with what is kept of it."""
+    stakes = ((_work(state), _kept_of_work(state)), (_images(state), "Images not saved yet are lost."))
+    return tuple(stake for stake in stakes if stake[0])
+
+
+def _images(state: AppState) -> str:
+    count = len(state.exports.saving)
+    still = "1 image is" if count == 1 else f"{count} images are"
+    return f"{still} still being saved." if count else ""
+
+
+def _work(state: AppState) -> str:
     run, count = state.runs.reconstruction, len(state.runs.queue)
     waits = "1 more is queued" if count == 1 else f"{count} more are queued"
     if run.is_alive:
@@ -130,8 +151,7 @@ def at_stake(state: AppState) -> str:
     return "1 reconstruction is queued." if count == 1 else f"{count} reconstructions are queued."
 
 
-def what_is_kept(state: AppState) -> str:
-    """Of that, in sentences."""
+def _kept_of_work(state: AppState) -> str:
     if not state.runs.reconstruction.is_alive:
         if state.batches.under_way is not None:
             return "Finished files are kept; the rest are not written."

@@ -52,7 +52,7 @@ def add_shown(state: AppState) -> None:
     if isinstance(request.record, PanesPicture) and request.record.panes:
         request = replace(request, record=replace(request.record, measures=MEASURES))
     state.summary.awaited += (request,)
-    state.window.wishes += (request,)
+    export_actions.ask_image(state, request)
 
 
 def take_saved(state: AppState, request: ExportRequest, answer: Step | Failure) -> None:

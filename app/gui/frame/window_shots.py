@@ -7,20 +7,16 @@ import moderngl
 import numpy as np
 from imgui_bundle import glfw_utils
 
-from app.exports.exporting import ExportRequest, Step
-from app.gui.actions import window_actions
+from app.gui.actions import export_actions, window_actions
 from app.gui.state.app_state import AppState
-from app.gui.work.background import Channel
 from renderer.clip import ByteImage
 
 
-def shoot_window(
-    ctx: moderngl.Context | None, state: AppState, channel: Channel[ExportRequest, Step]
-) -> None:
-    """Once a frame, when it has been drawn and not yet shown: asks `channel` to write what it has read. There
-    is no `ctx` before OpenGL is there."""
+def shoot_window(ctx: moderngl.Context | None, state: AppState) -> None:
+    """Once a frame, when it has been drawn and not yet shown: has written what it reads. There is no `ctx`
+    before OpenGL is there."""
     if ctx is not None and window_actions.is_due(state):
-        channel.ask(window_actions.window_request(state, read_window(ctx)))
+        export_actions.ask_image(state, window_actions.window_request(state, read_window(ctx)))
 
 
 def read_window(ctx: moderngl.Context) -> ByteImage:

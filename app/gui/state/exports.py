@@ -69,6 +69,8 @@ class Exports:
     """Of the 3D view in files, one of FACTORS."""
     settling: int = 0
     """Frames until the whole window is saved as it then is; 0: that is not asked for."""
+    saving: tuple[ExportRequest, ...] = ()
+    """Images of what is shown that are still to be written."""
     under_way: ExportRequest | None = None
     pace: Pace = field(default_factory=Pace)
     """Steps of it that are done, and how fast."""
