@@ -42,6 +42,8 @@ from renderer.readers.dicom.opening import NO_PYDICOM, has_pydicom, is_dicom
 
 MOST_DRAWN = 2**25
 """Pixels of the 3D view drawn at once: 3840 × 2160 at 2×, some 0.7 GB while they are averaged."""
+MOST_SAVING = 64
+"""Images of what is shown that wait to be written; each keeps alive what it is of."""
 SETTLING = 3
 """Frames after which the menu or the panel that was clicked has gone."""
 PACKAGES: Final[Mapping[str, tuple[Callable[[], bool], str]]] = {
@@ -224,7 +226,13 @@ def _say_what_shifts(state: AppState, request: ExportRequest) -> None:
 
 def why_not_save(state: AppState) -> str:
     """What an image of all that is shown lacks, in a sentence; empty when it can be saved."""
-    return _lacks(state, OFFERS["panes and 3D view"])
+    return _waits(state) or _lacks(state, OFFERS["panes and 3D view"])
+
+
+def _waits(state: AppState) -> str:
+    """Why no more images can be asked for until some are written; empty when they can."""
+    count = len(state.exports.saving)
+    return f"{count} images are still being saved." if count >= MOST_SAVING else ""
 
 
 def save_picture(state: AppState) -> None:
@@ -243,7 +251,10 @@ def ask_image(state: AppState, request: ExportRequest) -> None:
 
 def save_window(state: AppState) -> None:
     """Ask for the window as it is once what was clicked has gone."""
-    state.exports.settling = SETTLING
+    if reason := _waits(state):
+        actions.fail(state, f"the image was not saved: {reason}")
+    else:
+        state.exports.settling = SETTLING
 
 
 def shown_request(state: AppState) -> ExportRequest | None:

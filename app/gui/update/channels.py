@@ -143,7 +143,7 @@ class Channels:
         self.scales = Channel(find_scale)
         self.statistics = SteppedChannel(ClipMeasurer().measure)
         self.thumbnails = Channel(make_thumbnails)
-        self.saving = Channel(export, depth=16)
+        self.saving = Channel(export, depth=2 * export_actions.MOST_SAVING)
         self.cells = Channel(CellMaker().make)
         self.sessions, self.autosaves = Channel(write, depth=4), Channel(write)
         self.exports, self.batches = SteppedChannel(export), SteppedChannel(batch)

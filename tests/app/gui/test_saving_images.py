@@ -42,3 +42,24 @@ def test_closing_asks_while_images_are_still_being_saved(opened: AppState) -> No
     (request,) = opened.exports.saving
     summary_actions.take_saved(opened, request, Failure(OSError("the disk is full")))
     assert not queue_actions.at_stake(opened)
+
+
+def test_more_images_than_can_wait_are_refused_aloud_and_the_page_is_not_locked(opened: AppState) -> None:
+    assert opened.source.clip is not None
+    opened.source.clip.path.mkdir()
+    opened.enhancement.active = False
+    channels, most = Channels(), export_actions.MOST_SAVING
+    for _ in range(most):
+        summary_actions.add_shown(opened)
+    channels.ask_once(opened)
+    assert opened.window.banner is None
+    for act in (summary_actions.add_shown, export_actions.save_picture, export_actions.save_window):
+        act(opened)
+        assert opened.window.banner is not None
+        assert f"{most} images are still being saved" in opened.window.banner.message
+        opened.window.banner = None
+    assert opened.exports.settling == 0
+    write_all(opened, channels)
+    assert written(opened) == most == len(opened.summary.items)
+    assert opened.summary.awaited == ()
+    assert summary_actions.why_not_write(opened) == summary_actions.why_not_add(opened) == ""
