@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from datetime import datetime
 from pathlib import Path
 
+from app.files.legible import legible
 from app.gui.actions import actions
 from app.gui.actions.export_names import why_not_name
 from app.gui.state.app_state import AppState
@@ -42,8 +44,10 @@ def type_path(browsing: Browsing, text: str) -> None:
 
 
 def type_name(browsing: Browsing, name: str) -> None:
-    """Of the file to be written."""
+    """Of the file to be written; it goes before the name of one in the line of the path."""
     browsing.name = name
+    if browsing.typed and not is_folder(typed_path(browsing)):
+        browsing.text, browsing.typed = legible(str(browsing.folder)), False
 
 
 def move(browsing: Browsing, by: int) -> None:
@@ -87,14 +91,14 @@ def opens(state: AppState, browsing: Browsing) -> None:
     path = typed_path(browsing)
     if path != browsing.folder and is_folder(path):
         enter(browsing, path)
-    elif not why_not(browsing) and not (browsing.choosing.kind == "save" and browsing.replaces):
+    elif not why_not(browsing) and not (browsing.choosing.kind == "save" and replaces(browsing)):
         choose(state, browsing)
 
 
 def why_not(browsing: Browsing) -> str:
     """What keeps `choose` from going on, in a sentence; empty for nothing."""
     if browsing.choosing.kind == "save":
-        return why_not_name(browsing.name.strip()) if browsing.name.strip() else "Type a name first."
+        return _why_not_saved(browsing)
     path = typed_path(browsing)
     if browsing.choosing.kind == "folder":
         taken = is_folder(path) or (browsing.choosing.question.takes_files and _is_file(path))
@@ -102,6 +106,34 @@ def why_not(browsing: Browsing) -> str:
     if _is_file(path):
         return ""
     return "Choose a file." if is_folder(path) else "There is no such file."
+
+
+def _why_not_saved(browsing: Browsing) -> str:
+    if browsing.listing is None:
+        return "Reading the folder…"  # What it holds is not to be replaced unseen.
+    folder, name = _wanted(browsing)
+    if browsing.typed and not is_folder(folder):
+        return "There is no such folder."
+    return why_not_name(name) if name else "Type a name first."
+
+
+def _wanted(browsing: Browsing) -> tuple[Path, str]:
+    """Folder and name of the file to be written: as typed into the line, else as shown."""
+    if not browsing.typed:
+        return browsing.folder, browsing.name.strip()
+    path = typed_path(browsing)
+    return (path, browsing.name.strip()) if is_folder(path) else (path.parent, path.name)
+
+
+def target(browsing: Browsing) -> Path:
+    """The file to be written."""
+    (folder, name), suffix = _wanted(browsing), browsing.choosing.question.filters[0].suffixes[0]
+    return folder / (name if name.lower().endswith(suffix) else f"{name}{suffix}")
+
+
+def replaces(browsing: Browsing) -> bool:
+    """There is a file of that name."""
+    return os.path.lexists(target(browsing))
 
 
 def _is_file(path: Path) -> bool:
@@ -115,7 +147,7 @@ def choose(state: AppState, browsing: Browsing) -> None:
     """Go on with what is marked or typed; the dialog closes."""
     if not why_not(browsing):
         state.window.browsing = None
-        path = browsing.target if browsing.choosing.kind == "save" else typed_path(browsing)
+        path = target(browsing) if browsing.choosing.kind == "save" else typed_path(browsing)
         chosen(state, browsing.choosing, path)
 
 

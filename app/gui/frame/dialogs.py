@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from imgui_bundle import portable_file_dialogs as desktop
@@ -42,7 +44,7 @@ class Dialogs:
         (path, *_), choosing = (*([result] if isinstance(result, str) else result), ""), self._choosing
         self._desktop = self._choosing = None
         if path:
-            browse_actions.chosen(state, choosing, _named(Path(path), choosing))
+            _take(state, choosing, Path(path))
 
 
 def _asked(choosing: Choosing) -> OpenDialog:
@@ -57,6 +59,16 @@ def _asked(choosing: Choosing) -> OpenDialog:
     if choosing.kind == "save":
         return desktop.save_file(title, legible(str(choosing.start / choosing.name)), filters)
     return desktop.open_file(title, start, filters)
+
+
+def _take(state: AppState, choosing: Choosing, answer: Path) -> None:
+    """The desktop's dialog has asked about the name without its suffix: before another file is replaced, the
+    one in the window asks."""
+    path = _named(answer, choosing)
+    if path != answer and os.path.lexists(path):
+        browse_actions.begin(state, replace(choosing, start=path.parent, name=path.name))
+    else:
+        browse_actions.chosen(state, choosing, path)
 
 
 def _named(path: Path, choosing: Choosing) -> Path:

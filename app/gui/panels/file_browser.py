@@ -211,7 +211,7 @@ def _draw_name(browsing: Browsing) -> None:
 
 def _draw_choice(state: AppState, browsing: Browsing) -> None:
     reason, saves = browse_actions.why_not(browsing), browsing.choosing.kind == "save"
-    replaces = saves and not reason and browsing.replaces
+    replaces = saves and not reason and browse_actions.replaces(browsing)
     label = "Replace" if replaces else "Save" if saves else "Open"
     color = theme.now().caution if replaces else theme.now().lit
     act = partial(browse_actions.choose, state, browsing)
@@ -227,7 +227,7 @@ def _draw_choice(state: AppState, browsing: Browsing) -> None:
     imgui.same_line()
     imgui.align_text_to_frame_padding()
     if replaces:
-        imgui.text_colored(theme.now().warning, f"{legible(browsing.target.name)} exists.")
+        imgui.text_colored(theme.now().warning, f"{legible(browse_actions.target(browsing).name)} exists.")
     else:
         typed = browsing.typed or (saves and browsing.name.strip())
         muted(reason if reason and typed else HINTS[browsing.choosing.kind])

@@ -89,18 +89,6 @@ class Browsing:
             kept.reverse()
         return tuple(sorted(kept, key=lambda entry: entry.kind != "folder"))
 
-    @property
-    def target(self) -> Path:
-        """The file to be written."""
-        name, suffix = self.name.strip(), self.choosing.question.filters[0].suffixes[0]
-        return self.folder / (name if name.lower().endswith(suffix) else f"{name}{suffix}")
-
-    @property
-    def replaces(self) -> bool:
-        """A file of that name is listed."""
-        target, found = self.target, self.listing.entries if self.listing is not None else ()
-        return any(entry.path == target for entry in found)
-
     def mark(self, path: Path | None) -> None:
         """The line says it, too; a file's name is the one to be written."""
         self.marked, self.text, self.typed = path, legible(str(path or self.folder)), False

@@ -249,7 +249,7 @@ def test_a_name_is_asked_for_and_a_file_is_replaced_only_when_that_is_said(
     assert chooser.chosen == [folder / "liver.vesselsplat"]
     chooser.ask("save", "session", folder, "liver.vesselsplat")
     chooser.type("old")
-    assert chooser.browsing.target == folder / "old.vesselsplat"
+    assert browse_actions.target(chooser.browsing) == folder / "old.vesselsplat"
     chooser.press(K.enter)
     assert len(chooser.chosen) == 1
     chooser.press(K.tab)  # To the button, which says Replace.
