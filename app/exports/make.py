@@ -266,9 +266,9 @@ def view_moments(record: ViewVideo, sources: Sources) -> list[Views]:
 
 def _view(record: DrawnRecord, moment: MomentRecord, sources: Sources, *, trained: bool) -> ViewRequest:
     """What is drawn at a moment; a difference is to the frames that the run was `trained` on, or to the
-    clip's own."""
+    clip's own, of which one may lie over the view."""
     view = _seen(record, moment, sources.scene(record))
-    if record.view != "difference":
+    if record.view != "difference" and record.frame_share is None:
         return view
     return replace(view, reference=sources.reference(record, moment.frame, trained=trained))
 
@@ -281,6 +281,7 @@ def _seen(record: DrawnRecord, moment: MomentRecord, scene: Scene) -> ViewReques
         moment.camera,
         record.view,
         supersampling=record.supersampling,
+        frame_share=record.frame_share or 0.0,
         scale=record.scale,
         background=record.background or BLACK,
         near_plane=record.near if moment.near is None else moment.near,

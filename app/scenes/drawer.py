@@ -24,7 +24,7 @@ class Drawer:
 
     def drawn(self, view: ViewRequest) -> Drawn:
         """Raises UserError where it cannot be drawn."""
-        wanted = replace(view, reference=None, scale=None, background=BLACK)
+        wanted = replace(view, reference=None, frame_share=0.0, scale=None, background=BLACK)
         if self._last is None or self._last[0] != wanted:
             self._last = None
             self._last = wanted, wanted.drawn(self.draw)

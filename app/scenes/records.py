@@ -107,6 +107,8 @@ class DrawnRecord(SceneRecord):
     renderer: str
     supersampling: Annotated[int, Interval(ge=1, le=16)] = 1
     view: ViewKind = "color"
+    frame_share: Share | None = None
+    """Of the clip's frame over the view; None: nothing lies over it."""
     scale: Scale | None = None
     caption: str | None = None
     """Above it on a page of several; None: as before 0.2.0, the model's name."""

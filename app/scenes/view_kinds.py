@@ -189,10 +189,20 @@ def holding(scales: Sequence[Scale]) -> Scale:
 
 def difference(picture: ByteImage, reference: ByteImage) -> Float32Array:
     """(H, W) mean over the channels of the distance in grey levels, `reference` resampled to the picture."""
-    if reference.shape != picture.shape:
-        reference = cv2.resize(reference, picture.shape[1::-1], interpolation=cv2.INTER_AREA).astype(np.uint8)
-    away: Float32Array = cv2.absdiff(picture, reference).mean(axis=2, dtype=np.float32)
+    away: Float32Array = cv2.absdiff(picture, _resampled(reference, picture)).mean(axis=2, dtype=np.float32)
     return away
+
+
+def laid_over(picture: ByteImage, frame: ByteImage, share: float) -> ByteImage:
+    """(H, W, 3): so much of the frame, in [0, 1], resampled to the picture, and the rest of the picture."""
+    return cv2.addWeighted(_resampled(frame, picture), share, picture, 1 - share, 0).astype(np.uint8)
+
+
+def _resampled(image: ByteImage, picture: ByteImage) -> ByteImage:
+    """In the size of the picture."""
+    if image.shape == picture.shape:
+        return image
+    return cv2.resize(image, picture.shape[1::-1], interpolation=cv2.INTER_AREA).astype(np.uint8)
 
 
 def nice_step(least: float) -> float:

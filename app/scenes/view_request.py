@@ -22,6 +22,7 @@ from app.scenes.view_kinds import (
     facing,
     has_scale,
     holding,
+    laid_over,
     splats_for,
     spread,
 )
@@ -66,7 +67,10 @@ class ViewRequest:
     camera: Camera
     kind: ViewKind = "color"
     reference: FrameImage | FrameRequest | None = None
-    """Of the same frame, where the view is the difference to it; read when it is needed, or before."""
+    """Of the same frame, where the view is the difference to it, or it lies over the view; read when it is
+    needed, or before."""
+    frame_share: float = 0.0
+    """Of the reference over a view that is no difference to it, in [0, 1]."""
     supersampling: int = 1
     """Drawn with so many times as many pixels each way, and averaged."""
     scale: Scale | None = None
@@ -134,7 +138,10 @@ class ViewRequest:
         reference = self.reference.image if self.reference else None
         unit, since = self.scene.unit, self.scene.motion_since
         drawn = facing(drawn, self.camera) if self.kind == "normals" else drawn
-        return composed(self.kind, drawn, unit, reference, self.scale, self.background, since)
+        made = composed(self.kind, drawn, unit, reference, self.scale, self.background, since)
+        if reference is None or not self.frame_share:
+            return made
+        return replace(made, image=laid_over(made.image, reference, self.frame_share))
 
     def picture(self, draw: Draw) -> Composed:
         """Raises ClipError for a reference, UserError where it cannot be drawn."""
@@ -175,17 +182,19 @@ def drawn_record(view: ViewRequest, renderer: str) -> DrawnRecord:
         renderer=renderer,
         supersampling=view.supersampling,
         view=view.kind,
+        frame_share=view.frame_share or None,
         scale=view.scale,
         caption=view.caption or caption_of(view),
     )
 
 
 def caption_of(view: ViewRequest) -> str:
-    """Of what, from which frames, and in which view where that is not how it looks."""
+    """Of what, from which frames, in which view where that is not how it looks, and what lies over it."""
     record, shows = view.scene.record, "" if view.kind == "color" else view.kind
     frames = f"from {record.trained_on}" if record.trained_on else ""
     what = "Reconstruction" if view.scene.is_of_run else "Splats"
-    return "   ".join(filter(None, (f"{what} {view.scene.name}", frames, shows)))
+    over = f"frame {view.frame_share:.0%} over it" if view.frame_share else ""
+    return "   ".join(filter(None, (f"{what} {view.scene.name}", frames, shows, over)))
 
 
 def moment_record(view: ViewRequest) -> MomentRecord:

@@ -34,13 +34,14 @@ from app.gui.actions import batch_actions, path_actions
 from app.gui.actions.export_offers import DICOM, FOLDERS, FORMATS, OF_MODEL, OFFERS, Form, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
-from app.gui.state.panes import other_request, shown_mode
+from app.gui.state.panes import frame_share, other_request, shown_mode
 from app.gui.views.comparison import Side, label_of
 from app.scenes.clip_speed import FRAMES_PER_SECOND
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene
 from app.scenes.view_request import (
+    FrameImage,
     FrameRequest,
     ViewRequest,
     caption_of,
@@ -49,6 +50,8 @@ from app.scenes.view_request import (
     view_record,
 )
 from renderer.clip import Clip
+
+Frame = FrameImage | FrameRequest
 
 
 def format_of(state: AppState, form: Form) -> str:
@@ -226,14 +229,31 @@ def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:
     if view is None or offer.sees == "no":
         return ()
     if offer.sees == "still":
-        return (_with_second(state, view),)
-    moving = _through_time(state, view.scene) if offer.sees == "time" else _along_path(state, view.scene)
-    return tuple(_with_second(state, first) for first in moving)
+        return (_with_second(state, view, state.frame_image or state.frame_request),)
+    if offer.sees == "path":
+        return tuple(_with_second(state, first, None) for first in _along_path(state, view.scene))
+    return tuple(_with_second(state, *moment) for moment in _through_time(state, view.scene))
 
 
-def _with_second(state: AppState, first: ViewRequest) -> Views:
-    both = (first, state.scene.beside(first))
-    return tuple(_as_chosen(state, one) for one in both if one is not None)
+def _with_second(state: AppState, first: ViewRequest, frame: Frame | None) -> Views:
+    """Each with as much of the frame over it as on screen."""
+    views, second = (_under_frame(state, first, frame),), state.scene.beside(first)
+    if second is not None and state.scene.has_frames_of(first):
+        views += (_under_frame(state, second, frame),)
+    elif second is not None:
+        # Its file would look for the frame among those of its own run.
+        bare = _under_frame(state, second, frame) == second
+        said = None if bare else f"{caption_of(second)}   without the frame over it"
+        views += (replace(second, caption=said),)
+    return tuple(_as_chosen(state, one) for one in views)
+
+
+def _under_frame(state: AppState, view: ViewRequest, frame: Frame | None) -> ViewRequest:
+    """A difference to the frame shows it already."""
+    share = frame_share(state, view.scene)
+    if frame is None or view.kind == "difference" or not share:
+        return view
+    return replace(view, reference=frame, frame_share=share)
 
 
 def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:
@@ -244,16 +264,17 @@ def _as_chosen(state: AppState, view: ViewRequest) -> ViewRequest:
     return replace(sized(view, state.exports.view_size), supersampling=state.exports.supersampling)
 
 
-def _through_time(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
-    """Every frame of the clip, from here or through its own cameras, where a difference is to its frame."""
+def _through_time(state: AppState, scene: Scene) -> Iterator[tuple[ViewRequest, FrameRequest | None]]:
+    """Every frame of the clip, from here or through its own cameras, where its frame lies over it, or a
+    difference is to that."""
     clip = state.source.clip if state.has_frames else None
     for frame in range(len(scene.cameras)):
         if state.scene.viewer.snapped:
             reference = FrameRequest(clip, scene.start + frame) if clip is not None else None
-            yield ViewRequest.of_frame(scene, frame).of_kind(state.scene.kind, reference)
+            yield ViewRequest.of_frame(scene, frame).of_kind(state.scene.kind, reference), reference
         else:
             view = ViewRequest.fitted(scene, scene.time(frame), state.scene.viewer.free, state.scene.size)
-            yield view.of_kind(state.scene.kind)
+            yield view.of_kind(state.scene.kind), None
 
 
 def _along_path(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
@@ -265,12 +286,12 @@ def _along_path(state: AppState, scene: Scene) -> Iterator[ViewRequest]:
 def sized(view: ViewRequest, size: tuple[int, int] | None) -> ViewRequest:
     """With so many pixels; without a size in its own shape, no smaller than the clip's frames.
 
-    A difference keeps the frame's shape, within the size.
+    A difference keeps the frame's shape, within the size, and so does what a frame lies over.
     """
     camera, clip_camera = view.camera, view.scene.cameras[0]
     if size is None:
         scale = max(1.0, clip_camera.width / camera.width, clip_camera.height / camera.height)
-    elif view.kind == "difference":
+    elif view.kind == "difference" or view.frame_share:
         scale = min(size[0] / camera.width, size[1] / camera.height)
     else:
         return replace(view, camera=camera.fitted(*size))

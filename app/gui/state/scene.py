@@ -128,7 +128,11 @@ class ShownScene:
         shown = self.second.shown
         if shown is None:
             return None
-        same = (shown.first, shown.cameras) == (first.scene.first, first.scene.cameras)
-        if first.kind == "difference" and not same:
+        if first.kind == "difference" and not self.has_frames_of(first):
             return replace(first, scene=shown, kind="color", reference=None)
         return replace(first, scene=shown)
+
+    def has_frames_of(self, first: ViewRequest) -> bool:
+        """The second reconstruction has the frames of the first one."""
+        shown = self.second.shown
+        return shown is not None and (shown.first, shown.cameras) == (first.scene.first, first.scene.cameras)
