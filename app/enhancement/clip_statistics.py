@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, Protocol
 
 import numpy as np
 
@@ -25,6 +25,13 @@ OfClip = Statistics | Literal["own", "later"] | None
 known, those of the first frame that is shown stand for them; None: measured when they are needed."""
 
 
+class Tools(Protocol):
+    """Tools that a person has masked, by value: they are no tissue."""
+
+    def of(self, clip: Clip) -> Clip:
+        """The clip without them."""
+
+
 @dataclass(frozen=True)
 class StatisticsRequest:
     """All that the statistics of a clip depend on."""
@@ -37,6 +44,7 @@ class StatisticsRequest:
     mask: PictureMask = NO_MASK
     span: tuple[int, int] | None = None
     """First and last frame; None: the whole clip."""
+    tools: Tools | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +81,7 @@ class ClipMeasurer:
             self._under_way = request, Pool(request.windows, drawn(request.pixels)), _indices(request)
         _, pool, indices = self._under_way
         while indices:
-            pool.add(*read_frame(request.clip, indices[0], request.pixels, request.mask))
+            pool.add(*read_frame(request.clip, indices[0], request.pixels, request.mask, request.tools))
             del indices[0]
             yield None
         self._under_way = None
@@ -107,11 +115,11 @@ def _indices(request: StatisticsRequest) -> list[int]:
 
 
 def read_frame(
-    clip: Clip, index: int, pixels: Pixels, mask: PictureMask
+    clip: Clip, index: int, pixels: Pixels, mask: PictureMask, tools: Tools | None = None
 ) -> tuple[ByteImage, BoolImage | None]:
     """The frame and the pixels that count, None = all: so too where nothing but black would be left."""
     if pixels == "tissue":
-        frame = clip.read_frame(index)
+        frame = (clip if tools is None else tools.of(clip)).read_frame(index)
         image, kept = frame.image, frame.tissue_mask & inside([frame.image])
     elif mask == NO_MASK:
         return clip.read_image(index), None

@@ -9,7 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
-from app.enhancement.clip_statistics import OfClip, StatisticsRequest, measured, read_frame, windows_of
+from app.enhancement.clip_statistics import OfClip, StatisticsRequest, Tools, measured, read_frame, windows_of
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import EnhancementSettings, MethodEnhancer, load_kernels
 from app.enhancement.settable import Pixels, Scope, drawn
@@ -38,10 +38,15 @@ class PictureRequest:
     span: tuple[int, int] | None = None
     """First and last frame that are pooled; None: the whole clip."""
     of_clip: OfClip = None
+    tools: Tools | None = None
+    """Are no tissue, where tissue alone counts."""
 
     def statistics_request(self, params: EnhancementSettings) -> StatisticsRequest:
         """For the statistics of its clip."""
-        return StatisticsRequest(self.clip, self.scope, windows_of(params), self.pixels, self.mask, self.span)
+        windows = windows_of(params)
+        return StatisticsRequest(
+            self.clip, self.scope, windows, self.pixels, self.mask, self.span, self.tools
+        )
 
     def with_params(self, params: EnhancementSettings) -> PictureRequest:
         """The same frame, enhanced by these; of the clip goes along what does not depend on what differs."""
@@ -102,7 +107,9 @@ class PictureMaker:
         key = replace(request, params=None, scope="image", of_clip=None)
         if self._shown is None or self._shown[0] != key:
             self._shown = None
-            original, mask = read_frame(request.clip, request.frame_index, request.pixels, request.mask)
+            original, mask = read_frame(
+                request.clip, request.frame_index, request.pixels, request.mask, request.tools
+            )
             self._enhancer.show(original, mask, drawn(request.pixels))
             self._shown = key, original, mask
         return self._shown[1]

@@ -58,6 +58,7 @@ def pane_record(
         mask=original.mask,
         span=original.span,
         params=params,
+        drawn_tools=True if params is not None and original.tools is not None else None,
         method=method,
         view=view,
         words="interface",

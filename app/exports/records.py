@@ -193,6 +193,8 @@ class PaneRecord(Record):
     params: RecordedSettings | None = None
     method: str | None = None
     view: ViewRecord | None = None
+    drawn_tools: Literal[True] | None = None
+    """Tools that were masked in the window do not count; no file holds these masks."""
     given: Statistics | None = None
     """Which it is made with, whatever the scope; None: measured."""
     statistics: Annotated[Statistics | None, Told] = None

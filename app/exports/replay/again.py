@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from app.console.flags import problem
 from app.errors import UserError
 from app.exports.make import make
-from app.exports.records import EXPORT, KINDS, Export
+from app.exports.records import EXPORT, KINDS, Export, PanesRecord
 from app.exports.replay.difference import Difference, difference
 from app.exports.replay.recorded import Facts, recorded
 from app.exports.replay.sources import Found
@@ -62,9 +62,14 @@ def _record(facts: Facts, path: Path) -> Export:
     if kind not in KINDS:
         raise UserError(f"expected an export of one of {', '.join(KINDS)}, got kind {kind}: {path}")
     try:
-        return EXPORT.validate_python(facts)
+        record = EXPORT.validate_python(facts)
     except ValidationError as error:
         raise UserError(f"{path.name} has invalid provenance: {problem(error)}") from error
+    if isinstance(record, PanesRecord) and any(one.drawn_tools and one.given is None for one in record.panes):
+        raise UserError(
+            f"the tool masks of {path.name} are in no file, and nothing can make it again: {path}"
+        )
+    return record
 
 
 def _reasons(before: Facts, again: Facts) -> list[str]:

@@ -80,7 +80,9 @@ def request_of(state: AppState, what: What, stem: str, suffix: str = "") -> Expo
     record = _record(offer, panes, moments, state.source.span, _rate(offer, clip, model))
     if isinstance(record, PanesPicture) and suffix == ".jpg":
         record = replace(record, quality=state.exports.quality)
-    opened = Opened(views, clip, model, measured=state.picture.of_clip)
+    tools = state.picture_request.tools if state.picture_request is not None else None
+    own = clip if clip is None or tools is None else tools.of(clip)
+    opened = Opened(views, own, model, measured=state.picture.of_clip)
     return ExportRequest(folder, stem, suffix, record, opened)
 
 
@@ -208,9 +210,12 @@ def _pane(state: AppState, side: Side, picture: PictureRequest) -> PaneRecord:
 
 def _as_on_screen(state: AppState, side: Side, pane: PaneRecord) -> PaneRecord:
     """With the statistics of the picture on screen where no file could measure them again: smoothed over a
-    live source, or of one frame as long as the clip's are not known."""
+    live source, without tools that were masked in the window, or of one frame as long as the clip's are not
+    known."""
     asked, wanted = state.picture_request, other_request(state, side)
-    if pane.params is None or asked is None or not (state.live.flows or asked.of_clip == "later"):
+    if pane.params is None or asked is None:
+        return pane
+    if not (state.live.flows or asked.tools is not None or asked.of_clip == "later"):
         return pane
     shown = state.picture.pictures
     if wanted is not None:
@@ -220,6 +225,8 @@ def _as_on_screen(state: AppState, side: Side, pane: PaneRecord) -> PaneRecord:
         return pane
     of_shown = shown.request.statistics_request(shown.request.params)
     same = of_shown == asked.statistics_request(pane.params)
+    if asked.scope == "image" or asked.of_clip == "own":
+        same = same and shown.request.frame_index == asked.frame_index
     return replace(pane, given=shown.statistics) if same else pane
 
 

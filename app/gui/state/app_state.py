@@ -25,7 +25,7 @@ from app.gui.state.source import Reports, Source, Timeline
 from app.gui.state.summary import CaseSummary
 from app.gui.state.tuning import Tuning
 from app.gui.state.window import WindowFrame
-from app.gui.work.masking import folder_of
+from app.gui.work.masking import DrawnTools, folder_of
 from app.gui.work.measuring import Measured
 from app.gui.work.omissions import OmissionsRequest
 from app.gui.work.opening import VIEW_SUFFIXES
@@ -153,8 +153,17 @@ class AppState:
             self.enhancement.pixels,
             mask,
             span,
+            tools=self._drawn_tools,
         )
         return replace(request, of_clip=self._of_clip(request))
+
+    @property
+    def _drawn_tools(self) -> DrawnTools | None:
+        """Masked in the window, where tissue alone counts."""
+        masks = self.source.training_part.tool_masks
+        if self.enhancement.pixels != "tissue" or masks is None:
+            return None
+        return DrawnTools(masks, self.masking.changes)
 
     @property
     def asked_pictures(self) -> PictureRequest | None:

@@ -87,7 +87,7 @@ def other_request(state: AppState, side: Side) -> OtherRequest | None:
         return None
     original = replace(pictures, params=None)
     # What has no statistics is not made again as they come, or are taken otherwise.
-    alone = replace(original, scope="image", pixels="automatic", of_clip=None)
+    alone = replace(original, scope="image", pixels="automatic", of_clip=None, tools=None)
     if source == RENDER:
         assert state.scene.model is not None
         return OtherRequest(alone, state.scene.model, state.background)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from app.runs.left_out import found_around
 from app.runs.making_masks import MaskReport, make_masks
+from app.runs.tool_masks import ToolMasks
 from renderer.clip import BoolImage, ByteImage, Clip
 from renderer.readers.clip_options import ClipOptions
 from renderer.tools.brush import Point, grown
@@ -29,6 +30,19 @@ from renderer.tools.search import find_tools
 
 BY_HAND: MaskOrigin = "by hand"
 FROM_FOLDER: MaskOrigin = "from a folder"
+
+
+@dataclass(frozen=True)
+class DrawnTools:
+    """What is masked in the folder of the open clip."""
+
+    masks: ToolMasks
+    changes: int
+    """Of these masks on disk: others are other tools."""
+
+    def of(self, clip: Clip) -> Clip:
+        """See `ToolMasks.of`."""
+        return self.masks.of(clip)
 
 
 def folder_of(places: Path, clip: Clip, options: ClipOptions) -> Path:
