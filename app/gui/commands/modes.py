@@ -51,9 +51,10 @@ PRESENTATION_TEXT: Final = (
 
 
 def keys_of(state: AppState) -> Keys:
-    """The keys of what is going on, each with what it does."""
-    if state.presenting.pane is not None:
-        return PRESENTATION
+    """The keys of what is going on, each with what it does; masks can be painted in a presentation, too."""
+    presented = PRESENTATION if state.presenting.pane is not None else {}
     if state.masking.active:
-        return MASKING
+        return {**presented, **MASKING}
+    if presented:
+        return presented
     return TILE if tuning_actions.is_looking(state) else {}

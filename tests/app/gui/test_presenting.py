@@ -21,11 +21,13 @@ from app.gui.style.widgets import Area
 from app.gui.views.resample import visible
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
+from enhance import EnhanceParams
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
 from tests.app.gui.test_bare import in_front, shown
 from tests.app.gui.test_keys import keyboard
+from tests.app.gui.test_masking import begun, stroke
 from tests.app.gui.test_window import Driver, enhanced, is_settled, wait
 from tests.app.gui.ui import Draw, Shown, StillViewport, Ui, compare, no_texture, pictures
 
@@ -114,6 +116,21 @@ def test_keys_of_a_presentation(ui: Ui, opened: AppState, model: DynamicGaussian
     assert opened.timeline.playing
     ui.press(draw, key.escape)
     assert (opened.presenting.pane, opened.window.full_screen) == (None, False)
+
+
+def test_ctrl_z_undoes_the_stroke_while_tools_are_masked_in_a_presentation(ui: Ui, opened: AppState) -> None:
+    begun(opened)
+    actions.settle_params(opened)
+    actions.set_params(opened, EnhanceParams(z=0.2))
+    actions.settle_params(opened)
+    draw, key = presented(opened, Shown()), imgui.Key
+    ui.press(draw, key.f5)
+    stroke(opened, (10.0, 20.0))
+    ui.press(draw, key.mod_ctrl, key.z)
+    assert opened.masking.past == ()
+    assert opened.enhancement.params == EnhanceParams(z=0.2)
+    ui.press(draw, key._1)
+    assert opened.presenting.pane == "left"
 
 
 def test_the_original_is_there_while_o_is_held(ui: Ui, opened: AppState) -> None:
