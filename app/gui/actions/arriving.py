@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.gui.actions import actions, session_actions
+from app.gui.actions import actions, masking_actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.masking import Masking
 from app.gui.state.reconstruction import Reconstruction
@@ -23,7 +23,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         state.source.opening, state.reports = None, Reports(opened.report, asked=True)
         actions.say(state, f"opened {path.name}")
         return
-    again, before = _is_same_clip(state, opened), state.source.clip
+    again, before, making = _is_same_clip(state, opened), state.source.clip, state.masking.making
     state.source.opening, state.session.path = None, None
     # A session of notes alone has no source.
     state.source.path = opened.path if opened.session is not None else opened.path or path
@@ -60,6 +60,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     if opened.lost is not None:
         actions.fail(state, str(opened.lost))
         session_actions.offer_to_find(state, opened.lost)
+    masking_actions.tell_interrupted(state, making)
     # What a crash left is this process's own from now on: nothing to open another time.
     if not opened.in_passing and path.parent != state.places.config:
         state.settings = state.settings.opened(path)

@@ -256,6 +256,15 @@ def stop_making(state: AppState) -> None:
     masking.past = ()
 
 
+def tell_interrupted(state: AppState, making: MakingRequest | None) -> None:
+    """That were being made until something else was opened, in place of the clip that they are of."""
+    if making is None or state.masking.making is making:
+        return
+    said = f"tool masks of {making.clip.name} were interrupted: those made so far stay"
+    tell = actions.fail if state.window.banner is None else actions.say
+    tell(state, said)
+
+
 def take_made(state: AppState, request: MakingRequest, answer: MaskReport | Failure) -> None:
     masking = state.masking
     if request is not masking.making:

@@ -126,7 +126,12 @@ def what_is_kept(state: AppState) -> str:
 
 def _stakes(state: AppState) -> tuple[tuple[str, str], ...]:
     """What would end, each with what is kept of it."""
-    stakes = ((_work(state), _kept_of_work(state)), (_images(state), "Images not saved yet are lost."))
+    masks = "Tool masks are still being made." if state.masking.making is not None else ""
+    stakes = (
+        (_work(state), _kept_of_work(state)),
+        (_images(state), "Images not saved yet are lost."),
+        (masks, "Masks made so far stay."),
+    )
     return tuple(stake for stake in stakes if stake[0])
 
 

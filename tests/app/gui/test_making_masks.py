@@ -8,9 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, masking_actions
+from app.gui.actions import actions, masking_actions, queue_actions
 from app.gui.state.app_state import AppState
+from app.gui.update import taking
+from app.gui.update.update import update
+from app.gui.work.background import Failure
 from app.gui.work.masking import KeepMask, MakingRequest, MaskRequest, folder_of, keep_mask, make_all
+from app.gui.work.opening import OpenRequest, open_path
 from renderer.readers.calibration import Calibration, LensCalibration
 from renderer.readers.clip_options import ClipOptions
 from renderer.tools.mask_files import origin_of, write_mask
@@ -135,3 +139,31 @@ def test_a_network_masks_the_other_frames_and_a_broken_one_is_named(
     settle(masking, channels)
     assert masking.window.banner is not None
     assert "expected an ONNX network" in masking.window.banner.message
+
+
+def test_closing_asks_while_masks_are_made_and_another_clip_says_that_they_were_interrupted(
+    masking: AppState, folder: Path
+) -> None:
+    channels = settle(masking)
+    assert queue_actions.at_stake(masking) == ""
+    masking_actions.make_all(masking)
+    assert queue_actions.at_stake(masking) == "Tool masks are still being made."
+    assert queue_actions.what_is_kept(masking) == "Masks made so far stay."
+    for _ in range(3):
+        update(masking, channels, 2.0)
+        channels.made_masks.run_waiting()
+    masking.source.opening = request = OpenRequest(folder)
+    (opened,) = open_path(request)
+    taking.take_opened(masking, request, opened)
+    assert queue_actions.at_stake(masking) == ""
+    assert masking.window.banner is not None
+    assert masking.window.banner.message == "tool masks of clip were interrupted: those made so far stay"
+
+
+def test_a_clip_that_cannot_be_opened_interrupts_nothing(masking: AppState, tmp_path: Path) -> None:
+    masking_actions.make_all(masking)
+    masking.source.opening = request = OpenRequest(tmp_path / "gone")
+    taking.take_opened(masking, request, Failure(OSError("it is gone")))
+    assert masking.masking.making is not None
+    assert masking.window.banner is not None
+    assert masking.window.banner.message == "it is gone"
