@@ -16,7 +16,10 @@ FARTHEST: Final = 1e9
 """Pixels from the picture's corner: a hand may draw far beyond the picture."""
 Edge = Annotated[float, Interval(ge=-FARTHEST, le=FARTHEST)]
 Box = tuple[Edge, Edge, Edge, Edge]
-Circle = tuple[Edge, Edge, Annotated[float, Interval(ge=0, le=2 * FARTHEST)]]
+Radius = Annotated[float, Interval(ge=0, le=2 * FARTHEST)]
+Circle = tuple[Edge, Edge, Radius]
+Round = tuple[Edge, Edge, Radius, Annotated[float, Interval(gt=0)]]
+"""A circle on screen, of pixels that are not square: with the width of one by its height."""
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
@@ -25,8 +28,8 @@ class PictureMask:
 
     text: Box | None = None
     """Left, top, right and bottom edge."""
-    view: Circle | None = None
-    """Middle, x and y, and radius."""
+    view: Circle | Round | None = None
+    """Middle, x and y, and radius, which is counted down the picture."""
 
     def kept(self, shape: tuple[int, int]) -> BoolImage:
         """(H, W), True = counts, judged at the middle of each pixel."""
@@ -36,26 +39,37 @@ class PictureMask:
             left, top, right, bottom = self.text
             keep &= ~((x >= left) & (x < right) & (y >= top) & (y < bottom))
         if self.view is not None:
-            middle_x, middle_y, radius = self.view
-            keep &= (x - middle_x) ** 2 + (y - middle_y) ** 2 <= radius**2
+            middle_x, middle_y, radius, *aspect = self.view
+            across = (x - middle_x) * (aspect[0] if aspect else 1.0)
+            keep &= across**2 + (y - middle_y) ** 2 <= radius**2
         return keep
 
-    def drawn(self, shape: str, start: tuple[float, float], end: tuple[float, float]) -> PictureMask:
-        """With a box between two corners ("text"), or a circle from its middle to its rim ("view")."""
+    def drawn(
+        self, shape: str, start: tuple[float, float], end: tuple[float, float], pixel_aspect: float = 1.0
+    ) -> PictureMask:
+        """With a box between two corners ("text"), or a circle from its middle to its rim ("view"), round
+        where pixels are shown so much wider than high."""
         (x, y), (to_x, to_y) = start, end
         if shape == "text":
             return replace(self, text=(min(x, to_x), min(y, to_y), max(x, to_x), max(y, to_y)))
-        return replace(self, view=(x, y, float(np.hypot(to_x - x, to_y - y))))
+        radius = min(float(np.hypot((to_x - x) * pixel_aspect, to_y - y)), 2 * FARTHEST)
+        return replace(self, view=round_on_screen((x, y, radius), pixel_aspect))
 
 
 NO_MASK: Final = PictureMask()
 
 
-def enclosing(keep: BoolImage) -> Circle | None:
+def round_on_screen(circle: Circle, pixel_aspect: float) -> Circle | Round:
+    """The circle where pixels are shown so much wider than high; its radius is counted down the picture."""
+    return circle if pixel_aspect == 1 else (*circle, pixel_aspect)
+
+
+def enclosing(keep: BoolImage, pixel_aspect: float = 1.0) -> Circle | Round | None:
     """The circle of the same middle and width or height as the kept pixels; None where all are kept."""
     if keep.all() or not keep.any():
         return None
     rows, columns = np.flatnonzero(keep.any(axis=1)), np.flatnonzero(keep.any(axis=0))
     sides = [(float(line[0]), float(line[-1] + 1)) for line in (columns, rows)]
     (left, right), (top, bottom) = sides
-    return (left + right) / 2, (top + bottom) / 2, max(right - left, bottom - top) / 2
+    radius = max((right - left) * pixel_aspect, bottom - top) / 2
+    return round_on_screen(((left + right) / 2, (top + bottom) / 2, radius), pixel_aspect)

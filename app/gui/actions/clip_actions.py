@@ -70,7 +70,8 @@ def round_view(state: AppState) -> None:
     if state.picture.pictures is None:
         return
     field = find_field(state.picture.pictures.original)
-    circle = (field.circle or enclosing(field.mask())) if field is not None else None
+    aspect = state.picture.view.pixel_aspect
+    circle = (field.circle or enclosing(field.mask(), aspect)) if field is not None else None
     if circle is None:
         actions.announce(state, "this frame has no dark surround")
         return

@@ -245,11 +245,12 @@ def follow_brush(state: AppState, place: Placement, area: Area) -> None:
 
 
 def draw_brush(state: AppState, place: Placement, area: Area) -> None:
-    """Its circle at the pointer."""
+    """What it covers, at the pointer."""
     shown = state.masking.shown
     if shown is None or not imgui.is_item_hovered():
         return
-    radius = max(masking_actions.radius_in(state, shown.mask.shape[1]) * place.zoom, 1.0)
+    pixels = masking_actions.radius_in(state, shown.mask.shape[1])
+    radius = ImVec2(max(pixels * place.zoom_x, 1.0), max(pixels * place.zoom, 1.0))
     draw, at = imgui.get_window_draw_list(), area.corner + area.mouse()
     for color, weight in ((theme.grey(0.0, 0.8), 3.0), (theme.grey(1.0), 1.0)):
-        draw.add_circle(at, radius, imgui.get_color_u32(color), 0, weight)
+        draw.add_ellipse(at, radius, imgui.get_color_u32(color), 0.0, 0, weight)

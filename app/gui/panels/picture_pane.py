@@ -168,7 +168,12 @@ def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
     if imgui.is_item_activated():
         picture_actions.begin_mask(state, at)
     if imgui.is_item_active() and state.picture.mask_start is not None and at != state.picture.mask_start:
-        mask = state.source.part.mask.drawn(state.picture.mask_tool, state.picture.mask_start, at)
+        tool, start, aspect = (
+            state.picture.mask_tool,
+            state.picture.mask_start,
+            state.picture.view.pixel_aspect,
+        )
+        mask = state.source.part.mask.drawn(tool, start, at, aspect)
         clip_actions.set_mask(state, mask)
     # Escape takes the mouse from the pane while the button is still held: it keeps no mask.
     if imgui.is_item_deactivated() and not imgui.is_mouse_down(imgui.MouseButton_.left):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
@@ -47,6 +48,18 @@ def test_a_box_leaves_out_and_a_circle_keeps() -> None:
 def test_drawing_goes_from_any_corner_and_from_the_middle() -> None:
     mask = NO_MASK.drawn("text", (5, 3), (2, 1)).drawn("view", (4, 4), (7, 8))
     assert mask == PictureMask(text=(2, 1, 5, 3), view=(4, 4, 5))
+
+
+@pytest.mark.parametrize("end", [(60.0, 40.0), (50.0, 54.2)])
+def test_a_circle_of_pixels_that_are_not_square_is_round_on_screen(end: tuple[float, float]) -> None:
+    """Drawn as far to the right as down, of pixels 1.42 times as wide as high."""
+    mask = NO_MASK.drawn("view", (50.0, 40.0), end, 1.42)
+    assert mask.view == pytest.approx((50, 40, 14.2, 1.42))
+    rows, columns = np.nonzero(mask.kept((80, 100)))
+    assert (np.ptp(rows) + 1, np.ptp(columns) + 1) == (28, 20)
+    found = enclosing(mask.kept((80, 100)), 1.42)
+    assert found == pytest.approx((50, 40, 14.2, 1.42), abs=0.6)
+    assert TypeAdapter(PictureMask).validate_json(TypeAdapter(PictureMask).dump_json(mask)) == mask
 
 
 def test_the_circle_of_a_round_view_is_found() -> None:

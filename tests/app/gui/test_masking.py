@@ -6,19 +6,22 @@ import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from imgui_bundle import imgui
+from imgui_bundle import ImVec2, imgui
 
 from app.gui.actions import actions, clip_actions, masking_actions
 from app.gui.actions.job_actions import start_reconstruction
+from app.gui.panels import masking as masking_panel
 from app.gui.state.app_state import AppState
 from app.gui.state.masking import THICKEST, THINNEST
 from app.gui.state.panes import tinted
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.update.update import update
+from app.gui.views.picture_view import PictureView
 from app.gui.work.masking import (
     FrameMask,
 )
@@ -325,6 +328,25 @@ def test_playing_stops_and_the_brush_keeps_its_bounds(opened: AppState) -> None:
     assert opened.masking.radius == THICKEST
     masking_actions.scale_radius(opened, -99)
     assert opened.masking.radius == THINNEST
+
+
+def test_the_brush_shows_what_it_paints_where_pixels_are_not_square(
+    masking: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place = PictureView(pixel_aspect=1.42).place(SIZE, (960.0, 800.0))
+    radii: list[ImVec2] = []
+    pointed = SimpleNamespace(corner=ImVec2(0, 0), mouse=lambda: ImVec2(480, 400))
+    draw = SimpleNamespace(add_ellipse=lambda at, radius, *rest: radii.append(radius))
+    seen = SimpleNamespace(
+        is_item_hovered=lambda: True, get_window_draw_list=lambda: draw, get_color_u32=lambda color: 0
+    )
+    monkeypatch.setattr(masking_panel, "imgui", seen)
+    masking_panel.draw_brush(masking, place, pointed)  # type: ignore[arg-type]
+    stroke(masking, (24.0, 20.0))
+    rows, columns = np.nonzero(shown(masking).mask)
+    painted = (np.ptp(columns) + 1) * place.zoom_x / 2, (np.ptp(rows) + 1) * place.zoom / 2
+    assert (radii[0].x, radii[0].y) == pytest.approx(painted, abs=place.zoom_x)
+    assert radii[0].x == pytest.approx(1.42 * radii[0].y)
 
 
 def test_a_hand_draws_in_the_pane_and_escape_takes_it_back(ui: Ui, masking: AppState) -> None:
