@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.frame_enhancer import PictureRequest
 from app.exports.comparison_images import heat_scale
 from app.gui.actions import clip_actions, laid_out, picture_actions, presenting
 from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
@@ -104,9 +104,8 @@ def draw_bar(top: int, area: Area) -> None:
         draw.add_text(ImVec2(left + width + em(0.3), y), ink, text)
 
 
-def frame_text(pictures: Pictures, *, short: bool = False) -> str:
-    """Which frame the pictures are of, counted from 1, as people do; unless `short` also its name."""
-    request = pictures.request
+def frame_text(request: PictureRequest, *, short: bool = False) -> str:
+    """Which frame is asked for, counted from 1, as people do; unless `short` also its name."""
     name = request.clip.labels[request.frame_index]
     if request.clip.format == LIVE:
         return name
@@ -219,7 +218,7 @@ def _draw_readout(state: AppState, panes: Sequence[Pane], area: Area) -> None:
     assert state.picture.pictures is not None
     short = area.size.x < em(NARROW)
     lines = _values(panes, state.picture.pointer, short=short)
-    lines.append(frame_text(state.picture.pictures, short=short))
+    lines.append(frame_text(state.picture.pictures.request, short=short))
     y, room = area.end.y - em(0.26), area.size.x - em(0.8)
     for line in reversed(lines):
         y -= tag_height(line, room) + em(0.14)

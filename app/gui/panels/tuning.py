@@ -16,7 +16,7 @@ from app.enhancement.setting_words import LABELS, VESSEL_LABELS, in_the_paper, s
 from app.gui.actions import laid_out, tuning_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.overlays import make_room
-from app.gui.panels.picture_pane import WHEEL_STEP, draw_part
+from app.gui.panels.picture_pane import WHEEL_STEP, draw_part, frame_text
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -210,6 +210,18 @@ def _draw_original(state: AppState, textures: ShowsPictures, size: ImVec2) -> No
     before = cell.before if cell is not None else None
     measured = f"Contrast {before.vessel_contrast:.3g} · DV/BV {before.dv_bv:.3g}" if before else "…"
     _draw_words("Original", measured, size)
+    frame, is_shown = _of_frame(state)
+    with imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + size.x):
+        imgui.text_colored(theme.now().muted if is_shown else theme.now().warning, frame)
+
+
+def _of_frame(state: AppState) -> tuple[str, bool]:
+    """Which frame the grid is of, and whether that is the one on screen."""
+    assert state.tuning.grid is not None
+    picture = state.tuning.grid.picture
+    said = f"Frame {frame_text(picture, short=True)}"
+    is_shown = picture.frame_index == state.timeline.shown_index
+    return said if is_shown else f"{said}: not the one on screen", is_shown
 
 
 def _draw_tile(state: AppState, textures: ShowsPictures, setting: Setting, size: ImVec2) -> None:
@@ -273,9 +285,12 @@ def _draw_pair(state: AppState, textures: ShowsPictures, look: GridCell) -> None
     tags = [("ENHANCED · TRIED", theme.TAG_ENHANCED), (said(look.request.setting), theme.TAG_ORIGINAL)]
     if not state.tuning.is_looked_at:
         tags.insert(0, ("UPDATING…", theme.TAG_CAUTION))
-    _draw_half(
-        state, textures, "original", look.original, [("ORIGINAL", theme.TAG_ORIGINAL)], Area.here(size)
-    )
+    frame, is_shown = _of_frame(state)
+    of_original = [
+        ("ORIGINAL", theme.TAG_ORIGINAL),
+        (frame, theme.TAG_ORIGINAL if is_shown else theme.TAG_CAUTION),
+    ]
+    _draw_half(state, textures, "original", look.original, of_original, Area.here(size))
     imgui.same_line(0, gap)
     _draw_half(state, textures, "tried", look.image, tags, Area.here(size))
 
