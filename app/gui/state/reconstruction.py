@@ -185,8 +185,8 @@ def _pace(run: Reconstruction, now: Progress) -> float:
 
 
 def expected_seconds(run: Reconstruction) -> float | None:
-    """In all, of what is chosen: steps at the pace of the run shown, and what that takes beside them. None
-    where it is of another method or has no pace yet."""
+    """In all, of what is chosen: steps at the pace of the run shown, and what that takes beside them, for
+    each of its runs. None where it is of another method or has no pace yet."""
     begun, progress = run.request, run.progress
     if begun is None or progress is None or progress.iteration < 1:
         return None
@@ -194,4 +194,4 @@ def expected_seconds(run: Reconstruction) -> float | None:
         return None
     steps = _pace(run, progress) * run.config.iterations
     beside = 0.0 if progress.wall_seconds is None else max(progress.wall_seconds - progress.seconds, 0.0)
-    return steps + beside
+    return (steps + beside) * (2 if run.input == "both in turn" else 1)

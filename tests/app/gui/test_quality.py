@@ -30,5 +30,7 @@ def test_the_time_is_that_of_the_run_shown_in_proportion() -> None:
     assert expected_seconds(run) == pytest.approx(20)
     run.progress = replace(run.progress, wall_seconds=75.0)
     assert expected_seconds(run) == pytest.approx(20 + 15)
+    run.input = "both in turn"
+    assert expected_seconds(run) == pytest.approx(2 * (20 + 15))
     run.config = replace(config, method="deform3dgs")
     assert expected_seconds(run) is None
