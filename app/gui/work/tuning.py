@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from app.enhancement.contact_sheet import small
+import cv2
+import numpy as np
+
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.enhancement.parameter_grid import Measures, Setting, measured
 from enhance.image import BoolImage
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.clip import ByteImage
 
-THUMB_WIDTH = 480
+THUMB_WIDTH, THUMB_HEIGHT = 480, 960
+"""Pixels of a tile at most; one of a smaller picture is as large as that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +80,18 @@ class CellMaker:
         )
         image, original = pictures.enhanced, known.original
         if not request.whole:
-            image, original = small(image, THUMB_WIDTH), known.small
+            image, original = thumbnail(image), known.small
         yield GridCell(request, image, measures, original, known.measures)
+
+
+def thumbnail(image: ByteImage) -> ByteImage:
+    """(H, W, 3): the picture as large as a tile has room for, and no larger than it is."""
+    height, width = image.shape[:2]
+    scale = min(THUMB_WIDTH / width, THUMB_HEIGHT / height)
+    if scale >= 1:
+        return image
+    size = max(1, round(scale * width)), max(1, round(scale * height))
+    return cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
 
 
 def _known(original: ByteImage) -> _Known:
@@ -86,7 +99,7 @@ def _known(original: ByteImage) -> _Known:
     vessels = vessel_mask(original, tissue_mask=view)
     return _Known(
         original,
-        small(original, THUMB_WIDTH),
+        thumbnail(original),
         view,
         vessels,
         measured(original, original, vessels, view, 0.0),

@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
-from imgui_bundle import ImVec2, ImVec4, imgui
+from imgui_bundle import ImVec2, imgui
 
 from app.enhancement.amounts import AMOUNTS
-from app.enhancement.contact_sheet import small
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.parameter_grid import METRICS
 from app.enhancement.setting_words import in_the_paper, said
 from app.gui.actions import actions, arriving, history_actions, tuning_actions
 from app.gui.commands.keys import chord
-from app.gui.panels import tuning as panel
 from app.gui.panels.tuning import draw_tuning
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
-from app.gui.style import theme
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
 from app.gui.work.settings import Places, Settings
-from app.gui.work.tuning import THUMB_WIDTH
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import ByteImage, Clip
@@ -177,7 +171,7 @@ def test_the_original_is_the_first_tile_and_stands_beside_a_cell(
     finish(state, channels)
     ui.frame(lambda: draw_tuning(state, shown))
     original = image_of(0)
-    np.testing.assert_array_equal(shown.images["tile original"], small(original, THUMB_WIDTH))
+    np.testing.assert_array_equal(shown.images["tile original"], original)  # It is small.
     tuning_actions.look_at(state, state.tuning.in_order[0])
     turn(state, channels)
     turn(state, channels)
@@ -185,40 +179,6 @@ def test_the_original_is_the_first_tile_and_stands_beside_a_cell(
     np.testing.assert_array_equal(shown.images["tuning original"], original)
     assert state.tuning.look is not None
     assert shown.images["tuning tried"] is state.tuning.look.image
-
-
-def test_the_grid_says_which_frame_it_is_of(
-    ui: Ui, state: AppState, channels: Channels, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    written: list[tuple[ImVec4, str]] = []
-    text, stack = imgui.text_colored, panel.stack_tags
-
-    def colored(color: ImVec4, said: str) -> None:
-        written.append((color, said))
-        text(color, said)
-
-    def stacked(tags: list[tuple[str, ImVec4]], *rest: Any) -> Any:
-        written.extend((color, said) for said, color in tags)
-        return stack(tags, *rest)
-
-    monkeypatch.setattr(imgui, "text_colored", colored)
-    monkeypatch.setattr(panel, "stack_tags", stacked)
-
-    def frames() -> list[tuple[ImVec4, str]]:
-        written.clear()
-        ui.frame(lambda: draw_tuning(state, Shown()))
-        return [(color, said) for color, said in written if said.startswith("Frame")]
-
-    actions.seek(state, 1)
-    tuning_actions.start_grid(state)
-    finish(state, channels)
-    assert frames() == [(theme.now().muted, "Frame 2 / 6")]
-    actions.seek(state, 4)
-    assert frames() == [(theme.now().warning, "Frame 2 / 6: not the one on screen")]
-    tuning_actions.look_at(state, state.tuning.in_order[0])
-    for _ in range(2):
-        turn(state, channels)
-    assert frames() == [(theme.TAG_CAUTION, "Frame 2 / 6: not the one on screen")]
 
 
 def test_arrows_lead_to_neighbours_and_escape_back(ui: Ui, state: AppState, channels: Channels) -> None:

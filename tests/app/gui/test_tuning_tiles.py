@@ -1,0 +1,79 @@
+"""Tiles of the tuning grid: how large they are, and of which frame they say they are."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from imgui_bundle import ImVec4, imgui
+
+from app.gui.actions import actions, tuning_actions
+from app.gui.panels import tuning as panel
+from app.gui.panels.tuning import draw_tuning
+from app.gui.state.app_state import AppState
+from app.gui.style import theme
+from app.gui.update.channels import Channels
+from app.gui.work.tuning import THUMB_HEIGHT, THUMB_WIDTH, thumbnail
+from tests.app.gui.test_tuning import finish, turn
+from tests.app.gui.ui import Shown, Ui
+
+
+@pytest.fixture
+def channels() -> Channels:
+    return Channels()
+
+
+@pytest.mark.parametrize(
+    ("size", "tile"),
+    [
+        ((48, 40), (48, 40)),
+        ((1920, 1080), (THUMB_WIDTH, 270)),
+        ((960, 960), (THUMB_WIDTH, THUMB_WIDTH)),
+        ((1, 3000), (1, THUMB_HEIGHT)),
+        ((4, 400), (4, 400)),
+        ((3000, 1), (THUMB_WIDTH, 1)),
+    ],
+)
+def test_a_tile_is_no_larger_than_its_picture_or_its_room(
+    size: tuple[int, int], tile: tuple[int, int]
+) -> None:
+    """Width and height, also of strips."""
+    image = np.full((size[1], size[0], 3), 90, np.uint8)
+    made = thumbnail(image)
+    assert made.shape == (tile[1], tile[0], 3)
+    assert (made == 90).all()
+
+
+def test_the_grid_says_which_frame_it_is_of(
+    ui: Ui, state: AppState, channels: Channels, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written: list[tuple[ImVec4, str]] = []
+    text, stack = imgui.text_colored, panel.stack_tags
+
+    def colored(color: ImVec4, said: str) -> None:
+        written.append((color, said))
+        text(color, said)
+
+    def stacked(tags: list[tuple[str, ImVec4]], *rest: Any) -> Any:
+        written.extend((color, said) for said, color in tags)
+        return stack(tags, *rest)
+
+    monkeypatch.setattr(imgui, "text_colored", colored)
+    monkeypatch.setattr(panel, "stack_tags", stacked)
+
+    def frames() -> list[tuple[ImVec4, str]]:
+        written.clear()
+        ui.frame(lambda: draw_tuning(state, Shown()))
+        return [(color, said) for color, said in written if said.startswith("Frame")]
+
+    actions.seek(state, 1)
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    assert frames() == [(theme.now().muted, "Frame 2 / 6")]
+    actions.seek(state, 4)
+    assert frames() == [(theme.now().warning, "Frame 2 / 6: not the one on screen")]
+    tuning_actions.look_at(state, state.tuning.in_order[0])
+    for _ in range(2):
+        turn(state, channels)
+    assert frames() == [(theme.TAG_CAUTION, "Frame 2 / 6: not the one on screen")]
