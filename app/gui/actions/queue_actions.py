@@ -126,7 +126,7 @@ def what_is_kept(state: AppState) -> str:
 
 def _stakes(state: AppState) -> tuple[tuple[str, str], ...]:
     """What would end, each with what is kept of it."""
-    masks = "Tool masks are still being made." if state.masking.making is not None else ""
+    masks = "Tools are still being masked." if state.masking.making is not None else ""
     stakes = (
         (_work(state), _kept_of_work(state)),
         (_images(state), "Images not saved yet are lost."),

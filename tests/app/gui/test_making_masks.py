@@ -147,7 +147,7 @@ def test_closing_asks_while_masks_are_made_and_another_clip_says_that_they_were_
     channels = settle(masking)
     assert queue_actions.at_stake(masking) == ""
     masking_actions.make_all(masking)
-    assert queue_actions.at_stake(masking) == "Tool masks are still being made."
+    assert queue_actions.at_stake(masking) == "Tools are still being masked."
     assert queue_actions.what_is_kept(masking) == "Masks made so far stay."
     for _ in range(3):
         update(masking, channels, 2.0)
