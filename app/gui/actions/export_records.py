@@ -244,21 +244,26 @@ def _moments(state: AppState, offer: Offer) -> tuple[Views, ...]:
 
 def _with_second(state: AppState, first: ViewRequest, frame: Frame | None) -> Views:
     """Each with as much of the frame over it as on screen."""
-    views, second = (_under_frame(state, first, frame),), state.scene.beside(first)
-    if second is not None and state.scene.has_frames_of(first):
-        views += (_under_frame(state, second, frame),)
-    elif second is not None:
-        # Its file would look for the frame among those of its own run.
-        bare = _under_frame(state, second, frame) == second
-        said = None if bare else f"{caption_of(second)}   without the frame over it"
-        views += (replace(second, caption=said),)
+    views, second = [_under_frame(state, first, frame)], state.scene.beside(first)
+    if second is not None:
+        views.append(_second_under_frame(state, first, second, frame))
     return tuple(_as_chosen(state, one) for one in views)
 
 
+def _second_under_frame(
+    state: AppState, first: ViewRequest, second: ViewRequest, frame: Frame | None
+) -> ViewRequest:
+    """Of a run with other frames it is said to be without: its file would look for the frame among those."""
+    under = _under_frame(state, second, frame)
+    if under == second or state.scene.has_frames_of(first):
+        return under
+    return replace(second, caption=f"{caption_of(second)}   without the frame over it")
+
+
 def _under_frame(state: AppState, view: ViewRequest, frame: Frame | None) -> ViewRequest:
-    """A difference to the frame shows it already."""
+    """Of two views of which the first is the difference to the frame, neither has it over it."""
     share = frame_share(state, view.scene)
-    if frame is None or view.kind == "difference" or not share:
+    if frame is None or state.scene.kind == "difference" or not share:
         return view
     return replace(view, reference=frame, frame_share=share)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -92,3 +93,24 @@ def test_of_two_views_each_has_its_own_share(snapped: Exporter, runs: dict[str, 
     assert isinstance(request.record, PanesPicture)
     assert [view.frame_share for view in request.record.views] == [1.0, None]
     assert same(snapped.made("3D view"), *runs.values())
+
+
+def test_a_second_view_with_other_frames_says_that_the_frame_is_not_in_the_file(
+    snapped: Exporter, runs: dict[str, Path]
+) -> None:
+    state = snapped.state
+    second_actions.open_second(state, runs["original"])
+    snapped.turn()
+    shown = state.scene.second.shown
+    assert shown is not None
+    state.scene.second.shown = replace(shown, cameras=shown.cameras * 2)
+    captions = []
+    for kind in ("color", "difference"):
+        state.scene.kind = kind
+        request = export_actions.shown_request(state)
+        assert request is not None
+        assert isinstance(request.record, PanesPicture)
+        captions.append([str(view.caption) for view in request.record.views])
+    assert "frame 50% over it" in captions[0][0]
+    assert captions[0][1].endswith("without the frame over it")
+    assert not any("over it" in caption for caption in captions[1])
