@@ -19,8 +19,18 @@ from renderer.depth.monocular import read_array
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.depth_maps import plane_of, plausible
+from renderer.readers.listing import listed
 from renderer.readers.nonzero_masks import read_nonzero, require_shapes
-from renderer.readers.picture_kinds import WORDS, Kind, is_named_array, kinds_of, left_out, map_folders
+from renderer.readers.number_pairs import number_pairs, numbers_of
+from renderer.readers.picture_kinds import (
+    PLURAL,
+    WORDS,
+    Kind,
+    is_named_array,
+    kinds_of,
+    left_out,
+    map_folders,
+)
 from renderer.readers.pictures import is_picture, is_visible, natural_key, read_stored, stored_kind
 from renderer.readers.tool_masks import marked_pixels
 
@@ -40,24 +50,39 @@ class _Offer:
     """Of the first file, or of their folder."""
     files: dict[int, Path]
     """By the place of the frame; empty: of none."""
-    seen: int
-    """Files, of any frame or none."""
+    paths: Sequence[Path]
+    """All of them, of any frame or none."""
+    is_counted_anew: bool = False
+    """Whether their numbers start elsewhere than those of the frames, so that they are paired in order."""
 
     @property
     def told(self) -> str:
         return (
             self.name
-            if self.name.endswith("/") or self.seen == 1
-            else f"{self.name} and {self.seen - 1} more"
+            if self.name.endswith("/") or len(self.paths) == 1
+            else f"{self.name} and {len(self.paths) - 1} more"
         )
+
+    def pairing(self, labels: Sequence[str]) -> list[str]:
+        """What is said of files that are paired in order, or belong to no frame."""
+        if self.is_counted_anew:
+            one, first = self.files[0].name, labels[0]
+            return [f"{self.told}: numbered from another start than the images, so paired in order: {one} "
+                    f"with {first}"]  # fmt: skip
+        strays = sorted(set(self.paths) - set(self.files.values()), key=natural_key)
+        names = listed([path.name for path in strays])
+        of_all = f"{len(strays)} of {len(self.paths)} {PLURAL[self.kind]}"
+        return [f"{of_all} belong to none of the images: {names}"] if strays else []
 
 
 def with_maps(clip: Clip, frames: Path, options: ClipOptions) -> Clip:
     """The clip with what lies beside its pictures in `frames`, or in folders of the clip of such names.
 
-    A map belongs to the picture of its name without the word that says its kind, else of its last number.
+    A map belongs to the picture of its name without the word that says its kind, else of its last number, as
+    `number_pairs` says.
     Maps called depth hold distances along the axis, those called disparity the inverse, where they are of
-    16 bits or floats; 8 bits are taken when `options.depth` is "measured". Their unit is not known, but for
+    16 bits or floats; 8 bits are taken when `options.depth` is "measured". Disparities are in pixels of
+    their map, which may be smaller than the picture. Their unit is not known, but for
     the word mm in a name, and a factor such as x64 of disparities, with `options.baseline`: else lengths
     are in scene units. Masks are used when `options.mask_polarity` says what they mark. What is left out,
     and what was assumed, is said in notices.
@@ -124,27 +149,28 @@ def _is_map_file(path: Path) -> bool:
 def _offer(labels: Sequence[str], kind: Kind, name: str, paths: Sequence[Path]) -> _Offer:
     """The files, each with the frame that it belongs to; those of the other eye belong to none."""
     of_right = "right" in _parts(name) and "right" not in _parts(labels[0])
-    files = {} if of_right else _by_stem(labels, paths) or _by_number(labels, paths)
+    files, shift = ({}, 0) if of_right else _paired(labels, paths)
     if kind == "mask" and not files and len(paths) == 1 and not of_right:
         files = dict.fromkeys(range(len(labels)), paths[0])
-    return _Offer(kind, name, files, len(paths))
+    return _Offer(kind, name, files, paths, shift != 0)
+
+
+def _paired(labels: Sequence[str], paths: Sequence[Path]) -> tuple[dict[int, Path], int]:
+    """By name where each picture or each file has its own so, else by number; and how far numbers differ."""
+    by_stem = _by_stem(labels, paths)
+    frames, files = numbers_of(labels), numbers_of([path.name for path in paths])
+    if len(by_stem) in (len(labels), len(paths)) or frames is None or files is None:
+        return by_stem, 0
+    pairs = number_pairs(frames, files)
+    return (
+        ({}, 0) if pairs is None else ({one: paths[file] for one, file in pairs.files.items()}, pairs.shift)
+    )
 
 
 def _by_stem(labels: Sequence[str], paths: Sequence[Path]) -> dict[int, Path]:
     found = {"_".join(_parts(path.stem)): path for path in paths}
     names = ["_".join(_parts(Path(label).stem)) for label in labels]
     return {place: found[name] for place, name in enumerate(names) if name and name in found}
-
-
-def _by_number(labels: Sequence[str], paths: Sequence[Path]) -> dict[int, Path]:
-    """Empty where two have one number."""
-    numbers = [re.findall(r"\d+", Path(label).stem)[-1:] for label in labels]
-    theirs = [re.findall(r"\d+", path.stem)[-1:] for path in paths]
-    found = {int(one[0]): path for one, path in zip(theirs, paths, strict=True) if one}
-    known = [int(one[0]) for one in numbers if one]
-    if len(set(known)) < len(labels) or len(found) < len(paths):
-        return {}
-    return {place: found[number] for place, number in enumerate(known) if number in found}
 
 
 def _parts(stem: str) -> list[str]:
@@ -172,13 +198,14 @@ def _chosen(offers: list[_Offer], clip: Clip, options: ClipOptions) -> tuple[_Of
 
 def _assumed(offer: _Offer, clip: Clip, options: ClipOptions) -> list[str]:
     lacking = [label for place, label in enumerate(clip.labels) if place not in offer.files]
-    some = (
-        [f"{len(lacking)} of {len(clip)} images have no depth map, such as {lacking[0]}"] if lacking else []
-    )
+    some = offer.pairing(clip.labels)
+    if lacking:
+        some.insert(0, f"{len(lacking)} of {len(clip)} images have no depth map, such as {lacking[0]}")
     if offer.kind == "depth":
         unit = "read as mm" if _unit(offer, options) == "mm" else "of unknown unit: lengths have no scale"
         return [f"depth is read from {offer.told}, {unit}", *some]
     step = _steps(offer)
+    some += _counted(offer, clip.size)
     pixels = f"1/{step:g} px" if step != 1 else "px"
     if _unit(offer, options) == "mm":
         return [
@@ -190,14 +217,25 @@ def _assumed(offer: _Offer, clip: Clip, options: ClipOptions) -> list[str]:
     return [f"depth is computed from the disparity in {offer.told}, read in {pixels}: {scale}", *some]
 
 
+def _counted(offer: _Offer, size: tuple[int, int]) -> list[str]:
+    """In which pixels disparities are, where the maps have others than the images of `size`."""
+    sizes = {stored_kind(path)[1] for path in offer.files.values()} - {size}
+    if not sizes:
+        return []
+    (width, height), *_ = sorted(sizes)
+    theirs = f"{width}x{height}" + (f" and {len(sizes) - 1} other sizes" if len(sizes) > 1 else "")
+    own = f"disparities are read in pixels of the maps, {theirs}, not of the images, {size[0]}x{size[1]}"
+    return [f"{own}; maps of the images' size are read in its pixels"]
+
+
 def _way(offer: _Offer, clip: Clip, options: ClipOptions) -> str:
     """Why it cannot be used as it stands, and what would help; empty: it can, or nothing helps."""
-    if offer.kind == "mask":
-        return USES_MASKS if options.mask_polarity == "auto" and offer.files else ""
-    if offer.kind == "map":
-        return USES_NAMES if offer.files else ""
     if not offer.files:
-        return "they belong to none of the images"
+        return "names and numbers do not say which of the images they belong to"
+    if offer.kind == "mask":
+        return USES_MASKS if options.mask_polarity == "auto" else ""
+    if offer.kind == "map":
+        return USES_NAMES
     bytes_of = ""
     for path in offer.files.values():
         kind, (width, height) = stored_kind(path)
@@ -239,20 +277,25 @@ def _with_depth(clip: Clip, offer: _Offer, options: ClipOptions) -> Clip:
         path = offer.files.get(frame.index)
         if path is None:
             return replace(frame, depth=np.zeros(frame.tissue_mask.shape, np.float32))
-        values = _values(path, clip.size)
+        values = _values(path)
         if offer.kind == "disparity":
-            values = np.where(values > 0, factor / np.where(values > 0, values, 1), 0).astype(np.float32)
-        return replace(frame, depth=plausible(values))
+            shrunk = values.shape[1] / clip.size[0]
+            depth = factor * shrunk / np.where(values > 0, values, 1)
+            values = np.where(values > 0, depth, 0).astype(np.float32)
+        return replace(frame, depth=plausible(_resized(values, clip.size)))
 
     return replace(
         clip, read_frame=read_frame, has_depth=True, unit=_unit(offer, options), depth_origin="beside"
     )
 
 
-def _values(path: Path, size: tuple[int, int]) -> Plane:
-    """(H, W) of `size` (width, height), 0 = none, each pixel the nearest of the file's."""
-    stored = read_array(path) if path.suffix.lower() == ".npy" else read_stored(path)
-    values = plane_of(stored, path)
+def _values(path: Path) -> Plane:
+    """(H, W) as the file has them, 0 = none."""
+    return plane_of(read_array(path) if path.suffix.lower() == ".npy" else read_stored(path), path)
+
+
+def _resized(values: Plane, size: tuple[int, int]) -> Plane:
+    """(H, W) of `size` (width, height), each pixel the nearest of the given ones."""
     if values.shape == (size[1], size[0]):
         return values
     return np.asarray(cv2.resize(values, size, interpolation=cv2.INTER_NEAREST_EXACT), np.float32)
@@ -265,9 +308,8 @@ def _with_masks(clip: Clip, offer: _Offer, *, marked_is_tissue: bool) -> Clip:
         return replace(frame, tissue_mask=tissue, evaluation_mask=tissue.copy())
 
     marks = "tissue" if marked_is_tissue else "tool"
-    return replace(
-        clip, read_frame=read_frame, notices=(*clip.notices, f"{offer.told} is assumed to mark {marks}")
-    )
+    said = f"{offer.told} is assumed to mark {marks}", *offer.pairing(clip.labels)
+    return replace(clip, read_frame=read_frame, notices=(*clip.notices, *said))
 
 
 def _marked(path: Path, size: tuple[int, int]) -> BoolImage:

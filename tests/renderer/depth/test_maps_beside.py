@@ -103,6 +103,21 @@ def test_disparity_is_inverted_and_its_factor_taken_from_the_name(tmp_path):
     assert clip.unit == "mm"
 
 
+@pytest.mark.parametrize("size", [(32, 24), (64, 48), (128, 96)])
+def test_disparities_are_in_pixels_of_their_map(tmp_path, size):
+    write(tmp_path, "{}.png")
+    for index, frame in enumerate(frames()):
+        focal, baseline = frame.camera.fx, 4.0
+        own = np.full(size[::-1], size[0] / 64 * focal * baseline / (50 + index), np.float32)
+        save(tmp_path / f"disparity/{50 + index}.npy", own)
+    clip = open_clip(tmp_path, ClipOptions(baseline=4.0, field_of_view=frames()[0].camera.field_of_view))
+    assert clip.unit == "mm"
+    for index in range(COUNT):
+        np.testing.assert_allclose(clip.read_frame(index).depth, 50 + index, rtol=1e-4)
+    said = [text for text in clip.notices if f"pixels of the maps, {size[0]}x{size[1]}, not of" in text]
+    assert len(said) == (size != (64, 48))
+
+
 @pytest.mark.parametrize(("kind", "way"), [("bytes", "--depth measured"), ("colour", "holds colours")])
 def test_what_is_not_clear_is_left_out_with_the_way(tmp_path, kind, way):
     clip = open_clip(write(tmp_path, **{kind: "left_depth_{}.png"}))
@@ -142,6 +157,47 @@ def test_a_picture_without_its_map_has_no_depth(tmp_path):
     assert depth is not None
     assert not depth.any()
     assert clip.read_frame(2).depth_mask.any()
+
+
+@pytest.mark.parametrize("maps", ["depth/{}.npy", "depth/frame_{}.npy", "frame_{}_depth.npy"])
+@pytest.mark.parametrize("start", [0, 1, 40])
+def test_maps_counted_from_another_start_keep_their_images(tmp_path, maps, start):
+    images = [f"frame_{start + index}.png" for index in range(COUNT)]
+    first = 1 if start == 0 else 0
+    for index, (name, frame) in enumerate(zip(images, frames(), strict=True)):
+        save(tmp_path / name, frame.image)
+        save(tmp_path / maps.format(first + index), frame.depth)
+    clip = open_clip(tmp_path)
+    check(clip)
+    paired = f"paired in order: {Path(maps.format(first)).name} with {images[0]}"
+    assert [said for said in clip.notices if said.endswith(paired)]
+
+
+def test_maps_that_are_perhaps_shifted_are_left_out(tmp_path):
+    write(tmp_path, image="{}.png", depth="depth/{}.png")
+    (tmp_path / "depth/52.png").unlink()
+    (tmp_path / "depth/51.png").rename(tmp_path / "depth/49.png")
+    clip = open_clip(tmp_path)
+    assert not clip.has_depth
+    assert "names and numbers do not say which of the images they belong to" in clip.notices[0]
+
+
+def test_maps_of_no_image_are_named(tmp_path):
+    write(tmp_path, depth="depth/{}.png")
+    (tmp_path / "left_51.png").unlink()
+    clip = open_clip(tmp_path)
+    assert clip.has_depth
+    assert "1 of 3 depth maps belong to none of the images: 51.png" in clip.notices
+
+
+def test_masks_counted_from_another_start_keep_their_images(tmp_path):
+    write(tmp_path, image="{}.png", mask="masks/{}.png")
+    for index in range(COUNT):
+        (tmp_path / f"masks/{50 + index}.png").rename(tmp_path / f"masks/{index}.png")
+    clip = open_clip(tmp_path, ClipOptions(mask_polarity="tool"))
+    for index, wanted in enumerate(frames()):
+        np.testing.assert_array_equal(clip.read_frame(index).tissue_mask, wanted.tissue_mask)
+    assert any("paired in order: 0.png with 50.png" in said for said in clip.notices)
 
 
 def test_a_smaller_map_is_resampled_and_another_shape_left_out(tmp_path):
