@@ -103,4 +103,5 @@ def _said(told: MaskReport, weak: Sequence[str], *, learned: bool) -> str:
         parts.append(f"neighbours agree to IoU {told.agreement:.2f}")
     if weak:
         parts.append(f"look at {listed(weak)}")
+    parts.extend(told.notices)
     return "; ".join(parts)

@@ -4,7 +4,7 @@ how well they agree."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -43,6 +43,8 @@ class MaskReport:
     """Mean IoU of each mask with that of the frame before, moved along by optical flow."""
     weak: tuple[int, ...] = ()
     """Frames where that is low: they should be looked at, the worst first."""
+    notices: tuple[str, ...] = ()
+    """How masks by hand were paired with frames, as `MaskFiles` has it."""
 
 
 def make_masks(
@@ -60,7 +62,7 @@ def make_masks(
     lit = lit_part(clip)
     learns = model is None and len(by_hand.files) < len(clip)
     examples = [_example(lit, index, by_hand) for index in _taught_by(by_hand)] if learns else []
-    report = MaskReport(0, len(by_hand.files), learned_well(examples))
+    report = MaskReport(0, len(by_hand.files), learned_well(examples), notices=by_hand.notices)
     yield report
     find, found_by = _finder(examples, model)
     shares, scores, agreement = list[float](), dict[int, float](), Agreement()
@@ -116,12 +118,11 @@ def _finder(examples: list[Example], model: OnnxTools | None) -> tuple[Find, Mas
 
 def _report(begun: MaskReport, shares: list[float], scores: Mapping[int, float]) -> MaskReport:
     weak = sorted((index for index, score in scores.items() if score < WEAK), key=scores.__getitem__)
-    return MaskReport(
-        len(shares),
-        begun.given,
-        begun.held_out,
-        sum(share > 0 for share in shares),
-        sum(shares) / len(shares),
-        sum(scores.values()) / len(scores) if scores else None,
-        tuple(weak),
+    return replace(
+        begun,
+        done=len(shares),
+        with_tools=sum(share > 0 for share in shares),
+        share=sum(shares) / len(shares),
+        agreement=sum(scores.values()) / len(scores) if scores else None,
+        weak=tuple(weak),
     )

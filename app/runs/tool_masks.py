@@ -39,6 +39,10 @@ class ToolMasks:
         numbered = {int(path.stem): path for path in folder.glob("*.png") if path.stem.isdecimal()}
         return MaskFiles(folder, numbered)
 
+    def told(self, clip: Clip) -> Clip:
+        """The whole clip, whose notices say how a person's masks were paired with it. Raises ClipError."""
+        return replace(clip, notices=(*clip.notices, *self.files(clip).notices))
+
     def of(self, clip: Clip) -> Clip:
         """The whole clip without these tools; their files are looked for when a frame is read, which raises
         ClipError where they are not there."""

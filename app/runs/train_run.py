@@ -120,6 +120,8 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     if record is not None:
         _check_same(request, record, whole)
     copies = None if request.part.tool_masks is None else request.part.tool_masks.copied(whole, place)
+    if request.part.tool_masks is not None:
+        whole = request.part.tool_masks.told(whole)
     if record is None:
         part = replace(part, tool_masks=copies)
     elif copies is not None:

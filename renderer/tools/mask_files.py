@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,7 +15,9 @@ from PIL import Image, PngImagePlugin
 from renderer.atomic_files import written_atomically
 from renderer.clip import BoolImage, Clip, ClipError, Frame, within
 from renderer.readers.clip_files import files_in
+from renderer.readers.listing import listed
 from renderer.readers.nonzero_masks import read_nonzero, require_shapes
+from renderer.readers.number_pairs import NumberPairs, number_pairs, numbers_of
 from renderer.readers.pictures import NAMED, natural_key, read_stored
 from renderer.readers.tool_masks import marked_pixels
 
@@ -32,6 +35,8 @@ class MaskFiles:
     folder: Path
     files: Mapping[int, Path]
     """By frame."""
+    notices: tuple[str, ...] = ()
+    """How they were paired with the frames, where that is not by equal names or numbers alone."""
 
     def read(self, index: int, size: tuple[int, int]) -> BoolImage | None:
         """(H, W) for `size` (width, height), True = tool; None: the folder holds none of this frame.
@@ -65,10 +70,12 @@ def _stems(labels: Sequence[str]) -> Sequence[str]:
 
 def masks_in(folder: Path, labels: Sequence[str]) -> MaskFiles:
     """Found by the names of the frames, or by their numbers, as in 00012.png for frame 12 of a video; where
-    neither fits any frame, in their order if there is one for each.
+    neither fits any frame, or as many are numbered from another start, in their order if there is one for
+    each. What is not found by name, or belongs to no frame, is said.
 
     Raises:
-        ClipError: no such folder, no mask in it that belongs to a frame, or two for one.
+        ClipError: no such folder, no mask in it that belongs to a frame, or two for one; or numbers of which
+            it is not clear which frame they mean, as `number_pairs` says.
     """
     if not folder.is_dir():
         got = "a file" if folder.exists() else "no such folder"
@@ -81,11 +88,46 @@ def masks_in(folder: Path, labels: Sequence[str]) -> MaskFiles:
     files = {index: named[key] for index, stem in enumerate(_stems(labels)) if (key := _key(stem)) in named}
     if not files and len(found) == len(labels):
         files = dict(enumerate(found))
+        same = numbers_of(labels) == numbers_of([path.name for path in found]) is not None
+        return MaskFiles(folder, files, () if same else (_in_order(folder, files, labels),))
     if not files:
         example, count = mask_names(labels)[0], len(found)
         wanted = f"masks named as the frames, such as {example}, or one for each of {len(labels)} frames"
         raise ClipError(f"expected {wanted}, got {count} images of other names: {folder}")
-    return MaskFiles(folder, files)
+    return _renumbered(MaskFiles(folder, files), found, labels)
+
+
+def _renumbered(masks: MaskFiles, found: Sequence[Path], labels: Sequence[str]) -> MaskFiles:
+    """Those found by name; in order, where the others show that masks are numbered from another start.
+
+    Raises ClipError: the others show that equal numbers do not mean equal frames.
+    """
+    loose = [path for path in found if path not in set(masks.files.values())]
+    words = {_words(path.stem) for path in masks.files.values()}
+    numbered = [path for path in found if _words(path.stem) in words]
+    frames, files = numbers_of(labels), numbers_of([path.name for path in numbered])
+    pairs = NumberPairs({})
+    if frames is not None and files is not None and set(loose) & set(numbered):
+        pairs = number_pairs(frames, files)
+    names = listed([path.name for path in loose])
+    if pairs is None:
+        wanted = f"masks numbered as the frames, {labels[0]} to {labels[-1]}"
+        raise ClipError(f"expected {wanted}, got some that belong to none of them, {names}: {masks.folder}")
+    if pairs.shift:
+        shifted = {frame: numbered[file] for frame, file in pairs.files.items()}
+        return replace(masks, files=shifted, notices=(_in_order(masks.folder, shifted, labels),))
+    said = f"masks in {masks.folder.name}/ that belong to no frame: {names}"
+    return replace(masks, notices=(said,)) if loose else masks
+
+
+def _in_order(folder: Path, files: Mapping[int, Path], labels: Sequence[str]) -> str:
+    said = f"tool masks in {folder.name}/ are paired with the frames in order, not by name"
+    return f"{said}: {files[0].name} with {labels[0]}"
+
+
+def _words(stem: str) -> str:
+    """Without its last number."""
+    return re.sub(r"\d+(?=\D*$)", "", stem)
 
 
 def own_masks(folder: Path, labels: Sequence[str]) -> MaskFiles:

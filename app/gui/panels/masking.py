@@ -212,6 +212,8 @@ def _draw_report(state: AppState, report: MaskReport) -> None:
     if report.agreement is not None:
         note(f"Overlap between neighbours: {report.agreement:.2f}")
         explain(NEIGHBOURS_TEXT)
+    for notice in report.notices:
+        note(notice)
     if report.weak:
         imgui.text_colored(theme.now().warning, "Look at")
         imgui.same_line(0, em(0.5))

@@ -207,6 +207,7 @@ def _taken(request: MakingRequest, files: MaskFiles) -> Iterator[MaskReport]:
         if not path.is_file() or origin_of(path) != BY_HAND:
             write_mask(path, mask, FROM_FOLDER)
         shares.append(float(mask.mean()))
-        yield MaskReport(min(len(shares), len(clip) - 1), len(shares), None)
+        yield MaskReport(min(len(shares), len(clip) - 1), len(shares), None, notices=files.notices)
     share = sum(shares) / len(shares)
-    yield MaskReport(len(clip), len(shares), None, sum(each > 0 for each in shares), share)
+    found = sum(each > 0 for each in shares)
+    yield MaskReport(len(clip), len(shares), None, found, share, notices=files.notices)

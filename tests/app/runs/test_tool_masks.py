@@ -22,7 +22,7 @@ from renderer.clip import BoolImage
 from renderer.sources import open_clip
 from renderer.tools.mask_files import origin_of, write_mask
 from renderer.train.config import TrainConfig
-from renderer.train.events import Started
+from renderer.train.events import Started, Warned
 from tests.app.conftest import Call, request_of
 from tests.renderer.tools.onnx_files import write_convolution
 
@@ -69,6 +69,18 @@ def test_a_run_leaves_them_out_and_goes_on_with_its_own_copies(unmasked: Path, t
     assert "without tools" in run.record().clip.part.told()
     written = json.loads(run.record_path.read_text())["clip"]["part"]["tool_masks"]
     assert written["folder"] == FOLDER
+
+
+def test_it_is_said_where_masks_are_paired_in_order(unmasked: Path, tmp_path: Path) -> None:
+    masks = masks_for(unmasked, tmp_path / "masks", range(10))
+    for number, path in enumerate(sorted(masks.iterdir())):
+        path.rename(masks / f"{number + 20}.png")
+    said = [event.message for event in run_training(
+        request_of(unmasked, tmp_path / "run", config=CONFIG, part=of(masks))
+    ) if isinstance(event, Warned)]  # fmt: skip
+    assert any(
+        "masks/ are paired with the frames in order, not by name: 20.png with" in text for text in said
+    )
 
 
 def test_frames_without_a_mask_are_searched_and_trimming_mixes_none_up(

@@ -63,6 +63,34 @@ def test_each_mask_finds_its_frame(
     assert set(masks_in(tmp_path, labels).files) == found
 
 
+@pytest.mark.parametrize("pattern", ["{:03d}.png", "frame_{:03d}.png"])
+def test_masks_counted_from_zero_belong_to_frames_counted_from_one(pattern: str, tmp_path: Path) -> None:
+    labels = tuple(pattern.format(number) for number in range(1, 6))
+    save(tmp_path, *(f"{number:03d}.png" for number in range(5)))
+    masks = masks_in(tmp_path, labels)
+    assert [masks.files[index].name for index in range(5)] == [f"{number:03d}.png" for number in range(5)]
+    assert len(masks.notices) == 1
+    assert masks.notices[0].endswith(f"in order, not by name: 000.png with {labels[0]}")
+    save(tmp_path / "same", *labels)
+    assert masks_in(tmp_path / "same", labels).notices == ()
+
+
+def test_masks_that_are_perhaps_shifted_are_refused(tmp_path: Path) -> None:
+    save(tmp_path, *(f"frame_{number}.png" for number in range(4)))
+    labels = tuple(f"frame_{number}.png" for number in range(1, 6))
+    with pytest.raises(
+        ClipError, match=r"frame_1\.png to frame_5\.png, got some .* none of them, frame_0\.png"
+    ):
+        masks_in(tmp_path, labels)
+
+
+def test_masks_of_no_frame_are_named(tmp_path: Path) -> None:
+    save(tmp_path, "1.png", "7.png", "cover.png")
+    masks = masks_in(tmp_path, ("0", "1", "7"))
+    assert set(masks.files) == {1, 2}
+    assert masks.notices == (f"masks in {tmp_path.name}/ that belong to no frame: cover.png",)
+
+
 def test_what_is_written_is_found_again_bit_for_bit(tmp_path: Path) -> None:
     labels, random = ("x.tif", "x.png", "y.png"), np.random.default_rng(0)
     masks = [random.random((24, 32)) > 0.5 for _ in labels]
