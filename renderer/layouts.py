@@ -81,7 +81,7 @@ def _open_endonerf(path: Path, options: ClipOptions) -> Clip:
 
 def _open_stereo(path: Path, options: ClipOptions) -> Clip:
     left = next(iter(eye_folders(path)), path)
-    return with_maps(open_stereo_folder(path, options.field_of_view), left, options)
+    return with_maps(open_stereo_folder(path, options.view_angle), left, options)
 
 
 def _stereo_files(path: Path) -> ClipFiles:
@@ -92,7 +92,7 @@ def _stereo_files(path: Path) -> ClipFiles:
 
 def _open_pictures(path: Path, options: ClipOptions) -> Clip:
     pictures = frame_folder(path)
-    clip = open_images(pictures, options.field_of_view)
+    clip = open_images(pictures, options.view_angle)
     return with_maps(replace(clip, path=path, name=path.resolve().name), pictures, options)
 
 
@@ -117,7 +117,7 @@ def _is_still(path: Path) -> bool:
 def _open_picture(path: Path, options: ClipOptions) -> Clip:
     require_regular(path)
     opens = open_image if is_picture(path) or is_dicom(path) else open_coded_still
-    return opens(path, options.field_of_view)
+    return opens(path, options.view_angle)
 
 
 def _open_video(path: Path, options: ClipOptions) -> Clip:

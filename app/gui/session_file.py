@@ -50,7 +50,7 @@ from app.scenes.view_kinds import ViewKind
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.json_files import parsed, read_text
-from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.clip_options import DEFAULTS, FIELD_OF_VIEW, ClipOptions
 from renderer.train.config import TrainConfig
 from renderer.view_files import Views, views_json, views_of
 
@@ -162,6 +162,15 @@ class SummaryDraft:
         return replace(self, pictures=tuple(bare))
 
 
+def _unstated(given: Any) -> Any:
+    """Files of former versions name a field of view that nobody has stated."""
+    options = given.get("clip_options") if isinstance(given, dict) else None
+    if not isinstance(options, dict) or given.get("version") == version():
+        return given
+    is_assumed = options.get("field_of_view") == FIELD_OF_VIEW
+    return given | {"clip_options": options | {"field_of_view": None}} if is_assumed else given
+
+
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
 class Session:
     """Everything of a session that another start can take up."""
@@ -169,7 +178,7 @@ class Session:
     @model_validator(mode="before")
     @classmethod
     def _of_before(cls, given: Any) -> Any:
-        return renamed(given)
+        return _unstated(renamed(given))
 
     schema: Literal[1] = 1
     version: Name = ""

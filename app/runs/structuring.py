@@ -13,7 +13,7 @@ from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
 from renderer.poses.from_motion import FoundStructure, followed_features, structure_of
 from renderer.poses.search import PosesError
-from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.clip_options import ClipOptions
 from renderer.readers.frames import is_seen_by_assumption
 from renderer.train.config import TrainConfig
 from renderer.train.events import Preparing
@@ -33,7 +33,7 @@ def structured(clip: Clip, config: TrainConfig, options: ClipOptions) -> Generat
     """
     if "poses" in config.leave_out:
         raise ClipError(f"expected poses to be found for depth from motion, got them left out: {clip.path}")
-    is_known = not is_seen_by_assumption(clip) or options.field_of_view != DEFAULTS.field_of_view
+    is_known = not is_seen_by_assumption(clip) or options.field_of_view is not None
     features = yield from told_meanwhile(FOLLOWING, lambda tell: followed_features(lit_part(clip), tell))
     place = partial(structure_of, clip, features, focal_is_known=is_known)
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -13,6 +14,9 @@ from renderer.clip import Split
 from renderer.readers.calibration import Calibration
 
 DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "motion", "off"]
+
+FIELD_OF_VIEW: Final = 60.0
+"""Horizontal, in degrees: assumed of endoscopes whose calibration is unknown."""
 
 Deinterlacing = Literal["frame", "field", "off"]
 
@@ -43,7 +47,7 @@ class ClipOptions:
 
     Example:
         >>> from renderer import ClipOptions
-        >>> ClipOptions(depth="brightness", frame_step=2).field_of_view  # for open_clip(path, options)
+        >>> ClipOptions(depth="brightness", frame_step=2).view_angle  # for open_clip(path, options)
         60.0
     """
 
@@ -58,8 +62,9 @@ class ClipOptions:
     stereo depth; gt_masks leave out the tools only."""
     bottom_rows: Annotated[int, Interval(ge=0, le=256), Unit("px")] | None = None
     """Rows of burned-in text at the bottom, not trained on; auto: detected."""
-    field_of_view: Annotated[float, Interval(ge=5.0, le=170.0)] = 60.0
-    """Horizontal field of view in degrees, for images and videos without calibration."""
+    field_of_view: Annotated[float, Interval(ge=5.0, le=170.0)] | None = None
+    """Horizontal field of view in degrees, for images and videos without calibration. Auto: 60 are assumed,
+    and found along with the poses where these come from the motion of the camera."""
     depth: DepthSource = "auto"
     """Where depth comes from: measured with the clip; matched between left and right images; or, without a
     scale, read from monocular maps beside the images, estimated from brightness, or found with the poses from
@@ -81,6 +86,16 @@ class ClipOptions:
     split: Split = "field"
     """Frames held out of training: every eighth from the second on, as is usual, or the odd ones, as is usual
     for Hamlyn."""
+
+    @property
+    def view_angle(self) -> float:
+        """The horizontal field of view in degrees, stated or assumed."""
+        return FIELD_OF_VIEW if self.field_of_view is None else self.field_of_view
+
+    def reads_as(self, other: ClipOptions) -> bool:
+        """Whether frames come out the same, whoever states the field of view."""
+        seen = replace(self, field_of_view=self.view_angle)
+        return seen == replace(other, field_of_view=other.view_angle)
 
 
 DEFAULTS: Final = ClipOptions()

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from renderer.clip import Clip
-from renderer.readers.clip_options import ClipOptions
-from renderer.readers.frames import FIELD_OF_VIEW
+from renderer.readers.clip_options import FIELD_OF_VIEW, ClipOptions
 from renderer.readers.misnamed import BRANDS
 from renderer.readers.video import open_video
 from renderer.regular_files import require_regular

@@ -12,6 +12,7 @@ import numpy as np
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_files import files_in
+from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.listing import listed
 from renderer.readers.pages import left_pages
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of
@@ -27,8 +28,6 @@ from renderer.readers.pictures import (
 
 FEW = 3
 """So many times more numbered images make of the others a cover, a sketch, a logo."""
-FIELD_OF_VIEW = 60.0
-"""Horizontal, in degrees: taken for endoscopes whose calibration is unknown."""
 
 
 def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:

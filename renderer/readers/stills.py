@@ -10,7 +10,8 @@ import numpy as np
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_files import files_in
-from renderer.readers.frames import FIELD_OF_VIEW, without_depth
+from renderer.readers.clip_options import FIELD_OF_VIEW
+from renderer.readers.frames import without_depth
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import PictureKinds, kinds_of
 from renderer.readers.pictures import is_frame, natural_key, read_rgb, upright_size

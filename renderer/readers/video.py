@@ -102,7 +102,7 @@ def _clip(
         labels=tuple(str(index) for index in range(len(video))),
         size=size,
         read=read,
-        field_of_view=options.field_of_view,
+        field_of_view=options.view_angle,
         frames_per_second=video.frames_per_second,
         frame_times=video.frame_times,
         pixel_aspect=aspect,

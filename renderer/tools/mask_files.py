@@ -106,7 +106,7 @@ def _renumbered(masks: MaskFiles, found: Sequence[Path], labels: Sequence[str]) 
     words = {_words(path.stem) for path in masks.files.values()}
     numbered = [path for path in found if _words(path.stem) in words]
     frames, files = numbers_of(labels), numbers_of([path.name for path in numbered])
-    pairs = NumberPairs({})
+    pairs: NumberPairs | None = NumberPairs({})
     if frames is not None and files is not None and set(loose) & set(numbered):
         pairs = number_pairs(frames, files)
     names = listed([path.name for path in loose])

@@ -96,7 +96,7 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         Fact("fields", INTERLACED if header.is_interlaced else "none", header.is_interlaced),
         Fact("sound", header.sound or "none", header.sound),
         *_eyes(header.stereo),
-        Fact("camera", _assumed(), {"field_of_view": DEFAULTS.field_of_view, "assumed": True}),
+        Fact("camera", _assumed(), {"field_of_view": DEFAULTS.view_angle, "assumed": True}),
         Fact("unit", "scene units"),
         *notices([f"{CUT_OFF}: {frames} frames are whole"] if header.is_cut else []),
         next_steps(
@@ -230,7 +230,7 @@ def _way(cameras: Sequence[Camera]) -> float:
 
 
 def _assumed() -> str:
-    return f"field of view {DEFAULTS.field_of_view:g} degrees assumed (--field-of-view, or --calibration)"
+    return f"field of view {DEFAULTS.view_angle:g} degrees assumed (--field-of-view, or --calibration)"
 
 
 def _missing(clip: Clip) -> Iterator[str]:

@@ -101,7 +101,7 @@ def keep_reading(state: AppState, options: ClipOptions) -> None:
         chosen = KnownClip(
             depth=options.depth,
             baseline=options.baseline,
-            field_of_view=options.field_of_view,
+            view_angle=options.field_of_view,
             stereo=options.stereo,
             calibration=options.calibration,
         )

@@ -20,7 +20,8 @@ from app.live.recorder import Recorder, What
 from app.live.sources.source import Wish
 from app.live.start import LiveStart
 from renderer.clip import ByteImage, Clip
-from renderer.readers.frames import FIELD_OF_VIEW, without_depth
+from renderer.readers.clip_options import FIELD_OF_VIEW
+from renderer.readers.frames import without_depth
 
 
 def choose_source(state: AppState) -> None:

@@ -87,7 +87,7 @@ def why_not_continue(state: AppState, run: ListedRun) -> str:
         return "It is in training."
     if any(waiting.request.run_path == run.path for waiting in state.runs.queue):
         return "It is queued."
-    if run.request.clip_options != state.source.options:
+    if not run.request.clip_options.reads_as(state.source.options):
         return "It was started with other options for reading the clip: open it first."
     return ""
 

@@ -21,7 +21,7 @@ from app.gui.work.presets import loosely_named
 from app.kernels.progress import rounded
 from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWay
-from renderer.readers.clip_options import ClipOptions, Stereo
+from renderer.readers.clip_options import FIELD_OF_VIEW, Stereo
 from renderer.train.config import Method, TrainConfig
 
 METHODS: Final[dict[Method, str]] = {method: named(method) for method in get_args(Method)}
@@ -143,9 +143,9 @@ def _draw_pair(state: AppState, clip: Clip) -> None:
     _typed("##baseline", known, baseline, BASELINE_TEXT, partial(depth_actions.type_baseline, state))
     if not depth_actions.assumes_view(state):
         return
-    assumed, view = ClipOptions().field_of_view, options.field_of_view
+    view = options.field_of_view
     row("View angle", VIEW_TEXT)
-    hint, shown = f"unknown, {assumed:g}° assumed", "" if view == assumed else f"{view:g}°"
+    hint, shown = f"unknown, {FIELD_OF_VIEW:g}° assumed", "" if view is None else f"{view:g}°"
     _typed("##view", hint, shown, VIEW_TEXT, partial(depth_actions.type_field_of_view, state))
 
 

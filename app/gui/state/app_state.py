@@ -309,7 +309,7 @@ class AppState:
         if run.status != "finished" or run.request is None or shown is None or clip is None:
             return None
         is_shown = shown.path == run.run_path and not shown.live and self.has_frames
-        if not is_shown or run.request.clip_options != self.source.options:
+        if not is_shown or not run.request.clip_options.reads_as(self.source.options):
             return None
         known = shown.record.clip  # It knows the surround that training found.
         part = run.request.part if known is None else (known.part or WHOLE).kept_in(run.request.run_path)

@@ -54,7 +54,7 @@ class SettingsSnapshot:
     depth: DepthSource = "auto"
     baseline: float | None = DEFAULTS.baseline
     """mm, as typed."""
-    field_of_view: float = DEFAULTS.field_of_view
+    field_of_view: float | None = DEFAULTS.field_of_view
     """Degrees, as typed."""
 
     def with_params(self, params: EnhancementSettings) -> SettingsSnapshot:

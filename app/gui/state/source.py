@@ -106,7 +106,7 @@ class Source:
         if known is not None:
             depth = known.depth if depth == DEFAULTS.depth else depth
             baseline = known.baseline if baseline is None else baseline
-            view = known.field_of_view if view == DEFAULTS.field_of_view else view
+            view = known.view_angle if view is None else view
         return replace(options, depth=depth, baseline=baseline, field_of_view=view)
 
 

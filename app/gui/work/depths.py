@@ -47,5 +47,5 @@ def read_depth(request: DepthRequest) -> Iterator[Clip]:
         # Disparities become depths as the clip is read, by these very options.
         seen = open_case(request.bare.path, request.options)
     else:
-        seen = with_field_of_view(request.bare, request.options.field_of_view)
+        seen = with_field_of_view(request.bare, request.options.view_angle)
     yield with_chosen_depth(seen, request.options)

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 
 import platformdirs
 from annotated_types import Interval
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, TypeAdapter
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, StrictBool, TypeAdapter, model_validator
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
 from app.enhancement.image_mask import NO_MASK, PictureMask
@@ -24,7 +24,7 @@ from app.runs.clip_selection import ClipPart
 from app.runs.runs_place import runs_place
 from app.scenes.backgrounds import BackgroundName
 from renderer.readers.calibration import Calibration
-from renderer.readers.clip_options import DEFAULTS, DepthSource, Stereo
+from renderer.readers.clip_options import FIELD_OF_VIEW, DepthSource, Stereo
 
 RECENT_LIMIT = 8
 MOST_FOLDERS = 32
@@ -174,11 +174,21 @@ class KnownClip:
     depth: DepthSource = "auto"
     baseline: Annotated[float, Interval(ge=0.01, le=1000)] | None = None
     """In mm; None: not said."""
-    field_of_view: Annotated[float, Interval(ge=5, le=170)] = DEFAULTS.field_of_view
-    """Horizontal, in degrees."""
+    view_angle: Annotated[float, Interval(ge=5, le=170)] | None = None
+    """Horizontal, in degrees; None: not said."""
     stereo: Stereo = "auto"
     """How both eyes lie in the frames."""
     calibration: Calibration | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_before(cls, given: Any) -> Any:
+        """Files of former versions name a field of view that nobody has said."""
+        if not isinstance(given, dict) or "field_of_view" not in given:
+            return given
+        others = {name: value for name, value in given.items() if name != "field_of_view"}
+        said = given["field_of_view"]
+        return others if said == FIELD_OF_VIEW else others | {"view_angle": said}
 
     @property
     def part(self) -> ClipPart:

@@ -339,7 +339,7 @@ def test_baseline_and_field_of_view_are_typed_and_give_a_stereo_pair_a_scale(
 
     driver.run(drive)
     known = load_clips(places.config)[str(tmp_path / "pair")]
-    assert (known.baseline, known.field_of_view) == (5.0, 80.0)
+    assert (known.baseline, known.view_angle) == (5.0, 80.0)
     again, channels = opened(places, tmp_path / "pair", Source(known=load_clips(places.config)))
     turn(again, channels)
     assert (again.source.options.baseline, again.source.options.field_of_view) == (5.0, 80.0)

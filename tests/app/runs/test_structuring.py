@@ -14,7 +14,9 @@ import pytest
 from app.evaluation.evaluate import open_evaluation
 from app.runs import structuring
 from app.runs.dark_surround import lit_field, lit_part
+from app.runs.posing import Posed
 from app.runs.run_folder import RunFolder, run_clip
+from app.runs.structuring import structured
 from app.runs.train_run import TrainRequest, run_training
 from renderer.clip import Clip, ClipError
 from renderer.phantom import PhantomParams, write_phantom
@@ -87,6 +89,23 @@ def test_poses_shape_and_what_is_guessed_are_recorded_and_a_run_resumes_with_the
     frames = open_evaluation(tmp_path / "run")
     assert frames.clip.points is not None
     assert frames.clip.cameras == before.cameras
+
+
+def test_a_field_of_view_that_is_stated_is_kept_whatever_it_is(images: Path) -> None:
+    clip = open_clip(images, replace(MOTION, field_of_view=60.0))
+
+    def told(options: ClipOptions) -> Posed:
+        events = structured(clip, CONFIG, options)
+        while True:
+            try:
+                next(events)
+            except StopIteration as ended:
+                return ended.value  # type: ignore[no-any-return]
+
+    stated, assumed = (told(replace(MOTION, field_of_view=view)) for view in (60.0, None))
+    assert stated.clip.cameras[0].fx == clip.cameras[0].fx != assumed.clip.cameras[0].fx
+    assert not any("field of view is estimated" in said for said in stated.notices)
+    assert any("field of view is estimated" in said for said in assumed.notices)
 
 
 def test_uncertain_distances_are_said(images: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
