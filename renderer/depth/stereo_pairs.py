@@ -24,7 +24,7 @@ from renderer.depth.row_offset import (
     unseen,
 )
 from renderer.depth.stereo import disparity, feature_shifts
-from renderer.readers.frames import open_images
+from renderer.readers.frames import is_seen_by_assumption, open_images
 from renderer.readers.listing import count, listed
 from renderer.readers.picture_kinds import kind_by_name
 from renderer.readers.pictures import common_size, is_picture, read_rgb
@@ -168,7 +168,8 @@ def right_eye(clip: Clip) -> RightEye | None:
 def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Clip:
     """The clip with depth matched between its pictures and the right ones when a frame is read.
 
-    Depth is focal length * baseline / disparity. The baseline is `baseline` in mm, else that of the
+    Depth is focal length * baseline / disparity: without a calibration, as if the eyes looked in parallel,
+    with the principal points of both in the middle, which a notice says. The baseline is `baseline` in mm, else that of the
     clip, else 1: then lengths are in units of it. The first pair is looked at to see that its pictures
     are of one scene and rectified.
 
@@ -193,7 +194,7 @@ def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Cl
         found[unseen(down)] = 0
         return replace(frame, depth=_depth(found, frame.camera.fx * rig.baseline))
 
-    said = (*clip.notices, *rows.said(), _said(rig))
+    said = (*clip.notices, *rows.said(), _said(rig, _assumed(clip, rows)))
     return replace(
         clip, read_frame=read_frame, has_depth=True, unit=rig.unit, depth_origin="stereo", notices=said
     )
@@ -215,10 +216,20 @@ def _rig(clip: Clip, baseline: float | None) -> _Rig:
     return _Rig(1.0, "scene units")
 
 
-def _said(rig: _Rig) -> str:
+def _assumed(clip: Clip, rows: _Rows) -> str:
+    """What lengths rest on where no calibration says it, as an end of a sentence; empty where one does."""
+    if not is_seen_by_assumption(clip):
+        return ""
+    view = f"a field of view of {clip.cameras[0].field_of_view:.0f} degrees"
+    doubt = ", which eyes whose rows lie apart make doubtful" if rows != _Rows() else ""
+    rest = f"eyes that look in parallel with principal points in the middle{doubt}, and on {view}"
+    return f"; lengths in mm rest on {rest} (--calibration FILE says how the eyes are)"
+
+
+def _said(rig: _Rig, assumed: str) -> str:
     by = "depth is matched between left and right images"
     if rig.unit == "mm":
-        return f"{by}, {rig.baseline:.4g} mm apart"
+        return f"{by}, {rig.baseline:.4g} mm apart{assumed}"
     way = "--baseline or --calibration gives one in mm"
     return f"{by} with an unknown baseline: lengths have no scale ({way})"
 

@@ -206,6 +206,20 @@ def test_without_a_baseline_lengths_are_in_units_of_it(written):
     np.testing.assert_allclose(BASELINE * depth, wanted, rtol=1e-6)
 
 
+def test_it_is_said_what_millimetres_rest_on_without_a_calibration(written, tmp_path):
+    said = opened(written[0], BASELINE).notices[-1]
+    assert "4.2 mm apart; lengths in mm rest on eyes that look in parallel with principal points in" in said
+    assert "a field of view of 59 degrees (--calibration FILE" in said
+    calibrated = replace(
+        open_stereo_folder(written[0], FIELD_OF_VIEW), unit="mm", baseline=4.2, calibrated=True
+    )
+    assert with_stereo_depth(calibrated, right_eye(calibrated), None).notices[-1].endswith("4.2 mm apart")
+    folder = copied(written, tmp_path)
+    for index in range(2):
+        change(folder / f"right/{index:06d}.png", lambda pixels: np.roll(pixels, 4, axis=0))
+    assert "whose rows lie apart make doubtful" in opened(folder, BASELINE).notices[-1]
+
+
 def test_strays_are_reported(written, tmp_path):
     for eye in ("left", "right"):
         shutil.copy(written[0] / eye / "000000.png", tmp_path / f"{eye}.png")
