@@ -37,8 +37,9 @@ class Posed:
     omitted: tuple[Omission, ...] = ()
 
 
-def posed(clip: Clip, config: TrainConfig) -> Generator[Preparing, None, Posed]:
+def posed(clip: Clip, config: TrainConfig, start: int = 0) -> Generator[Preparing, None, Posed]:
     """Looks for a motion of the camera, and follows it where there is one and depth says how far it goes.
+    What is said counts frames from `start` on: of the clip on disk, so many come before those of `clip`.
 
     Raises ClipError: a frame cannot be read.
     """
@@ -50,7 +51,7 @@ def posed(clip: Clip, config: TrainConfig) -> Generator[Preparing, None, Posed]:
         found = yield from told_meanwhile(STAGE, lambda tell: find_poses(lit_part(clip), tell))
     except PosesError as error:
         return Posed(clip, notices=(f"{contradicted(moves) if moves else POSES_MISSING}: {error}",))
-    return through_found(clip, found)
+    return through_found(clip, found, start)
 
 
 def left_out(clip: Clip, config: TrainConfig, moves: str | None) -> tuple[Omission, ...]:
@@ -72,16 +73,16 @@ def _may_be_posed(clip: Clip) -> bool:
     )
 
 
-def through_found(clip: Clip, found: FoundPoses) -> Posed:
-    """The part of the clip that has poses, as seen from these."""
+def through_found(clip: Clip, found: FoundPoses, start: int = 0) -> Posed:
+    """The part of the clip that has poses, as seen from these; `start`: see `posed`."""
     record = PosesRecord(residuals=found.residuals, points=found.points, lost=found.lost)
     whole = (found.first, found.last) == (0, len(clip) - 1)
     held = clip if whole else clip.between(found.first, found.last)
     part = None if whole else (found.first, found.last)
-    return Posed(held.through(found.cameras), record, part, tuple(_notices(clip, found)))
+    return Posed(held.through(found.cameras), record, part, tuple(_notices(clip, found, start)))
 
 
-def _notices(clip: Clip, found: FoundPoses) -> list[str]:
+def _notices(clip: Clip, found: FoundPoses, start: int) -> list[str]:
     residuals = sorted(each for each in found.residuals if each is not None)
     typical, most = residuals[len(residuals) // 2], residuals[-1]
     said = [
@@ -89,7 +90,7 @@ def _notices(clip: Clip, found: FoundPoses) -> list[str]:
         f"{most:.1f} px in the worst frame; what all of the tissue does together counts as camera motion"
     ]
     if len(found.cameras) < len(clip):
-        held = f"frames {found.first + 1} to {found.last + 1} of {len(clip)}"
+        held = f"frames {start + found.first + 1} to {start + found.last + 1}"
         said.append(f"only {held} are reconstructed, the longest part with camera poses")
     if found.lost:
         named = "; ".join(f"{clip.labels[each.frame]} ({each.why})" for each in found.lost[:_NAMED])

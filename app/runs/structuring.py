@@ -25,8 +25,11 @@ DIGITS = 2
 """Of positions in run.json, in scene units of which the tissue is a hundred away."""
 
 
-def structured(clip: Clip, config: TrainConfig, options: ClipOptions) -> Generator[Preparing, None, Posed]:
-    """The longest part that holds, its cameras, and the points that Gaussians start between.
+def structured(
+    clip: Clip, config: TrainConfig, options: ClipOptions, start: int = 0
+) -> Generator[Preparing, None, Posed]:
+    """The longest part that holds, its cameras, and the points that Gaussians start between; `start`: as of
+    `posed`.
 
     Raises ClipError: a frame cannot be read; the camera does not move from its place, or nothing can be
     followed; or poses are refused.
@@ -41,7 +44,7 @@ def structured(clip: Clip, config: TrainConfig, options: ClipOptions) -> Generat
     except PosesError as error:
         way = "--depth brightness estimates it, without a scale"
         raise ClipError(f"no depth follows from the camera's motion: {error} ({way}): {clip.path}") from error
-    through = through_found(clip, found.poses)
+    through = through_found(clip, found.poses, start)
     assert through.poses is not None
     structure = tuple(found.points.positions.round(DIGITS).ravel().tolist())
     poses = replace(through.poses, structure=structure)

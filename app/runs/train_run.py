@@ -126,7 +126,7 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
         part = replace(part, tool_masks=copies)
     elif copies is not None:
         keep(copies, run.path)
-    clip = part.of(whole)
+    clip, start = part.of(whole), part.first or 0
     if record is None and clip.depth_origin != "motion":
         require_depth(clip)
     if run.is_finished:
@@ -142,9 +142,9 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     if record is not None and record.clip.poses is not None:
         through = Posed(record.clip.through(ahead.clip))
     elif clip.depth_origin == "motion":
-        through = yield from structured(ahead.clip, request.config, request.clip_options)
+        through = yield from structured(ahead.clip, request.config, request.clip_options, start)
     else:
-        through = yield from posed(ahead.clip, request.config)
+        through = yield from posed(ahead.clip, request.config, start)
     if record is None:
         record = yield from told_meanwhile(
             "recording the clip", lambda _: _new_record(request, through, device, copies)

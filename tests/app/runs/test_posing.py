@@ -11,6 +11,7 @@ from PIL import Image
 
 from app.evaluation.evaluate import open_evaluation
 from app.gui.work.opening import OpenRequest, open_path
+from app.runs.clip_selection import ClipPart
 from app.runs.run_folder import RunFolder, run_clip
 from app.runs.train_run import TrainRequest, run_training
 from renderer.phantom import PhantomParams, write_phantom
@@ -95,4 +96,8 @@ def test_the_part_that_holds_is_what_is_trained_on(moving, tmp_path):
     assert record.clip.part.trim == (2, 11)
     assert record.clip.frames == len(run_clip(record)) == 10
     assert [each.frame for each in record.clip.poses.lost] == [0, 1]
+    trimmed = replace(request, run_path=tmp_path / "trimmed", part=ClipPart(trim=(1, 11)))
+    said = [event.message for event in run_training(trimmed) if isinstance(event, Warned)]
+    assert RunFolder(trimmed.run_path).record().clip.part.trim == (2, 11)
+    assert "only frames 3 to 12 are reconstructed, the longest part with camera poses" in said
     list(run_training(replace(request, resume=True)))
