@@ -169,9 +169,9 @@ def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Cl
     """The clip with depth matched between its pictures and the right ones when a frame is read.
 
     Depth is focal length * baseline / disparity: without a calibration, as if the eyes looked in parallel,
-    with the principal points of both in the middle, which a notice says. The baseline is `baseline` in mm, else that of the
-    clip, else 1: then lengths are in units of it. The first pair is looked at to see that its pictures
-    are of one scene and rectified.
+    with the principal points of both in the middle, which a notice says. The baseline is `baseline` in mm,
+    else that of the clip, else 1: then lengths are in units of it. The first pair is looked at to see that
+    its pictures are of one scene and rectified.
 
     Raises:
         ClipError: sizes that differ, pictures that do not match, that look swapped, or whose rows are
