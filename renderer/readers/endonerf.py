@@ -21,7 +21,7 @@ from renderer.readers.nonzero_masks import read_mask
 from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.readers.poses import nearest_rotations
-from renderer.readers.tool_masks import Sample, burned_in_rows, marked_pixels, marked_share, marks_tissue
+from renderer.readers.tool_masks import Sample, burned_in_rows, levels, marked_pixels, marked_share, marks_tissue
 
 POSES = "poses_bounds.npy"
 FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
@@ -248,8 +248,7 @@ def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: di
 
 
 def _brightest(path: Path) -> int:
-    stored = read_stored(path)
-    return int((stored if stored.ndim == 2 else stored[..., :3]).max())
+    return int(levels(read_stored(path)).max())
 
 
 def _judge_masks(path: Path, samples: list[Sample], options: ClipOptions) -> list[str]:

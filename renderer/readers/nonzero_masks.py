@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ClipError
 from renderer.readers.pictures import read_stored, stored_kind
-from renderer.readers.tool_masks import Sample, marks_tissue
+from renderer.readers.tool_masks import Sample, levels, marks_tissue
 
 Marked = Literal["tool", "tissue"]
 
@@ -26,17 +26,17 @@ def read_nonzero(path: Path, size: tuple[int, int]) -> BoolImage:
     A mask of the same shape and another size is resampled by its nearest pixel. Raises ClipError
     when the file is no picture or of another shape, or when its alpha alone marks something.
     """
-    stored = read_mask(path)
-    levels = stored if stored.ndim == 2 else stored[:, :, :3].max(axis=2)
-    _require_shape((levels.shape[1], levels.shape[0]), size, path)
-    marked = (levels != 0).astype(np.uint8)
+    grey = levels(read_mask(path))
+    _require_shape((grey.shape[1], grey.shape[0]), size, path)
+    marked = (grey != 0).astype(np.uint8)
     return np.asarray(cv2.resize(marked, size, interpolation=cv2.INTER_NEAREST_EXACT) > 0)
 
 
 def read_mask(path: Path) -> NDArray[Any]:
     """As `read_stored`. Raises ClipError, too: a mask that marks something in its alpha alone."""
     stored = read_stored(path)
-    if stored.ndim == 3 and stored.shape[2] == 4 and not stored[..., :3].any() and np.ptp(stored[..., 3]):
+    has_alpha = stored.ndim == 3 and stored.shape[2] in (2, 4)
+    if has_alpha and not levels(stored).any() and np.ptp(stored[..., -1]):
         got = "got one in the alpha alone"
         raise ClipError(f"expected a mask that is not black where it marks, {got}: {path}")
     return stored

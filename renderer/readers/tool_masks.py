@@ -31,9 +31,17 @@ class Sample:
     """(H, W), 0 = none."""
 
 
+def levels(stored: NDArray[Any]) -> NDArray[Any]:
+    """(H, W): of each pixel of a mask the largest of its colours; alpha does not count."""
+    if stored.ndim == 2:
+        return stored
+    colours = 1 if stored.shape[2] == 2 else 3
+    return np.asarray(stored[:, :, :colours].max(axis=2))
+
+
 def marked_pixels(stored: NDArray[Any]) -> BoolImage:
     """(H, W), True where a mask of 0/255, 0/1 or grey with compression noise is set."""
-    grey = stored if stored.ndim == 2 else stored[:, :, :3].max(axis=2)
+    grey = levels(stored)
     top = grey.max()
     return np.asarray(grey > (0.5 if top <= 1 else 127))
 

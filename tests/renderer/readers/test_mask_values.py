@@ -1,0 +1,31 @@
+"""Which values of a mask mark: colours alone, and labels in every frame of a clip."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from renderer.clip import ClipError
+from renderer.readers.nonzero_masks import read_mask, read_nonzero
+from renderer.readers.tool_masks import marked_pixels
+
+TOOL = np.zeros((40, 60), bool)
+TOOL[10:20, 10:30] = True
+
+
+@pytest.mark.parametrize("mode", ["L", "LA", "RGB", "RGBA"])
+def test_alpha_marks_nothing(tmp_path, mode):
+    picture = Image.fromarray(np.where(TOOL, 255, 0).astype(np.uint8)).convert(mode)
+    picture.save(tmp_path / "mask.png")
+    np.testing.assert_array_equal(read_nonzero(tmp_path / "mask.png", (60, 40)), TOOL)
+    np.testing.assert_array_equal(marked_pixels(read_mask(tmp_path / "mask.png")), TOOL)
+
+
+@pytest.mark.parametrize("mode", ["LA", "RGBA"])
+def test_what_is_in_the_alpha_alone_is_refused(tmp_path, mode):
+    picture = Image.new(mode, (60, 40))
+    picture.putalpha(Image.fromarray(np.where(TOOL, 255, 0).astype(np.uint8)))
+    picture.save(tmp_path / "mask.png")
+    with pytest.raises(ClipError, match="in the alpha alone"):
+        read_nonzero(tmp_path / "mask.png", (60, 40))
