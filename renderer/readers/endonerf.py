@@ -282,13 +282,14 @@ def _read_cameras(
     except ValueError as error:
         raise ClipError(f"{error}: {path / POSES}") from error
     poses[:, :, :3] = spins.matrices
-    lens, notices = _lens(matrices[0, :, 4], size, path / POSES)
+    lenses, notices = _lenses(matrices[:, :, 4], size, path / POSES)
     notices += [f"{POSES}: {said}" for said in spins.notices]
     if np.abs(poses - _to_opencv(np.eye(3, 4)[None], convention)).max() > 1e-9:
         notices.append(f"the camera moves or is rotated: poses read as {convention} camera-to-world")
     square = np.tile(np.eye(4), (count, 1, 1))
     square[:, :3] = poses
-    return tuple(lens.moved(np.linalg.inv(pose).astype(np.float64)) for pose in square), notices
+    moved = zip(lenses, square, strict=True)
+    return tuple(lens.moved(np.linalg.inv(pose).astype(np.float64)) for lens, pose in moved), notices
 
 
 def _load_poses(path: Path) -> Matrix:
@@ -315,6 +316,18 @@ def _to_opencv(poses: Matrix, convention: str) -> Matrix:
         "llff": (second, right, -third, centre),  # Columns: down, right, backward.
     }
     return np.stack(columns[convention], axis=2)
+
+
+def _lenses(said: Matrix, size: tuple[int, int], path: Path) -> tuple[list[Camera], list[str]]:
+    """One a row (H, W, focal), as `_lens`, and what is worth saying of them, once."""
+    rows, places = np.unique(said, axis=0, return_inverse=True)
+    each = [_lens(row, size, path) for row in rows]
+    lenses = [each[int(place)][0] for place in places.ravel()]
+    notices = list(dict.fromkeys(told for _, notices in each for told in notices))
+    ends = f"{min(lens.fx for lens in lenses):.4g}", f"{max(lens.fx for lens in lenses):.4g}"
+    if ends[0] != ends[1]:
+        notices.append(f"{POSES}: the focal length varies from {ends[0]} to {ends[1]} px between frames")
+    return lenses, notices
 
 
 def _lens(said: Matrix, size: tuple[int, int], path: Path) -> tuple[Camera, list[str]]:

@@ -205,6 +205,20 @@ def test_focal_length_follows_the_size_of_the_pictures(folder):
     assert any("scaled" in notice for notice in clip.notices)
 
 
+def test_a_focal_length_that_changes_is_read_for_each_frame(folder):
+    assert not any("focal length" in notice for notice in open_endonerf(folder).notices)
+
+    def change(rows):
+        rows[4:, 14] *= 2
+        return rows
+
+    edit_poses(folder, change)
+    clip = open_endonerf(folder)
+    assert [camera.fx for camera in clip.cameras] == [35.0] * 4 + [70.0] * 6
+    assert clip.read_frame(7).camera == clip.cameras[7]
+    assert "poses_bounds.npy: the focal length varies from 35 to 70 px between frames" in clip.notices
+
+
 def test_a_principal_point_in_place_of_the_size_is_recognised(folder):
     set_size(folder, 15.4, 21.7)
     camera = open_endonerf(folder).cameras[0]
