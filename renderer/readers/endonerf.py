@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,17 +16,16 @@ from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.endonerf_masks import judged, labels_of, unmarked
 from renderer.readers.listing import listed
 from renderer.readers.nonzero_masks import read_mask
 from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.readers.poses import nearest_rotations
-from renderer.readers.tool_masks import Sample, burned_in_rows, levels, marked_pixels, marked_share, marks_tissue
+from renderer.readers.tool_masks import Sample, burned_in_rows, marked_pixels
 
 POSES = "poses_bounds.npy"
 FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
-DARK = 127
-"""Up to which a mask of grey levels marks nothing, as what is compressed has noise around 0."""
 FINE_STEPS = 32
 """Steps per millimetre of the PNGs in depth_fine/."""
 
@@ -72,15 +71,15 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     files, notices = _pair(path, options)
     size = common_size(entry for series in files.all_series() for entry in series)
     cameras, pose_notices = _read_cameras(path, rows, len(files.images), options.pose_convention, size)
-    reader = _Reader(files, cameras, marked_is_tissue=options.mask_polarity == "tissue", bottom_rows=0)
     looked_at = np.unique(np.linspace(0, len(cameras) - 1, _SAMPLES).astype(int)).tolist()
+    labels = {series: labels_of(series, looked_at) for series in (files.masks, files.tools) if series}
+    is_tissue = options.mask_polarity == "tissue"
+    reader = _Reader(files, cameras, labels, marked_is_tissue=is_tissue, bottom_rows=0)
     samples = [reader.sample(index) for index in looked_at]
-    mask_notices = _judge_masks(path, samples, options) if files.masks else []
-    marks_none = bool(files.masks) and marked_share(samples) == 0
-    if marks_none and (most := max(_brightest(files.masks[index]) for index in looked_at)) > 1:
-        mask_notices.append(
-            f"masks/ holds values up to {most} of 255 and marks nothing: above {DARK} it would"
-        )
+    mask_notices = []
+    if files.masks:
+        mask_notices = judged(path, samples, options)
+        mask_notices += unmarked([files.masks[index] for index in looked_at], labels[files.masks])
     if not all(reader.tools_agree(index) for index in looked_at):
         files = replace(files, tools=files.masks)
         mask_notices.append("gt_masks/ marks tissue of masks/ as tool, and is not trained on")
@@ -89,7 +88,7 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         raise ClipError(f"expected bottom_rows below {size[1]}, the rows of the images, got {dead}: {path}")
     if dead:
         mask_notices.append(f"the last {dead} rows are burned-in text and not trained on")
-    reader = _Reader(files, cameras, reader.marked_is_tissue, dead)
+    reader = replace(reader, files=files, bottom_rows=dead)
     return Clip(
         name=path.resolve().name,
         path=path,
@@ -125,6 +124,8 @@ class _Files:
 class _Reader:
     files: _Files
     cameras: tuple[Camera, ...]
+    labels: Mapping[tuple[Path, ...], int]
+    """Of each series of masks, see `labels_of`."""
     marked_is_tissue: bool
     bottom_rows: int
 
@@ -144,7 +145,8 @@ class _Reader:
     def tissue(self, paths: tuple[Path, ...], index: int) -> BoolImage:
         if not paths:
             return np.ones((self.cameras[0].height, self.cameras[0].width), dtype=bool)
-        return np.equal(marked_pixels(read_mask(paths[index])), self.marked_is_tissue)
+        marked = marked_pixels(read_mask(paths[index]), self.labels[paths])
+        return np.equal(marked, self.marked_is_tissue)
 
     def sample(self, index: int) -> Sample:
         marked = np.equal(self.tissue(self.files.masks, index), self.marked_is_tissue)
@@ -245,28 +247,6 @@ def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: di
     if missing:
         counts = f"{name}/ has {len(found)} frames but {other}/ has {len(others)}"
         raise ClipError(f"{counts}: {other}/ lacks number {listed(missing)}: {path}")
-
-
-def _brightest(path: Path) -> int:
-    return int(levels(read_stored(path)).max())
-
-
-def _judge_masks(path: Path, samples: list[Sample], options: ClipOptions) -> list[str]:
-    """Refuses masks whose polarity cannot be meant; returns what is worth saying."""
-    share = marked_share(samples)
-    percent = f"{100 * share:.0f} % of the image"
-    if options.mask_polarity == "auto" and share > 0.999:
-        raise ClipError(
-            f"masks/ marks {percent} as tool; if 255 is tissue, set mask_polarity "
-            f"(--mask-polarity tissue): {path}"
-        )
-    if options.mask_polarity == "auto" and marks_tissue(samples):
-        expected = f"expected masks/ with 255 = tool, got what looks like 255 = tissue ({percent})"
-        hint = "set mask_polarity (--mask-polarity tissue, or tool if they are right)"
-        raise ClipError(f"{expected}; {hint}: {path}")
-    if options.mask_polarity != "tissue" and share > 0.5:
-        return [f"masks/ marks {percent} as tool"]
-    return []
 
 
 def _read_cameras(

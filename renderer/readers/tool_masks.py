@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ByteImage
 
+DARK: Final = 127
+"""Up to which a mask of grey levels marks nothing, as what is compressed has noise around 0."""
+MOST_LABELS: Final = 16
 _CLEAR = 0.2
 """Difference in share of measured depth that counts as a vote."""
 _REDDER = 0.03
@@ -39,11 +42,19 @@ def levels(stored: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(stored[:, :, :colours].max(axis=2))
 
 
-def marked_pixels(stored: NDArray[Any]) -> BoolImage:
-    """(H, W), True where a mask of 0/255, 0/1 or grey with compression noise is set."""
+def marked_pixels(stored: NDArray[Any], labels: int = 1) -> BoolImage:
+    """(H, W), True where a mask of 0/255, 0/1 or grey with compression noise is set; where it holds no value
+    above `labels`, all but 0 are labels of what is marked."""
     grey = levels(stored)
-    top = grey.max()
-    return np.asarray(grey > (0.5 if top <= 1 else 127))
+    return np.asarray(grey > (0.5 if grey.max() <= labels else DARK))
+
+
+def highest_label(masks: Sequence[NDArray[Any]]) -> int:
+    """For `marked_pixels`, of the masks of one clip (H, W), none of them lossy: some may show fewer labels
+    than others. Values that count 1, 2, ... are labels, and so are others up to MOST_LABELS."""
+    found = set[float]().union(*(np.unique(mask[mask != 0]).tolist() for mask in masks))
+    counted = set(range(1, len(found) + 1))
+    return MOST_LABELS if found and found == counted and len(found) <= MOST_LABELS else 1
 
 
 def marked_share(samples: Sequence[Sample]) -> float:

@@ -75,6 +75,27 @@ def test_masks_of_0_and_1_mean_the_same(folder, top):
     )
 
 
+@pytest.mark.parametrize("empty", [False, True])
+def test_labels_mark_in_every_frame_whichever_it_shows(folder, empty):
+    """A second tool with a label of its own in every other frame; none at all in those that are looked at."""
+    for name in ("masks", "gt_masks"):
+        for number, path in enumerate(sorted((folder / name).iterdir())):
+            mask = (np.asarray(Image.open(path)) > 0).astype(np.uint8)
+            mask[:16] *= 1 + number % 2
+            Image.fromarray(mask * np.uint8(not empty or number == 4)).save(path)
+    clip = open_endonerf(folder)
+    for index in (4,) if empty else range(len(clip)):
+        np.testing.assert_array_equal(clip.read_frame(index).tissue_mask, make_frames()[index].tissue_mask)
+    assert not any("marks nothing" in notice for notice in clip.notices)
+
+
+def test_frames_whose_masks_are_too_dark_beside_others_are_named(folder):
+    for path in sorted((folder / "masks").iterdir())[:1]:
+        Image.fromarray(np.asarray(Image.open(path)) // 4).save(path)
+    said = "masks/ holds values up to 63 of 255 alone in 1 of 4 frames looked at and marks nothing there"
+    assert any(said in notice for notice in open_endonerf(folder).notices)
+
+
 def test_masks_that_mark_nothing_for_being_dark_are_named(folder):
     assert not any("marks nothing" in notice for notice in open_endonerf(folder).notices)
     rewrite_masks(folder, lambda mask: np.where(mask > 0, 2, 0).astype(np.uint8))

@@ -1,0 +1,71 @@
+"""What the masks of an EndoNeRF folder mean: labels or levels, tools or tissue, and what is said of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.clip import ClipError
+from renderer.readers.clip_options import ClipOptions
+from renderer.readers.pictures import read_stored
+from renderer.readers.tool_masks import DARK, Sample, highest_label, levels, marked_share, marks_tissue
+
+_LOSSY: Final = frozenset({".jpg", ".jpeg"})
+_MOST_LOOKED_AT: Final = 32
+"""Masks of a clip whose first ones are empty."""
+_NOISE: Final = 0.001
+"""Share of the pixels that are not 0, up to which they are traces of a compression."""
+
+
+def labels_of(masks: Sequence[Path], looked_at: Iterable[int]) -> int:
+    """Up to which value the masks of a clip are labels, see `highest_label`: by those that are looked at, and
+    where these are empty by the first of some others that is not. Raises ClipError: one cannot be read."""
+    if masks[0].suffix.lower() in _LOSSY:
+        return 1
+    seen = [_levels(masks[index]) for index in looked_at]
+    if not any(mask.any() for mask in seen):
+        others = np.linspace(0, len(masks) - 1, min(_MOST_LOOKED_AT, len(masks))).astype(int)
+        read = (_levels(masks[int(index)]) for index in others)
+        seen += islice((mask for mask in read if mask.any()), 1)
+    return highest_label(seen)
+
+
+def _levels(path: Path) -> NDArray[Any]:
+    return levels(read_stored(path))
+
+
+def unmarked(masks: Sequence[Path], labels: int) -> list[str]:
+    """A sentence about values that mark nothing, in masks that were looked at; `labels` as of `labels_of`."""
+    seen = [_levels(path) for path in masks]
+    dark = [mask for mask in seen if labels < mask.max() <= DARK]
+    if not dark:
+        return []
+    said = f"masks/ holds values up to {int(max(mask.max() for mask in dark))} of 255"
+    if not any(mask.max() > DARK for mask in seen):
+        return [f"{said} and marks nothing: above {DARK} it would"]
+    some = sum(np.count_nonzero(mask) > _NOISE * mask.size for mask in dark)
+    there = f"{some} of {len(seen)} frames looked at"
+    return [f"{said} alone in {there} and marks nothing there: above {DARK} it would"] if some else []
+
+
+def judged(path: Path, samples: Sequence[Sample], options: ClipOptions) -> list[str]:
+    """What is worth saying of masks as tools. Raises ClipError: their polarity cannot be meant."""
+    share = marked_share(samples)
+    percent = f"{100 * share:.0f} % of the image"
+    if options.mask_polarity == "auto" and share > 0.999:
+        raise ClipError(
+            f"masks/ marks {percent} as tool; if 255 is tissue, set mask_polarity "
+            f"(--mask-polarity tissue): {path}"
+        )
+    if options.mask_polarity == "auto" and marks_tissue(samples):
+        expected = f"expected masks/ with 255 = tool, got what looks like 255 = tissue ({percent})"
+        hint = "set mask_polarity (--mask-polarity tissue, or tool if they are right)"
+        raise ClipError(f"{expected}; {hint}: {path}")
+    if options.mask_polarity != "tissue" and share > 0.5:
+        return [f"masks/ marks {percent} as tool"]
+    return []
