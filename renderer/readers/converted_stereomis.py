@@ -28,11 +28,11 @@ def is_converted_stereomis(path: Path) -> bool:
     A size that is a whole fraction of the pictures' may also be meant as one: then the masks, which
     mark tissue here, decide.
     """
-    lens = _said(path)
-    if lens is None:
+    said = _said(path)
+    if said is None:
         return False
     width, height = _size(path)
-    cy, cx, _ = lens
+    cy, cx, _ = said[0]
     if not (1.5 < width / cx < 3 and 1.5 < height / cy < 3):
         return False
     may_be_size = cx.is_integer() and cy.is_integer() and abs(width * cy - height * cx) < 0.005 * width * cy
@@ -48,16 +48,16 @@ def open_converted_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Cli
     Raises:
         ClipError: as `open_endonerf`.
     """
-    lens = _said(path)
-    if lens is None:
+    rows = _said(path)
+    if rows is None:
         raise ClipError(f"expected a principal point and a focal length in {POSES}, got none: {path}")
     polarity = options.mask_polarity
     if polarity == "auto":
         inverted = [replace(sample, marked=~sample.marked) for sample in _samples(path, options)]
         polarity = "tool" if marks_tissue(inverted) else "tissue"
     clip = open_endonerf(path, replace(options, mask_polarity=polarity))
-    cy, cx, focal = lens
-    cameras = tuple(replace(camera, fx=focal, fy=focal, cx=cx, cy=cy) for camera in clip.cameras)
+    lenses = zip(clip.cameras, rows, strict=True)
+    cameras = tuple(replace(camera, fx=f, fy=f, cx=cx, cy=cy) for camera, (cy, cx, f) in lenses)
 
     def read_frame(index: int) -> Frame:
         frame = clip.read_frame(index)
@@ -71,15 +71,15 @@ def open_converted_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Cli
     return replace(clip, format="stereomis", cameras=cameras, read_frame=read_frame, notices=(*others, said))
 
 
-def _said(path: Path) -> tuple[float, float, float] | None:
-    """The last column of the first pose, where it holds three numbers above 0."""
+def _said(path: Path) -> list[tuple[float, float, float]] | None:
+    """The last column of each pose, where all hold three numbers above 0."""
     try:
-        first = read_npy(path / POSES)[0]
-        values = np.asarray(first[:15], dtype=np.float64).reshape(3, 5)[:, 4]
+        rows = np.asarray(read_npy(path / POSES)[:, :15], dtype=np.float64).reshape(-1, 3, 5)[:, :, 4]
     except (OSError, ValueError, EOFError, IndexError, TypeError):
         return None  # `open_endonerf` says what is wrong with the file.
-    one, two, three = (float(value) for value in values)
-    return (one, two, three) if np.isfinite(values).all() and values.min() > 0 else None
+    if not rows.size or not np.isfinite(rows).all() or rows.min() <= 0:
+        return None
+    return [(float(one), float(two), float(three)) for one, two, three in rows]
 
 
 def _size(path: Path) -> tuple[int, int]:

@@ -171,6 +171,14 @@ def test_a_converted_clip_is_known_by_what_it_holds(converted):
         np.testing.assert_allclose(points_of(frame), truth, atol=1e-9)
 
 
+def test_a_converted_clip_has_the_focal_length_of_each_row(converted):
+    rows = np.load(converted / "poses_bounds.npy")
+    rows[2:, 14] *= 2
+    np.save(converted / "poses_bounds.npy", rows)
+    focals = [camera.fx for camera in open_clip(converted).cameras]
+    assert focals == [SMALL.fx] * 2 + [2 * SMALL.fx] * (COUNT - 2)
+
+
 def test_a_principal_point_in_the_middle_is_no_size_when_masks_mark_tissue(converted):
     say(converted, 32.0, 40.0)
     camera = open_clip(converted).cameras[0]
