@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -13,8 +13,9 @@ from renderer.camera import Camera, FloatArray
 from renderer.poses.bundle import FocalGuess
 from renderer.poses.growing import Growing
 from renderer.poses.parts import Lost
+from renderer.poses.rigid_motion import zoomed
 from renderer.poses.tracks import FEWEST_TRACKS, IntArray, Tracked
-from renderer.poses.two_views import parallax, second_poses
+from renderer.poses.two_views import WIDER, parallax, second_poses
 
 LEAST_PARALLAX: Final = 0.003
 """Of the width: what is left of the motion in the image after the best turn. Less tells no distances."""
@@ -56,7 +57,7 @@ def started(lens: Camera, tracked: Tracked, focal: FocalGuess | None) -> Growing
     if max(pair.shift for pair in pairs) < _STILL * lens.width:
         raise Lost("the camera does not move")
     telling = [pair for pair in pairs if pair.parallax > LEAST_PARALLAX * lens.width]
-    if not telling:
+    if not telling or (focal is not None and _only_turns(lens, telling)):
         raise Lost("the camera only turns, and does not move from its place")
     telling.sort(key=lambda pair: -pair.merit(lens.width))
     for pair in telling[:_TRIED]:
@@ -65,6 +66,13 @@ def started(lens: Camera, tracked: Tracked, focal: FocalGuess | None) -> Growing
         if tried:
             return min(tried, key=lambda each: each[0])[1]
     raise Lost("no two frames agree on where points are: all of the view moves, or little of it is sharp")
+
+
+def _only_turns(lens: Camera, pairs: Sequence[_Pair]) -> bool:
+    """As seen through one lens that is wider than the guess."""
+    least = LEAST_PARALLAX * lens.width
+    lenses = (zoomed(lens, step) for step in WIDER)
+    return any(all(parallax(wide, pair.one, pair.other, True) <= least for pair in pairs) for wide in lenses)
 
 
 def _pairs(lens: Camera, tracked: Tracked, focal_is_known: bool) -> Iterator[_Pair]:

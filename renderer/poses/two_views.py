@@ -15,6 +15,9 @@ CERTAIN_PX: Final = 1.0
 """px, from which on a point contradicts a geometry."""
 _FOCALS = (-0.5, -0.25, 0.0, 0.25, 0.5)
 """Logarithms of factors to a focal length that is guessed, in which a mere turn is looked for."""
+WIDER: Final = tuple(-0.0625 * step for step in range(7, 19))
+"""Those of lenses that are wider by far than the guess, as of endoscopes. What a shift does to a flat wall
+looks like a turn through narrow ones, which are therefore not looked at."""
 _ROUNDS = 6
 
 
