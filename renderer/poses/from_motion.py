@@ -19,7 +19,7 @@ from renderer.poses.lost_frame import LostFrame
 from renderer.poses.outlying_points import outlying
 from renderer.poses.parts import MOST_BRIDGED, SHORTEST, Lost, commonest, parts_of, pictures_of
 from renderer.poses.pictures import small_lens
-from renderer.poses.rigid_motion import local
+from renderer.poses.rigid_motion import local, zoomed
 from renderer.poses.search import FoundPoses, PosesError, found_poses
 from renderer.poses.settling import Settled, settled
 from renderer.poses.starting import started
@@ -38,9 +38,12 @@ _CERTAIN = math.radians(1.5)
 _LOOSE = 0.01
 """Of the width, by which such a point may be off, as of tissue that moves."""
 _MOST_POINTS = 5000
-_MOST_TRIES = 4
-_SAME_FOCAL = 0.03
-"""Of its logarithm."""
+_MOST_TRIES = 8
+_SAME_FOCAL = 0.01
+"""Of its logarithm. On a relief that is seen exactly it still goes 0.03 to 0.05 a try at a third from the
+true one."""
+_FARTHEST = 0.35
+"""Of its logarithm, that a bold try goes beyond where the last one came out of itself."""
 _AS_GOOD = 1.01
 """Times the noise of the steadier points, up to which another try counts."""
 _TOO_FEW = f"features are followed through fewer than {SHORTEST} frames"
@@ -54,6 +57,8 @@ class FoundStructure:
     """Its cameras have the focal length that was found."""
     points: SparsePoints
     depth_error: float
+    """See Solved."""
+    focal_left: float = 0.0
     """See Solved."""
 
 
@@ -102,7 +107,7 @@ def structure_of(
     each_lost = {each.frame: each for each in (*features.lost, *found.lost)}
     lost = [each_lost[frame] for frame in sorted(each_lost)]
     poses = found_poses(clip, found.done, 1.0, lost)
-    return FoundStructure(poses, SparsePoints(found.points), found.depth_error)
+    return FoundStructure(poses, SparsePoints(found.points), found.depth_error, found.focal_left)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,30 +122,83 @@ class Solved:
     focal length that is wrong, or tissue that moves along, comes on top."""
     lost: list[LostFrame]
     """Without a pose although features were followed."""
+    focal_left: float = 0.0
+    """Share by which the focal length still changed when its search ended; 0: it is known, or settled."""
 
 
 def focused(lens: Camera, parts: Sequence[Tracked], focal: FocalGuess | None, tell: Tell) -> Solved:
-    """As `solved`, and where the focal length that comes out is far from the one it began with, once more
-    from there: a shape grown by a wrong one keeps some of its error. A try that holds fewer frames, or agrees
-    clearly less, ends it and does not count. Raises Lost: the first finds nothing, and why."""
-    best, begun = solved(lens, parts, focal, tell), lens
-    for tries in range(1, _MOST_TRIES if focal is not None else 1):
-        if _apart(best.done.lens, begun) < _SAME_FOCAL:
+    """As `solved`, and where the focal length that comes out is not the one it began with, again from others:
+    a shape that is grown by a wrong one gives up a small part of its error alone. They reach ever farther the
+    way the focal length went, and then between those that it came from on either side. A try that holds fewer
+    frames, or agrees clearly less, does not count; a second one ends it. Raises Lost: the first finds
+    nothing, and why."""
+    best = _Try(0.0, solved(lens, parts, focal, tell), lens)
+    if focal is None:
+        return best.solved
+    tries, seen, bold = [best], [best], True
+    for number in range(1, _MOST_TRIES):
+        if abs(best.step) < _SAME_FOCAL:
             break
-        begun = replace(lens, fx=best.done.lens.fx, fy=best.done.lens.fy)
+        zoom = _next(best, tries, bold=bold)
+        begun = zoomed(lens, zoom)
         try:
-            again = solved(begun, parts, focal, partial(_told_later, tell, tries))
+            again = _Try(zoom, solved(begun, parts, focal, partial(_told_later, tell, number)), lens)
+            seen.append(again)
         except Lost:
+            again = None
+        if again is not None and again.is_as_good(best):
+            best = again
+            tries.append(again)
+        elif zoom != _next(best, tries, bold=False):
+            bold = False
+        else:
             break
-        fewer = len(again.done.views) < len(best.done.views)
-        if fewer or again.done.noise.pixel > _AS_GOOD * best.done.noise.pixel:
-            break
-        best = again
-    return best
+    return replace(best.solved, focal_left=_left(best, seen))
 
 
-def _apart(one: Camera, other: Camera) -> float:
-    return abs(math.log(one.fx / other.fx))
+@dataclass(frozen=True, eq=False)
+class _Try:
+    """A shape that was grown by one focal length."""
+
+    zoom: float
+    """Logarithm of that, in those of the lens that was guessed."""
+    solved: Solved
+    guessed: Camera
+
+    @property
+    def end(self) -> float:
+        """Of the focal length that came out."""
+        return math.log(self.solved.done.lens.fx / self.guessed.fx)
+
+    @property
+    def step(self) -> float:
+        """How far the focal length went."""
+        return self.end - self.zoom
+
+    def is_as_good(self, other: _Try) -> bool:
+        mine, theirs = self.solved.done, other.solved.done
+        as_many = len(mine.views) >= len(theirs.views)
+        return as_many and mine.noise.pixel <= _AS_GOOD * theirs.noise.pixel
+
+
+def _left(best: _Try, seen: Sequence[_Try]) -> float:
+    """How far the best is from where a try stayed; 0 for no more than _SAME_FOCAL. One that agrees less, and
+    does not count otherwise, tells that as well."""
+    stayed = [abs(best.end - each.end) for each in seen if abs(each.step) < _SAME_FOCAL]
+    left = min([abs(best.step), *stayed])
+    return left if left >= _SAME_FOCAL else 0.0
+
+
+def _next(best: _Try, tries: Sequence[_Try], *, bold: bool) -> float:
+    """Where to grow the next shape: between two from which the focal length goes towards each other, else
+    the way it went, farther with each try that is `bold`."""
+    way = math.copysign(1.0, best.step)
+    others = [each for each in tries if way * (each.zoom - best.zoom) > 0 and way * each.step < 0]
+    if others:
+        other = min(others, key=lambda each: abs(each.zoom - best.zoom))
+        return best.zoom + (other.zoom - best.zoom) * best.step / (best.step - other.step)
+    reach = min(abs(best.step) * 2 ** (len(tries) - 1), _FARTHEST) if bold else 0.0
+    return best.zoom + way * max(reach, abs(best.step))
 
 
 def _told_later(tell: Tell, tries: int, done: int, total: int) -> None:

@@ -91,18 +91,18 @@ def test_poses_shape_and_what_is_guessed_are_recorded_and_a_run_resumes_with_the
     assert frames.clip.cameras == before.cameras
 
 
+def told(clip: Clip, options: ClipOptions) -> Posed:
+    events = structured(clip, CONFIG, options)
+    while True:
+        try:
+            next(events)
+        except StopIteration as ended:
+            return ended.value  # type: ignore[no-any-return]
+
+
 def test_a_field_of_view_that_is_stated_is_kept_whatever_it_is(images: Path) -> None:
     clip = open_clip(images, replace(MOTION, field_of_view=60.0))
-
-    def told(options: ClipOptions) -> Posed:
-        events = structured(clip, CONFIG, options)
-        while True:
-            try:
-                next(events)
-            except StopIteration as ended:
-                return ended.value  # type: ignore[no-any-return]
-
-    stated, assumed = (told(replace(MOTION, field_of_view=view)) for view in (60.0, None))
+    stated, assumed = (told(clip, replace(MOTION, field_of_view=view)) for view in (60.0, None))
     assert stated.clip.cameras[0].fx == clip.cameras[0].fx != assumed.clip.cameras[0].fx
     assert not any("field of view is estimated" in said for said in stated.notices)
     assert any("field of view is estimated" in said for said in assumed.notices)
@@ -119,6 +119,20 @@ def test_uncertain_distances_are_said(images: Path, tmp_path: Path, monkeypatch:
     told = next(event for event in events if isinstance(event, Warned) and "uncertain" in event.message)
     events.close()
     assert "a point's depth may be off by some 12%" in told.message
+
+
+def test_a_field_of_view_that_is_not_settled_is_said(images: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sure, clip = structuring.structure_of, open_clip(images, MOTION)
+
+    def unsettled(*given: Any, **named: Any) -> FoundStructure:
+        return replace(sure(*given, **named), focal_left=0.08)
+
+    def doubts() -> list[str]:
+        return [said for said in told(clip, MOTION).notices if "field of view is uncertain" in said]
+
+    assert not doubts()
+    monkeypatch.setattr(structuring, "structure_of", unsettled)
+    assert "still changed by 8%" in doubts()[0]
 
 
 def test_a_camera_that_keeps_its_place_is_refused_and_leaves_no_run(images: Path, tmp_path: Path) -> None:

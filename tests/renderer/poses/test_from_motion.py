@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from renderer.camera import Camera
+from renderer.poses import from_motion
 from renderer.poses.bundle import Bundle, FocalGuess, adjusted, misfit
-from renderer.poses.from_motion import FOCAL_SPREAD, MEDIAN_DEPTH, focused, solved
+from renderer.poses.from_motion import FOCAL_SPREAD, MEDIAN_DEPTH, Solved, focused, solved
 from renderer.poses.growing import seen_at
 from renderer.poses.parts import Lost
 from renderer.poses.rigid_motion import local, moved, projected, zoomed
+from renderer.poses.settling import Noise, Settled
 from renderer.poses.tracks import Sight, Tracked
 from renderer.poses.triangulation import triangulated
 from renderer.poses.two_views import parallax, second_poses
@@ -158,6 +160,59 @@ def test_a_field_of_view_far_from_its_guess_is_found(degrees):
     shares = [count / total for count, total in told]
     assert shares == sorted(shares)
     assert shares[-1] < 1
+
+
+def slowly(true_fx, noise=lambda fx: 0.02):
+    """As `solved`: of what is wrong with the focal length it began with, a twentieth is given up at most."""
+
+    def solved(lens, parts, focal, tell):
+        left = np.log(true_fx / lens.fx)
+        there = zoomed(lens, np.clip(left, -0.045, 0.045))
+        done = Settled(there, (), np.zeros((0, 3)), Noise(noise(there.fx), 1.0))
+        return Solved(done, np.zeros((0, 3)), 0.0, [])
+
+    return solved
+
+
+@pytest.mark.parametrize("degrees", [40, 58, 75, 90])
+def test_a_field_of_view_that_is_approached_slowly_is_reached(monkeypatch, degrees):
+    lens, tell = Camera.from_fov(degrees, 320, 256), lambda *each: None
+    monkeypatch.setattr(from_motion, "solved", slowly(lens.fx))
+    found = focused(LENS, [], FocalGuess(LENS.fx, FOCAL_SPREAD), tell)
+    assert found.done.lens.fx == pytest.approx(lens.fx, rel=0.01)
+    assert found.focal_left == 0
+
+
+def test_one_that_is_too_far_away_to_be_reached_is_said(monkeypatch):
+    wide, tell = Camera.from_fov(140, 320, 256), lambda *each: None
+    monkeypatch.setattr(from_motion, "solved", slowly(wide.fx))
+    assert focused(LENS, [], FocalGuess(LENS.fx, FOCAL_SPREAD), tell).focal_left == pytest.approx(0.045)
+
+
+def test_where_what_lies_beyond_agrees_less_the_search_goes_on_in_small_steps(monkeypatch):
+    lens, tell = Camera.from_fov(75, 320, 256), lambda *each: None
+    monkeypatch.setattr(from_motion, "solved", slowly(lens.fx, lambda fx: 0.02 if fx > 230 else 0.03))
+    found = focused(LENS, [], FocalGuess(LENS.fx, FOCAL_SPREAD), tell)
+    assert 230 < found.done.lens.fx < 245
+    assert found.focal_left == pytest.approx(0.045)
+
+
+def test_a_search_that_ends_early_says_how_much_the_focal_length_still_changed(monkeypatch):
+    monkeypatch.setattr(from_motion, "_MOST_TRIES", 1)
+    wide = Camera.from_fov(95, 320, 256)
+    found = focused(
+        LENS, [followed(path(24), lens=wide)], FocalGuess(LENS.fx, FOCAL_SPREAD), lambda *each: None
+    )
+    assert found.focal_left == pytest.approx(abs(np.log(found.done.lens.fx / LENS.fx)))
+    assert found.focal_left > 0.05
+
+
+@pytest.mark.parametrize("degrees", [105, 115])
+def test_a_turn_through_a_lens_that_is_wider_than_its_guess_is_no_path(degrees):
+    turns = [moved(np.eye(4), share * STEP * [5, 5, 5, 0, 0, 0]) for share in np.linspace(0, 1, 15)]
+    seen = followed(turns, lens=Camera.from_fov(degrees, 320, 256))
+    with pytest.raises(Lost, match="the camera only turns"):
+        focused(LENS, [seen], FocalGuess(LENS.fx, FOCAL_SPREAD), lambda *each: None)
 
 
 def test_a_field_of_view_that_is_known_is_not_sought():
