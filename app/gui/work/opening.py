@@ -115,9 +115,8 @@ class Opened:
 
     @property
     def to_be_read(self) -> tuple[str, ...]:
-        """What is said beside the images, but for the warning above them: of a video or of one image what it
-        is read as."""
-        if self.clip is None or not (self.clip.format == "video" or len(self.clip) == 1):
+        """Beside the images, but for the warning above them: what a video or one image is read as."""
+        if self.clip is None or (self.clip.format != "video" and len(self.clip) != 1):
             return ()
         return tuple(notice for notice in self.clip.notices if notice != self.warning)
 
@@ -273,10 +272,9 @@ def _open_session(path: Path, source: Path | None) -> Opened:
     notices = opened.notices
     if wanted.sha256 is not None and wanted.sha256 not in digests(place):
         notices = (*notices, f"{place.name} has changed since the session was saved")
-    warning = damage or opened.warning
     second = session.second.found(path) if session.second else None
     opened = replace(opened, session=session, second=second, pictures=_pictures(session, path), lost=lost)
-    return replace(opened, path=place, notices=notices, warning=warning)
+    return replace(opened, path=place, notices=notices, warning=damage or opened.warning)
 
 
 def _pictures(session: Session, path: Path) -> tuple[Path | None, ...]:
