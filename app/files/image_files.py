@@ -110,9 +110,13 @@ def read_image(path: Path) -> ArrayImage:
     stored = _decoded(path)
     if stored is None:
         raise UserError(f"expected an intact image, got a damaged file or another kind: {path}")
-    order = {3: cv2.COLOR_BGR2RGB, 4: cv2.COLOR_BGRA2RGBA}
-    colored = cv2.cvtColor(stored, order[stored.shape[2]]) if stored.ndim == 3 else stored
+    colored = _swapped(stored)
     return np.ascontiguousarray(TURNS[orientation](colored)) if orientation in TURNS else colored
+
+
+def _swapped(image: ArrayImage) -> ArrayImage:
+    """RGB of BGR and back, alpha and grey kept; OpenCV itself takes no float64 here."""
+    return image if image.ndim == 2 else np.ascontiguousarray(image[..., [2, 1, 0, 3][: image.shape[2]]])
 
 
 def _read_dicom(path: Path) -> ArrayImage:
@@ -205,9 +209,9 @@ def _encoded(path: Path, image: ArrayImage, facts: dict[str, Any], quality: int 
         raise UserError(f"{suffix} cannot hold {image.dtype} values; name the output .tiff or .npy: {path}")
     if suffix == ".png":
         return encode_png(image, facts)
-    order = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}
-    stored = cv2.cvtColor(image, order[image.shape[2]]) if image.ndim == 3 else image
-    done, encoded = cv2.imencode(suffix, stored, _settings(suffix, quality))
+    # OpenCV would make bytes of half floats, which float32 holds exactly.
+    storable = image.astype(np.float32) if image.dtype == np.float16 else image
+    done, encoded = cv2.imencode(suffix, _swapped(storable), _settings(suffix, quality))
     if not done:
         raise UserError(f"{suffix} cannot hold an image of shape {image.shape}: {path}")
     return encoded.tobytes()
