@@ -16,6 +16,7 @@ from PIL import ExifTags, Image, UnidentifiedImageError
 from app.errors import UserError
 from app.files.atomic import together, write_bytes
 from app.files.embedded import CARRIERS, carrying
+from app.files.netpbm import full_scale
 from app.files.provenance import ascii_json, encode_png, write_sidecar
 from renderer.budget import OverBudget
 from renderer.clip import ClipError
@@ -142,17 +143,18 @@ def _decoded(path: Path) -> ArrayImage | None:
 
     It gets the bytes: names that are not ASCII or not UTF-8 fail or crash its own reader.
     """
-    content = np.frombuffer(path.read_bytes(), dtype=np.uint8)
+    content = path.read_bytes()
     # A JPEG may say by EXIF which way is up, which OpenCV passes over where it keeps an alpha channel.
-    wanted = cv2.IMREAD_ANYCOLOR if content[:2].tobytes() == JPEG else cv2.IMREAD_UNCHANGED
+    wanted = cv2.IMREAD_ANYCOLOR if content.startswith(JPEG) else cv2.IMREAD_UNCHANGED
     level = cv2.utils.logging.getLogLevel()
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
-        return cv2.imdecode(content, wanted)
+        stored = cv2.imdecode(np.frombuffer(content, np.uint8), wanted)
     except cv2.error:
         return None
     finally:
         cv2.utils.logging.setLogLevel(level)
+    return None if stored is None else full_scale(content, stored)
 
 
 def _checked(path: Path) -> int:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from app.files.image_files import read_image, write_image
+from renderer.readers.pictures import read_rgb
 from tests.app.conftest import Call
 from tests.app.files.test_video import Cli
 
@@ -34,3 +35,23 @@ def test_floats_of_any_width_are_enhanced_into_a_folder(
     read = read_image(tmp_path / "out" / "given.tiff")
     assert read.dtype.kind == "f"
     assert np.allclose(read, given, atol=0.002)
+
+
+@pytest.mark.parametrize("white", [1, 7, 100, 255, 256, 1023, 4095, 65535])
+@pytest.mark.parametrize("kind", [2, 3, 5, 6])
+def test_white_of_a_pgm_or_ppm_is_what_its_header_says(tmp_path: Path, kind: int, white: int) -> None:
+    shape = (16, 16) if kind in (2, 5) else (16, 16, 3)
+    numbers = np.random.default_rng(2).integers(0, white + 1, shape)
+    numbers[0, 0], numbers[0, 1] = 0, white
+    stored = numbers.astype(np.uint8 if white < 256 else ">u2").tobytes()
+    body = f"{' '.join(map(str, numbers.ravel()))}\n".encode() if kind in (2, 3) else stored
+    path = tmp_path / f"image.{'pgm' if len(shape) == 2 else 'ppm'}"
+    path.write_bytes(f"P{kind}\n# of a camera: 9 9 9\n16 16 # wide, high\n{white}\n".encode() + body)
+    read = read_image(path)
+    full = np.iinfo(read.dtype).max
+    assert full == (255 if white < 256 else 65535)
+    assert read.shape == shape
+    assert np.abs(read - numbers * (full / white)).max() <= (1 if kind in (2, 3) else 0.5)
+    bytes_of_rgb = read * (255 / full)
+    seen = read_rgb(path).astype(float) if len(shape) == 3 else read_rgb(path)[..., 0].astype(float)
+    assert np.abs(seen - bytes_of_rgb).max() <= 1.01
