@@ -14,12 +14,19 @@ from app.files.timing import Timing
 from renderer.readers.video_index import open_container, start_of
 
 if TYPE_CHECKING:
+    from av.audio.codeccontext import AudioCodecContext
     from av.audio.stream import AudioStream
     from av.container import InputContainer, OutputContainer
     from av.packet import Packet
 
+    _Timed = tuple[float, Packet[AudioStream]]
+
 LAYOUTS = {1: "mono", 2: "stereo"}
 """By the number of channels."""
+UNNAMED = "channels"
+"""In what FFmpeg says of channels whose places have no name together."""
+LISTED = 6
+"""Channels of AAC beyond which its decoder lists them one by one: PyAV 18 frees such lists twice."""
 
 
 def sound_of(timing: Timing, output: OutputContainer, within: Container) -> Sound | None:
@@ -43,11 +50,15 @@ class Sound:
         self._source, self._output, self._within, self._start = source, output, within, start
         self._track = source.streams.audio[0]
         self._extra = len(source.streams.audio) - 1
-        self._is_copied = self._track.codec_context.codec.canonical_name in within.sounds
+        # None where this FFmpeg does not know the codec, whatever PyAV's types say.
+        decoder: AudioCodecContext | None = self._track.codec_context
+        self._codec = "unknown codec" if decoder is None else decoder.name
+        self._is_copied = decoder is not None and decoder.codec.canonical_name in within.sounds
+        self._decoder = decoder
+        self._mixed = ""
         self._written = self._add_track()
-        packets = self._copied() if self._is_copied else self._encoded()
-        self._packets: Iterator[tuple[float, Packet[AudioStream]]] = packets
-        self._waiting: tuple[float, Packet[AudioStream]] | None = None
+        self._packets = self._copied() if self._is_copied else self._encoded()
+        self._waiting: _Timed | None = None
         self._failure = ""
 
     def write_until(self, seconds: float) -> None:
@@ -59,14 +70,15 @@ class Sound:
 
     def finish(self) -> tuple[str, ...]:
         """One sentence for each loss."""
-        codec = self._track.codec_context.name
-        said = []
-        if self._failure:
+        codec, said = self._codec, list[str]()
+        if self._written is None:
+            said.append(f"the sound ({codec}) is left out: it cannot be encoded to {self._within.sound_name}")
+        elif self._failure:
             said.append(
                 f"the sound ({codec}) is kept up to the point where it cannot be decoded: {self._failure}"
             )
         elif not self._is_copied:
-            said.append(f"the sound was re-encoded from {codec} to {self._within.sound_name}")
+            said.append(f"the sound was re-encoded from {codec} to {self._within.sound_name}{self._mixed}")
         if self._extra:
             said.append(f"only the first of {self._extra + 1} sound tracks is kept")
         return tuple(said)
@@ -74,24 +86,37 @@ class Sound:
     def close(self) -> None:
         self._source.close()
 
-    def _add_track(self) -> AudioStream:
+    def _add_track(self) -> AudioStream | None:
+        """None: no encoder takes it."""
         if self._is_copied:
             return self._output.add_stream_from_template(self._track)
-        channels = self._track.codec_context.channels
-        # Some files tell the number of channels alone, which the encoder does not take.
-        layout = LAYOUTS.get(channels, self._track.layout.name)
-        rate = self._within.sound_rate or self._track.rate
-        added = self._output.add_stream(self._within.sound, rate=rate, layout=layout)
+        if self._decoder is None:
+            return None
+        given = named_layout(self._decoder)
+        if self._codec.startswith("aac") and av.AudioLayout(given).nb_channels > LISTED:
+            return None
+        rate = self._within.sound_rate or _rate(self._within.sound, self._track.rate)
+        layouts = () if UNNAMED in given else (given, LAYOUTS[2])
+        taken = next((one for one in layouts if _opens(self._within.sound, rate, one)), None)
+        if taken is None:
+            return None
+        self._mixed = "" if taken == given else " in stereo"
+        self._mixed += "" if rate >= self._track.rate else f" at {rate / 1000:g} kHz"
+        added = self._output.add_stream(self._within.sound, rate=rate, layout=taken)
         return cast("AudioStream", added)
 
-    def _next(self) -> tuple[float, Packet[AudioStream]] | None:
+    def _next(self) -> _Timed | None:
         try:
             return next(self._packets, None)
         except av.error.FFmpegError as error:
             self._failure = error.strerror or type(error).__name__
-            return None
+        except ValueError as error:  # Of PyAV, where channels or rate change on the way.
+            self._failure = str(error)
+        return None
 
-    def _copied(self) -> Iterator[tuple[float, Packet[AudioStream]]]:
+    def _copied(self) -> Iterator[_Timed]:
+        if self._written is None:
+            return
         for packet in self._source.demux(self._track):
             if packet.pts is None or not packet.size:
                 continue
@@ -102,7 +127,9 @@ class Sound:
                 packet.stream = self._written
                 yield float(packet.pts * base), packet
 
-    def _encoded(self) -> Iterator[tuple[float, Packet[AudioStream]]]:
+    def _encoded(self) -> Iterator[_Timed]:
+        if self._written is None:
+            return
         for frame in chain(self._source.decode(self._track), (None,)):
             if frame is not None and frame.pts is not None:
                 # In samples, since the units of some files are too coarse for the encoder's blocks.
@@ -112,3 +139,44 @@ class Sound:
                     continue
             for packet in self._written.encode(frame):
                 yield float((packet.pts or 0) * packet.time_base), packet
+
+
+def named_layout(decoder: AudioCodecContext) -> str:
+    """Of the sound that it will give, if it is not at work yet: that of the file, or the usual one of as many
+    channels.
+
+    The layout is put in the place of channels listed one by one, which PyAV 18 would free twice, and of those
+    that only have a number, which no encoder takes.
+    """
+    given = decoder.layout
+    number, name = given.nb_channels, given.name
+    decoder.layout = LAYOUTS.get(number) or (_usual(number) if UNNAMED in name else name)
+    return decoder.layout.name
+
+
+def _usual(channels: int) -> str:
+    """Of as many channels; of some numbers there is none, and they stay without a place."""
+    try:
+        return av.AudioLayout(f"{channels}c").name
+    except ValueError:
+        return f"{channels}C"
+
+
+def _rate(encoder: str, given: int) -> int:
+    """The given rate, or the next higher one that the encoder takes, or its highest."""
+    taken = av.Codec(encoder, "w").audio_rates or [given]
+    return min((rate for rate in taken if rate >= given), default=max(taken))
+
+
+def _opens(encoder: str, rate: int, layout: str) -> bool:
+    """Whether the encoder takes sound of this kind; a stream tells only once its file is begun."""
+    context = cast("AudioCodecContext", av.CodecContext.create(encoder, "w"))
+    formats = context.codec.audio_formats
+    assert formats
+    context.rate, context.layout = rate, av.AudioLayout(layout)
+    context.format = formats[0]
+    try:
+        context.open()
+    except av.error.FFmpegError:
+        return False
+    return True

@@ -128,12 +128,13 @@ def _sound(video: Path) -> Dataset:
     """Of the one track."""
     from pydicom import Dataset
 
+    from app.files.sound import named_layout
     from renderer.readers.video_index import open_container
 
     with open_container(video) as container:
-        channels = container.streams.audio[0].codec_context.channels
+        layout = named_layout(container.streams.audio[0].codec_context)
     track = Dataset()
-    track.ChannelIdentificationCode, track.ChannelMode = 1, "MONO" if channels == 1 else "STEREO"
+    track.ChannelIdentificationCode, track.ChannelMode = 1, "MONO" if layout == "mono" else "STEREO"
     track.ChannelSourceSequence = [code("109112", "Ambient room environment")]
     return track
 
