@@ -26,6 +26,8 @@ class Container:
     """What that makes, in words."""
     sound_rate: int | None = None
     """Samples a second that it takes; None: any."""
+    keeps_pixel_shape: bool = True
+    """Whether PyAV can tell it that pixels are not square."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,7 @@ IN_WEBM: Final = Container(
     sound="libopus",
     sound_name="Opus",
     sound_rate=48_000,
+    keeps_pixel_shape=False,
 )
 CODECS: Final[Mapping[str, Codec]] = {
     # Macroblock-tree rate control reads stray memory in x264 165 (its AVX code, where the blocks in a row are

@@ -49,9 +49,9 @@ class PyavWriter:
     """One frame after another, then the rest of the sound."""
 
     def __init__(self, path: Path, size: tuple[int, int], timing: Timing, codec: Codec) -> None:
-        self.notices: tuple[str, ...] = ()
         tags = _Tags() if timing.like is None else _tags(timing.like)
         within = codec.container
+        self.notices = _unkept(tags, codec)
         # As a plain file: a name with a colon is no address.
         place, options = f"file:{path.absolute()}", dict(within.options)
         self._container = av.open(place, "w", format=within.name, container_options=options)
@@ -92,12 +92,23 @@ class PyavWriter:
         self._container.mux(self._stream.encode())
         if self._sound is not None:
             self._sound.write_until(self._end)
-            self.notices = self._sound.finish()
+            self.notices += self._sound.finish()
 
     def close(self) -> None:
         if self._sound is not None:
             self._sound.close()
         self._container.close()
+
+
+def _unkept(tags: _Tags, codec: Codec) -> tuple[str, ...]:
+    """A sentence, where images will be shown as if their pixels were square."""
+    if tags.pixel_aspect is None or codec.container.keeps_pixel_shape:
+        return ()
+    ratio, name = f"{float(tags.pixel_aspect):.3g}", codec.container.name
+    return (
+        f"pixels are {ratio} times as wide as high, which .{name} does not keep: players show them square; "
+        "a name that ends in .mp4 keeps their shape",
+    )
 
 
 def encodable(frame: ArrayImage, matrix: str) -> av.VideoFrame:

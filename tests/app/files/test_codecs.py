@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 
 import av
@@ -69,6 +70,21 @@ def test_sound_is_copied_or_encoded_again_as_the_container_has_it(
         before = sum(frame.samples for frame in container.decode(audio=0)) / container.streams.audio[0].rate
     assert len(heard) / rate == pytest.approx(before, abs=0.1)
     assert np.abs(heard.astype(float)).max() > 0
+
+
+@pytest.mark.parametrize("ending", [MP4, *ENDINGS])
+def test_the_shape_of_pixels_is_kept_or_its_loss_told(tmp_path: Path, ending: str) -> None:
+    series = open_series(encoded(tmp_path / "in.mp4", frames(3), aspect=Fraction(4, 3)))
+    path = tmp_path / f"out{ending}"
+    written = write_video(path, (series.read(index) for index in range(3)), series.timing)
+    shown = open_clip(path).pixel_aspect
+    if ending == WEBM:
+        (said,) = written.notices
+        assert said.startswith("pixels are 1.33 times as wide as high, which .webm does not keep")
+        assert shown == 1
+    else:
+        assert written.notices == ()
+        assert shown == pytest.approx(4 / 3)
 
 
 def test_a_video_is_enhanced_into_webm_and_made_again(tmp_path: Path, vesselsplat: Cli) -> None:
