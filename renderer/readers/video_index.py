@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 HEAD = 8
 """Frames decoded at the start, to see whether packets tell of frames, and whether they are interlaced."""
+LATER = 4
+"""Places over the rest of the file where it is looked whether frames are interlaced."""
 TAIL = 16
 """Packets at the end of which some may be cut off: their frames are decoded to know."""
 SLACK = 2
@@ -198,8 +200,26 @@ def _scanned(path: Path) -> _Scan:
         head = list(islice(decoded(container, video_stream(container, path)), HEAD))
     if not head:
         raise ClipError(f"expected a video, got a file without a frame that decodes: {path}")
-    interlaced = any(frame.interlaced_frame for frame in head)
+    interlaced = any(frame.interlaced_frame for frame in head) or _interlaced_later(path, packets)
     return _Scan(packets, tuple(frame.pts for frame in head), time_base, rate, interlaced, sure)
+
+
+def _interlaced_later(path: Path, packets: _Packets) -> bool:
+    """Whether frames are that come well after the first ones, as behind a title or a menu."""
+    from av.error import FFmpegError
+
+    if not packets.are_timed or len(packets.stamps) <= HEAD:
+        return False
+    with open_container(path) as container:
+        stream = video_stream(container, path)
+        for place in range(1, LATER + 1):
+            try:
+                container.seek(packets.stamps[place * (len(packets.stamps) - 1) // LATER], stream=stream)
+            except (FFmpegError, OSError):
+                return False
+            if any(frame.interlaced_frame for frame in islice(decoded(container, stream), 1)):
+                return True
+    return False
 
 
 def _timed(path: Path, scan: _Scan) -> VideoIndex | None:

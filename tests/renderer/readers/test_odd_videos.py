@@ -1,12 +1,23 @@
 """Videos that are cut off, change on the way, or are none: what is whole is read, the rest is one line."""
 
+from pathlib import Path
+
 import av
 import numpy as np
 import pytest
 
 from renderer.clip import ClipError
+from renderer.readers.clip_options import ClipOptions
 from renderer.readers.video import open_video
-from tests.renderer.readers.numbered import numbered_picture, opencv_video, tone
+from tests.renderer.readers.numbered import (
+    INTERLACED,
+    bar,
+    encoded,
+    numbered_picture,
+    opencv_video,
+    tone,
+    woven,
+)
 from tests.renderer.readers.test_video import LENGTH, numbers
 
 
@@ -84,3 +95,32 @@ def test_a_playlist_fetches_nothing_from_elsewhere(tmp_path):
     path.write_text("#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\nhttp://127.0.0.1:9/a.ts\n#EXT-X-ENDLIST\n")
     with pytest.raises(ClipError):
         open_video(path)
+
+
+def test_interlaced_frames_behind_a_title_are_deinterlaced(tmp_path):
+    """As the wish says: as frames, as fields, or not; each with a notice."""
+    title = encoded(tmp_path / "title.ts", [bar(0)] * 20)
+    pictures = [woven(moment) for moment in range(20)]
+    rest = encoded(tmp_path / "rest.ts", pictures, options=INTERLACED, interlaced=True)
+    path = joined(tmp_path / "in.ts", title, rest, apart=90_000)
+    wishes = {wish: open_video(path, ClipOptions(deinterlacing=wish)) for wish in ("frame", "field", "off")}
+    assert [len(clip) for clip in wishes.values()] == [40, 80, 40]
+    assert all(any("interlaced video" in notice for notice in clip.notices) for clip in wishes.values())
+    for moment in range(1, 19):
+        error = np.abs(wishes["frame"].read_image(20 + moment).astype(int) - bar(2 * moment))
+        assert error.mean() < 3, moment
+
+
+def joined(path: Path, *parts: Path, apart: int) -> Path:
+    """One stream of several, each beginning `apart` units of 1/90000 s after the one before."""
+    with av.open(str(path), "w") as container:
+        stream = None
+        for number, part in enumerate(parts):
+            with av.open(str(part)) as source:
+                stream = stream or container.add_stream_from_template(source.streams.video[0])
+                for packet in source.demux(video=0):
+                    if packet.dts is not None:
+                        packet.stream = stream
+                        packet.pts, packet.dts = packet.pts + number * apart, packet.dts + number * apart
+                        container.mux(packet)
+    return path
