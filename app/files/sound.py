@@ -117,11 +117,12 @@ class Sound:
     def _copied(self) -> Iterator[_Timed]:
         if self._written is None:
             return
+        line = _Line()
         for packet in self._source.demux(self._track):
             if packet.pts is None or not packet.size:
                 continue
             base = packet.time_base
-            packet.pts -= round(self._start / base)
+            packet.pts = line.placed(packet.pts, packet.duration or 0) - round(self._start / base)
             packet.dts = packet.pts
             if packet.pts >= 0:
                 packet.stream = self._written
@@ -130,15 +131,32 @@ class Sound:
     def _encoded(self) -> Iterator[_Timed]:
         if self._written is None:
             return
+        line = _Line()
         for frame in chain(self._source.decode(self._track), (None,)):
             if frame is not None and frame.pts is not None:
                 # In samples, since the units of some files are too coarse for the encoder's blocks.
-                seconds = frame.pts * (frame.time_base or 0) - self._start
-                frame.pts, frame.time_base = round(seconds * frame.rate), Fraction(1, frame.rate)
+                at = round((frame.pts * (frame.time_base or 0) - self._start) * frame.rate)
+                frame.pts, frame.time_base = line.placed(at, frame.samples), Fraction(1, frame.rate)
                 if frame.pts < 0:
                     continue
             for packet in self._written.encode(frame):
                 yield float((packet.pts or 0) * packet.time_base), packet
+
+
+class _Line:
+    """The times of pieces that follow each other: where they begin anew, as in joined files, they go on."""
+
+    def __init__(self) -> None:
+        self._shift, self._end = 0, 0
+        self._begin: int | None = None
+
+    def placed(self, begin: int, length: int) -> int:
+        """When the piece begins in the whole, in the units of `begin`."""
+        if self._begin is not None and begin + self._shift < self._begin:
+            self._shift = self._end - begin
+        self._begin = begin + self._shift
+        self._end = self._begin + length
+        return self._begin
 
 
 def named_layout(decoder: AudioCodecContext) -> str:

@@ -164,9 +164,12 @@ def index_of(path: Path) -> VideoIndex:
 
 
 def _numbered(path: Path, scan: _Scan) -> VideoIndex:
-    count = _count(path)
+    """Of a file whose packets do not tell when frames are shown: all are decoded."""
+    with open_container(path) as container:
+        flags = [frame.interlaced_frame for frame in decoded(container, video_stream(container, path))]
+    count = len(flags)
     cut = scan.packets.is_short or count < len(scan.packets.stamps)
-    return VideoIndex(tuple(range(count)), 1 / scan.rate, True, cut, scan.is_interlaced, scan.rate)
+    return VideoIndex(tuple(range(count)), 1 / scan.rate, True, cut, any(flags), scan.rate)
 
 
 def told_index(path: Path) -> VideoIndex | None:
@@ -264,13 +267,13 @@ class _Packets:
     stamps: list[int]
     """In the order in which frames are shown."""
     are_timed: bool
-    """Whether each says when it is shown."""
+    """Whether each says when it is shown; in joined files times begin anew, and say nothing."""
     is_short: bool
     """Whether the header announces more, or the last packets are damaged."""
 
 
 def _packets(container: InputContainer, stream: VideoStream) -> _Packets:
-    stamps, damaged, untimed, count = set[int](), 0, 0, 0
+    stamps, order, damaged, untimed, count = list[int](), list[int](), 0, 0, 0
     tells_length, end = "matroska" in container.format.name, 0.0
     for packet in _packets_of(container, stream, *(container.streams.audio if tells_length else ())):
         if not packet.size:
@@ -283,12 +286,16 @@ def _packets(container: InputContainer, stream: VideoStream) -> _Packets:
         damaged = count if packet.is_corrupt else damaged
         untimed += packet.pts is None
         if packet.pts is not None and not packet.is_discard:
-            stamps.add(packet.pts)
+            stamps.append(packet.pts)
+        if packet.dts is not None:
+            order.append(packet.dts)
     short = stream.frames - count > SLACK or 0 < count - TAIL < damaged or 0 < damaged >= count
     if tells_length and stamps and container.duration:
         # The header tells the length of all, in microseconds, once the file was closed.
         short |= container.duration / 1e6 - end > LOST
-    return _Packets(sorted(stamps), not untimed, short)
+    kept = sorted(set(stamps))
+    begin_anew = len(kept) < len(stamps) or any(later < one for one, later in pairwise(order))
+    return _Packets(kept, not untimed and not begin_anew, short)
 
 
 def _whole(path: Path, stamps: list[int]) -> list[int]:
@@ -302,9 +309,3 @@ def _whole(path: Path, stamps: list[int]) -> list[int]:
         with open_container(path) as container:
             seen = {frame.pts for frame in decoded(container, video_stream(container, path))}
     return [stamp for stamp in stamps if stamp < start or stamp in seen]
-
-
-def _count(path: Path) -> int:
-    """Of a file whose packets do not tell when frames are shown: all are decoded."""
-    with open_container(path) as container:
-        return sum(1 for _ in decoded(container, video_stream(container, path)))

@@ -115,3 +115,13 @@ def test_aac_of_many_channels_is_copied_or_left_out_and_told(tmp_path: Path) -> 
     said = rewritten(tmp_path / "aac.mp4", tmp_path / "out.webm").notices
     assert said == ("the sound (aac) is left out: it cannot be encoded to Opus",)
     assert len(open_series(tmp_path / "out.webm")) == COUNT
+
+
+@pytest.mark.parametrize("ending", [".mp4", ".webm"])
+def test_sound_of_streams_put_end_to_end_goes_on(tmp_path: Path, ending: str) -> None:
+    parts = [encoded(tmp_path / f"{number}.ts", frames(COUNT), sound="aac") for number in range(3)]
+    given, out = tmp_path / "in.ts", tmp_path / f"out{ending}"
+    given.write_bytes(b"".join(part.read_bytes() for part in parts))
+    rewritten(given, out)
+    assert len(open_series(out)) == 3 * COUNT
+    assert seconds_of_sound(out) == pytest.approx(3 * COUNT / 25, abs=0.15)

@@ -13,6 +13,7 @@ from tests.renderer.readers.numbered import (
     INTERLACED,
     bar,
     encoded,
+    number_of,
     numbered_picture,
     opencv_video,
     tone,
@@ -109,6 +110,25 @@ def test_interlaced_frames_behind_a_title_are_deinterlaced(tmp_path):
     for moment in range(1, 19):
         error = np.abs(wishes["frame"].read_image(20 + moment).astype(int) - bar(2 * moment))
         assert error.mean() < 3, moment
+
+
+@pytest.mark.parametrize("codec", ["libx264", "mpeg2video"])
+@pytest.mark.parametrize("lengths", [(20, 30), (30, 20), (25, 25)])
+def test_no_frame_of_streams_put_end_to_end_is_lost(tmp_path, codec, lengths):
+    """As `cat` joins them: the time stamps of the second begin anew."""
+    counts = range(lengths[0]), range(lengths[0], sum(lengths))
+    parts = [
+        encoded(tmp_path / f"{number}.ts", [numbered_picture(one) for one in part], codec)
+        for number, part in enumerate(counts)
+    ]
+    path = tmp_path / "in.ts"
+    path.write_bytes(b"".join(part.read_bytes() for part in parts))
+    clip = open_video(path)
+    assert numbers(clip) == list(range(50))
+    assert not any("cut off" in notice for notice in clip.notices)
+    assert clip.frame_times == pytest.approx([one / 25 for one in range(50)])
+    for index in (40, 3, 25, 19, 20):
+        assert number_of(clip.read_image(index)) == index
 
 
 def joined(path: Path, *parts: Path, apart: int) -> Path:
