@@ -21,6 +21,7 @@ from app.enhancement.settable import Pixels, drawn
 from app.errors import UserError, sentence
 from app.files.atomic import filled, together
 from app.files.codecs import MP4, ending_of
+from app.files.color_profiles import profile_of
 from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.image_files import ArrayImage, is_image, write_image
 from app.files.image_series import Series
@@ -260,15 +261,16 @@ def _write(
         return video.pictures
     if is_image(output) and not output.is_dir():
         ((image, record),) = pictures
-        write_image(output, image, record.signed)
+        write_image(output, image, record.signed, profile=profile_of(series.sources[0], image))
         yield 1
         return (replace(record, output=output.name),)
-    written: list[EnhancedPicture] = []
+    written, files = list[EnhancedPicture](), dict(zip(series.names, series.sources, strict=True))
     with filled(output) as staging:
         for image, record in pictures:
             # PNG holds no floats.
             name = f"{record.picture}" + (".tiff" if image.dtype.kind == "f" else ".png")
-            write_image(staging / name, image, record.signed)
+            profile = profile_of(files[record.picture or ""], image)
+            write_image(staging / name, image, record.signed, profile=profile)
             written.append(replace(record, output=name))
             yield len(written)
     return tuple(written)

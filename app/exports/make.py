@@ -46,6 +46,7 @@ from app.exports.sources import Sources
 from app.exports.splats.writing import write_moment, write_moving
 from app.exports.summary.writing import write_summary
 from app.files.atomic import together, write_bytes
+from app.files.color_profiles import profile_of
 from app.files.dicom.choices import DEIDENTIFIED
 from app.files.image_files import write_image
 from app.files.image_series import Series, timing_of
@@ -87,7 +88,8 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
             if is_dicom_name(target):
                 write_enhanced_still(target, image, made, series.sources)
             else:
-                write_image(target, image, made.signed)
+                profile = profile_of(series.sources[record.frame or 0], image)
+                write_image(target, image, made.signed, profile=profile)
         case EnhancedVideo():
             yield from _enhanced_video(record, sources, target)
         case TuningSheet():

@@ -1,4 +1,5 @@
-"""The text that an image file carries: iTXt in a PNG, comments in a JPEG, the description in a TIFF."""
+"""What an image file carries beside its pixels: a text, as iTXt in a PNG, comments in a JPEG and the
+description in a TIFF; and the ICC profile of its colours."""
 
 from __future__ import annotations
 
@@ -11,18 +12,23 @@ KEYWORD: Final = "vesselsplat"
 PNG_SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 PNG_TEXT: Final = KEYWORD.encode() + b"\0\0\0\0\0"
 JPEG_START: Final = b"\xff\xd8"
-APP0, SCAN, COMMENT = 0xE0, 0xDA, 0xFE
+APP0, APP2, SCAN, COMMENT = 0xE0, 0xE2, 0xDA, 0xFE
 JPEG_TEXT: Final = KEYWORD.encode() + b"\0"
 LONGEST_COMMENT: Final = 65533 - len(JPEG_TEXT)
 """Bytes; a longer text goes on in the next one."""
 TIFF_ORDERS: Final = {b"II*\0": "<", b"MM\0*": ">"}
+JPEG_PROFILE: Final = b"ICC_PROFILE\0"
+LONGEST_PROFILE: Final = 65533 - len(JPEG_PROFILE) - 2
+"""Bytes of one part, of which each has its number and their count before it."""
 DESCRIPTION, ASCII = 270, 2
+PROFILE, UNDEFINED = 34675, 7
 TIFF_TEXT: Final = KEYWORD.encode() + b" "
 
 
-def carrying(suffix: str, content: bytes, text: str) -> bytes:
-    """The image file with the text in it, of ASCII in a TIFF; `suffix` is one of CARRIERS."""
-    return CARRIERS[suffix.lower()](content, text.encode())
+def carrying(suffix: str, content: bytes, text: str, profile: bytes = b"") -> bytes:
+    """The image file with the text in it, of ASCII in a TIFF; `suffix` is one of CARRIERS. Without a profile
+    its colours are those of sRGB."""
+    return CARRIERS[suffix.lower()](content, text.encode(), profile)
 
 
 def carried(content: bytes) -> bytes | None:
@@ -37,10 +43,12 @@ def carried(content: bytes) -> bytes | None:
         return None  # It ends too early.
 
 
-def _png(content: bytes, text: bytes) -> bytes:
-    """Behind the header, with the tag of sRGB, rendering intent 0: perceptual."""
+def _png(content: bytes, text: bytes, profile: bytes) -> bytes:
+    """Behind the header, with the profile, or the tag of sRGB, rendering intent 0: perceptual."""
     end = len(PNG_SIGNATURE) + 25
-    return content[:end] + _chunk(b"sRGB", b"\0") + _chunk(b"iTXt", PNG_TEXT + text) + content[end:]
+    named = b"ICC profile\0\0" + zlib.compress(profile)
+    colours = _chunk(b"iCCP", named) if profile else _chunk(b"sRGB", b"\0")
+    return content[:end] + colours + _chunk(b"iTXt", PNG_TEXT + text) + content[end:]
 
 
 def _chunk(kind: bytes, content: bytes) -> bytes:
@@ -57,15 +65,23 @@ def _png_texts(content: bytes) -> Iterator[bytes]:
         at += 12 + length
 
 
-def _jpeg(content: bytes, text: bytes) -> bytes:
+def _jpeg(content: bytes, text: bytes, profile: bytes) -> bytes:
     """Behind the header of JFIF, which has to come first."""
-    parts = (text[at : at + LONGEST_COMMENT] for at in range(0, len(text), LONGEST_COMMENT))
-    comments = b"".join(
-        struct.pack(">BBH", 0xFF, COMMENT, 2 + len(JPEG_TEXT) + len(part)) + JPEG_TEXT + part
-        for part in parts
-    )
+    colours = _parts(profile, LONGEST_PROFILE)
+    bodies = [
+        *(
+            (APP2, JPEG_PROFILE + bytes((at, len(colours))) + part)
+            for at, part in enumerate(colours, start=1)
+        ),
+        *((COMMENT, JPEG_TEXT + part) for part in _parts(text, LONGEST_COMMENT)),
+    ]
+    added = b"".join(struct.pack(">BBH", 0xFF, kind, 2 + len(body)) + body for kind, body in bodies)
     end = next((at + 2 + length for kind, at, length in _segments(content) if kind == APP0), 2)
-    return content[:end] + comments + content[end:]
+    return content[:end] + added + content[end:]
+
+
+def _parts(whole: bytes, length: int) -> list[bytes]:
+    return [whole[at : at + length] for at in range(0, len(whole), length)]
 
 
 def _segments(content: bytes) -> Iterator[tuple[int, int, int]]:
@@ -86,17 +102,25 @@ def _jpeg_comments(content: bytes) -> Iterator[bytes]:
             yield body.removeprefix(JPEG_TEXT)
 
 
-def _tiff(content: bytes, text: bytes) -> bytes:
-    """A directory at the end in place of the first one: the same entries, and the description."""
+def _tiff(content: bytes, text: bytes, profile: bytes) -> bytes:
+    """A directory at the end in place of the first one: the same entries, the description and the profile."""
     order, entries, following = _directory(content)
-    body = TIFF_TEXT + text + b"\0"
-    body += b"\0" * (-(len(content) + len(body)) % 2)
-    entry = struct.pack(f"{order}HHII", DESCRIPTION, ASCII, len(body), len(content))
-    kept = [one for one in entries if struct.unpack_from(f"{order}H", one)[0] != DESCRIPTION]
-    all_of_them = sorted((*kept, entry), key=lambda one: int(struct.unpack_from(f"{order}H", one)[0]))
+    added = [(DESCRIPTION, ASCII, TIFF_TEXT + text + b"\0"), (PROFILE, UNDEFINED, profile)]
+    body, made = b"", list[bytes]()
+    for tag, kind, value in added:
+        if value:
+            made.append(struct.pack(f"{order}HHII", tag, kind, len(value), len(content) + len(body)))
+            body += value
+            body += b"\0" * (-(len(content) + len(body)) % 2)
+    kept = [one for one in entries if _tag(order, one) not in (DESCRIPTION, PROFILE)]
+    all_of_them = sorted((*kept, *made), key=lambda one: _tag(order, one))
     directory = struct.pack(f"{order}H", len(all_of_them)) + b"".join(all_of_them) + following
     start = struct.pack(f"{order}I", len(content) + len(body))
     return content[:4] + start + content[8:] + body + directory
+
+
+def _tag(order: str, entry: bytes) -> int:
+    return int(struct.unpack_from(f"{order}H", entry)[0])
 
 
 def _directory(content: bytes) -> tuple[str, list[bytes], bytes]:
@@ -118,6 +142,6 @@ def _tiff_text(content: bytes) -> bytes | None:
     return None
 
 
-CARRIERS: Final[dict[str, Callable[[bytes, bytes], bytes]]] = {
+CARRIERS: Final[dict[str, Callable[[bytes, bytes, bytes], bytes]]] = {
     ".png": _png, ".jpg": _jpeg, ".jpeg": _jpeg, ".tif": _tiff, ".tiff": _tiff
 }  # fmt: skip

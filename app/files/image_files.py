@@ -181,25 +181,31 @@ def _read_array(path: Path) -> ArrayImage:
         raise UserError(f"expected one numpy array, {error}") from error
 
 
-def write_image(path: Path, image: ArrayImage, facts: dict[str, Any], quality: int | None = None) -> None:
-    """Write atomically in the format of the suffix; PNG, JPEG and TIFF carry `facts`, other files have them
-    beside them.
+def write_image(
+    path: Path, image: ArrayImage, facts: dict[str, Any], quality: int | None = None, profile: bytes = b""
+) -> None:
+    """Write atomically in the format of the suffix; PNG, JPEG and TIFF carry `facts` and the ICC `profile` of
+    the colours, other files have the facts beside them.
 
     `quality` is that of a JPEG, 1 to 100, which then keeps all of its colour's resolution.
 
     Raises:
         UserError: a suffix that is unknown or cannot hold this type of image.
     """
-    content, suffix = _encoded(path, image, facts, quality), path.suffix.lower()
+    suffix = path.suffix.lower()
+    if suffix == ".png" and image.dtype in (np.uint8, np.uint16):
+        write_bytes(path, encode_png(image, facts, profile))
+        return
+    content = _encoded(path, image, quality)
     if suffix in CARRIERS:
-        write_bytes(path, content if suffix == ".png" else carrying(suffix, content, ascii_json(facts)))
+        write_bytes(path, carrying(suffix, content, ascii_json(facts), profile))
         return
     with together(path) as place:
         write_bytes(place, content)
         write_sidecar(place, facts)
 
 
-def _encoded(path: Path, image: ArrayImage, facts: dict[str, Any], quality: int | None) -> bytes:
+def _encoded(path: Path, image: ArrayImage, quality: int | None) -> bytes:
     suffix = path.suffix.lower()
     if suffix == ".npy":
         buffer = io.BytesIO()
@@ -207,10 +213,8 @@ def _encoded(path: Path, image: ArrayImage, facts: dict[str, Any], quality: int 
         return buffer.getvalue()
     if suffix not in SUFFIXES:
         raise UserError(f"expected an output named {', '.join(sorted(SUFFIXES))} or .npy, got {path.name}")
-    if image.dtype != np.uint8 and suffix not in TIFF and (suffix != ".png" or image.dtype != np.uint16):
+    if image.dtype != np.uint8 and suffix not in TIFF:
         raise UserError(f"{suffix} cannot hold {image.dtype} values; name the output .tiff or .npy: {path}")
-    if suffix == ".png":
-        return encode_png(image, facts)
     # OpenCV would make bytes of half floats, which float32 holds exactly.
     storable = image.astype(np.float32) if image.dtype == np.float16 else image
     done, encoded = cv2.imencode(suffix, _swapped(storable), _settings(suffix, quality))

@@ -24,5 +24,5 @@ def full_scale(content: bytes, stored: NDArray[Any]) -> NDArray[Any]:
     # Of text with 8 bits, OpenCV scales the numbers itself.
     if white in (0, highest) or (kind in PLAIN and stored.dtype == np.uint8):
         return stored
-    numbers = np.arange(highest + 1).clip(max=white)
-    return np.rint(numbers * (highest / white)).astype(stored.dtype)[stored]
+    shares = np.arange(highest + 1).clip(max=white) / white
+    return np.asarray(np.rint(shares * highest).astype(stored.dtype)[stored])

@@ -179,13 +179,14 @@ def write_sidecar(path: Path, facts: dict[str, Any]) -> None:
     write_bytes(path.with_name(f"{path.name}.json"), strict_json(facts, indent=2).encode())
 
 
-def encode_png(image: Image, facts: dict[str, Any]) -> bytes:
-    """The bytes of a PNG that carries `facts`; 8 or 16 bits a channel as the image has."""
+def encode_png(image: Image, facts: dict[str, Any], profile: bytes = b"") -> bytes:
+    """The bytes of a PNG that carries `facts`; 8 or 16 bits a channel as the image has. Without an ICC
+    `profile`, its colours are those of sRGB."""
     order = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}
     stored = cv2.cvtColor(image, order[image.shape[2]]) if image.ndim == 3 else image
     done, encoded = cv2.imencode(".png", stored)
     assert done
-    return carrying(".png", encoded.tobytes(), strict_json(facts))
+    return carrying(".png", encoded.tobytes(), strict_json(facts), profile)
 
 
 def read_provenance(path: Path) -> dict[str, Any]:
