@@ -15,7 +15,7 @@ from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage
 from renderer.readers.calibration import Calibration, LensCalibration
 
-Level = TypeVar("Level", np.uint8, np.uint16)
+Level = TypeVar("Level", np.uint8, np.uint16, np.float16, np.float32, np.float64)
 SAME_SHAPE: Final = 0.005
 """Of the width times the height, by which the shapes of a calibration's images and of a clip's may differ."""
 WIDEST: Final = math.radians(75)
@@ -38,8 +38,13 @@ class Straightening:
     """(H, W), the rest in parts of _PARTS, as OpenCV's remap takes it."""
 
     def image(self, image: NDArray[Level]) -> NDArray[Level]:
-        """(H, W) or (H, W, C) of 8 or 16 bits, between pixels by cubics."""
-        return np.asarray(cv2.remap(image, self.places, self.fractions, cv2.INTER_CUBIC), image.dtype)
+        """(H, W) or (H, W, C) of 8 or 16 bits or of floats, between pixels by cubics, which do not leave the
+        range of the image."""
+        source = image.astype(np.float32) if image.dtype == np.float16 else image
+        moved = cv2.remap(source, self.places, self.fractions, cv2.INTER_CUBIC)
+        # Beyond both ends of a type of whole numbers OpenCV keeps to them; floats have none.
+        kept = np.clip(moved, source.min(), source.max()) if image.dtype.kind == "f" else moved
+        return np.asarray(kept, image.dtype)
 
     def mask(self, kept: BoolImage) -> BoolImage:
         """(H, W), of the nearest pixel; what the lens did not show is not kept."""

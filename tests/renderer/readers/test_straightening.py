@@ -174,3 +174,14 @@ def test_pairs_that_cannot_be_rectified_are_refused():
     above = SecondEye(lens=RIGHT, turn=tuple(np.eye(3).ravel()), shift=(0.1, -4.0, 0.0))
     with pytest.raises(ValueError, match="one above the other"):
         straight_eyes(Calibration(lens=BARREL, right=above), SIZE)
+
+
+@pytest.mark.parametrize("dtype", [np.float16, np.float32, np.float64])
+@pytest.mark.parametrize("shape", [(256, 320), (256, 320, 3)])
+def test_floats_are_straightened_as_bytes_are_and_stay_in_their_range(dtype, shape):
+    levels = np.where(np.random.default_rng(0).random(shape) > 0.5, 255, 0).astype(np.uint8)
+    by = straightening(BARREL, SIZE)
+    moved = by.image((levels / 255).astype(dtype))
+    assert moved.dtype == dtype
+    assert (moved.min(), moved.max()) == (0, 1)
+    assert np.abs(255 * moved.astype(float) - by.image(levels)).max() < 1
