@@ -11,7 +11,7 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from PIL import ExifTags, Image, UnidentifiedImageError
+from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
 
 from app.errors import UserError
 from app.files.atomic import together, write_bytes
@@ -25,7 +25,7 @@ from renderer.readers.coded_still import is_coded_still, open_coded_still
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
-from renderer.readers.picture_files import opened, read_npy, require_size
+from renderer.readers.picture_files import opened, read_npy, require_size, tiff_numbers
 from renderer.readers.picture_kinds import PictureKinds, frame_folder, is_named_array, kinds_of
 from renderer.readers.pictures import SUFFIXES, is_frame, is_picture, is_visible, moves, natural_key
 
@@ -35,6 +35,10 @@ TIFF = frozenset({".tif", ".tiff"})
 JPEGS = frozenset({".jpg", ".jpeg"})
 JPEG = b"\xff\xd8"
 """How such a file begins, whatever its name."""
+PHOTOMETRIC = 262
+"""The tag of a TIFF that says what its numbers are."""
+LAB = frozenset({8, 9, 10})
+"""In three codings."""
 UPRIGHT = 1
 TURNS: Mapping[int, Callable[[ArrayImage], ArrayImage]] = MappingProxyType(
     {
@@ -107,6 +111,8 @@ def read_image(path: Path) -> ArrayImage:
     if not is_picture(path) and is_coded_still(path):
         return open_coded_still(path).read_image(0)
     _require_size(path)
+    if _is_lab(path):
+        return _read_lab(path)
     orientation = UPRIGHT if path.suffix.lower() in TIFF else _checked(path)
     stored = _decoded(path)
     if stored is None:
@@ -127,6 +133,27 @@ def _read_dicom(path: Path) -> ArrayImage:
         return read_still(path)
     except ClipError as error:
         raise UserError(str(error)) from error
+
+
+def _is_lab(path: Path) -> bool:
+    try:
+        told = tiff_numbers(path, PHOTOMETRIC)
+    except OSError:
+        return False  # Its decoder says what is wrong.
+    return told is not None and told[0] in LAB
+
+
+def _read_lab(path: Path) -> ArrayImage:
+    """As RGB, which OpenCV would take the numbers for."""
+    try:
+        with opened(path) as picture:
+            if picture.mode == "LAB":
+                return np.array(ImageOps.exif_transpose(picture).convert("RGB"))
+    except UnidentifiedImageError:
+        pass
+    except BROKEN as error:
+        raise UserError(f"expected an intact image, got a damaged one ({error}): {path}") from error
+    raise UserError(f"expected grey or RGB values, got a TIFF of CIE Lab that is not of 8 bits: {path}")
 
 
 def _require_size(path: Path) -> None:

@@ -62,10 +62,8 @@ def require_size(path: Path) -> None:
         OverBudget, OSError: see `opened`. A file that tells no size is left to its decoder.
     """
     require_regular(path)
-    with path.open("rb") as file:
-        order = TIFF_ORDERS.get(file.read(4))
-    if order is not None:
-        budget().require(pixels=_tiff_pixels(path, order))
+    if (told := tiff_numbers(path, WIDTH_TAG, HEIGHT_TAG)) is not None:
+        budget().require(pixels=math.prod(told))
         return
     try:
         with opened(path):
@@ -74,23 +72,28 @@ def require_size(path: Path) -> None:
         pass
 
 
-def _tiff_pixels(path: Path, order: str) -> int:
-    """Width by height of the first picture; 0 where the directory cannot be read."""
-    try:
-        with path.open("rb") as file:
-            file.seek(4)
+def tiff_numbers(path: Path, *tags: int) -> tuple[int, ...] | None:
+    """What the directory of the first picture says under these tags, 0 for nothing; None: it is no TIFF.
+
+    Raises OSError: it cannot be read.
+    """
+    with path.open("rb") as file:
+        order = TIFF_ORDERS.get(file.read(4))
+        if order is None:
+            return None
+        told = dict.fromkeys(tags, 0)
+        try:
             file.seek(struct.unpack(f"{order}I", file.read(4))[0])
             (count,) = struct.unpack(f"{order}H", file.read(2))
             entries = [file.read(12) for _ in range(count)]
-        sides = {WIDTH_TAG: 0, HEIGHT_TAG: 0}
-        for entry in entries:
-            tag, kind = struct.unpack(f"{order}HH", entry[:4])
-            if tag in sides:
-                form = "H" if kind == SHORT else "I"
-                sides[tag] = struct.unpack_from(f"{order}{form}", entry, 8)[0]
-        return sides[WIDTH_TAG] * sides[HEIGHT_TAG]
-    except (struct.error, OSError):
-        return 0
+            for entry in entries:
+                tag, kind = struct.unpack(f"{order}HH", entry[:4])
+                if tag in told:
+                    form = "H" if kind == SHORT else "I"
+                    told[tag] = struct.unpack_from(f"{order}{form}", entry, 8)[0]
+        except (struct.error, OSError):
+            return (0,) * len(tags)  # The directory is damaged: its decoder says so.
+    return tuple(told.values())
 
 
 def read_npy(path: Path) -> NDArray[Any]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from app.files.image_files import read_image, write_image
 from renderer.readers.pictures import read_rgb
@@ -55,3 +58,26 @@ def test_white_of_a_pgm_or_ppm_is_what_its_header_says(tmp_path: Path, kind: int
     bytes_of_rgb = read * (255 / full)
     seen = read_rgb(path).astype(float) if len(shape) == 3 else read_rgb(path)[..., 0].astype(float)
     assert np.abs(seen - bytes_of_rgb).max() <= 1.01
+
+
+def test_a_tiff_of_cie_lab_is_read_as_the_colours_that_it_shows(tmp_path: Path) -> None:
+    y, x = np.mgrid[:24, :40]
+    shown = np.stack([6 * x, 10 * y, 3 * (x + y)], axis=2).astype(np.uint8)
+    path = tmp_path / "lab.tif"
+    Image.fromarray(shown).convert("LAB").save(path)
+    read = read_image(path)
+    assert np.abs(read.astype(int) - shown).mean() < 2
+    np.testing.assert_array_equal(read, read_rgb(path))
+
+
+def test_cie_lab_of_more_bits_is_refused_in_a_line(tmp_path: Path, vesselsplat: Cli) -> None:
+    path = tmp_path / "lab.tif"
+    path.write_bytes(cv2.imencode(".tif", np.zeros((8, 8, 3), np.uint16))[1].tobytes())
+    content = path.read_bytes()
+    rgb, lab = (struct.pack("<HHIHH", 262, 3, 1, kind, 0) for kind in (2, 8))
+    assert content.count(rgb) == 1
+    path.write_bytes(content.replace(rgb, lab))
+    done: Call = vesselsplat("enhance", path, tmp_path / "out.png")
+    assert done.code == 2
+    assert "got a TIFF of CIE Lab" in done.error
+    assert not (tmp_path / "out.png").exists()
