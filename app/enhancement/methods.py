@@ -56,15 +56,18 @@ class MethodEnhancer:
     """
 
     def __init__(self, live: LiveStatistics | None = None) -> None:
-        """live: smooth the statistics from picture to picture of a stream."""
+        """live: smooth the statistics from picture to picture of a stream, as long as the method stays."""
+        self._live = live
         self._paper, self._vessel = Enhancer(live), VesselEnhancer(live)
         self._shown: tuple[ArrayImage, BoolImage | None, Pixels] | None = None
         self._seen: frozenset[Preset] = frozenset()
+        self._seen_before: frozenset[Preset] = frozenset()
 
     def show(
         self, image: ArrayImage, tissue_mask: BoolImage | None = None, pixels: Pixels = "automatic"
     ) -> None:
         """Take the next picture; it must not change while it is in use."""
+        self._seen_before = self._seen or self._seen_before
         self._shown, self._seen = (image, tissue_mask, pixels), frozenset()
 
     def enhance(self, look: EnhancementSettings, *, statistics: Statistics | None = None) -> EnhanceResult:
@@ -75,12 +78,21 @@ class MethodEnhancer:
         """
         preset = preset_of(look)
         if self._shown is not None and preset not in self._seen:
+            if self._live is not None and preset not in self._seen_before:
+                self._forget(preset)
             image, tissue_mask, pixels = self._shown
             (self._paper if preset == PAPER else self._vessel).show(image, tissue_mask, pixels=pixels)
             self._seen |= {preset}
         if isinstance(look, EnhanceParams):
             return self._paper.enhance(look, statistics=statistics)
         return self._vessel.enhance(look, statistics=statistics)
+
+    def _forget(self, preset: Preset) -> None:
+        """What the method knows of the stream: the scene may have changed while the other one was in use."""
+        if preset == PAPER:
+            self._paper = Enhancer(self._live)
+        else:
+            self._vessel = VesselEnhancer(self._live)
 
 
 def load_kernels(look: EnhancementSettings, image: ArrayImage) -> None:

@@ -1,12 +1,13 @@
-"""What files hold of the settings of two methods is read as that method's."""
+"""What files hold of the settings of two methods, and what a live stream keeps of both."""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from app.enhancement.methods import RecordedSettings
-from enhance import EnhanceParams, VesselParams
+from app.enhancement.methods import EnhancementSettings, MethodEnhancer, RecordedSettings
+from enhance import EnhanceParams, LiveStatistics, VesselParams
 
 
 @pytest.mark.parametrize(
@@ -22,3 +23,26 @@ from enhance import EnhanceParams, VesselParams
 )
 def test_what_a_file_holds_says_of_which_method_it_is(told: dict[str, object], kind: type[object]) -> None:
     assert isinstance(TypeAdapter(RecordedSettings).validate_python(told), kind)
+
+
+@pytest.mark.parametrize(
+    ("look", "other"), [(EnhanceParams(), VesselParams()), (VesselParams(), EnhanceParams())]
+)
+def test_a_method_that_is_taken_up_again_knows_nothing_of_a_scene_long_gone(
+    look: EnhancementSettings, other: EnhancementSettings
+) -> None:
+    """The scene gets lighter so slowly that no cut is seen, while the other method is in use."""
+    enhancer, alone = MethodEnhancer(LiveStatistics()), MethodEnhancer()
+    noise = np.random.default_rng(0).normal(0, 8, (60, 80, 3))
+
+    def enhanced(by: MethodEnhancer, level: float, with_look: EnhancementSettings) -> np.ndarray:
+        by.show(np.clip(level + noise, 0, 255).astype(np.uint8))
+        return by.enhance(with_look).image
+
+    for _ in range(5):
+        first = enhanced(enhancer, 60, look)
+    for level in np.linspace(60, 82, 40):
+        enhanced(enhancer, level, other)
+    np.testing.assert_array_equal(enhanced(enhancer, 82, look), enhanced(alone, 82, look))
+    # While it stays in use, and where it is used beside the other, it is smoothed.
+    assert not np.array_equal(enhanced(enhancer, 60, look), first)
