@@ -31,6 +31,8 @@ class Item:
     """As a person reads it: the source below what was given."""
     notices: tuple[str, ...] = ()
     """What was passed over beside it."""
+    called: str = ""
+    """The name of a picture's output without suffix, where that of its file is taken; empty: as its file."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +102,7 @@ def _items_of(given: Path, output: Path, own: str, *, alone: bool, below: bool) 
         target = output if alone else output / own
         yield from _walk(given, target, name) if below else (Item(given, target, name),)
     elif is_still(given):
-        yield Item(given, output if own == given.stem else output / f"{own}.png", name)
+        yield Item(given, output, name, called="" if own == given.stem else own)
     else:
         yield Item(given, output / f"{own}{VIDEO}", name)
 
@@ -149,7 +151,8 @@ def enhance_batch(
         try:
             yield Step(place, len(items), item.name)
             series = open_series(item.source, setting.clip_options)
-            series = replace(series, notices=(*item.notices, *series.notices))
+            names = (item.called,) if item.called else series.names
+            series = replace(series, names=names, notices=(*item.notices, *series.notices))
             step = partial(Step, place, len(items), item.name, total=len(series))
             written = yield from map_steps(enhance_into(item.output, series, setting, watch), step)
         except (OSError, UserError, ClipError, ImageError) as error:

@@ -176,6 +176,20 @@ def test_no_two_inputs_share_an_output(tmp_path: Path) -> None:
         shutil.rmtree(tmp_path / "out")
 
 
+@pytest.mark.parametrize("values", [np.uint8, np.float32])
+def test_pictures_of_one_name_are_written_in_a_format_that_holds_them(tmp_path: Path, values: type) -> None:
+    given = [tmp_path / place / "f.tiff" for place in ("a", "b", "c")]
+    for number, path in enumerate(given):
+        path.parent.mkdir()
+        image = np.full((16, 16, 3), 90 + 20 * number, values)
+        assert cv2.imwrite(str(path), image / np.float32(255) if values == np.float32 else image)
+    steps = list(enhance_batch(items_in(given, tmp_path / "out", below=False), SETTING))
+    assert not any(step.failed for step in steps)
+    suffix = "tiff" if values == np.float32 else "png"
+    assert files(tmp_path / "out") == {f"{name}.{suffix}" for name in ("f", "f-2", "f-3")}
+    assert read_provenance(tmp_path / f"out/f-2.{suffix}")["source"]["name"] == "f.tiff"
+
+
 def test_what_cannot_be_is_one_line(cases: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     (tmp_path / "empty").mkdir()
     wrong: list[tuple[tuple[object, ...], str]] = [
