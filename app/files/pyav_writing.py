@@ -92,7 +92,7 @@ class PyavWriter:
         self._container.mux(self._stream.encode())
         if self._sound is not None:
             self._sound.write_until(self._end)
-            self.notices += self._sound.finish()
+            self.notices += self._sound.finish(self._end)
 
     def close(self) -> None:
         if self._sound is not None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from av.audio.stream import AudioStream
     from av.container import InputContainer, OutputContainer
     from av.packet import Packet
+    from av.stream import Stream
 
     _Timed = tuple[float, Packet[AudioStream]]
 
@@ -25,6 +26,8 @@ LAYOUTS = {1: "mono", 2: "stereo"}
 """By the number of channels."""
 UNNAMED = "channels"
 """In what FFmpeg says of channels whose places have no name together."""
+BEYOND = 0.5
+"""Seconds of sound after the last frame that are lost without a word: encoders fill their last block."""
 LISTED = 6
 """Channels of AAC beyond which its decoder lists them one by one: PyAV 18 frees such lists twice."""
 
@@ -68,8 +71,8 @@ class Sound:
             self._output.mux(ready[1])
         self._waiting = ready
 
-    def finish(self) -> tuple[str, ...]:
-        """One sentence for each loss."""
+    def finish(self, end: float) -> tuple[str, ...]:
+        """One sentence for each loss. end: of the last frame, in seconds of the output."""
         codec, said = self._codec, list[str]()
         if self._written is None:
             said.append(f"the sound ({codec}) is left out: it cannot be encoded to {self._within.sound_name}")
@@ -79,9 +82,23 @@ class Sound:
             )
         elif not self._is_copied:
             said.append(f"the sound was re-encoded from {codec} to {self._within.sound_name}{self._mixed}")
+        if self._written is not None and (rest := self._rest(end)) > BEYOND:
+            said.append(f"the sound goes on for {rest:.1f} s after the last frame: this is left out")
         if self._extra:
             said.append(f"only the first of {self._extra + 1} sound tracks is kept")
         return tuple(said)
+
+    def _rest(self, end: float) -> float:
+        """Seconds of sound after the last frame of the source; 0 where it does not tell, or has more."""
+        of_sound, of_video = map(self._end_of, (self._track, self._source.streams.best("video")))
+        is_whole = of_video is not None and abs(of_video - end) < BEYOND
+        return 0.0 if of_sound is None or not is_whole else of_sound - end
+
+    def _end_of(self, stream: Stream | None) -> float | None:
+        """In seconds of the output."""
+        if stream is None or stream.duration is None or stream.time_base is None:
+            return None
+        return float(((stream.start_time or 0) + stream.duration) * stream.time_base - self._start)
 
     def close(self) -> None:
         self._source.close()

@@ -18,7 +18,9 @@ COUNT = 10
 """Frames, at 25 a second."""
 
 
-def with_sound(path: Path, layout: str, channels: int, rate: int) -> Path:
+def with_sound(
+    path: Path, layout: str, channels: int, rate: int, seconds: Fraction = Fraction(COUNT, 25)
+) -> Path:
     """A video with a beep of PCM of 16 bits in all channels."""
     silent = encoded(path.with_name("silent.mp4"), frames(COUNT))
     with av.open(str(silent)) as source, av.open(str(path), "w") as container:
@@ -29,7 +31,7 @@ def with_sound(path: Path, layout: str, channels: int, rate: int) -> Path:
             if packet.dts is not None:
                 packet.stream = stream
                 container.mux(packet)
-        wave = 8000 * np.sin(2 * np.pi * 440 * np.arange(rate * COUNT // 25) / rate)
+        wave = 8000 * np.sin(2 * np.pi * 440 * np.arange(int(rate * seconds)) / rate)
         levels = np.repeat(wave.astype(np.int16), channels)[None]
         block = av.AudioFrame.from_ndarray(levels, "s16", layout)
         block.sample_rate, block.pts, block.time_base = rate, 0, Fraction(1, rate)
@@ -125,3 +127,12 @@ def test_sound_of_streams_put_end_to_end_goes_on(tmp_path: Path, ending: str) ->
     rewritten(given, out)
     assert len(open_series(out)) == 3 * COUNT
     assert seconds_of_sound(out) == pytest.approx(3 * COUNT / 25, abs=0.15)
+
+
+@pytest.mark.parametrize(("seconds", "is_told"), [(Fraction(2), True), (Fraction(1, 2), False)])
+def test_sound_that_goes_on_after_the_last_frame_is_told(
+    tmp_path: Path, seconds: Fraction, is_told: bool
+) -> None:
+    given = with_sound(tmp_path / "in.mov", "mono", 1, 48_000, seconds)
+    said = "the sound goes on for 1.6 s after the last frame: this is left out"
+    assert (said in rewritten(given, tmp_path / "out.mp4").notices) == is_told
