@@ -28,6 +28,7 @@ from app.files.atomic import make_folder, replaced, write_bytes
 from app.files.provenance import digests, strict_json
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.device import Device
+from app.runs.run_lock import LOCK, NAME
 from enhance import Statistics
 from renderer.budget import budget
 from renderer.camera import Camera
@@ -237,7 +238,7 @@ class RunFolder:
         there = self.path
         if there.exists() and not there.is_dir():
             raise UserError(f"expected an empty or new folder for the run, got a file: {there}")
-        is_vacant = there.is_dir() and all(PARTIAL.match(each.name) for each in there.iterdir())
+        is_vacant = there.is_dir() and all(map(_is_passing, there.iterdir()))
         if there.exists() and not is_vacant:
             raise UserError(f"expected an empty or new folder for the run, got one with other files: {there}")
 
@@ -325,6 +326,11 @@ class RunFolder:
             return DynamicGaussians.load(self.model_path)
         except ValueError as error:
             raise UserError(str(error)) from error
+
+
+def _is_passing(file: Path) -> bool:
+    """What is half written, or left by a process that was about to begin a run."""
+    return file.name in (NAME, LOCK) or PARTIAL.match(file.name) is not None
 
 
 def _parsed(line: str) -> dict[str, Any] | None:

@@ -24,6 +24,7 @@ from app.enhancement.methods import (
 )
 from app.enhancement.settable import LONGEST_PATH, at_most
 from app.errors import UserError
+from app.files.atomic import make_folder
 from app.files.legible import require_utf8
 from app.files.provenance import digest, version
 from app.runs.clip_selection import WHOLE, ClipPart
@@ -113,6 +114,7 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     _check_vacancy(request, run)
     require_depth_source(request.clip_path, request.clip_options)
     record = run.record() if run.is_run else None
+    is_resumed = record is not None
     part = request.part if record is None else replace(record.clip.part, field_of_view=None, tools=None)
     whole = yield from told_meanwhile(
         "opening the clip", lambda _: open_clip(request.clip_path, request.clip_options)
@@ -153,7 +155,7 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     try:
         trained = input_clip(record.clip.part.lit(through.clip), record)
         through = replace(through, notices=(*clip.notices, *through.notices))
-        begin = partial(_begin, run, record, copies)
+        begin = None if is_resumed else partial(_begin, run, record, copies)
         yield from _train(record, run, trained, pictures_on(device), through, clock, begin)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
@@ -175,21 +177,24 @@ def _train(
     pictures: GradientBackend,
     posed: Posed,
     clock: WallClock,
-    begin: Callable[[], None],
+    begin: Callable[[], None] | None,
 ) -> Generator[TrainEvent, None, None]:
+    """`begin` makes the run's folder what it is; None: the run goes on. Others may begin runs meanwhile."""
     with ExitStack() as meanwhile:
-        if run.is_run:
+        if begin is None:
             meanwhile.enter_context(locked(run.path))
         config = as_dense(record.config, record.clip.part.field_of_view)
-        events = train(clip, config, folder=run.path, resume=run.is_run, pictures=pictures)
+        events = train(clip, config, folder=run.path, resume=begin is None, pictures=pictures)
         first = yield from told_meanwhile("analysing the clip", lambda _: next(events))
         # Closed while the run is locked: a checkpoint is written then.
         with closing(events):
             for event in chain((first,), events):
                 # A clip that cannot be trained on has failed by now: nothing is left behind for it.
-                if not run.is_run:
-                    begin()
+                if begin is not None:
+                    make_folder(run.path)
                     meanwhile.enter_context(locked(run.path))
+                    begin()
+                    begin = None
                 yield from _told(event, run, posed, record.clip.part, clock)
 
 
