@@ -117,6 +117,11 @@ class ClipRecord:
         seen = part.through(tuple(Camera.from_json(each) for each in self._one_each()))
         return replace(seen, points=self.poses.sparse_points or part.points)
 
+    def require_own_masks(self, whole: Clip) -> None:
+        """Raises ClipError: the run's copies of tool masks are not what they were."""
+        if self.part.tool_masks is not None:
+            self.part.tool_masks.require_unchanged(whole)
+
     def as_trained(self, whole: Clip) -> Clip:
         """The part of the whole clip that was trained on, without what was left out of its frames."""
         return self.through(self.part.of(whole))
@@ -381,11 +386,17 @@ OMITTED = TypeAdapter(tuple[Omission, ...])
 
 
 def run_clip(record: RunRecord) -> Clip:
-    """The part of the clip that the run was trained on. Raises UserError when it is not the same any more."""
+    """The part of the clip that the run was trained on.
+
+    Raises:
+        UserError: it is not the same any more.
+        ClipError: nor are the run's copies of tool masks.
+    """
     path = Path(record.clip.path)
     clip = open_clip(path, record.clip.options)
     if not record.clip.is_of(path):
         raise UserError(f"expected the clip that the run was trained on, got changed files: {path}")
+    record.clip.require_own_masks(clip)
     return record.clip.as_trained(clip)
 
 

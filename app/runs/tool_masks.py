@@ -52,6 +52,14 @@ class ToolMasks:
         """Of what they mask, however it is stored. Raises ClipError."""
         return self.sha256 or digest_of(read_all(self.files(clip), clip))
 
+    def require_unchanged(self, clip: Clip) -> None:
+        """Of a run's own copies. Raises ClipError: some of them are lost, new or other ones."""
+        files = self.files(clip)
+        is_whole = max(files.files, default=0) < len(clip)
+        if not is_whole or digest_of(read_all(files, clip)) != self.sha256:
+            wanted = "expected the tool masks that the run began with"
+            raise ClipError(f"{wanted}, got lost or changed ones: {self.folder}")
+
     @property
     def of_anywhere(self) -> ToolMasks:
         """Without the folders above."""

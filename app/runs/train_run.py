@@ -134,6 +134,8 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     if run.is_finished:
         yield _finished_before(run)
         return
+    if record is not None:
+        record.clip.require_own_masks(whole)
     yield planned_in(run.path, clip, request.config)
     clock.before = run.wall_before()
     device = device_of(request).device
