@@ -114,7 +114,8 @@ class TrainConfig:
     ] = ()
     """Parts to leave out whatever the clip needs."""
     hold_out: bool = False
-    """Hold every seventh training frame out and evaluate on it, for choosing settings."""
+    """Hold every seventh training frame out, or the middle one of fewer than five, and evaluate on it, for
+    choosing settings."""
     checkpoint_every: Annotated[int, Interval(ge=1, le=1_000_000)] = 500
     """Steps between checkpoints."""
 

@@ -76,17 +76,22 @@ class TrainingError(RuntimeError):
 def train_window(
     clip: Clip,
     config: TrainConfig,
+    held_out: Sequence[int],
     *,
     folder: Path | None = None,
     resume: bool = False,
     pictures: GradientBackend | None = None,
 ) -> Generator[TrainEvent, None, None]:
-    """Reconstruct all of `clip` with one set of Gaussians, see `renderer.train.training.train`.
+    """Reconstruct all of `clip` with one set of Gaussians, see `renderer.train.training.train`. It is not
+    fitted to the training frames `held_out`.
 
     Closed between two steps, it leaves a checkpoint of those that are done.
     """
     opened, spilled = time.perf_counter(), nearest_folder(folder) if folder else None
-    fit, held_out = split(clip, config)
+    if config.hold_out and not held_out:
+        got = len(clip.train_indices)
+        raise ClipError(f"hold_out expects two frames to train on, or more, got {got}: {clip.path}")
+    fit = tuple(index for index in clip.train_indices if index not in held_out)
     frames = FrameStore.of((clip.read_frame(index) for index in fit), spilled)
     seeds = frames if clip.points is None else FrameStore.of(with_points(frames, clip.points), spilled)
     size = scene_size(seeds)
@@ -115,7 +120,7 @@ def train_window(
     hides = needs.has_masks or not clip.camera_is_fixed
     smooths = "hidden" not in config.keep and hides and bends
     fades = unseen is not None and bool(unseen.any()) and bends
-    measured = held_out or clip.test_indices
+    measured = held_out if config.hold_out else clip.test_indices
     after = RENDERED * len(measured)
     after += len(fit) * (RENDERED * ("unseen" not in config.keep) + SMOOTHED * (smooths + fades))
     meter = Meter(recipe, seconds, after)
@@ -183,11 +188,13 @@ def require_depth(clip: Clip) -> None:
 
 
 def split(clip: Clip, config: TrainConfig) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Frames to fit and training frames held out of the fit; test frames are in neither."""
-    if not config.hold_out:
-        return clip.train_indices, ()
-    held_out = clip.train_indices[HELD_OUT_PHASE::HELD_OUT_EVERY]
-    return tuple(index for index in clip.train_indices if index not in held_out), held_out
+    """Frames to fit and training frames held out of the fit; test frames are in neither. Of few training
+    frames the middle one is held out, of a single one none."""
+    frames = clip.train_indices
+    if not config.hold_out or len(frames) < 2:
+        return frames, ()
+    held_out = frames[HELD_OUT_PHASE::HELD_OUT_EVERY] or (frames[len(frames) // 2],)
+    return tuple(index for index in frames if index not in held_out), held_out
 
 
 def frame_of(iteration: int, frames: Sequence[TrainFrame], seed: int) -> TrainFrame:

@@ -11,7 +11,7 @@ from renderer.clip import Clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, TrainEvent
 from renderer.train.gradient_backend import GradientBackend
-from renderer.train.trainer import require_depth, train_window
+from renderer.train.trainer import require_depth, split, train_window
 from renderer.train.windowed import WindowedTraining
 from renderer.train.windows import left_out, windows_of
 
@@ -35,7 +35,8 @@ def train(
     or not and whatever the number of threads.
 
     Raises:
-        ClipError: frames cannot be read, or there is no depth to start from.
+        ClipError: frames cannot be read, there is no depth to start from, or a single frame to train on with
+            `hold_out`.
         TrainingError: the checkpoint belongs to another run, the loss is no longer finite, or no frame shows
             anything of the model.
         TypeError: `clip` is none, such as its path.
@@ -61,7 +62,9 @@ def train(
     if len(windows) > 1:
         yield from WindowedTraining(clip, config, windows, folder, resume, pictures).events()
         return
-    with closing(train_window(clip, config, folder=folder, resume=resume, pictures=pictures)) as events:
+    _, held_out = split(clip, config)
+    window = train_window(clip, config, held_out, folder=folder, resume=resume, pictures=pictures)
+    with closing(window) as events:
         for event in events:
             if isinstance(event, Started):
                 event = replace(event, omitted=(*event.omitted, *left_out(windows, config)))

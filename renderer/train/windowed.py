@@ -78,12 +78,17 @@ class WindowedTraining:
         if not any(each.wall for each in done):
             yield Started(iteration, iteration, len(model), ())
         yield Finishing("measuring held-out frames", 0.0)
-        if measured := split(self.clip, self.config)[1] or self.clip.test_indices:
+        if measured := self._held_out if self.config.hold_out else self.clip.test_indices:
             views = (self.clip.read_frame(index) for index in measured)
             size = middle_distance(model, self.clip.cameras[0])
             yield evaluated(model, views, iteration, size, self.config.render_mode)
         seconds, wall = sum(each.seconds for each in done), time.perf_counter() - opened
         yield Ended(iteration, seconds, model, in_words([each.omitted for each in done]), wall)
+
+    @property
+    def _held_out(self) -> tuple[int, ...]:
+        """Of the whole clip: frames that two windows share are held out of both or of neither."""
+        return split(self.clip, self.config)[1]
 
     def _kept(self, window: Window) -> _Done | None:
         """What an earlier part of the run finished. Raises TrainingError: another run did."""
@@ -104,9 +109,11 @@ class WindowedTraining:
         folder = folder_of(self.folder, window) if self.folder else None
         resume = self.resume and folder is not None and folder.is_dir()
         omitted, steps = tuple[Omission, ...](), 0
-        with closing(
-            train_window(clip, self.config, folder=folder, resume=resume, pictures=self.pictures)
-        ) as events:
+        training = train_window(
+            clip, self.config, window.inside(self._held_out), folder=folder, resume=resume,
+            pictures=self.pictures,
+        )  # fmt: skip
+        with closing(training) as events:
             for event in events:
                 if isinstance(event, Ended):
                     wall, omitted = time.perf_counter() - began, (*omitted, *event.omitted)

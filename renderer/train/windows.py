@@ -46,6 +46,10 @@ class Window:
         """As a clip of its own, numbered and timed anew; the clip itself where that is all of it."""
         return clip if len(self) == len(clip) else clip.between(self.first, self.last)
 
+    def inside(self, indices: Sequence[int]) -> tuple[int, ...]:
+        """Those of a clip's frames that are in it, counted from its first."""
+        return tuple(index - self.first for index in indices if self.first <= index <= self.last)
+
 
 def windows_of(clip: Clip, config: TrainConfig) -> tuple[Window, ...]:
     """In the order of time, of as many frames as it says, or with as much to show each; a single one where
