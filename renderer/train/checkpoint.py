@@ -49,8 +49,14 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
 
 
 def checkpoint_paths(folder: Path) -> list[Path]:
-    """Checkpoints in `folder`, oldest first."""
-    return sorted(path for path in folder.iterdir() if _NAME.fullmatch(path.name))
+    """Checkpoints in `folder`, oldest first; none where there is no such folder."""
+    return sorted(path for path in folder.glob("*") if _NAME.fullmatch(path.name))
+
+
+def clear_checkpoints(folder: Path) -> None:
+    """Remove those in `folder`."""
+    for path in checkpoint_paths(folder):
+        path.unlink()
 
 
 def read_newest_checkpoint(folder: Path) -> Checkpoint | None:

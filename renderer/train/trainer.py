@@ -16,7 +16,7 @@ from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE
 from renderer.stored_arrays import Stored, check
-from renderer.train.checkpoint import Checkpoint, read_newest_checkpoint, write_checkpoint
+from renderer.train.checkpoint import Checkpoint, clear_checkpoints, read_newest_checkpoint, write_checkpoint
 from renderer.train.config import TrainConfig
 from renderer.train.events import (
     Finished,
@@ -113,8 +113,13 @@ def train_window(
     if folder and checkpoint:
         _resume(model, watch, checkpoint, identity, recipe.iterations, folder)
         start, seconds = checkpoint.iteration, checkpoint.seconds
+    is_new = checkpoint is None
     del checkpoint
     yield Started(start, recipe.iterations, len(model), needs.omitted)
+
+    if folder and is_new:
+        # Of another training, or damaged: as the newest by number, they would stay in place of new ones.
+        clear_checkpoints(folder)
 
     bends = isinstance(model.gaussians.motion, SplineMotion)
     hides = needs.has_masks or not clip.camera_is_fixed

@@ -13,6 +13,7 @@ from renderer.train.events import Started, TrainEvent
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.trainer import require_depth, split, train_window
 from renderer.train.windowed import WindowedTraining
+from renderer.train.window_files import clear
 from renderer.train.windows import left_out, windows_of
 
 
@@ -30,7 +31,7 @@ def train(
 
     With a `folder`, which exists when Started has been taken, checkpoints are written there, one of them when
     it is closed early, and windows that are finished, of which the model reads what it needs; `resume`
-    continues from the newest. `pictures`
+    continues from the newest, without it they take the place of those of earlier trainings. `pictures`
     renders; without it, the numba kernels do. One seed gives the same bytes on the CPU, whether interrupted
     or not and whatever the number of threads.
 
@@ -60,12 +61,16 @@ def train(
     require_depth(clip)
     windows = windows_of(clip, config)
     if len(windows) > 1:
-        yield from WindowedTraining(clip, config, windows, folder, resume, pictures).events()
-        return
-    _, held_out = split(clip, config)
-    window = train_window(clip, config, held_out, folder=folder, resume=resume, pictures=pictures)
-    with closing(window) as events:
+        events = WindowedTraining(clip, config, windows, folder, resume, pictures).events()
+    else:
+        _, held_out = split(clip, config)
+        events = train_window(clip, config, held_out, folder=folder, resume=resume, pictures=pictures)
+    with closing(events):
         for event in events:
             if isinstance(event, Started):
-                event = replace(event, omitted=(*event.omitted, *left_out(windows, config)))
-            yield event
+                yield replace(event, omitted=(*event.omitted, *left_out(windows, config)))
+                # Whoever takes it has made the folder its own: not before is anything removed there.
+                if folder and not resume:
+                    clear(folder)
+            else:
+                yield event

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -17,7 +18,7 @@ from renderer.deformation.windowed_motion import LazyMotions, WindowedMotion, jo
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed
 from renderer.stored_arrays import stored_metadata
-from renderer.train.checkpoint import checkpoint_paths, read_newest_checkpoint
+from renderer.train.checkpoint import clear_checkpoints, read_newest_checkpoint
 from renderer.train.windows import Window
 
 FOLDER: Final = "windows"
@@ -63,8 +64,13 @@ def finish(folder: Path, model: DynamicGaussians, finished: Finished) -> None:
     """Its checkpoints go. Raises OSError: the model cannot be written."""
     with written_atomically(folder / _MODEL) as part:
         model.save(part, {_STATE: json.dumps(asdict(finished))})
-    for checkpoint in checkpoint_paths(folder):
-        checkpoint.unlink()
+    clear_checkpoints(folder)
+
+
+def clear(run: Path) -> None:
+    """What earlier trainings in the folder have left, in windows or not."""
+    shutil.rmtree(run / FOLDER, ignore_errors=True)
+    clear_checkpoints(run)
 
 
 def finished(folder: Path) -> Finished:

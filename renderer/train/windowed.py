@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
@@ -30,7 +29,6 @@ from renderer.train.gradient_backend import GradientBackend
 from renderer.train.held_out import evaluated
 from renderer.train.trainer import TrainingError, fingerprint, split, train_window
 from renderer.train.window_files import (
-    FOLDER,
     Finished,
     finish,
     finished,
@@ -68,8 +66,6 @@ class WindowedTraining:
 
     def events(self) -> Generator[TrainEvent, None, None]:
         opened = time.perf_counter()
-        if self.folder and not self.resume:
-            shutil.rmtree(self.folder / FOLDER, ignore_errors=True)
         done: list[_Done] = []
         for window in self.windows:
             done.append(self._kept(window) or (yield from self._trained(window, tuple(done))))
@@ -92,7 +88,9 @@ class WindowedTraining:
 
     def _kept(self, window: Window) -> _Done | None:
         """What an earlier part of the run finished. Raises TrainingError: another run did."""
-        if self.folder is None or not is_finished(folder := folder_of(self.folder, window)):
+        if self.folder is None or not self.resume:
+            return None
+        if not is_finished(folder := folder_of(self.folder, window)):
             return None
         try:
             told = finished(folder)
