@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import time
 from collections.abc import Generator, Sequence
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +25,7 @@ from renderer.train.events import (
     Warned,
 )
 from renderer.train.fading import faded_out_of_sight
+from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frame_store import FrameStore, nearest_folder
 from renderer.train.frames import TrainFrame, halved, train_frame, unseen_by
 from renderer.train.gradient_backend import GradientBackend
@@ -91,11 +89,12 @@ def train_window(
     if config.hold_out and not held_out:
         got = len(clip.train_indices)
         raise ClipError(f"hold_out expects two frames to train on, or more, got {got}: {clip.path}")
-    fit = tuple(index for index in clip.train_indices if index not in held_out)
+    fit = fitted(clip, held_out)
     frames = FrameStore.of((clip.read_frame(index) for index in fit), spilled)
     seeds = frames if clip.points is None else FrameStore.of(with_points(frames, clip.points), spilled)
     size = scene_size(seeds)
     require_resolved(clip, size)
+    identity = fingerprint(clip, config, fit, frames[0])
     checkpoint = read_newest_checkpoint(folder) if folder and resume else None
     # A checkpoint holds all that tracks would give.
     follow, known = (None, _controls_of(checkpoint)) if checkpoint else (seeds, None)
@@ -108,10 +107,11 @@ def train_window(
     taken = (train_frame(frames.take(place), unseen) for place in range(len(frames)))
     pool = _Pool(FrameStore.of(taken, spilled), config.seed, needs.has_masks, spilled)
     del frames, seeds, taken
-    watch, identity = LossWatch(), fingerprint(clip, config)
+    watch = LossWatch()
     start, seconds = 0, 0.0
     if folder and checkpoint:
-        _resume(model, watch, checkpoint, identity, recipe.iterations, folder)
+        known_as = identity, former_fingerprint(clip, config)
+        _resume(model, watch, checkpoint, known_as, recipe.iterations, folder)
         start, seconds = checkpoint.iteration, checkpoint.seconds
     is_new = checkpoint is None
     del checkpoint
@@ -199,7 +199,12 @@ def split(clip: Clip, config: TrainConfig) -> tuple[tuple[int, ...], tuple[int, 
     if not config.hold_out or len(frames) < 2:
         return frames, ()
     held_out = frames[HELD_OUT_PHASE::HELD_OUT_EVERY] or (frames[len(frames) // 2],)
-    return tuple(index for index in frames if index not in held_out), held_out
+    return fitted(clip, held_out), held_out
+
+
+def fitted(clip: Clip, held_out: Sequence[int]) -> tuple[int, ...]:
+    """Training frames of the clip that are not held out of the fit."""
+    return tuple(index for index in clip.train_indices if index not in held_out)
 
 
 def frame_of(iteration: int, frames: Sequence[TrainFrame], seed: int) -> TrainFrame:
@@ -207,12 +212,6 @@ def frame_of(iteration: int, frames: Sequence[TrainFrame], seed: int) -> TrainFr
     epoch, place = divmod(iteration, len(frames))
     order = np.random.default_rng([seed, epoch]).permutation(len(frames))
     return frames[int(order[place])]
-
-
-def fingerprint(clip: Clip, config: TrainConfig) -> str:
-    """What a checkpoint must have in common with the run that resumes it."""
-    identity = {"clip": clip.name, "labels": clip.labels, "size": clip.size, "config": asdict(config)}
-    return hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
 
 
 def _controls_of(checkpoint: Checkpoint) -> int | None:
@@ -234,15 +233,14 @@ def _resume(
     model: TrainModel,
     watch: LossWatch,
     checkpoint: Checkpoint,
-    identity: str,
+    known_as: Sequence[str],
     most: int,
     folder: Path,
 ) -> None:
     """Restore what a checkpoint in `folder` holds. Raises TrainingError: it is of another run, or damaged."""
-    if checkpoint.fingerprint != identity:
-        raise TrainingError(
-            f"expected a checkpoint of this clip and configuration, got another: {folder.name}"
-        )
+    if checkpoint.fingerprint not in known_as:
+        wanted = "expected a checkpoint of this clip and configuration"
+        raise TrainingError(f"{wanted}, got another: {folder.name}")
     # Checkpoints of earlier versions have no state of the watch.
     arrays = {LOSSES: watch.state, **checkpoint.arrays}
     try:

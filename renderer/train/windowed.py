@@ -25,9 +25,10 @@ from renderer.train.events import (
     Warned,
 )
 from renderer.train.events import Finished as Ended
+from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.held_out import evaluated
-from renderer.train.trainer import TrainingError, fingerprint, split, train_window
+from renderer.train.trainer import TrainingError, fitted, split, train_window
 from renderer.train.window_files import (
     Finished,
     finish,
@@ -96,7 +97,8 @@ class WindowedTraining:
             told = finished(folder)
         except ValueError as error:
             raise TrainingError(f"training cannot continue ({error})") from error
-        if told.fingerprint != fingerprint(window.of(self.clip), self.config):
+        former = former_fingerprint(window.of(self.clip), self.config)
+        if told.fingerprint not in (former, self._fingerprint(window)):
             wanted = "expected a window of this clip and configuration"
             raise TrainingError(f"{wanted}, got another: {folder.name}")
         return _Done(told.iterations, told.seconds, 0.0, (), lambda: load(folder))
@@ -115,7 +117,7 @@ class WindowedTraining:
             for event in events:
                 if isinstance(event, Ended):
                     wall, omitted = time.perf_counter() - began, (*omitted, *event.omitted)
-                    model = self._stored(event, clip, folder)
+                    model = self._stored(event, window, folder)
                     return _Done(event.iteration, event.seconds, wall, omitted, model)
                 if isinstance(event, Started):
                     omitted, steps = event.omitted, event.iterations
@@ -156,10 +158,16 @@ class WindowedTraining:
             case Warned():
                 yield Warned(f"window {len(done) + 1}: {event.message}")
 
-    def _stored(self, event: Ended, clip: Clip, folder: Path | None) -> Callable[[], DynamicGaussians]:
+    def _stored(self, event: Ended, window: Window, folder: Path | None) -> Callable[[], DynamicGaussians]:
         """The model of a window, on the disk where there is a folder for it."""
         if folder is None:
             return lambda: event.model
-        told = Finished(fingerprint(clip, self.config), event.iteration, event.seconds)
+        told = Finished(self._fingerprint(window), event.iteration, event.seconds)
         finish(folder, event.model, told)
         return lambda: load(folder)
+
+    def _fingerprint(self, window: Window) -> str:
+        """As its checkpoints have it. Raises ClipError: its first frame cannot be read."""
+        clip = window.of(self.clip)
+        fit = fitted(clip, window.inside(self._held_out))
+        return fingerprint(clip, self.config, fit, clip.read_frame(fit[0]))
