@@ -75,6 +75,15 @@ class Frame:
     tools_are_known: bool = False
     """A mask of its own says where tools are: nobody looks for them."""
 
+    def __post_init__(self) -> None:
+        """Raises ClipError: arrays of other types or sizes than below, such as images in [0, 1]."""
+        size = self.image.shape[:2]
+        _require(self.image, "image", np.uint8, (*size, 3), self.index)
+        _require(self.tissue_mask, "tissue_mask", np.bool_, size, self.index)
+        _require(self.evaluation_mask, "evaluation_mask", np.bool_, size, self.index)
+        if self.depth is not None:
+            _require(self.depth, "depth", np.floating, size, self.index)
+
     @property
     def measured_depth(self) -> NDArray[np.float32] | None:
         """What depth errors are measured against."""
@@ -86,6 +95,15 @@ class Frame:
         if self.depth is None:
             return np.zeros(self.tissue_mask.shape, dtype=bool)
         return self.tissue_mask & (self.depth > 0)
+
+
+def _require(
+    array: NDArray[np.generic], name: str, kind: type[np.generic], shape: tuple[int, ...], index: int
+) -> None:
+    if not np.issubdtype(array.dtype, kind) or array.shape != shape:
+        wanted = f"{'float' if kind is np.floating else kind.__name__.rstrip('_')} of shape {shape}"
+        got = f"{array.dtype} of shape {array.shape}"
+        raise ClipError(f"expected Frame.{name} as {wanted}, got {got}: frame {index}")
 
 
 def within(frame: Frame, kept: BoolImage) -> Frame:

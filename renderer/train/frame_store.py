@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from io import FileIO
 from pathlib import Path
 from typing import Any, Generic, Self, TypeVar, overload
@@ -53,8 +53,8 @@ class FrameStore(Sequence[Item], Generic[Item]):
             self._items.append(frame)
         else:
             places = {name: self._write(value) for name, value in arrays.items()}
-            empty: dict[str, Any] = dict.fromkeys(arrays, _NOTHING)
-            self._items.append(_Elsewhere(replace(frame, **empty), places))
+            rest = {name: value for name, value in values.items() if name not in arrays}
+            self._items.append(_Elsewhere(type(frame), rest, places))
 
     def __len__(self) -> int:
         return len(self._items)
@@ -72,7 +72,7 @@ class FrameStore(Sequence[Item], Generic[Item]):
         if not isinstance(found, _Elsewhere):
             return found
         arrays: dict[str, Any] = {name: self._read(place) for name, place in found.places.items()}
-        return replace(found.frame, **arrays)
+        return found.kind(**found.rest, **arrays)
 
     def __iter__(self) -> Iterator[Item]:
         return (self[index] for index in range(len(self)))
@@ -138,8 +138,6 @@ class _Place:
 class _Elsewhere(Generic[Item]):
     """A frame without its arrays, and where these are."""
 
-    frame: Item
+    kind: type[Item]
+    rest: dict[str, Any]
     places: dict[str, _Place]
-
-
-_NOTHING = np.zeros(0, np.uint8)

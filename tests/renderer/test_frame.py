@@ -1,0 +1,44 @@
+"""What a frame may hold."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from renderer.camera import Camera
+from renderer.clip import ClipError, Frame
+
+CAMERA = Camera.from_fov(60, 32, 24)
+MASK = np.ones((24, 32), bool)
+FRAME = Frame(7, 0.5, np.zeros((24, 32, 3), np.uint8), CAMERA, MASK, MASK, np.ones((24, 32), np.float32))
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        (
+            "image",
+            np.full((24, 32, 3), 0.5, np.float32),
+            r"image as uint8 of shape \(24, 32, 3\), got float32 of shape \(24, 32, 3\): frame 7",
+        ),
+        ("image", np.zeros((24, 32, 4), np.uint8), r"image as uint8 of shape \(24, 32, 3\), got uint8 of"),
+        ("image", np.zeros((24, 32), np.uint8), r"image as uint8 of shape \(24, 32, 3\), got uint8 of shape"),
+        ("tissue_mask", np.ones((24, 32), np.uint8), r"tissue_mask as bool of shape \(24, 32\), got uint8"),
+        ("evaluation_mask", np.ones((24, 31), bool), r"evaluation_mask as bool of shape \(24, 32\), got bool"),
+        ("depth", np.ones((24, 32), np.uint16), r"depth as float of shape \(24, 32\), got uint16"),
+        ("depth", np.ones((12, 16), np.float32), r"depth as float of shape \(24, 32\), got float32 of shape"),
+    ],
+)
+def test_other_types_and_sizes_are_refused(name: str, value: NDArray[np.generic], said: str) -> None:
+    changes: dict[str, object] = {name: value}
+    with pytest.raises(ClipError, match=f"^expected Frame.{said}"):
+        replace(FRAME, **changes)  # type: ignore[arg-type]
+
+
+def test_what_is_meant_is_taken() -> None:
+    depth = np.ones((24, 32), np.float64)
+    assert replace(FRAME, depth=depth).depth is depth
+    assert replace(FRAME, depth=None).depth is None
