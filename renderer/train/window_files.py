@@ -19,6 +19,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed
 from renderer.stored_arrays import stored_metadata
 from renderer.train.checkpoint import clear_checkpoints, read_newest_checkpoint
+from renderer.train.events import Omission
 from renderer.train.windows import Window
 
 FOLDER: Final = "windows"
@@ -37,6 +38,8 @@ class Finished:
     iterations: int
     seconds: float
     """Of its steps."""
+    omitted: tuple[Omission, ...] = ()
+    """What it does without; earlier versions do not say."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +81,17 @@ def finished(folder: Path) -> Finished:
     path = folder / _MODEL
     try:
         told = parsed(stored_metadata(path)[_STATE])
-        return Finished(str(told["fingerprint"]), int(told["iterations"]), float(told["seconds"]))
+        omitted = tuple(map(_omission, told.get("omitted", ())))
+        return Finished(str(told["fingerprint"]), int(told["iterations"]), float(told["seconds"]), omitted)
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f"expected a window of a run, got a damaged file or another: {path}") from error
+
+
+def _omission(told: object) -> Omission:
+    """Raises TypeError: it is none."""
+    if not (isinstance(told, dict) and all(isinstance(value, str | None) for value in told.values())):
+        raise TypeError(f"expected an omission in words, got {told}")
+    return Omission(**told)
 
 
 def load(folder: Path) -> DynamicGaussians:

@@ -101,7 +101,7 @@ class WindowedTraining:
         if told.fingerprint not in (former, self._fingerprint(window)):
             wanted = "expected a window of this clip and configuration"
             raise TrainingError(f"{wanted}, got another: {folder.name}")
-        return _Done(told.iterations, told.seconds, 0.0, (), lambda: load(folder))
+        return _Done(told.iterations, told.seconds, 0.0, told.omitted, lambda: load(folder))
 
     def _trained(self, window: Window, done: Sequence[_Done]) -> Generator[TrainEvent, None, _Done]:
         """The events of a window, as those of the whole clip, and what is left when it is finished."""
@@ -117,7 +117,7 @@ class WindowedTraining:
             for event in events:
                 if isinstance(event, Ended):
                     wall, omitted = time.perf_counter() - began, (*omitted, *event.omitted)
-                    model = self._stored(event, window, folder)
+                    model = self._stored(event, window, omitted, folder)
                     return _Done(event.iteration, event.seconds, wall, omitted, model)
                 if isinstance(event, Started):
                     omitted, steps = event.omitted, event.iterations
@@ -158,11 +158,13 @@ class WindowedTraining:
             case Warned():
                 yield Warned(f"window {len(done) + 1}: {event.message}")
 
-    def _stored(self, event: Ended, window: Window, folder: Path | None) -> Callable[[], DynamicGaussians]:
+    def _stored(
+        self, event: Ended, window: Window, omitted: tuple[Omission, ...], folder: Path | None
+    ) -> Callable[[], DynamicGaussians]:
         """The model of a window, on the disk where there is a folder for it."""
         if folder is None:
             return lambda: event.model
-        told = Finished(self._fingerprint(window), event.iteration, event.seconds)
+        told = Finished(self._fingerprint(window), event.iteration, event.seconds, omitted)
         finish(folder, event.model, told)
         return lambda: load(folder)
 
