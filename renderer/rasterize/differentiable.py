@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 from weakref import finalize
@@ -32,6 +33,11 @@ class _Lent:
         finalize(self, spare.append, self.rasterizer)
 
 
+def _splats(given: Sequence[Tensor]) -> Splats:
+    """Of means, quats, scales, opacities and colors, in their memory."""
+    return Splats(*(value.detach().numpy() for value in given))
+
+
 class CpuRasterize(torch.autograd.Function):
     """means, quats, scales, opacities, colors -> image, alpha, depth, all float32 on the CPU."""
 
@@ -48,11 +54,12 @@ class CpuRasterize(torch.autograd.Function):
         near: float,
         mode: RenderMode,
     ) -> tuple[Tensor, Tensor, Tensor]:
-        arrays = [value.detach().numpy() for value in (means, quats, scales, opacities, colors)]
-        ctx.splats = Splats(*arrays)
+        given = means, quats, scales, opacities, colors
+        # Kept by torch, which raises where one of them is changed in place before the backward pass.
+        ctx.save_for_backward(*given)
         ctx.lent = _Lent(_spare(camera.width, camera.height), camera.width, camera.height)
         ctx.rasterizer = ctx.lent.rasterizer
-        ctx.rasterizer.forward(ctx.splats, camera, near, mode=mode)
+        ctx.rasterizer.forward(_splats(given), camera, near, mode=mode)
         ctx.background = background
         picture = ctx.rasterizer.rendered(camera.width, camera.height, background)
         return (
@@ -64,6 +71,6 @@ class CpuRasterize(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, *gradients: Tensor) -> tuple[Tensor | None, ...]:
         ctx.rasterizer.set_adjoint(*(value.numpy() for value in gradients), ctx.background)
-        result = ctx.rasterizer.backward(ctx.splats)
+        result = ctx.rasterizer.backward(_splats(ctx.saved_tensors))
         arrays = (result.means, result.quats, result.scales, result.opacities, result.colors)
         return (*(torch.from_numpy(array) for array in arrays), None, None, None, None)

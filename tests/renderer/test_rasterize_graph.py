@@ -1,0 +1,45 @@
+"""The CPU rasteriser in a graph of torch: what is changed between its passes, and what is asked of it."""
+
+from __future__ import annotations
+
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from renderer.camera import Camera  # noqa: E402
+from renderer.rasterize import rasterize  # noqa: E402
+
+CAMERA = Camera.from_fov(60, 64, 48)
+
+
+def splats() -> list[torch.Tensor]:
+    return [
+        torch.tensor([[0.3, 0.0, 5.0]]),
+        torch.tensor([[1.0, 0.0, 0.0, 0.0]]),
+        torch.full((1, 3), 0.3),
+        torch.tensor([0.9]),
+        torch.tensor([[0.8, 0.2, 0.2]]),
+    ]
+
+
+@pytest.mark.parametrize("place", range(5))
+def test_what_is_changed_in_place_before_the_backward_pass_is_told(place: int) -> None:
+    given = splats()
+    given[place].requires_grad_()
+    picture = rasterize(*given, CAMERA, backend="cpu")
+    with torch.no_grad():
+        given[place].mul_(1.1)
+    with pytest.raises(RuntimeError, match="modified by an inplace operation"):
+        picture.image[:, :32].sum().backward()
+
+
+def test_gradients_are_of_what_was_drawn() -> None:
+    found = []
+    for backend in ("cpu", "reference"):
+        given = splats()
+        given[0].requires_grad_()
+        picture = rasterize(*given, CAMERA, backend=backend)  # type: ignore[arg-type]
+        picture.image[:, :32].sum().backward()
+        assert given[0].grad is not None
+        found.append(given[0].grad)
+    assert torch.allclose(*found, rtol=1e-3, atol=1e-3)
