@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,14 @@ opacity; by "mip" (anti-aliased, Mip-Splatting) at sqrt(det C / det(C + 0.3 I)) 
 on the screen in px^2, which makes up for the low-pass filter. Each is right for models so trained."""
 Shape = Literal["soft", "ellipsoid", "point"]
 """How a splat is drawn: as the Gaussian it is, or as an opaque body, which shows how a model is built."""
+
+
+def require_drawable(near: float, mode: str) -> None:
+    """Raises ValueError: a near plane that is not in front of the camera, or an unknown mode."""
+    if not near > 0:
+        raise ValueError(f"near must be > 0, got {near}")
+    if mode not in get_args(RenderMode):
+        raise ValueError(f"mode must be {' or '.join(get_args(RenderMode))}, got {mode!r}")
 
 
 @dataclass(frozen=True, eq=False)

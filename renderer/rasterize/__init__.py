@@ -35,7 +35,7 @@ def rasterize(
     `mode` "mip" compensates for the low-pass filter, see RenderMode.
 
     Raises:
-        ValueError: shapes that do not agree, or an unknown backend.
+        ValueError: shapes that do not agree, `near` that is not above 0, or an unknown backend or mode.
         ImportError: no torch; "cuda" without gsplat.
 
     Example:
@@ -52,7 +52,9 @@ def rasterize(
     from renderer.rasterize.cuda import rasterize_cuda
     from renderer.rasterize.differentiable import CpuRasterize
     from renderer.rasterize.reference import Rendered, rasterize_reference
+    from renderer.splats import require_drawable
 
+    require_drawable(near, mode)
     if backend == "reference":
         return rasterize_reference(
             means, quats, scales, opacities, colors, camera, background, near=near, mode=mode

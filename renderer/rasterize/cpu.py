@@ -37,7 +37,7 @@ from renderer.rasterize.tiles import (
     blend_backward,
     reduce_sums,
 )
-from renderer.splats import Float32Array, RenderMode, Splats
+from renderer.splats import Float32Array, RenderMode, Splats, require_drawable
 
 BoolArray = NDArray[np.bool_]
 Floats = NDArray[np.floating]
@@ -142,7 +142,12 @@ class Rasterizer:
         tile_wanted: BoolArray | None = None,
         mode: RenderMode = "default",
     ) -> int:
-        """Blend into `planes`; tiles that are not wanted stay empty. Returns the number of tile entries."""
+        """Blend into `planes`; tiles that are not wanted stay empty. Returns the number of tile entries.
+
+        Raises:
+            ValueError: `near` that is not above 0, or an unknown `mode`.
+        """
+        require_drawable(near, mode)
         if len(self.visible) != len(splats):
             self._reserve_splats(len(splats))
         self.wanted = self._all_tiles if tile_wanted is None else tile_wanted
@@ -238,6 +243,9 @@ def render(
 
     Gaussians are projected and blended front to back (Eqs 13-16; Kerbl et al., 3D Gaussian Splatting, ACM
     TOG 42(4), 2023), in float32. `near` in scene units; `mode` "mip" compensates for the low-pass filter.
+
+    Raises:
+        ValueError: `near` that is not above 0, or an unknown `mode`.
 
     Example:
         >>> import numpy as np

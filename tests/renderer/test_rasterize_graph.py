@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import pytest
 
 torch = pytest.importorskip("torch")
 
 from renderer.camera import Camera  # noqa: E402
 from renderer.rasterize import rasterize  # noqa: E402
+from renderer.rasterize.cpu import render  # noqa: E402
+from renderer.splats import Splats  # noqa: E402
 
 CAMERA = Camera.from_fov(60, 64, 48)
 
@@ -43,3 +48,23 @@ def test_gradients_are_of_what_was_drawn() -> None:
         assert given[0].grad is not None
         found.append(given[0].grad)
     assert torch.allclose(*found, rtol=1e-3, atol=1e-3)
+
+
+@pytest.mark.parametrize("backend", ["cpu", "reference", "auto"])
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"near": -1.0}, r"near must be > 0, got -1.0"),
+        ({"near": 0.0}, r"near must be > 0, got 0.0"),
+        ({"near": math.nan}, r"near must be > 0, got nan"),
+        ({"mode": "Mip"}, r"mode must be default or mip, got 'Mip'"),
+    ],
+)
+def test_nothing_is_drawn_from_behind_the_camera_or_in_an_unknown_way(
+    asked: dict[str, Any], said: str, backend: Any
+) -> None:
+    with pytest.raises(ValueError, match=said):
+        rasterize(*splats(), CAMERA, backend=backend, **asked)
+    arrays = Splats(*(value.numpy() for value in splats()))
+    with pytest.raises(ValueError, match=said):
+        render(arrays, CAMERA, **asked)
