@@ -69,7 +69,7 @@ class Frame:
     evaluation_mask: BoolImage
     """(H, W), True = pixel counted by the metrics."""
     depth: NDArray[np.float32] | None = None
-    """(H, W) along +z in the clip's unit; 0 = no measurement. None when the clip has no depth."""
+    """(H, W) along +z in the clip's unit; 0, NaN and infinity = no measurement. None when the clip has no depth."""
     depth_is_guess: bool = False
     """Known up to scale and shift of its inverse at best: no depth is measured against it."""
     tools_are_known: bool = False
@@ -94,7 +94,7 @@ class Frame:
         """(H, W), True where depth is measured on tissue."""
         if self.depth is None:
             return np.zeros(self.tissue_mask.shape, dtype=bool)
-        return self.tissue_mask & (self.depth > 0)
+        return self.tissue_mask & (self.depth > 0) & (self.depth < np.inf)
 
 
 def _require(

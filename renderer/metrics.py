@@ -150,7 +150,7 @@ def _depths(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Both depths of the pixels of the mask where both are measured."""
     _check(depth, reference, mask)
-    both = mask & (depth > 0) & (reference > 0)
+    both = mask & (depth > 0) & (reference > 0) & (reference < np.inf)
     return depth[both].astype(np.float64), reference[both].astype(np.float64)
 
 

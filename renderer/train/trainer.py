@@ -27,7 +27,7 @@ from renderer.train.events import (
 from renderer.train.fading import faded_out_of_sight
 from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frame_store import FrameStore, nearest_folder
-from renderer.train.frames import TrainFrame, halved, train_frame, unseen_by
+from renderer.train.frames import TrainFrame, halved, train_frame, unseen_by, within_reach
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.guards import LossWatch
 from renderer.train.held_out import HeldOut, evaluated
@@ -90,7 +90,7 @@ def train_window(
         got = len(clip.train_indices)
         raise ClipError(f"hold_out expects two frames to train on, or more, got {got}: {clip.path}")
     fit = fitted(clip, held_out)
-    frames = FrameStore.of((clip.read_frame(index) for index in fit), spilled)
+    frames = FrameStore.of((within_reach(clip.read_frame(index)) for index in fit), spilled)
     seeds = frames if clip.points is None else FrameStore.of(with_points(frames, clip.points), spilled)
     size = scene_size(seeds)
     require_resolved(clip, size)
