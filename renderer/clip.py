@@ -69,7 +69,8 @@ class Frame:
     evaluation_mask: BoolImage
     """(H, W), True = pixel counted by the metrics."""
     depth: NDArray[np.float32] | None = None
-    """(H, W) along +z in the clip's unit; 0, NaN and infinity = no measurement. None when the clip has no depth."""
+    """(H, W) along +z in the clip's unit; 0, NaN and infinity = no measurement. None when the clip has no
+    depth."""
     depth_is_guess: bool = False
     """Known up to scale and shift of its inverse at best: no depth is measured against it."""
     tools_are_known: bool = False

@@ -109,6 +109,11 @@ class ClipPart:
         """With the copies of the masks that a run keeps in its folder."""
         return self if self.tool_masks is None else replace(self, tool_masks=self.tool_masks.kept_in(run))
 
+    def require_own_masks(self, whole: Clip) -> None:
+        """Of a run's part of the clip. Raises ClipError: its tool masks are not what they were."""
+        if self.tool_masks is not None:
+            self.tool_masks.require_unchanged(whole)
+
     def told(self, count: int | None = None) -> str:
         """In words, of a clip of `count` frames, None: not known; empty for all of it."""
         is_whole = self.trim is None or (count is not None and self.span(count) == (0, count - 1))

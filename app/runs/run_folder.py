@@ -117,11 +117,6 @@ class ClipRecord:
         seen = part.through(tuple(Camera.from_json(each) for each in self._one_each()))
         return replace(seen, points=self.poses.sparse_points or part.points)
 
-    def require_own_masks(self, whole: Clip) -> None:
-        """Raises ClipError: the run's copies of tool masks are not what they were."""
-        if self.part.tool_masks is not None:
-            self.part.tool_masks.require_unchanged(whole)
-
     def as_trained(self, whole: Clip) -> Clip:
         """The part of the whole clip that was trained on, without what was left out of its frames."""
         return self.through(self.part.of(whole))
@@ -243,7 +238,10 @@ class RunFolder:
         there = self.path
         if there.exists() and not there.is_dir():
             raise UserError(f"expected an empty or new folder for the run, got a file: {there}")
-        is_vacant = there.is_dir() and all(map(_is_passing, there.iterdir()))
+        # The lock is of a process that is about to begin a run here, or was killed then.
+        is_vacant = there.is_dir() and all(
+            each.name in (NAME, LOCK) or PARTIAL.match(each.name) for each in there.iterdir()
+        )
         if there.exists() and not is_vacant:
             raise UserError(f"expected an empty or new folder for the run, got one with other files: {there}")
 
@@ -333,11 +331,6 @@ class RunFolder:
             raise UserError(str(error)) from error
 
 
-def _is_passing(file: Path) -> bool:
-    """What is half written, or left by a process that was about to begin a run."""
-    return file.name in (NAME, LOCK) or PARTIAL.match(file.name) is not None
-
-
 def _parsed(line: str) -> dict[str, Any] | None:
     try:
         event = parsed(line)
@@ -386,17 +379,13 @@ OMITTED = TypeAdapter(tuple[Omission, ...])
 
 
 def run_clip(record: RunRecord) -> Clip:
-    """The part of the clip that the run was trained on.
-
-    Raises:
-        UserError: it is not the same any more.
-        ClipError: nor are the run's copies of tool masks.
-    """
+    """The part of the clip that the run was trained on. Raises UserError when it is not the same any more,
+    ClipError when the run's tool masks are not."""
     path = Path(record.clip.path)
     clip = open_clip(path, record.clip.options)
     if not record.clip.is_of(path):
         raise UserError(f"expected the clip that the run was trained on, got changed files: {path}")
-    record.clip.require_own_masks(clip)
+    record.clip.part.require_own_masks(clip)
     return record.clip.as_trained(clip)
 
 

@@ -135,7 +135,7 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
         yield _finished_before(run)
         return
     if record is not None:
-        record.clip.require_own_masks(whole)
+        record.clip.part.require_own_masks(whole)
     yield planned_in(run.path, clip, request.config)
     clock.before = run.wall_before()
     device = device_of(request).device

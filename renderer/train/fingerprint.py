@@ -18,7 +18,8 @@ _READ = ("measured", "beside")
 
 
 def fingerprint(clip: Clip, config: TrainConfig, fit: Sequence[int], first: Frame) -> str:
-    """Of the configuration, the frames `fit` and all cameras of a clip, and what the `first` of them shows."""
+    """Of the configuration, the frames `fit` and all cameras of a clip, and what its `first` frame of the fit
+    shows."""
     digest = hashlib.sha256(former_fingerprint(clip, config).encode())
     digest.update(np.array(fit, np.int64).tobytes())
     for camera in clip.cameras:

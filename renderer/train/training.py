@@ -12,8 +12,8 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Started, TrainEvent
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.trainer import require_depth, split, train_window
-from renderer.train.windowed import WindowedTraining
 from renderer.train.window_files import clear
+from renderer.train.windowed import WindowedTraining
 from renderer.train.windows import left_out, windows_of
 
 

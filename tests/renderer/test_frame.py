@@ -27,7 +27,11 @@ FRAME = Frame(7, 0.5, np.zeros((24, 32, 3), np.uint8), CAMERA, MASK, MASK, np.on
         ("image", np.zeros((24, 32, 4), np.uint8), r"image as uint8 of shape \(24, 32, 3\), got uint8 of"),
         ("image", np.zeros((24, 32), np.uint8), r"image as uint8 of shape \(24, 32, 3\), got uint8 of shape"),
         ("tissue_mask", np.ones((24, 32), np.uint8), r"tissue_mask as bool of shape \(24, 32\), got uint8"),
-        ("evaluation_mask", np.ones((24, 31), bool), r"evaluation_mask as bool of shape \(24, 32\), got bool"),
+        (
+            "evaluation_mask",
+            np.ones((24, 31), bool),
+            r"evaluation_mask as bool of shape \(24, 32\), got bool",
+        ),
         ("depth", np.ones((24, 32), np.uint16), r"depth as float of shape \(24, 32\), got uint16"),
         ("depth", np.ones((12, 16), np.float32), r"depth as float of shape \(24, 32\), got float32 of shape"),
     ],
