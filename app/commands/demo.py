@@ -23,8 +23,9 @@ from app.evaluation.evaluate import Evaluation, open_evaluation
 from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import NOTICE, provenance, strict_json, write_png
 from app.files.records import Source
-from app.runs.run_folder import Input, RunFolder, enhanced_clip
+from app.runs.run_folder import Input, RunFolder
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, device_of, pooled
+from app.runs.trained_clip import enhanced_clip
 from app.scenes.cpu_rendering import Drawn, colored_depth, draw_on_cpu
 from assets import phantom_path
 from renderer.clip import ByteImage, Clip

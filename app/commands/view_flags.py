@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from app.errors import UserError
-from app.runs.run_folder import RunFolder, input_clip, run_clip
+from app.runs.run_folder import RunFolder
+from app.runs.trained_clip import input_clip, run_clip
 from app.scenes.backgrounds import BACKGROUNDS
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import BY_PROCESSOR, EXPLAINED

@@ -20,7 +20,8 @@ from app.evaluation.mean import mean_of_finite
 from app.files.provenance import plain
 from app.runs.memory import peak_memory_mb
 from app.runs.run_edits import LeftOut, read_edits
-from app.runs.run_folder import RunFolder, RunRecord, input_clip, run_clip
+from app.runs.run_folder import RunFolder, RunRecord
+from app.runs.trained_clip import input_clip, run_clip
 from app.runs.wall_clock import STEPS, WALL
 from app.scenes.cpu_rendering import Drawn
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast

@@ -18,8 +18,9 @@ from app.report.bench import Bench, Clock, measured_frames
 from app.report.paper_rows import PAPER
 from app.report.runs import SEEDS, Trained, schedule
 from app.report.section import Cell, Column, Table
-from app.runs.run_folder import Input, enhanced_clip
+from app.runs.run_folder import Input
 from app.runs.train_run import RECONSTRUCTION_PARAMS, Measured, pooled
+from app.runs.trained_clip import enhanced_clip
 from app.scenes.cpu_rendering import draw_on_cpu
 from enhance.metrics import dvbv_otsu
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError

@@ -10,8 +10,9 @@ from typing import Final
 
 from app.files.provenance import strict_json
 from app.report.outcomes import setting_of
-from app.runs.run_folder import Input, RunFolder, input_clip
+from app.runs.run_folder import Input, RunFolder
 from app.runs.train_run import Measured, TrainRequest, run_training
+from app.runs.trained_clip import input_clip
 from renderer.clip import Clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished

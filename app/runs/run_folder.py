@@ -21,7 +21,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import problem
-from app.enhancement.methods import MethodEnhancer, RecordedSettings
+from app.enhancement.methods import RecordedSettings
 from app.enhancement.settable import FrameNumber
 from app.errors import UserError
 from app.files.atomic import make_folder, replaced, write_bytes
@@ -32,13 +32,12 @@ from app.runs.run_lock import LOCK, NAME
 from enhance import Statistics
 from renderer.budget import budget
 from renderer.camera import Camera
-from renderer.clip import ByteImage, Clip, Frame, SparsePoints, held_out_frames
+from renderer.clip import Clip, SparsePoints, held_out_frames
 from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed, read_text
 from renderer.poses.lost_frame import LostFrame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, TrainEvent
 from renderer.train.window_files import FOLDER as WINDOWS
@@ -376,30 +375,3 @@ TIMED: Final = ("Progress", "Finished")
 MOST: Final = 1e12
 """That any of them may be."""
 OMITTED = TypeAdapter(tuple[Omission, ...])
-
-
-def run_clip(record: RunRecord) -> Clip:
-    """The part of the clip that the run was trained on. Raises UserError when it is not the same any more,
-    ClipError when the run's tool masks are not."""
-    path = Path(record.clip.path)
-    clip = open_clip(path, record.clip.options)
-    if not record.clip.is_of(path):
-        raise UserError(f"expected the clip that the run was trained on, got changed files: {path}")
-    record.clip.part.require_own_masks(clip)
-    return record.clip.as_trained(clip)
-
-
-def input_clip(clip: Clip, record: RunRecord) -> Clip:
-    """The clip with the frames that the run was trained on: its own, or the same enhanced again."""
-    return enhanced_clip(clip, record.enhancement) if record.enhancement else clip
-
-
-def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:
-    """The clip with every frame enhanced, all with the same statistics."""
-
-    def enhanced(image: ByteImage, frame: Frame) -> ByteImage:
-        enhancer = MethodEnhancer()
-        enhancer.show(image)
-        return enhancer.enhance(enhancement.params, statistics=enhancement.statistics).image
-
-    return clip.with_images(enhanced, f"{clip.name} enhanced")

@@ -40,11 +40,11 @@ from app.runs.run_folder import (
     Input,
     RunFolder,
     RunRecord,
-    input_clip,
 )
 from app.runs.run_lock import locked
 from app.runs.structuring import structured
 from app.runs.tool_masks import FOLDER, ToolMasks, keep
+from app.runs.trained_clip import input_clip
 from app.runs.wall_clock import WallClock
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams

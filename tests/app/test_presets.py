@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from app.errors import UserError
-from app.runs.run_folder import RunFolder, input_clip
+from app.runs.run_folder import RunFolder
+from app.runs.trained_clip import input_clip
 from enhance import measure
 from enhance.metrics import dvbv_otsu
 from enhance.vessel import VesselParams, enhance_vessels

@@ -27,8 +27,9 @@ from app.report.bench import PHANTOM as PARAMS
 from app.report.diagrams import pareto_front
 from app.report.outcomes import Run, diagrams, grouped, mean, setting_of
 from app.report.plots import diagrams_figure
-from app.runs.run_folder import RunFolder, input_clip, run_clip
+from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
+from app.runs.trained_clip import input_clip, run_clip
 from renderer.measuring.training_accuracy import KNOBS, outcome, settings
 from renderer.phantom import Phantom, write_phantom
 from renderer.sources import open_clip

@@ -12,8 +12,9 @@ from app.files.image_series import Series, open_series
 from app.files.provenance import digests
 from app.files.records import Source
 from app.runs.run_edits import unpacked
-from app.runs.run_folder import RunFolder, input_clip, run_clip
+from app.runs.run_folder import RunFolder
 from app.runs.runs_place import runs_place
+from app.runs.trained_clip import input_clip, run_clip
 from app.scenes.drawer import Drawer
 from app.scenes.records import RunSource, SceneRecord
 from app.scenes.renderers import Renderer, drawer

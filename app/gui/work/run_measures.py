@@ -9,7 +9,7 @@ import numpy as np
 
 from app.evaluation.mean import mean_of_finite
 from app.runs.clip_selection import ClipPart
-from app.runs.run_folder import enhanced_clip
+from app.runs.trained_clip import enhanced_clip
 from app.scenes.cpu_rendering import draw_on_cpu
 from app.scenes.scene import Scene
 from renderer.clip import BoolImage, Clip

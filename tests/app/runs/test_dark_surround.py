@@ -15,8 +15,9 @@ import pytest
 from app.gui.work.omissions import OmissionsRequest, look
 from app.report.runs import Runs
 from app.runs.dark_surround import lit_field
-from app.runs.run_folder import RunFolder, run_clip
+from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
+from app.runs.trained_clip import run_clip
 from app.scenes.cpu_rendering import draw_on_cpu
 from app.scenes.scene import open_scene
 from enhance.field import overlap

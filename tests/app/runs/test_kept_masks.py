@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from app.runs.clip_selection import ClipPart
-from app.runs.run_folder import RunFolder, run_clip
+from app.runs.run_folder import RunFolder
 from app.runs.tool_masks import FOLDER, ToolMasks
 from app.runs.train_run import run_training
+from app.runs.trained_clip import run_clip
 from renderer.clip import ClipError
 from renderer.sources import open_clip
 from renderer.tools.mask_files import save_mask

@@ -12,8 +12,9 @@ from PIL import Image
 from app.evaluation.evaluate import open_evaluation
 from app.gui.work.opening import OpenRequest, open_path
 from app.runs.clip_selection import ClipPart
-from app.runs.run_folder import RunFolder, run_clip
+from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
+from app.runs.trained_clip import run_clip
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, Warned

@@ -15,9 +15,10 @@ from app.evaluation.evaluate import open_evaluation
 from app.runs import structuring
 from app.runs.dark_surround import lit_field, lit_part
 from app.runs.posing import Posed
-from app.runs.run_folder import RunFolder, run_clip
+from app.runs.run_folder import RunFolder
 from app.runs.structuring import structured
 from app.runs.train_run import TrainRequest, run_training
+from app.runs.trained_clip import run_clip
 from renderer.clip import Clip, ClipError
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.poses.from_motion import FoundStructure, followed_features

@@ -14,9 +14,10 @@ from PIL import Image
 from app.errors import UserError
 from app.evaluation.evaluate import open_evaluation
 from app.runs.clip_selection import ClipPart
-from app.runs.run_folder import RunFolder, run_clip
+from app.runs.run_folder import RunFolder
 from app.runs.tool_masks import FOLDER, ToolMasks
 from app.runs.train_run import run_training
+from app.runs.trained_clip import run_clip
 from app.scenes.scene import open_scene
 from renderer.clip import BoolImage
 from renderer.sources import open_clip

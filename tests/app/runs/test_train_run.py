@@ -14,8 +14,9 @@ import pytest
 
 from app.errors import UserError
 from app.files.provenance import read_provenance
-from app.runs.run_folder import RunFolder, input_clip
+from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
+from app.runs.trained_clip import input_clip
 from app.scenes.cpu_rendering import draw_on_cpu
 from enhance import EnhanceParams, enhance, measure
 from enhance.metrics import dvbv_otsu

@@ -13,8 +13,9 @@ import pytest
 from app.enhancement.image_mask import NO_MASK
 from app.gui.work.omissions import OmissionsRequest, look
 from app.gui.work.strip import LeftOutRequest, left_out
-from app.runs.run_folder import RunFolder, run_clip
+from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
+from app.runs.trained_clip import run_clip
 from app.runs.unmasked_tools import tools_in
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
