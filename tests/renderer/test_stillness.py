@@ -105,7 +105,17 @@ def displaced(aside: Field, count: int = 64, scale: int = 1) -> list[Frame]:
         )
         noise = np.random.default_rng(index).normal(0, 0.5, picture.shape)
         image = np.rint(np.clip(moved + noise, 0, 255)).astype(np.uint8)
-        frames.append(replace(frame, index=index, image=image, camera=camera, tissue_mask=mask, depth=None))
+        frames.append(
+            replace(
+                frame,
+                index=index,
+                image=image,
+                camera=camera,
+                tissue_mask=mask,
+                evaluation_mask=mask,
+                depth=None,
+            )
+        )
     return frames
 
 
@@ -164,6 +174,7 @@ def test_what_a_large_frame_shows_at_a_low_resolution_lies_where_it_was() -> Non
                 image=np.asarray(image, np.uint8),
                 camera=replace(lens, width=width, height=height),
                 tissue_mask=np.ones((height, width), bool),
+                evaluation_mask=np.ones((height, width), bool),
                 depth=np.full((height, width), 50, np.float32),
             )
         )
