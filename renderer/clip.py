@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -192,6 +193,10 @@ class Clip:
 
     def __len__(self) -> int:
         return len(self.cameras)
+
+    def lies_at(self, path: Path) -> bool:
+        """Whether that is its path, in whatever words; links are not followed, and no file is looked at."""
+        return os.path.abspath(self.path) == os.path.abspath(path)
 
     @property
     def size(self) -> tuple[int, int]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -171,7 +170,7 @@ class Scene:
         if self.record.clip is None:
             return False
         if self.clip_path is not None:
-            return os.path.abspath(self.clip_path) != os.path.abspath(clip.path)
+            return not clip.lies_at(self.clip_path)
         return self.record.clip.name != clip.name
 
     def is_of(self, clip: Clip) -> bool:

@@ -83,7 +83,7 @@ def _run_of_source(state: AppState) -> Path | None:
     run, clip = state.runs.reconstruction, state.source.clip
     if run.request is None or clip is None or state.source.path == run.run_path:
         return run.run_path
-    return run.run_path if os.path.abspath(run.request.clip_path) == os.path.abspath(clip.path) else None
+    return run.run_path if clip.lies_at(run.request.clip_path) else None
 
 
 def _summary(state: AppState, folder: Path) -> SummaryDraft:

@@ -27,7 +27,7 @@ def ask_before_quitting(state: AppState) -> None:
             queue_actions.answer_closing(state, close=False)
             actions.leave_session(state, dockings.quit_app)
     _draw_unsaved(state)
-    draw_new_case(state)
+    _draw_new_case(state)
     _draw_question(state)
 
 
@@ -41,7 +41,7 @@ def _draw_unsaved(state: AppState) -> None:
         session_actions.answer(state, reply.lower())
 
 
-def draw_new_case(state: AppState) -> None:
+def _draw_new_case(state: AppState) -> None:
     """Before notes and case summary begin anew."""
     if not state.session.asks_new_case:
         return

@@ -136,7 +136,7 @@ def _draw_hold(state: AppState) -> None:
 
 def _draw_status(state: AppState, run: Reconstruction) -> None:
     progress, words, clip = run.progress, doing(state), state.source.clip
-    if run.clip is not None and (clip is None or clip.path.absolute() != run.clip.path.absolute()):
+    if run.clip is not None and (clip is None or not clip.lies_at(run.clip.path)):
         note(f"Of another clip: {legible(run.clip.name)}", theme.now().warning)
     note(words, theme.now().text)
     if run.request is not None:
