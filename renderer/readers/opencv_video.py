@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 
 from renderer.clip import ByteImage, ClipError
+from renderer.readers.container_end import ends_early
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.misnamed import neither
@@ -20,8 +21,6 @@ STEP_LIMIT = 32
 MORE = "install PyAV to read more"
 SAMPLES = 8
 """Frames that are compared with each other at opening."""
-LOST = 0.5
-"""Seconds that are missing from a file that is cut off."""
 TAIL = 16
 """A video is cut off somewhere in its last packets: as many are decoded to know where."""
 
@@ -41,7 +40,6 @@ class OpenCvVideo:
         self._path = path
         self._lock = threading.Lock()
         self._capture = open_capture(path)
-        announced = self._capture.get(cv2.CAP_PROP_FRAME_COUNT)
         rate = self._capture.get(cv2.CAP_PROP_FPS)
         self.frames_per_second = rate if 0 < rate < 1000 else None
         packets = _stamps(_packets(path))
@@ -57,7 +55,7 @@ class OpenCvVideo:
         self._refuse_unwritten()
         self.frame_times = self._times()
         self.notices: tuple[str, ...] = ()
-        if self.frames_per_second and announced / self.frames_per_second - self.frame_times[-1] > LOST:
+        if ends_early(path):
             # Of a file that is cut off, the last packet decodes to a damaged picture.
             self._stamps = self._stamps[:1] + self._stamps[1:-1]
             self.frame_times = self.frame_times[: len(self)]

@@ -45,11 +45,13 @@ def encoded(
     options: dict[str, str] | None = None,
     times: Sequence[float] | None = None,
     sound: str | None = None,
+    sound_seconds: float | None = None,
     matrix: int = 1,
     aspect: Fraction | None = None,
     interlaced: bool = False,
 ) -> Path:
-    """A video of 25 frames a second, or with its frames at `times` in seconds; `sound` names a codec.
+    """A video of 25 frames a second, or with its frames at `times` in seconds; `sound` names a codec,
+    whose track lasts as long, or `sound_seconds`.
 
     `interlaced` marks frames as two fields, the upper lines first.
     """
@@ -77,7 +79,7 @@ def encoded(
             container.mux(stream.encode(frame))
         container.mux(stream.encode())
         if track is not None:
-            for block in tone(len(pictures) / 25):
+            for block in tone(sound_seconds or len(pictures) / 25):
                 container.mux(track.encode(block))
             container.mux(track.encode())
     return path
