@@ -34,6 +34,7 @@ from app.enhancement.settable import PIXELS, Pixels, drawn
 from app.enhancement.setting_words import LABELS, said
 from app.errors import UserError
 from app.files.atomic import filled
+from app.files.color_profiles import profile_of
 from app.files.image_files import ArrayImage, write_image
 from app.files.image_series import open_series
 from app.files.provenance import provenance, strict_json, write_png
@@ -78,6 +79,7 @@ class Origin:
 
     image: ArrayImage
     tissue: BoolImage | None
+    path: Path
     source: Source
     frame: int | None
     """Of a video."""
@@ -132,7 +134,7 @@ def _origin(flags: argparse.Namespace) -> Origin:
         tissue = inside([image]) if flags.pixels == "tissue" else None
     except ImageError as error:
         raise UserError(f"{error}: {path}") from error
-    return Origin(image, tissue, Source.of(path), frame, flags.method, flags.pixels)
+    return Origin(image, tissue, path, Source.of(path), frame, flags.method, flags.pixels)
 
 
 def _tried(folder: Path, origin: Origin, wanted: Sequence[Setting]) -> list[Row]:
@@ -150,7 +152,8 @@ def _tried(folder: Path, origin: Origin, wanted: Sequence[Setting]) -> list[Row]
                     statistics=cell.statistics,
                     measures=cell.measures,
                 )
-                write_image(folder / name, cell.image, record.signed)
+                profile = profile_of(origin.path, cell.image)
+                write_image(folder / name, cell.image, record.signed, profile=profile)
                 rows[cell.setting] = Row(name, cell.setting, tile(cell, said(cell.setting)), cell.measures)
                 report(len(rows), cell.setting.label)
         except ImageError as error:
@@ -175,7 +178,7 @@ def _write_summary(
         settings=shown,
     )
     picture = contact_sheet(title, [row.tile for row in rows], columns, breaks=True)
-    write_png(folder / "sheet.png", picture, sheet.signed)
+    write_png(folder / "sheet.png", picture, sheet.signed, profile_of(origin.path, picture))
     (folder / "tuning.csv").write_bytes(_table(axes, rows))
     cells = [row.facts for row in rows]
     report = provenance(**origin.shared, axes=axes, sort=sort, cells=cells, definitions=dict(DEFINITIONS))

@@ -181,7 +181,7 @@ def _tuning_sheet(record: TuningSheet, sources: Sources, target: Path) -> None:
     picture = contact_sheet(
         record.title, [tiles[setting] for setting in wanted], record.columns, breaks=record.breaks_labels
     )
-    write_png(target, picture, record.signed)
+    write_png(target, picture, record.signed, profile_of(series.sources[frame], picture))
 
 
 def _render(record: Render, sources: Sources, target: Path) -> None:

@@ -33,6 +33,7 @@ ArrayImage = NDArray[Any]
 
 TIFF = frozenset({".tif", ".tiff"})
 JPEGS = frozenset({".jpg", ".jpeg"})
+WEBP = ".webp"
 JPEG = b"\xff\xd8"
 """How such a file begins, whatever its name."""
 PHOTOMETRIC = 262
@@ -212,7 +213,7 @@ def write_image(
     path: Path, image: ArrayImage, facts: dict[str, Any], quality: int | None = None, profile: bytes = b""
 ) -> None:
     """Write atomically in the format of the suffix; PNG, JPEG and TIFF carry `facts` and the ICC `profile` of
-    the colours, other files have the facts beside them.
+    the colours, WebP the profile; other files than the first three have the facts beside them.
 
     `quality` is that of a JPEG, 1 to 100, which then keeps all of its colour's resolution.
 
@@ -223,7 +224,7 @@ def write_image(
     if suffix == ".png" and image.dtype in (np.uint8, np.uint16):
         write_bytes(path, encode_png(image, facts, profile))
         return
-    content = _encoded(path, image, quality)
+    content = _encoded(path, image, quality, profile)
     if suffix in CARRIERS:
         write_bytes(path, carrying(suffix, content, ascii_json(facts), profile))
         return
@@ -232,7 +233,7 @@ def write_image(
         write_sidecar(place, facts)
 
 
-def _encoded(path: Path, image: ArrayImage, quality: int | None) -> bytes:
+def _encoded(path: Path, image: ArrayImage, quality: int | None, profile: bytes) -> bytes:
     suffix = path.suffix.lower()
     if suffix == ".npy":
         buffer = io.BytesIO()
@@ -244,7 +245,11 @@ def _encoded(path: Path, image: ArrayImage, quality: int | None) -> bytes:
         raise UserError(f"{suffix} cannot hold {image.dtype} values; name the output .tiff or .npy: {path}")
     # OpenCV would make bytes of half floats, which float32 holds exactly.
     storable = image.astype(np.float32) if image.dtype == np.float16 else image
-    done, encoded = cv2.imencode(suffix, _swapped(storable), _settings(suffix, quality))
+    kinds, carried = list[int](), list[NDArray[np.uint8]]()
+    if profile and suffix == WEBP:
+        kinds, carried = [cv2.IMAGE_METADATA_ICCP], [np.frombuffer(profile, np.uint8)]
+    settings = _settings(suffix, quality)
+    done, encoded = cv2.imencodeWithMetadata(suffix, _swapped(storable), kinds, carried, settings)
     if not done:
         raise UserError(f"{suffix} cannot hold an image of shape {image.shape}: {path}")
     return encoded.tobytes()

@@ -169,9 +169,10 @@ def _name_in(path: Path, folder: Path, whole: Path) -> PurePath:
     return PurePath("..", path.parent.name, path.name)
 
 
-def write_png(path: Path, image: Image, facts: dict[str, Any]) -> None:
-    """Write atomically an (H, W), (H, W, 3) RGB or (H, W, 4) RGBA image with its provenance and sRGB tag."""
-    write_bytes(path, encode_png(image, facts))
+def write_png(path: Path, image: Image, facts: dict[str, Any], profile: bytes = b"") -> None:
+    """Write atomically an (H, W), (H, W, 3) RGB or (H, W, 4) RGBA image with its provenance, and its ICC
+    `profile` or the tag of sRGB."""
+    write_bytes(path, encode_png(image, facts, profile))
 
 
 def write_sidecar(path: Path, facts: dict[str, Any]) -> None:

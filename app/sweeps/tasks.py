@@ -15,6 +15,7 @@ from app.enhancement.records import EnhancedPicture
 from app.evaluation.evaluate import Evaluation, FrameMeasures, open_evaluation
 from app.evaluation.mean import mean_of_finite
 from app.files.atomic import filled
+from app.files.color_profiles import profile_of
 from app.files.image_files import write_image
 from app.files.image_series import open_series
 from app.files.provenance import provenance, write_png
@@ -85,7 +86,8 @@ def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Number
         view = field_of_view(image)
         found.append(measured(result, image, vessel_mask(image, tissue_mask=view), view, milliseconds))
         if index == kept and result.dtype.kind != "f":
-            write_image(folder / PICTURE, result, record.signed)
+            profile = profile_of(series.sources[index], result)
+            write_image(folder / PICTURE, result, record.signed, profile=profile)
     return _means(found, [field.name for field in fields(Measures)]) | {"images": float(len(found))}
 
 

@@ -69,3 +69,23 @@ def test_a_long_profile_is_whole(tmp_path: Path, suffix: str) -> None:
     write_image(tmp_path / f"out{suffix}", image, facts, profile=profile)
     assert profile_in(tmp_path / f"out{suffix}") == profile
     assert read_provenance(tmp_path / f"out{suffix}") == facts
+
+
+@pytest.mark.parametrize("shape", [(48, 64, 3), (48, 64, 4)])
+def test_webp_carries_the_profile(tmp_path: Path, shape: tuple[int, ...]) -> None:
+    image = np.random.default_rng(0).integers(0, 256, shape, np.uint8)
+    write_image(tmp_path / "a.webp", image, {}, profile=RGB)
+    write_image(tmp_path / "b.webp", image, {})
+    assert [profile_in(tmp_path / name) for name in ("a.webp", "b.webp")] == [RGB, None]
+    assert np.array_equal(read_image(tmp_path / "a.webp"), read_image(tmp_path / "b.webp"))
+
+
+def test_tuned_images_and_their_sheet_keep_the_profile(tmp_path: Path, vesselsplat: Cli) -> None:
+    source, out = tmp_path / "in.png", tmp_path / "out"
+    image_with(source, RGB)
+    done: Call = vesselsplat("tune", source, "--vary", "strength=0,1", "--out", out)
+    assert (done.code, done.error) == (0, "")
+    names = ("setting-000.png", "setting-001.png", "sheet.png")
+    assert [profile_in(out / name) for name in names] == [RGB] * 3
+    again = vesselsplat("replay", out / "sheet.png", "--source", source)
+    assert again.out.rstrip().endswith("identical")
