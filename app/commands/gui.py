@@ -45,7 +45,12 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError("the app needs a display: neither DISPLAY nor WAYLAND_DISPLAY is set")
     from app.gui.window import run_app
 
-    run_app(flags.path, options, live)
+    run_app(None if flags.path is None else _plain(flags.path), options, live)
+
+
+def _plain(path: Path) -> Path:
+    """Absolute and without `..`, which leads elsewhere behind a link; a link itself keeps its name."""
+    return path.resolve() if ".." in path.parts else path.absolute()
 
 
 def _start(flags: argparse.Namespace, stereo: Stereo) -> LiveStart | None:

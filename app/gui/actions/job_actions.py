@@ -102,7 +102,7 @@ def continue_reconstruction(state: AppState) -> None:
     clip, request = state.source.clip, run.request
     if can_continue(state) and request is not None:
         # Another clip, or the same one read in another way: the run's own is opened when its turn comes.
-        is_open = clip is not None and clip.path.absolute() == request.clip_path.absolute()
+        is_open = clip is not None and clip.lies_at(request.clip_path)
         same = is_open and request.clip_options.reads_as(state.source.options)
         enqueue(state, (Waiting(clip if same else None, replace(request, resume=True), run.told),))
 

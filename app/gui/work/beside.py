@@ -21,13 +21,13 @@ class BesideRequest:
 
 @dataclass(frozen=True)
 class Beside:
-    """Those of them that hold a model, in their order."""
+    """Those of them that hold a model, in their order, with links followed."""
 
     paths: tuple[Path, ...]
 
 
 def find_models(request: BesideRequest) -> Iterator[Beside]:
-    yield Beside(tuple(path for path in map(Path, request.paths) if _holds_model(path)))
+    yield Beside(tuple(Path(path).resolve() for path in request.paths if _holds_model(Path(path))))
 
 
 def _holds_model(path: Path) -> bool:

@@ -174,7 +174,8 @@ def _open(request: OpenRequest) -> Iterator[Opened]:
     folder = request.path.parent if request.path.suffix == ".safetensors" else request.path
     run = RunFolder(folder)
     if run.is_run or request.path.suffix == ".safetensors":
-        yield _open_run(run, request.source, request.beside)
+        # One run is known by one path, however it is written.
+        yield _open_run(RunFolder(folder.resolve()), request.source, request.beside)
         return
     if series_files(request.path):
         yield _open_splats(series_scene(request.path))

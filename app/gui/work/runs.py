@@ -82,8 +82,8 @@ class RunFinder:
 
     def find(self, request: RunsRequest) -> Iterator[FoundRuns]:
         """Raises OSError: the folder of all runs cannot be listed."""
-        folders = sorted(request.folder.iterdir()) if request.folder.is_dir() else []
-        runs, unreadable = [], 0
+        inside = request.folder.iterdir() if request.folder.is_dir() else ()
+        folders, runs, unreadable = sorted({path.resolve() for path in inside}), [], 0
         kept: dict[tuple[Any, ...], tuple[RunRecord, ListedRun]] = {}
         for run in (RunFolder(path) for path in folders):
             if not run.is_run:
@@ -104,7 +104,7 @@ class RunFinder:
         """By its place, or where that differs by its bytes, which training compares before it goes on: of a
         clip of that name, or where nothing lies at the old place any more."""
         place = Path(record.clip.path)
-        if place == clip.path.absolute():
+        if place.resolve() == clip.path.resolve():
             return True
         trimmed = record.clip.part.trim is not None
         if not (trimmed or record.clip.frames == len(clip)):

@@ -46,7 +46,7 @@ class Places:
         """The platform's own folders; VESSELSPLAT_CONFIG_DIR, _RUNS_DIR and _PICTURES_DIR override them."""
         return cls(
             config=_folder("VESSELSPLAT_CONFIG_DIR", _config()),
-            runs=runs_place(),
+            runs=runs_place().resolve(),
             pictures=_folder("VESSELSPLAT_PICTURES_DIR", platformdirs.user_pictures_path() / "VesselSplat"),
         )
 

@@ -18,6 +18,7 @@ from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.update.update import update
+from app.gui.work.beside import BesideRequest, find_models
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.runs import FoundRuns, ListedRun, RunFinder, RunsRequest
 from app.runs.job import Failed
@@ -93,6 +94,33 @@ def test_what_is_on_disk_is_found_again_wherever_the_clip_lies_now(opened: AppSt
     assert short.request.clip_path == opened.source.clip.path  # It was begun elsewhere, with the same bytes.
     logged = [event for event in RunFolder(whole.path).events() if event["event"] == "Evaluated"]
     assert whole.psnr == pytest.approx(logged[-1]["psnr"])
+
+
+def test_a_run_that_is_opened_through_a_link_is_the_one_that_is_listed(
+    opened: AppState, folder: Path
+) -> None:
+    (folder / "other name").symlink_to(folder / "runs", target_is_directory=True)
+    (answer,) = open_path(OpenRequest(folder / "clip" / ".." / "other name" / "whole"))
+    whole = named(opened, "whole")
+    assert answer.run is not None
+    assert answer.run.path == whole.path
+    assert answer.run.model is not None
+    opened.scene.model = answer.run.model
+    assert run_actions.why_not_beside(opened, whole)
+    opened.places = replace(opened.places, runs=folder / "other name")
+    assert named(opened, "whole").path == whole.path
+    (beside,) = find_models(BesideRequest((str(folder / "other name" / "whole"),), "none"))
+    assert beside.paths == (whole.path,)
+
+
+def test_runs_of_the_clip_behind_a_link_are_listed(
+    opened: AppState, folder: Path, made: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By its place alone: no byte of it tells."""
+    monkeypatch.setattr("app.gui.work.runs.digests", lambda path: iter(()))
+    (folder / "linked").symlink_to(made / "clip", target_is_directory=True)
+    opened.source.clip = open_clip(folder / "linked")
+    assert {run.path.name for run in found(opened).runs} == {"whole", "short"}
 
 
 def test_runs_of_another_clip_are_not_listed(opened: AppState, folder: Path) -> None:
