@@ -137,7 +137,7 @@ def open_path(state: AppState, path: Path) -> None:
         state.live.stop_connecting()
 
     if path.suffix.lower() not in VIEW_SUFFIXES:
-        leave_session(state, go)
+        leave_clip(state, go)
     elif state.source.opening is not None:
         fail(state, f"{path.name} joins what is open: wait until {state.source.opening.path.name} is there")
     else:
@@ -170,6 +170,18 @@ def leave_session(state: AppState, go: Callable[[], None]) -> None:
             go()
 
     leave(state, on)
+
+
+def leave_clip(state: AppState, go: Callable[[], None]) -> None:
+    """The same with what takes the clip's place: at last, masks of its tools that are not all there yet."""
+
+    def on() -> None:
+        if state.masking.making is not None:
+            state.masking.leaving = go
+        else:
+            go()
+
+    leave_session(state, on)
 
 
 def choose_chart(state: AppState, place: int) -> None:
@@ -218,7 +230,7 @@ def _open_beside(state: AppState, by: int) -> None:
         state.source.opening = OpenRequest(first, state.source.first_options(first), tuple(onward))
         state.window.banner = None
 
-    leave_session(state, go)
+    leave_clip(state, go)
 
 
 def go_to_end(state: AppState, *, last: bool) -> None:

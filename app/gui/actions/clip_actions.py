@@ -150,7 +150,7 @@ def _open_again(state: AppState, request: OpenRequest) -> None:
     def go() -> None:
         state.source.opening, state.window.banner = request, None
 
-    actions.leave_session(state, go)
+    actions.leave_clip(state, go)
 
 
 def keep_lens(state: AppState, request: OpenRequest) -> None:

@@ -102,7 +102,7 @@ def go_live(state: AppState, source: LiveInput, wish: Wish) -> None:
         state.live.choice.shown, state.live.asked = False, (source, wish)
         state.source.opening = state.window.banner = None
 
-    actions.leave_session(state, go)
+    actions.leave_clip(state, go)
 
 
 def begin(state: AppState, start: LiveStart) -> None:

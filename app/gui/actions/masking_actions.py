@@ -256,13 +256,18 @@ def stop_making(state: AppState) -> None:
     masking.past = ()
 
 
+def answer(state: AppState, *, agreed: bool) -> None:
+    """To whether something else may be opened while masks are not all there."""
+    go, state.masking.leaving = state.masking.leaving, None
+    if agreed and go is not None:
+        go()
+
+
 def tell_interrupted(state: AppState, making: MakingRequest | None) -> None:
     """That were being made until something else was opened, in place of the clip that they are of."""
     if making is None or state.masking.making is making:
         return
-    said = f"tool masks of {making.clip.name} were interrupted: those made so far stay"
-    tell = actions.fail if state.window.banner is None else actions.say
-    tell(state, said)
+    actions.announce(state, f"tool masks of {making.clip.name} were interrupted: those made so far stay")
 
 
 def take_made(state: AppState, request: MakingRequest, answer: MaskReport | Failure) -> None:

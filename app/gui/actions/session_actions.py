@@ -153,7 +153,7 @@ def offer_to_find(state: AppState, lost: SourceLost) -> None:
             state.source.opening = OpenRequest(lost.asked, source=source)
             state.window.banner = None
 
-        actions.leave_session(state, go)
+        actions.leave_clip(state, go)
 
     kind: Kind = "file" if lost.old.suffix else "folder"
     if state.window.banner is not None:

@@ -15,7 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.masking import THICKEST, THINNEST, Masking
 from app.gui.style import theme
 from app.gui.style.fields import number
-from app.gui.style.widgets import Area, button, choose_row, em, explain, in_line, muted, note, row
+from app.gui.style.widgets import Area, ask, button, choose_row, em, explain, in_line, muted, note, row
 from app.gui.views.picture_view import Placement
 from app.gui.work.masking import BY_HAND, FROM_FOLDER, FrameMask
 from app.runs.making_masks import MaskReport
@@ -69,6 +69,15 @@ CLASSES_TEXT: Final = "Numbers of the classes that are tools, from 0. Empty: all
 NO_CLASSES: Final = "Classes are whole numbers from 0, such as 1 3."
 NONE_YET: Final = "None by hand: two or three teach the others."
 MOST_LISTED: Final = 6
+
+
+def draw_masking_question(state: AppState) -> None:
+    """Before something else takes the place of a clip whose tools are still being masked."""
+    if state.masking.leaving is None:
+        return
+    said, ended = ("Tools are still being masked. Masks made so far stay.",), state.masking.making is None
+    if reply := ask("Interrupt masking?", said, ("Interrupt", "Stay"), moot=ended):
+        masking_actions.answer(state, agreed=ended or reply == "Interrupt")
 
 
 def draw_masking(state: AppState) -> None:

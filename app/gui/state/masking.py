@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Final
 
@@ -46,6 +47,8 @@ class Masking:
     """Classes of a network that are tools, as typed; empty: all but the first."""
     making: MakingRequest | None = None
     """Masks of all frames are being made."""
+    leaving: Callable[[], None] | None = None
+    """What waits for an answer to whether another clip may interrupt that."""
     report: MaskReport | None = None
     """How far that is, or how well it went."""
     changes: int = 0

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from app.gui.actions import actions, masking_actions, queue_actions
+from app.gui.panels.masking import draw_masking_question
 from app.gui.state.app_state import AppState
 from app.gui.update import taking
 from app.gui.update.update import update
@@ -20,6 +22,7 @@ from renderer.readers.clip_options import ClipOptions
 from renderer.tools.mask_files import origin_of, write_mask
 from tests.app.gui.conftest import SIZE
 from tests.app.gui.test_masking import begun, on_disk, settle, shown, stroke
+from tests.app.gui.ui import Ui
 from tests.renderer.tools.onnx_files import write_convolution
 
 
@@ -156,8 +159,34 @@ def test_closing_asks_while_masks_are_made_and_another_clip_says_that_they_were_
     (opened,) = open_path(request)
     taking.take_opened(masking, request, opened)
     assert queue_actions.at_stake(masking) == ""
-    assert masking.window.banner is not None
-    assert masking.window.banner.message == "tool masks of clip were interrupted: those made so far stay"
+    assert masking.window.toast is not None
+    assert masking.window.toast.message == "tool masks of clip were interrupted: those made so far stay"
+
+
+@pytest.mark.parametrize(("reply", "opens"), [("Stay", False), ("Interrupt", True), ("", False)])
+def test_another_clip_is_asked_about_while_masks_are_made(
+    masking: AppState, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, reply: str, opens: bool
+) -> None:
+    monkeypatch.setattr("app.gui.panels.masking.ask", lambda *said, moot: reply)
+    masking_actions.make_all(masking)
+    actions.open_path(masking, tmp_path / "other")
+    assert masking.source.opening is None
+    draw_masking_question(masking)
+    assert (masking.source.opening is not None) == opens
+    assert (masking.masking.leaving is None) == bool(reply)
+    assert masking.masking.making is not None  # Until the other clip is there.
+
+
+def test_the_question_is_moot_once_all_masks_are_there(ui: Ui, masking: AppState, tmp_path: Path) -> None:
+    masking_actions.make_all(masking)
+    actions.open_path(masking, tmp_path / "other")
+    draw = partial(draw_masking_question, masking)
+    ui.frame(draw)
+    ui.frame(draw)
+    masking_actions.stop_making(masking)
+    ui.frame(draw)
+    assert masking.source.opening is not None
+    assert masking.source.opening.path == tmp_path / "other"
 
 
 def test_a_clip_that_cannot_be_opened_interrupts_nothing(masking: AppState, tmp_path: Path) -> None:
