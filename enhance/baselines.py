@@ -229,10 +229,10 @@ def _blurred(image: Float32Image, sigma: float) -> Float32Image:
 
 
 def _require_bytes(image: ByteImage) -> None:
-    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or not image.size:
-        raise ImageError(
-            f"expected an RGB image of shape (H, W, 3) and uint8, got {image.shape} {image.dtype}"
-        )
+    is_array = isinstance(image, np.ndarray)
+    if not is_array or image.dtype != np.uint8 or image.shape[2:] != (3,) or not image.size:
+        got = f"{image.shape} {image.dtype}" if is_array else type(image).__name__
+        raise ImageError(f"expected an RGB image of shape (H, W, 3) and uint8, got {got}")
 
 
 def _unit(image: ByteImage) -> Float32Image:

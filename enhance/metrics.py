@@ -309,8 +309,9 @@ def _check_sizes(image: Float32Image, original: Float32Image) -> None:
 
 
 def _check_mask(mask: BoolImage, colors: Float32Image) -> None:
-    if mask.shape != colors.shape[:2]:
-        raise ImageError(f"expected a mask of shape {colors.shape[:2]}, got {mask.shape}")
+    got = mask.shape if isinstance(mask, np.ndarray) else type(mask).__name__
+    if got != colors.shape[:2]:
+        raise ImageError(f"expected a mask of shape {colors.shape[:2]}, got {got}")
 
 
 def _green(colors: Float32Image) -> Float32Image:

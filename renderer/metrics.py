@@ -155,6 +155,10 @@ def _depths(
 
 
 def _check(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> None:
+    """Raises TypeError: not three arrays; ValueError: arrays that do not fit each other."""
+    if not all(isinstance(one, np.ndarray) for one in (image, reference, mask)):
+        kinds = ", ".join(type(one).__name__ for one in (image, reference, mask))
+        raise TypeError(f"expected two images and a mask as numpy arrays, got {kinds}")
     if image.shape != reference.shape or image.shape[:2] != mask.shape or mask.dtype != np.bool_:
         shapes = f"{image.shape}, {reference.shape} and {mask.dtype} {mask.shape}"
         raise ValueError(f"expected two images of one shape and a bool mask of their size, got {shapes}")

@@ -224,6 +224,7 @@ def write_phantom(
 
     Raises:
         ClipError: it exists already or cannot be written.
+        TypeError: `params` of another class.
 
     Example:
         >>> from pathlib import Path
@@ -235,6 +236,8 @@ def write_phantom(
         >>> len(clip), clip.size, clip.unit, clip.has_depth
         (10, (32, 24), 'mm', True)
     """
+    if not isinstance(params, PhantomParams):
+        raise TypeError(f"expected params to be PhantomParams, got {type(params).__name__}")
     out = Path(out)
     if out.exists():
         raise ClipError(f"expected a new folder for the phantom, got one that exists: {out}")

@@ -246,6 +246,7 @@ def render(
 
     Raises:
         ValueError: `near` that is not above 0, or an unknown `mode`.
+        TypeError: `splats` or `camera` of another class.
 
     Example:
         >>> import numpy as np
@@ -262,6 +263,9 @@ def render(
         >>> rendered.image.shape, rendered.image[0, 0].tolist()
         ((48, 64, 3), [0.0, 0.0, 1.0])
     """
+    if not (isinstance(splats, Splats) and isinstance(camera, Camera)):
+        got = f"{type(splats).__name__} and {type(camera).__name__}"
+        raise TypeError(f"expected Splats and a Camera, got {got}")
     rasterizer = Rasterizer(camera.width, camera.height)
     rasterizer.forward(splats, camera, near, mode=mode)
     return rasterizer.rendered(camera.width, camera.height, background)

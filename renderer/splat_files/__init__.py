@@ -106,6 +106,7 @@ def write_splats(path: str | Path, raw: RawGaussians, mode: RenderMode = "defaul
         mode: how the Gaussians are meant to be drawn, see RenderMode.
 
     Raises:
+        TypeError: `raw` is none, such as a model or its splats at a moment.
         ValueError: another ending, or more than the format holds.
         OSError: it cannot be written.
 
@@ -128,6 +129,8 @@ def write_splats(path: str | Path, raw: RawGaussians, mode: RenderMode = "defaul
         >>> bool((file.raw.means == raw.means).all())
         True
     """
+    if not isinstance(raw, RawGaussians):
+        raise TypeError(f"expected RawGaussians, as model.raw gives them, got {type(raw).__name__}")
     path = Path(path)
     name = path.name.lower()
     written = next((write for end, write in WRITERS.items() if name.endswith(end)), None)

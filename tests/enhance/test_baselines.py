@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import cv2
 import numpy as np
@@ -18,6 +19,7 @@ from enhance.baselines import (
     unsharp,
     wang2020,
 )
+from enhance.image import ImageError
 from tests.enhance.pictures import ByteImage, vessels
 
 Method = Callable[[ByteImage], ByteImage]
@@ -120,3 +122,10 @@ def test_wide_gaussians_at_reduced_size_are_gaussians(sigma: float) -> None:
 def test_stand_ins_are_methods() -> None:
     assert set(TAO_STAND_INS) < set(BASELINES)
     assert not any("tao" in name for name in BASELINES)
+
+
+@pytest.mark.parametrize("name", BASELINES)
+def test_what_is_no_array_is_refused(name: str) -> None:
+    nothing: Any = "x"
+    with pytest.raises(ImageError, match=r"expected an RGB image of shape \(H, W, 3\) and uint8, got str"):
+        BASELINES[name](nothing)

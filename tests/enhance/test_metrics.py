@@ -294,3 +294,9 @@ def test_the_saturated_share_is_of_the_pixels_of_the_mask() -> None:
     assert (saturated_share(image), saturated_share(image, tissue_mask=mask)) == (0.25, 0.5)
     with pytest.raises(ImageError, match="expected a mask of shape"):
         saturated_share(image, tissue_mask=mask[:4])
+
+
+def test_a_mask_that_is_no_array_is_refused() -> None:
+    nothing: Any = "x"
+    with pytest.raises(ImageError, match=r"expected a mask of shape \(20, 20\), got str"):
+        vessel_cnr(np.zeros((20, 20, 3), np.uint8), nothing)

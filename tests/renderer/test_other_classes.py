@@ -1,0 +1,39 @@
+"""Arguments of another class are refused in one sentence: what was expected, and what came."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from renderer import Camera, Splats, psnr, render, ssim, write_phantom, write_splats
+
+IMAGE = np.zeros((16, 16, 3), np.float32)
+SPLATS = Splats(
+    means=np.float32([[0, 0, 5]]),
+    quats=np.float32([[1, 0, 0, 0]]),
+    scales=np.full((1, 3), 0.3, np.float32),
+    opacities=np.float32([0.9]),
+    colors=np.float32([[0.8, 0.2, 0.2]]),
+)
+CAMERA = Camera.from_fov(60, 16, 16)
+WRONG: Any = "x"
+MOMENT: Any = SPLATS
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: write_splats("a.ply", MOMENT), "expected RawGaussians, as model.raw gives them, got Splats"),
+        (lambda: render(SPLATS, WRONG), "expected Splats and a Camera, got Splats and str"),
+        (lambda: render(WRONG, CAMERA), "expected Splats and a Camera, got str and Camera"),
+        (lambda: write_phantom("a", WRONG), "expected params to be PhantomParams, got str"),
+        (lambda: psnr(IMAGE, IMAGE, WRONG), "as numpy arrays, got ndarray, ndarray, str"),
+        (lambda: ssim(WRONG, IMAGE, WRONG), "as numpy arrays, got str, ndarray, str"),
+    ],
+)
+def test_arguments_of_another_class_are_refused(call: Callable[[], object], says: str) -> None:
+    with pytest.raises(TypeError, match=says):
+        call()
