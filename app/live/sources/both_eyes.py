@@ -15,12 +15,12 @@ class BothEyesSource:
 
     def __init__(self, source: Source, layout: StereoLayout) -> None:
         self._source, self._layout = source, layout
-        self._eye: tuple[int, int] | None = None
+        self._squeezed = ""
+        self._is_known = False
 
     @property
     def told(self) -> str:
-        shape = "" if self._eye is None else squeezed(self._eye, self._layout)
-        return f"{self._source.told}, {self._layout} stereo{shape}"
+        return f"{self._source.told}, {self._layout} stereo{self._squeezed}"
 
     @property
     def frames_per_second(self) -> float | None:
@@ -31,9 +31,10 @@ class BothEyesSource:
         arrived = self._source.read()
         if arrived is None:
             return None
-        if self._eye is None:
+        if not self._is_known:
             image = arrived.read()
-            self._eye = eye_size((image.shape[1], image.shape[0]), self._layout)
+            eye = eye_size((image.shape[1], image.shape[0]), self._layout)
+            self._squeezed, self._is_known = squeezed(eye, self._layout, arrived.pixel_aspect), True
             arrived = replace(arrived, read=lambda: image)
         return replace(arrived, stereo=self._layout)
 

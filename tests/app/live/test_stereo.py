@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -136,6 +137,18 @@ def test_what_cannot_be_halved_fails_at_once() -> None:
         wait_for(lambda: session.is_over, "the end")
         assert session.status().reason == "expected an even width of side-by-side stereo, got 65x48"
         assert session.status().signal == "failed"
+
+
+@pytest.mark.parametrize(("aspect", "shape"), [(1.0, ", squeezed to half its width"), (2.0, "")])
+def test_whether_an_eye_is_squeezed_is_told_by_its_shape_on_screen(aspect: float, shape: str) -> None:
+    class Shaped(PaintedSource):
+        def read(self) -> Arrived | None:
+            arrived = super().read()
+            return None if arrived is None else replace(arrived, pixel_aspect=aspect)
+
+    source = BothEyesSource(Shaped([90]), "side-by-side")
+    source.read()
+    assert source.told == f"64 × 48, side-by-side stereo{shape}"
 
 
 @pytest.fixture(scope="module")
