@@ -13,9 +13,12 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NoReturn, Protocol, cast
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol, cast
 
 from app.errors import UserError
+
+if TYPE_CHECKING:
+    from _typeshed import SupportsWrite
 
 COMMANDS = {
     "gui": "open the app, on a clip, image, video or run when one is given",
@@ -65,6 +68,11 @@ class Parser(argparse.ArgumentParser):
         known = [name for action in self._actions for name in action.option_strings]
         flag = message.removeprefix(UNKNOWN).split()[0].split("=")[0] if message.startswith(UNKNOWN) else ""
         raise UserError(f"{message} ({_meant(flag, known)}see {self.prog} --help)")
+
+    def print_help(self, file: SupportsWrite[str] | None = None) -> None:
+        """Raises OSError, which argparse passes over: it cannot be printed, as on a full disk."""
+        (file or sys.stdout).write(self.format_help())
+        sys.stdout.flush()
 
     def require_once(self, arguments: Sequence[str]) -> None:
         """Raises UserError: a flag that takes one path is given twice."""

@@ -238,9 +238,11 @@ def test_a_reader_that_leaves_is_no_error(tmp_path: Path, arguments: str) -> Non
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no device that is full")
-def test_a_full_place_of_what_is_printed_is_named() -> None:
+@pytest.mark.parametrize("arguments", [("info",), ("--help",), ("train", "--help"), ("info", "--help")])
+def test_a_full_place_of_what_is_printed_is_named(arguments: tuple[str, ...]) -> None:
     with open("/dev/full", "w", encoding="utf-8") as full:
-        done = subprocess.run([sys.executable, "-m", "app", "info"], cwd=ROOT, stdout=full, stderr=-1)
+        done = subprocess.run([sys.executable, "-m", "app", *arguments], cwd=ROOT, stdout=full, stderr=-1)
+    assert done.returncode == 2
     assert done.stderr.decode() == "vesselsplat: No space left on device: standard output\n"
 
 
