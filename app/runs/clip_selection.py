@@ -58,6 +58,28 @@ class ClipPart:
         masked = clip if self.tool_masks is None else self.tool_masks.of(clip)
         return self.lit(self._unmasked(self._trimmed(masked)))
 
+    def require_within(self, clip: Clip) -> None:
+        """Looks at no frame, and so may come before depth is matched.
+
+        Raises:
+            UserError: the clip has no such frames, or the box of the mask lies outside of them.
+        """
+        first, last = (0, len(clip) - 1) if self.trim is None else self.trim
+        if not 0 <= first <= last < len(clip):
+            raise UserError(
+                f"expected frames from 0 to {len(clip) - 1}, the first before the last, got {first}:{last}: "
+                f"{clip.path}"
+            )
+        left, top, right, bottom = self.mask.text or (0, 0, *clip.size)
+        width, height = clip.size
+        # Of a hand, a click is an empty box.
+        if left < right and top < bottom and not (left < width and top < height and right > 0 and bottom > 0):
+            said = " ".join(f"{edge:g}" for edge in (left, top, right, bottom))
+            raise UserError(
+                f"expected a text box that overlaps the {width}x{height} pixels of a frame, got {said}: "
+                f"{clip.path}"
+            )
+
     def lit(self, clip: Clip) -> Clip:
         """The clip without its dark surround and the tools that were found, alone.
 
@@ -78,15 +100,10 @@ class ClipPart:
         return lit if self.tools is None else without_tools(lit)
 
     def _trimmed(self, clip: Clip) -> Clip:
+        self.require_within(clip)
         if self.trim is None or self.trim == (0, len(clip) - 1):
             return clip
-        first, last = self.trim
-        if not 0 <= first <= last < len(clip):
-            raise UserError(
-                f"expected frames from 0 to {len(clip) - 1}, the first before the last, got {first}:{last}: "
-                f"{clip.path}"
-            )
-        return clip.between(first, last)
+        return clip.between(*self.trim)
 
     def _unmasked(self, clip: Clip) -> Clip:
         if self.mask == NO_MASK:

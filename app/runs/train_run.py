@@ -50,7 +50,7 @@ from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import Clip
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-from renderer.sources import open_clip, require_depth_source
+from renderer.sources import open_bare, require_depth_source, with_chosen_depth
 from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Finishing, Progress, Snapshot, Started, TrainEvent, Warned
@@ -116,9 +116,7 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     record = run.record() if run.is_run else None
     is_resumed = record is not None
     part = request.part if record is None else replace(record.clip.part, field_of_view=None, tools=None)
-    whole = yield from told_meanwhile(
-        "opening the clip", lambda _: open_clip(request.clip_path, request.clip_options)
-    )
+    whole = yield from told_meanwhile("opening the clip", lambda _: _opened(request, part))
     if record is not None:
         _check_same(request, record, whole)
     copies = None if request.part.tool_masks is None else request.part.tool_masks.copied(whole, place)
@@ -161,6 +159,13 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
         yield from _train(record, run, trained, pictures_on(device), through, clock, begin)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
+
+
+def _opened(request: TrainRequest, part: ClipPart) -> Clip:
+    """With depth, which may have to be matched first: of a clip that has no such part it is not."""
+    bare = open_bare(request.clip_path, request.clip_options)
+    part.require_within(bare)
+    return with_chosen_depth(bare, request.clip_options)
 
 
 def device_of(request: TrainRequest) -> Choice:

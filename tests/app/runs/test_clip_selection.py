@@ -17,6 +17,7 @@ from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from renderer.clip import Clip
+from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Evaluated, Finished
@@ -153,6 +154,9 @@ def test_a_run_goes_on_with_its_own_part_only(
         (("--frames", "0:10"), "0 to 9"),
         (("--frames", "3-5"), "--frames"),
         (("--text-box", -1, -1, 99, 99), "64x48"),
+        (("--text-box", 64, 0, 90, 9), "overlaps the 64x48 pixels of a frame, got 64 0 90 9"),
+        (("--text-box", -9, -9, 0, 0), "overlaps the 64x48 pixels"),
+        (("--text-box", 1, 1, "nan", 9), "LEFT below RIGHT"),
         (("--view-circle", "nan", 1, 1), "--view-circle"),
     ],
 )
@@ -164,6 +168,21 @@ def test_flags_that_say_nothing_are_one_line(
     assert said in call.error
     assert call.error.count("\n") == 1
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("flags", [("--frames", "0:10"), ("--text-box", 64, 0, 90, 9)])
+def test_a_part_that_is_not_there_is_refused_before_depth_is_matched(
+    clip_path: Path,
+    tmp_path: Path,
+    vesselsplat: Callable[..., Call],
+    monkeypatch: pytest.MonkeyPatch,
+    flags: tuple[object, ...],
+) -> None:
+    def matched(bare: Clip, options: ClipOptions) -> Clip:
+        raise AssertionError("depth is not needed to know")
+
+    monkeypatch.setattr("app.runs.train_run.with_chosen_depth", matched)
+    assert vesselsplat("train", clip_path, "--run", tmp_path / "run", *flags).code == 2
 
 
 def test_runs_of_two_parts_are_not_compared(

@@ -120,7 +120,7 @@ def test_training_reads_each_frame_once_before_it_starts(
 ) -> None:
     read: list[int] = []
     monkeypatch.setattr(
-        "app.runs.train_run.open_clip", lambda path, options: counting(open_clip(path, options), read)
+        "app.runs.train_run.open_bare", lambda path, options: counting(open_clip(path, options), read)
     )
     request = request_of(clip_path, tmp_path / "run", input="enhanced")
     for event in run_training(request):
@@ -172,7 +172,7 @@ def test_a_video_without_depth_is_refused_by_its_header(
     for _ in range(3):
         writer.write(np.zeros((24, 32, 3), np.uint8))
     writer.release()
-    monkeypatch.setattr("app.runs.train_run.open_clip", no_clip)
+    monkeypatch.setattr("app.runs.train_run.open_bare", no_clip)
     request = TrainRequest(clip_path=path, run_path=tmp_path / "run", config=CONFIG)
     with pytest.raises(ClipError, match=r"a video has none \(--depth brightness"):
         next(run_training(request))
@@ -186,7 +186,7 @@ def test_a_video_without_depth_is_refused_by_its_header(
 def test_a_run_that_cannot_be_written_is_refused_before_the_clip_is_opened(
     clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.runs.train_run.open_clip", no_clip)
+    monkeypatch.setattr("app.runs.train_run.open_bare", no_clip)
 
     # The superuser may write everywhere.
     def no_folder(path: str, *_: object) -> None:
