@@ -68,7 +68,7 @@ def _file(path: Path) -> tuple[Fact, ...]:
         return of_json(path)
     if path.suffix == ".html" and holds_report(path.with_suffix(".json")):
         return of_json(path.with_suffix(".json"))
-    if path.suffix == ".toml" or (path.suffix == ".csv" and not is_export(path)):
+    if path.suffix in (".toml", ".jsonl", ".parquet") or (path.suffix == ".csv" and not is_export(path)):
         return _of_sweep(path)
     own = _own(path)
     if not is_export(path):

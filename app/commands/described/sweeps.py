@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections import Counter
 from pathlib import Path
+from typing import Any, Final
 
 from app.commands.described.fact import Fact, next_steps
 from app.errors import UserError
@@ -12,7 +13,11 @@ from app.sweeps.folder import is_sweep
 from app.sweeps.plan import read_sweep
 from app.sweeps.spec import clip_paths, jobs_asked_for, read_spec
 from app.sweeps.table import HEAD, rows
+from renderer.json_files import parsed
 from renderer.readers.listing import count
+
+Stored = tuple[tuple[str, ...], list[dict[str, Any]]]
+"""Names of the columns, and the rows."""
 
 
 def of_sweep(folder: Path) -> tuple[Fact, ...]:
@@ -44,15 +49,36 @@ def of_spec(path: Path) -> tuple[Fact, ...]:
     )
 
 
-def of_table(path: Path) -> tuple[Fact, ...]:
-    """Raises UserError: it is no table of a sweep."""
+def _of_csv(path: Path) -> Stored:
+    with path.open(encoding="utf-8", newline="") as file:
+        table = csv.DictReader(file)
+        return tuple(table.fieldnames or ()), list(table)
+
+
+def _of_lines(path: Path) -> Stored:
+    found = [parsed(line) for line in path.read_text(encoding="utf-8").splitlines()]
+    return tuple(dict.fromkeys(name for row in found for name in dict(row))), found
+
+
+def _of_parquet(path: Path) -> Stored:
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            table = csv.DictReader(file)
-            columns = tuple(table.fieldnames or ())
-            states = Counter(row["state"] for row in table) if columns[: len(HEAD)] == HEAD else None
-    except (UnicodeDecodeError, csv.Error) as error:
+        from pyarrow import parquet
+    except ImportError as error:
+        raise UserError(f"a table in Parquet needs pyarrow: pip install pyarrow ({path.name})") from error
+    table = parquet.read_table(path)
+    return tuple(table.column_names), table.to_pylist()
+
+
+_TABLES: Final = {".csv": _of_csv, ".jsonl": _of_lines, ".parquet": _of_parquet}
+
+
+def of_table(path: Path) -> tuple[Fact, ...]:
+    """Raises UserError: it is no table of a sweep, or is one in Parquet without pyarrow."""
+    try:
+        columns, found = _TABLES[path.suffix.lower()](path)
+    except (ValueError, TypeError, csv.Error) as error:
         raise UserError(f"expected the table of a sweep, got another file: {path}") from error
+    states = Counter(row.get("state") for row in found) if columns[: len(HEAD)] == HEAD else None
     if states is None:
         raise UserError(f"expected the table of a sweep, with the columns {', '.join(HEAD)}: {path}")
     told = ", ".join(f"{number} {state}" for state, number in states.items())

@@ -45,6 +45,9 @@ def test_a_failed_job_is_one_line_the_rest_is_done_and_repeated_on_request(
     assert "Traceback" not in done.error
     assert "2 finished, 2 failed" in done.out
     assert {"table.csv", "table.jsonl", "sweep.html", "sweep.json"} <= {path.name for path in out.iterdir()}
+    told = {path.name: vesselsplat("info", path).out.splitlines()[1:] for path in out.glob("table.*")}
+    assert told["table.csv"][0].endswith("table of a sweep")
+    assert all(lines == told["table.csv"] for lines in told.values())
     (tmp_path / "bad.png").write_bytes((tmp_path / "good.png").read_bytes())
     again = vesselsplat("sweep", spec, "--out", out, "--workers", 1, "--retry", "--json")
     assert again.code == 0
