@@ -43,7 +43,7 @@ class _Scale:
 
     window: Window
     p: float | None
-    """None: of the logarithm of its ratio, which is the same for every P."""
+    """Rounded as in the kernels. None: of the logarithm of its ratio, which is the same for every P."""
 
 
 @dataclass(frozen=True)
@@ -210,7 +210,7 @@ class Enhancer:
         now = self._now
         reach = self._reach(params, windows, used, tight)
         left_out, omitted = needs.decide(params, used, now.is_grey, reach)
-        scales = zip(windows, used.p, left_out, strict=True)
+        scales = zip(windows, np.array(used.p, np.float32).tolist(), left_out, strict=True)
         made = _Made(used.z, tuple(None if out else _Scale(one, p) for one, p, out in scales))
         color = used.saturation_mean, used.color
         out = self._render(params, windows, made, color, measured or (False,) * len(windows))

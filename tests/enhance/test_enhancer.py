@@ -152,6 +152,16 @@ def test_moved_d_factor_computes_no_detail() -> None:
     assert enhancer.enhance(EnhanceParams(d_factor=0.5, keep_black=False, z=0.2)).image.any()
 
 
+def test_a_p_beside_one_half_is_that_of_a_fresh_start() -> None:
+    """Where only 32 bits make it one half, no logarithm is needed."""
+    enhancer = Enhancer()
+    enhancer.show(IMAGE)
+    for p in (0.7, 0.6, 0.5 + 1e-9, 0.5, 0.8, 0.5 - 1e-9, 0.9, 1.0):
+        params = EnhanceParams(p=p)
+        got, expected = enhancer.enhance(params).image, enhance(IMAGE, params).image
+        assert np.abs(got.astype(int) - expected).max() <= 1, p
+
+
 def test_results_do_not_share_memory_with_later_ones() -> None:
     enhancer = Enhancer()
     enhancer.show(IMAGE)
