@@ -26,11 +26,11 @@ def bring_up(
     at = (np.float32(y) + HALF) / np.float32(grid) - HALF
     at = min(max(at, ZERO), np.float32(rows - 1))
     first = min(int(at), max(rows - 2, 0))
-    for row in range(first, min(first + 2, rows)):
+    for row in range(first, first + 2):
         if held[row % 2] != row:
             held[row % 2] = row
             for plane in range(len(models)):
-                _widen(models[plane, row], grid, lines[row % 2, plane])
+                _widen(models[plane, min(row, rows - 1)], grid, lines[row % 2, plane])
     below = at - np.float32(first)
     return below if first % 2 == 0 else ONE - below
 

@@ -11,11 +11,11 @@ from enhance.upscale import at_places, bring_up
 @pytest.mark.parametrize("grid", [1, 2, 3, 4, 8])
 @pytest.mark.parametrize("size", [(1, 1), (2, 5), (9, 70)])
 def test_rows_are_those_of_the_whole_brought_up(size: tuple[int, int], grid: int) -> None:
-    """Also one below the other, as they are asked for, and at single places."""
+    """Also one below the other, as they are asked for, at single places, and whatever was in their memory."""
     blocks = np.random.default_rng(grid).random(size).astype(np.float32)
     height, width = size[0] * grid, size[1] * grid
     whole = cv2.resize(blocks, (width, height), interpolation=cv2.INTER_LINEAR)
-    lines, held = np.zeros((2, 1, width + CHUNK), np.float32), np.full(2, -1)
+    lines, held = np.full((2, 1, width + CHUNK), np.nan, np.float32), np.full(2, -1)
     for y in range(height):
         weight = bring_up(blocks[None], y, grid, lines, held)
         row = lines[0, 0, :width] + weight * (lines[1, 0, :width] - lines[0, 0, :width])
