@@ -78,7 +78,8 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     whole = FieldOfView(width, height)
     if min(height, width) < LEAST_SIDE:
         return whole
-    if pixels.dtype == np.float16:
+    if pixels.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
+        # OpenCV reads no other floats.
         pixels = pixels.astype(np.float32)
     factor = -(-max(height, width) // LOW_SIDE)
     low = _small(pixels, factor)

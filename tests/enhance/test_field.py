@@ -60,7 +60,7 @@ def test_pictures_of_any_size(size: tuple[int, int]) -> None:
     assert_found(found(seen_in(field)).mask(), field)
 
 
-@pytest.mark.parametrize("dtype", [np.uint16, np.float16, np.float32, np.float64])
+@pytest.mark.parametrize("dtype", [np.uint16, np.float16, np.float32, np.float64, np.longdouble])
 def test_every_type_of_image_has_the_same_field(dtype: type) -> None:
     image = seen_in(outline("cropped circle"))
     assert overlap(found(as_type(image / 255, dtype)), found(image)) > 0.999
