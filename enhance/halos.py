@@ -1,4 +1,7 @@
-"""Halos in grey levels: how far a method overshoots beside highlights and strong edges, and nowhere else."""
+"""Halos in grey levels: how far a method overshoots beside highlights and strong edges, and nowhere else.
+
+Pixels whose alpha is 0 count in neither measure.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage, ImageError
-from enhance.metrics import grey_levels
+from enhance.metrics import grey_levels, kept
 from enhance.ridges import glare
 
 Grey = NDArray[np.float64]
@@ -64,7 +67,8 @@ def edge_halo(image: AnyImage, original: AnyImage, *, tissue_mask: BoolImage | N
 
     Edges are Canny's (IEEE PAMI 8(6), 1986): the crests of the slope of the grey of `original`, blurred by 2
     pixels, where it is at least 8 grey levels per pixel, as at steps of 40: folds, tools, the rim of the
-    view. The dark side is darker than the nearest edge. What lies within 20 pixels of highlights is left out.
+    view. The dark side is darker than the nearest edge. What lies within 20 pixels of highlights or pixels
+    whose alpha is 0 is left out.
 
     Args:
         tissue_mask: as of `highlight_halo`; edges may lie outside.
@@ -81,8 +85,9 @@ def edge_halo(image: AnyImage, original: AnyImage, *, tissue_mask: BoolImage | N
         (0.0, True)
     """
     before, after, keep = _greys(image, original, tissue_mask)
-    keep &= _distance(glare(original)) > FAR
-    edges, level = _edges(before)
+    hidden = ~kept(original)
+    keep &= _distance(glare(original) | hidden) > FAR
+    edges, level = _edges(before, _distance(hidden) > NEAR)
     is_dark = before < level
     change = np.where(is_dark, before - after, after - before)
     return _overshoot(change, 2 * _alike(before) + is_dark, _distance(edges), keep)
@@ -95,11 +100,7 @@ def _greys(
     before, after = grey_levels(original), grey_levels(image)
     if before.shape != after.shape:
         raise ImageError(f"expected image and original of one size, got {after.shape} and {before.shape}")
-    if tissue_mask is None:
-        return before, after, np.ones(before.shape, bool)
-    if tissue_mask.shape != before.shape:
-        raise ImageError(f"expected a mask of shape {before.shape}, got {tissue_mask.shape}")
-    return before, after, np.array(tissue_mask != 0)
+    return before, after, kept(original, tissue_mask) & kept(image)
 
 
 def _distance(where: BoolImage) -> NDArray[np.float32]:
@@ -107,12 +108,12 @@ def _distance(where: BoolImage) -> NDArray[np.float32]:
     return np.asarray(cv2.distanceTransform((~where).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE))
 
 
-def _edges(grey: Grey) -> tuple[BoolImage, Grey]:
-    """Strong edges, and for every pixel the level in the middle of the nearest one."""
+def _edges(grey: Grey, within: BoolImage) -> tuple[BoolImage, Grey]:
+    """Strong edges within, and for every pixel the level in the middle of the nearest one."""
     smooth = cv2.GaussianBlur(grey, (0, 0), EDGE_SIGMA)
     # Scharr's kernel answers 32 to a slope of 1.
     dx, dy = (np.rint(cv2.Scharr(smooth, cv2.CV_64F, *along)).astype(np.int16) for along in ((1, 0), (0, 1)))
-    edges = np.asarray(cv2.Canny(dx, dy, 32 * STEEP, 32 * STEEP, L2gradient=True)) > 0
+    edges = within & (np.asarray(cv2.Canny(dx, dy, 32 * STEEP, 32 * STEEP, L2gradient=True)) > 0)
     _, nearest = cv2.distanceTransformWithLabels(
         (~edges).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
     )

@@ -53,8 +53,14 @@ class Picture:
     def visible(self) -> BoolImage:
         """(H, W), False where alpha is 0."""
         if self.alpha is None:
-            return np.ones(self.colors.shape[:2], dtype=bool)
+            return np.ones(self.pixels.shape[:2], dtype=bool)
         return np.asarray(self.alpha > 0)
+
+    @property
+    def seen(self) -> Picture:
+        """Without alpha and black where nothing is visible: what is stored there does not reach pixels beside
+        it."""
+        return self if self.alpha is None else Picture(self.pixels * self.visible[..., None], None)
 
     def with_colors(self, colors: Float32Image) -> AnyImage:
         """`colors` (shape of self.colors) as an image of the input's type, alpha untouched."""
@@ -89,22 +95,23 @@ def read_picture(image: AnyImage) -> Picture:
     return Picture(pixels=colors, alpha=alpha)
 
 
-def read_mask(mask: AnyImage | None, picture: Picture) -> BoolImage:
-    """Pixels that statistics are taken from: visible and, where there is a mask, kept by it.
+def read_mask(mask: AnyImage | None, picture: Picture, name: str = "a tissue_mask") -> BoolImage:
+    """Pixels that are measured: visible and, where there is a mask, kept by it.
 
     Args:
         mask: (H, W) bool or integers, non-zero = keep; None keeps all.
+        name: what messages call it.
 
     Raises:
         ImageError: another shape or type, and masked arrays.
     """
     if mask is None:
         return picture.visible
-    mask = _plain(mask, "a tissue_mask")
-    expected = picture.colors.shape[:2]
+    mask = _plain(mask, name)
+    expected = picture.pixels.shape[:2]
     if mask.shape != expected or mask.dtype.kind not in "bui":
         raise ImageError(
-            f"expected a tissue_mask of shape {expected}, bool or integers, got {mask.shape} {mask.dtype}"
+            f"expected {name} of shape {expected}, bool or integers, got {mask.shape} {mask.dtype}"
         )
     return np.asarray(picture.visible & (mask != 0))
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.brightness import BLACK, value
-from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, read_picture
+from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, read_mask, read_picture
 
 RING_GAP: Final = 2
 RING_WIDTH: Final = 5
@@ -288,30 +288,18 @@ def kept(image: AnyImage, mask: BoolImage | None = None) -> BoolImage:
     """(H, W), True where something is visible and the mask, if any, keeps it.
 
     Raises:
-        ImageError: an image that cannot be used, or a mask of another size.
+        ImageError: an image that cannot be used, or a mask of another size or type.
     """
-    picture = read_picture(image)
-    if mask is None:
-        return picture.visible
-    _check_mask(mask, picture.colors)
-    return np.asarray(picture.visible & (mask != 0))
+    return read_mask(mask, read_picture(image), "a mask")
 
 
 def _colors(image: AnyImage) -> Float32Image:
-    """Black where nothing is visible: what is stored there does not reach pixels beside it."""
-    picture = read_picture(image)
-    return picture.colors if picture.alpha is None else picture.colors * picture.visible[..., None]
+    return read_picture(image).seen.colors
 
 
 def _check_sizes(image: Float32Image, original: Float32Image) -> None:
     if image.shape != original.shape:
         raise ImageError(f"expected image and original of one size, got {image.shape} and {original.shape}")
-
-
-def _check_mask(mask: BoolImage, colors: Float32Image) -> None:
-    got = mask.shape if isinstance(mask, np.ndarray) else type(mask).__name__
-    if got != colors.shape[:2]:
-        raise ImageError(f"expected a mask of shape {colors.shape[:2]}, got {got}")
 
 
 def _green(colors: Float32Image) -> Float32Image:

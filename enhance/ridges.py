@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, read_picture
+from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, Picture, read_mask, read_picture
 
 SIGMAS: Final = (1.5, 2.5, 4.0)
 """Gaussian scales in pixels: vessels some 3 to 12 pixels wide."""
@@ -34,7 +34,7 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
     Lindeberg, IJCV 30(2), 1998), less the other eigenvalue's size, which spots have, and less sigma times the
     gradient, which step edges have; relative to the blurred green plus a tenth of its mean, so that slow
     shading falls out and a gain of the whole image leaves the result as it is. The largest over the scales,
-    in whichever order. A grey image is its own green.
+    in whichever order. A grey image is its own green, and what is not visible is black.
 
     Raises:
         ImageError: an image that cannot be used; no scale, or one that is no length.
@@ -52,7 +52,7 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
         raise ImageError("expected at least one sigma, got none")
     if wrong := [sigma for sigma in sigmas if not 0 < sigma < np.inf]:
         raise ImageError(f"expected sigmas above 0 pixels, got {wrong[0]}")
-    colors = read_picture(image).colors
+    colors = read_picture(image).seen.colors
     green = (colors if colors.ndim == 2 else colors[..., 1]).astype(np.float64)
     return np.asarray(np.max([_ridge(green, sigma) for sigma in sigmas], axis=0), dtype=np.float32)
 
@@ -72,10 +72,7 @@ def field_of_view(image: AnyImage) -> BoolImage:
         >>> bool(field_of_view(image)[32, 32]), bool(field_of_view(image)[2, 2])
         (True, False)
     """
-    # Only here: its kernels load the compiler, which no other ridge needs.
-    from enhance.shown import found_in
-
-    return found_in(read_picture(image)).mask()
+    return _field(read_picture(image))
 
 
 def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: float = SHARE) -> BoolImage:
@@ -84,12 +81,13 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
     Meant for comparing methods on the same pixels, not for finding vessels: it also takes other dark lines.
 
     Args:
-        tissue_mask: (H, W), non-zero = keep; None: the field of view. 12 pixels along its edge and
-            the image's, and 8 around highlights, are left out, and so are specks of fewer than 40 pixels.
+        tissue_mask: (H, W), non-zero = keep; None: the field of view. 12 pixels along its edge, the
+            image's and that of what is not visible, and 8 around highlights, are left out, and so are specks
+            of fewer than 40 pixels.
         share: of the tissue without margin, in (0, 1].
 
     Raises:
-        ImageError: an image that cannot be used, a mask of another size, or no such share.
+        ImageError: an image that cannot be used, a mask of another size or type, or no such share.
 
     Example:
         >>> import numpy as np
@@ -102,10 +100,11 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
     """
     if not 0 < share <= 1:
         raise ImageError(f"expected a share above 0, up to 1, got {share}")
+    picture = read_picture(image)
+    tissue = read_mask(tissue_mask, picture)
+    if tissue_mask is None:
+        tissue &= _field(picture.seen)
     strength = vesselness(image)
-    tissue = field_of_view(image) if tissue_mask is None else np.asarray(tissue_mask) != 0
-    if tissue.shape != strength.shape:
-        raise ImageError(f"expected a tissue_mask of shape {strength.shape}, got {tissue.shape}")
     inside = _eroded(tissue, MARGIN) & _eroded(~glare(image), GLARE_MARGIN)
     if not inside.any():
         return inside
@@ -114,9 +113,16 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
 
 
 def glare(image: AnyImage) -> BoolImage:
-    """Specular highlights, (H, W): where all channels are at 235 of 255 or above."""
-    colors = read_picture(image).colors
+    """Visible specular highlights, (H, W): where all channels are at 235 of 255 or above."""
+    colors = read_picture(image).seen.colors
     return np.asarray((colors if colors.ndim == 2 else colors.min(axis=2)) >= np.float32(GLARE))
+
+
+def _field(picture: Picture) -> BoolImage:
+    # Only here: its kernels load the compiler, which no other ridge needs.
+    from enhance.shown import found_in
+
+    return found_in(picture).mask()
 
 
 def _ridge(green: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:

@@ -112,6 +112,33 @@ def test_only_the_tissue_counts(halo: Halo) -> None:
 
 
 @HALOS
+def test_what_is_stored_where_alpha_is_0_does_not_count(halo: Halo) -> None:
+    """A highlight and edges are stored there, which no mask leaves out."""
+    image = scene()
+    image[:, 230:] = (0, 0, 0)
+    alpha = np.full((*image.shape[:2], 1), 255, np.uint8)
+    alpha[160:] = 0
+    stored = image.copy()
+    stored[160:, ::24] = 255
+    results = [unsharp(image), unsharp(image)]
+    results[1][160:] = 90
+    one, other = (
+        halo(np.dstack((result, alpha)), np.dstack((original, alpha)))
+        for result, original in zip(results, (image, stored), strict=True)
+    )
+    assert one == other
+    far = np.arange(192)[:, None].repeat(256, axis=1) < (160 if halo is highlight_halo else 160 - 20)
+    assert one == pytest.approx(halo(results[0], image, tissue_mask=far), abs=1e-9)
+    assert math.isnan(halo(*(np.dstack((each, 0 * alpha)) for each in (results[0], image))))
+
+
+def test_the_border_of_what_is_visible_is_no_edge() -> None:
+    image = np.dstack((step(120, 120), np.full((96, 256), 255, np.uint8)))
+    image[:, 200:] = 0
+    assert math.isnan(edge_halo(image, image))
+
+
+@HALOS
 def test_mirrored_images_have_the_same(halo: Halo) -> None:
     """Of sizes of whole blocks; Canny's edges may move by a pixel."""
     image, spoiled = scene(), unsharp(scene())

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from enhance import ImageError
 from enhance.color_difference import vessel_color_difference
+from enhance.halos import highlight_halo
 from enhance.metrics import (
     blackened_share,
     chroma_noise_gain,
@@ -285,6 +286,20 @@ def test_what_is_transparent_counts_in_no_measure() -> None:
     assert dvbv_otsu(dirty) == dvbv_otsu(image[:80])
     assert saturated_share(dirty) == saturated_share(image[:80])
     assert math.isnan(saturated_share(np.zeros((4, 4, 4), np.uint8)))
+
+
+def test_masks_are_read_as_those_of_enhance() -> None:
+    """Lists are masks; numbers with a fraction, NaN among them, are none."""
+    image = vessels(40, 50)
+    mask = image[..., 1] < np.quantile(image[..., 1], 0.2)
+    listed: Any = mask.tolist()
+    assert vessel_contrast(image, listed, tissue_mask=(~mask).tolist()) == vessel_contrast(image, mask)  # type: ignore[arg-type]
+    assert highlight_halo(image, image, tissue_mask=listed) == highlight_halo(image, image, tissue_mask=mask)
+    ragged: Any = [[True], [True, False]]
+    for wrong in (np.where(mask, np.nan, 0.0), ragged, np.ma.masked_array(mask)):
+        for measure in (vessel_contrast, vessel_cnr, lambda one, mask: blackened_share(one, one, mask)):
+            with pytest.raises(ImageError, match="expected a mask"):
+                measure(image, wrong)
 
 
 def test_the_saturated_share_is_of_the_pixels_of_the_mask() -> None:

@@ -107,11 +107,30 @@ def test_mask_holds_at_most_its_share_and_no_specks() -> None:
     assert vessel_mask(long, share=0.02).sum() >= LEAST_AREA
 
 
+def test_what_is_stored_where_alpha_is_0_is_no_vessel() -> None:
+    image = np.full((120, 160, 3), (180, 110, 100), np.uint8)
+    image[:, 40:44] = (150, 80, 70)
+    stripes = image.copy()
+    stripes[:, 90::9] = 0
+    alpha = np.full((120, 160), 255, np.uint8)
+    alpha[:, 80:] = 0
+    bare, striped = (np.dstack((colors, alpha)) for colors in (image, stripes))
+    assert np.array_equal(vesselness(striped), vesselness(bare))
+    for tissue in (None, np.ones((120, 160), bool)):
+        mask = vessel_mask(striped, tissue_mask=tissue)
+        assert np.array_equal(mask, vessel_mask(bare, tissue_mask=tissue))
+        assert np.array_equal(mask[:, :80], vessel_mask(image[:, :80]))
+        assert mask.any()
+        assert not mask[:, 80 - MARGIN :].any()
+
+
 def test_bad_input_is_refused() -> None:
     with pytest.raises(ImageError, match="at least one sigma"):
         vesselness(vessels(), [])
     with pytest.raises(ImageError, match="tissue_mask of shape"):
         vessel_mask(vessels(20, 30), tissue_mask=np.ones((30, 20), bool))
+    with pytest.raises(ImageError, match="bool or integers"):
+        vessel_mask(vessels(20, 30), tissue_mask=np.ones((20, 30)))
 
 
 @pytest.mark.data
