@@ -31,6 +31,9 @@ LEAST_SURROUND: Final = 0.01
 """Of the picture: smaller dark corners are shadow."""
 LEAST_FIELD: Final = 0.05
 """Of the picture: with less the picture is too dark to tell."""
+LEAST_PART: Final = 0.2
+"""Of the largest lit part: others so large are field, too, as of stereo images and of a field that a tool
+divides; smaller ones are text and boxes."""
 MOST_SWALLOWED: Final = 0.12
 """Of what is dark and touches the border: a shadow on tissue lies within the convex outline, a surround
 hardly at all."""
@@ -175,7 +178,7 @@ def _outline(low: Levels, threshold: float) -> Points | None:
     """Corners of the convex field in the small copy; none: it has no surround. None: too dark to tell."""
     _, lit = cv2.threshold(low, threshold, 1, cv2.THRESH_BINARY)
     count, labels = cv2.connectedComponents(cv2.morphologyEx(lit, cv2.MORPH_OPEN, SQUARE), connectivity=4)
-    area, ends = _largest(np.asarray(labels, np.int32), count)
+    area, ends = _parts(np.asarray(labels, np.int32), count)
     if area == 0 or area < LEAST_FIELD * low.size:
         return None
     hull = cv2.convexHull(ends)
@@ -186,8 +189,9 @@ def _outline(low: Levels, threshold: float) -> Points | None:
 
 
 @njit(cache=True, error_model="numpy")
-def _largest(labels: NDArray[np.int32], count: int) -> tuple[int, NDArray[np.int32]]:
-    """Pixels of the largest part, 0 where there is none, and the (N, 2) ends of its rows, x and y."""
+def _parts(labels: NDArray[np.int32], count: int) -> tuple[int, NDArray[np.int32]]:
+    """Pixels of the largest part, 0 where there is none, and the (N, 2) ends, x and y, of what each row has of
+    all large parts."""
     height, width = labels.shape
     areas = np.zeros(count, np.int64)
     for y in range(height):
@@ -197,21 +201,21 @@ def _largest(labels: NDArray[np.int32], count: int) -> tuple[int, NDArray[np.int
                 areas[label] += x - since
                 label, since = labels[y, x], x
         areas[label] += width - since
-    areas[0], largest = 0, 0
-    for label in range(count):
-        largest = label if areas[label] > areas[largest] else largest
+    areas[0] = 0
+    largest = areas.max()
+    is_large = areas >= max(LEAST_PART * largest, 1.0)
     ends, found = np.empty((2 * height, 2), np.int32), 0
     for y in range(height if largest > 0 else 0):
         first, last = 0, width - 1
-        while first < width and labels[y, first] != largest:
+        while first < width and not is_large[labels[y, first]]:
             first += 1
         if first < width:
-            while labels[y, last] != largest:
+            while not is_large[labels[y, last]]:
                 last -= 1
             ends[found, 0], ends[found + 1, 0] = first, last
             ends[found, 1] = ends[found + 1, 1] = y
             found += 2
-    return areas[largest], ends[:found]
+    return largest, ends[:found]
 
 
 def _is_framed(low: Levels, lit: Levels, field: Levels, threshold: float) -> bool:

@@ -78,6 +78,23 @@ def test_a_picture_of_one_tone_has_no_surround(level: int) -> None:
     assert (field is None) == (level < 10)
 
 
+@pytest.mark.parametrize("name", ["circle", "beside the middle"])
+def test_a_field_that_a_dark_tool_divides_is_one(name: str) -> None:
+    field = outline(name)
+    image = seen_in(field)
+    image[:, 160:176] = 3
+    assert_found(found(image).mask(), field)
+
+
+@pytest.mark.parametrize("radius", [50, 65])
+@pytest.mark.parametrize("share", [0.6, 1.0])
+def test_of_two_round_fields_none_is_left_out(radius: int, share: float) -> None:
+    y, x = np.mgrid[:240, :320] + 0.5
+    fields = (np.hypot(x - 80, y - 120) < radius) | (np.hypot(x - 240, y - 120) < share * radius)
+    inner = cv2.erode(fields.astype(np.uint8), np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)) > 0
+    assert found(seen_in(fields)).mask()[inner].all()
+
+
 def test_noise_alone_has_none() -> None:
     rng = np.random.default_rng(1)
     for low, high in ((0, 4), (0, 256), (0, 40)):
