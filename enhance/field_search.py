@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import cv2
 import numpy as np
@@ -25,6 +25,12 @@ STEP, DEVIATIONS, STRAY = 10.0, 5.0, 0.2
 lies between it and the middle of the lit picture, it is field: stray light beside the rim is less."""
 MOST_STRAY: Final = 0.5
 """Of the same: what is brighter is field, whatever the noise."""
+LEAST_SHADED: Final = 0.1
+"""Of the lit field: if it grows by so much with what is as dark as stray light, and ends sharply then, too,
+this is tissue in the shade; stray light is a narrow band, or fades."""
+FAINT, MOST_FAINT = 0.4, 0.25
+"""The way from the surround's V to what no noise reaches, and how many pixels beside a sharp end may be
+brighter than that."""
 LEAST_SIDE: Final = 16
 """Pixels: smaller pictures are too small for a surround with a rim."""
 LEAST_SURROUND: Final = 0.01
@@ -51,8 +57,12 @@ Levels = NDArray[np.uint8]
 class Tones:
     """V of the surround, in grey levels."""
 
+    level: float
+    """In the middle."""
+    least: float
+    """Darker pixels are noise of the surround."""
     threshold: float
-    """Darker pixels are surround."""
+    """Darker pixels are surround, lit by stray light at most, or tissue in the shade."""
     most: float
     """No surround is brighter, however noisy."""
 
@@ -89,11 +99,14 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     tones = _tones(low)
     if tones is None:
         return whole
-    outline = _outline(low, tones.threshold)
+    outline, threshold = _outline(low, tones.threshold), tones.threshold
     if outline is None or len(outline) == 0:
         return whole if outline is not None else None
+    shaded = _shaded(low, tones, outline)
+    if shaded is not None:
+        outline, threshold = shaded, tones.least
     scale = np.array([width / low.shape[1], height / low.shape[0]])
-    rim = left_along_rays(pixels, (outline + 0.5) * scale, tones.threshold, tones.most, factor)
+    rim = left_along_rays(pixels, (outline + 0.5) * scale, threshold, tones.most, factor)
     return fitted(rim, whole)
 
 
@@ -120,8 +133,9 @@ def _tones(low: Levels) -> Tones | None:
     if level > BRIGHTEST or noise > NOISIEST:
         return None
     beyond = _middle_above(low, level + STEP) - level
-    threshold = level + max(STEP, DEVIATIONS * noise, STRAY * beyond)
-    return Tones(threshold, max(threshold, level + MOST_STRAY * beyond))
+    least = level + max(STEP, DEVIATIONS * noise)
+    threshold = max(least, level + STRAY * beyond)
+    return Tones(level, least, threshold, max(threshold, level + MOST_STRAY * beyond))
 
 
 @njit(cache=True, error_model="numpy")
@@ -182,16 +196,38 @@ def _outline(low: Levels, threshold: float) -> Points | None:
     if area == 0 or area < LEAST_FIELD * low.size:
         return None
     hull = cv2.convexHull(ends)
+    framed = _is_framed(low, np.asarray(lit), _filled(low, hull), threshold)
+    return hull[:, 0].astype(np.float64) if framed else np.empty((0, 2))
+
+
+def _filled(low: Levels, hull: NDArray[Any]) -> Levels:
+    """1 within, 0 without."""
     field = np.zeros_like(low)
     cv2.fillConvexPoly(field, hull, 1)
-    framed = _is_framed(low, np.asarray(lit), field, threshold)
-    return hull[:, 0].astype(np.float64) if framed else np.empty((0, 2))
+    return field
+
+
+def _shaded(low: Levels, tones: Tones, lit: Points) -> Points | None:
+    """The outline with tissue in the shade; None: there is none beyond the outline of what is lit."""
+    dark, bright = (np.count_nonzero(low > level) for level in (tones.least, tones.threshold))
+    if dark < (1 + LEAST_SHADED) * bright:
+        return None
+    outline = _outline(low, tones.least)
+    if outline is None or len(outline) == 0:
+        return None
+    field, before = (_filled(low, corners.astype(np.int32)) for corners in (outline, lit))
+    if field.sum() < (1 + LEAST_SHADED) * before.sum():
+        return None
+    # Two pixels outside, where the outline has moved.
+    near = cv2.dilate(field, SQUARE)
+    beside = low[(cv2.dilate(near, SQUARE) > near) & (cv2.dilate(before, SQUARE, iterations=4) == 0)]
+    faint = beside > tones.level + FAINT * (tones.least - tones.level)
+    return outline if len(beside) > 0 and faint.mean() <= MOST_FAINT else None
 
 
 @njit(cache=True, error_model="numpy")
 def _parts(labels: NDArray[np.int32], count: int) -> tuple[int, NDArray[np.int32]]:
-    """Pixels of the largest part, 0 where there is none, and the (N, 2) ends, x and y, of what each row has of
-    all large parts."""
+    """Pixels of the largest part, 0 where there is none; the (N, 2) ends, x and y, of rows of large ones."""
     height, width = labels.shape
     areas = np.zeros(count, np.int64)
     for y in range(height):

@@ -95,6 +95,29 @@ def test_of_two_round_fields_none_is_left_out(radius: int, share: float) -> None
     assert found(seen_in(fields)).mask()[inner].all()
 
 
+@pytest.mark.parametrize("name", ["circle", "octagon"])
+@pytest.mark.parametrize("level", [14, 20, 26, 32])
+@pytest.mark.parametrize("blur", [0, 6])
+def test_tissue_in_the_shade_is_field(name: str, level: float, blur: float) -> None:
+    """Darker than stray light may be, but ending as sharply as what is lit."""
+    field = outline(name)
+    rng = np.random.default_rng(0)
+    tissue = np.where(np.arange(320) < 180, 170.0, level) * np.ones((240, 1))
+    tissue = cv2.GaussianBlur(tissue, (0, 0), blur) if blur else tissue
+    image = np.where(field, tissue, 2) + rng.integers(-1, 2, field.shape)
+    assert_found(found(image.astype(np.uint8)).mask(), field)
+
+
+@pytest.mark.parametrize("most", [15, 25, 33])
+@pytest.mark.parametrize("width", [8, 16, 40, 1000])
+def test_stray_light_on_one_side_is_none_of_the_field(most: float, width: float) -> None:
+    y, x = np.mgrid[:240, :320] + 0.5
+    away = np.hypot(x - 160, y - 120) - 100
+    stray = most * np.exp(-np.maximum(away, 0) / width) * np.clip((x - 160) / 100, 0, 1)
+    image = np.where(away < 0, 170, 2 + stray).astype(np.uint8)
+    assert_found(found(image).mask(), away < 0)
+
+
 def test_noise_alone_has_none() -> None:
     rng = np.random.default_rng(1)
     for low, high in ((0, 4), (0, 256), (0, 40)):
