@@ -313,5 +313,5 @@ def test_the_saturated_share_is_of_the_pixels_of_the_mask() -> None:
 
 def test_a_mask_that_is_no_array_is_refused() -> None:
     nothing: Any = "x"
-    with pytest.raises(ImageError, match=r"expected a mask of shape \(20, 20\), got str"):
+    with pytest.raises(ImageError, match=r"expected a mask of shape \(20, 20\), bool or integers, got"):
         vessel_cnr(np.zeros((20, 20, 3), np.uint8), nothing)
