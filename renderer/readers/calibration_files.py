@@ -43,6 +43,10 @@ MODELS: Final[Mapping[str, Model]] = {
     "plumb_bob": "pinhole", "rational_polynomial": "pinhole", "radtan": "pinhole", "none": "pinhole",
     "equidistant": "fisheye", "fisheye": "fisheye",
 }  # fmt: skip
+SIDES: Final = (("image_width", "image_height"), ("width", "height"))
+"""Names of the size of the images; the second ones are of ROS's message camera_info."""
+SKEW: Final = 1e-3
+"""Of the focal length, by which axes of a lens may be off a right angle."""
 FORMS: Final = "OpenCV's or ROS's camera_matrix, M1 and M2, or Kalibr's cam0"
 
 Names = Mapping[str, Any]
@@ -112,9 +116,10 @@ def _named(text: str, expected: Pairs = LENSES) -> dict[str, Any]:
 
 
 def _yaml(text: str) -> Names:
+    """The first document: ROS ends each message with the line that begins another."""
     plain = (line for line in text.splitlines() if not line.startswith("%YAML"))
     try:
-        value = yaml.load("\n".join(plain), _Loader)
+        value = next(yaml.load_all("\n".join(plain), _Loader), None)
     except (yaml.YAMLError, RecursionError, ValueError, TypeError, AttributeError) as error:
         raise ValueError("expected a calibration in YAML, JSON or XML, got another text") from error
     if not isinstance(value, dict):
@@ -142,14 +147,24 @@ def _lens(names: Names, called: tuple[str, str]) -> LensCalibration:
     missing = [name for name in called if name not in names]
     if missing:
         raise ValueError(f"expected {matrix} and {distortion}, got no {' and no '.join(missing)}")
-    values, bent = _numbers(names[matrix], matrix), _numbers(names[distortion], distortion)
-    if len(values) != 9:
-        raise ValueError(f"expected 3 times 3 numbers of {matrix}, got {len(values)}")
+    values, bent = _matrix(names[matrix], matrix), _numbers(names[distortion], distortion)
     flagged = "equidistant" if str(names.get("fisheye_model", 0)) == "1" else "plumb_bob"
     return LensCalibration(
         fx=values[0], fy=values[4], cx=values[2], cy=values[5],
         model=_model(names.get("distortion_model", flagged)), distortion=tuple(bent), size=_size(names),
     )  # fmt: skip
+
+
+def _matrix(value: Any, name: str) -> list[float]:
+    """fx 0 cx, 0 fy cy, 0 0 1."""
+    values = _numbers(value, name)
+    if len(values) != 9:
+        raise ValueError(f"expected 3 times 3 numbers of {name}, got {len(values)}")
+    _, skew, _, *rest = values
+    if abs(skew) > SKEW * abs(values[0]) or not np.allclose([rest[0], *rest[3:]], (0, 0, 0, 1), atol=1e-9):
+        got = ", ".join(f"{each:g}" for each in values)
+        raise ValueError(f"expected {name} of fx 0 cx, 0 fy cy, 0 0 1, got {got}")
+    return values
 
 
 def _model(told: object) -> Model:
@@ -159,10 +174,21 @@ def _model(told: object) -> Model:
 
 
 def _size(names: Names) -> tuple[int, int] | None:
-    if "image_width" not in names or "image_height" not in names:
+    held = next((sides for sides in SIDES if all(side in names for side in sides)), None)
+    if held is not None:
+        width, height = (_numbers(names[side], side)[0] for side in held)
+        return round(width), round(height)
+    return _pair(names, "image_size")
+
+
+def _pair(names: Names, name: str) -> tuple[int, int] | None:
+    """Width and height by one name."""
+    if name not in names:
         return None
-    width, height = (_numbers(names[f"image_{side}"], f"image_{side}")[0] for side in ("width", "height"))
-    return round(width), round(height)
+    size = _numbers(names[name], name)
+    if len(size) != 2:
+        raise ValueError(f"expected width and height of {name}, got {len(size)} numbers")
+    return round(size[0]), round(size[1])
 
 
 def _second(lens: LensCalibration, turn: Any, shift: Any) -> SecondEye:
@@ -200,11 +226,10 @@ def _kalibr_lens(said: Any, name: str) -> LensCalibration:
     inner = _numbers(said["intrinsics"], "intrinsics")
     if len(inner) != 4:
         raise ValueError(f"expected 4 intrinsics of {name}, got {len(inner)}")
-    size = _numbers(said["resolution"], "resolution") if "resolution" in said else []
     return LensCalibration(
         fx=inner[0], fy=inner[1], cx=inner[2], cy=inner[3], model=_model(said["distortion_model"]),
         distortion=tuple(_numbers(said["distortion_coeffs"], "distortion_coeffs")),
-        size=(round(size[0]), round(size[1])) if len(size) == 2 else None,
+        size=_pair(said, "resolution"),
     )  # fmt: skip
 
 

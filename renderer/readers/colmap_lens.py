@@ -41,8 +41,8 @@ FORMS: Final[Mapping[str, _Form]] = {
 
 def colmap_lens(text: str) -> Calibration:
     """The one lens of cameras.txt. Raises ValueError: none, several, or one of another model."""
-    lines = [line.split() for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    lenses = {tuple(words[1:]) for words in lines}
+    lines = [line.split() for line in text.splitlines()]
+    lenses = {tuple(words[1:]) for words in lines if words and not words[0].startswith("#")}
     if len(lenses) != 1:
         raise ValueError(f"expected one lens of COLMAP's cameras.txt, got {len(lenses)}")
     (words,) = lenses
@@ -51,7 +51,14 @@ def colmap_lens(text: str) -> Calibration:
     form, numbers = FORMS[words[0]], words[3:]
     if len(numbers) != form.parameters:
         raise ValueError(f"expected {form.parameters} parameters of {words[0]}, got {len(numbers)}")
-    return _calibration(form, (int(words[1]), int(words[2])), [float(each) for each in numbers])
+    try:
+        size, values = (int(words[1]), int(words[2])), [float(each) for each in numbers]
+    except ValueError as error:
+        said = " ".join(words[1:])
+        raise ValueError(
+            f"expected whole pixels of a size, and numbers, after {words[0]}, got {said}"
+        ) from error
+    return _calibration(form, size, values)
 
 
 def _calibration(form: _Form, size: tuple[int, int], values: list[float]) -> Calibration:

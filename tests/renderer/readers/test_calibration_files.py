@@ -83,6 +83,27 @@ def test_what_ros_writes(tmp_path):
     assert read_calibration(written(tmp_path, "ost.yaml", fish)).lens.model == "fisheye"
 
 
+@pytest.mark.parametrize("names", ["DK", "dk"])
+def test_what_ros_prints_of_a_message(tmp_path, names):
+    bent, matrix = names
+    text = f"""header:
+  frame_id: left
+height: 480
+width: 640
+distortion_model: plumb_bob
+{bent}: {BENT}
+{matrix}: {[each for row in MATRIX for each in row]}
+binning_x: 0
+---
+"""
+    assert read_calibration(written(tmp_path, "info.yaml", text)) == Calibration(lens=LENS)
+
+
+def test_the_size_as_a_pair(tmp_path):
+    values = {"camera_matrix": MATRIX, "dist_coeffs": BENT, "image_size": SIZE}
+    assert read_calibration(written(tmp_path, "a.json", values)).lens == LENS
+
+
 @pytest.mark.parametrize("names", [("mtx", "dist"), ("K", "D"), ("cameraMatrix", "distCoeffs")])
 def test_json_of_a_script(tmp_path, names):
     found = read_calibration(written(tmp_path, "a.json", dict(zip(names, (MATRIX, [BENT]), strict=True))))
@@ -133,7 +154,7 @@ PARAMETERS = {
 @pytest.mark.parametrize("model", PARAMETERS)
 def test_a_lens_of_colmap_whose_pixels_begin_at_their_corner(tmp_path, model):
     numbers, ours, bent = PARAMETERS[model]
-    text = f"# Camera list\n#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 {model} 640 480 {numbers}\n"
+    text = f"# Camera list\n #   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n1 {model} 640 480 {numbers}\n"
     found = read_calibration(written(tmp_path, "cameras.txt", text)).lens
     assert (found.fx, found.fy, found.cx, found.cy, found.size) == (400, 400, 320, 240, (640, 480))
     assert (found.model, [*found.distortion]) == (ours, bent)
@@ -145,7 +166,8 @@ def test_a_lens_of_colmap_whose_pixels_begin_at_their_corner(tmp_path, model):
         ("1 FOV 640 480 1 2 3 4 5", "expected a lens of SIMPLE_PINHOLE"),
         ("1 OPENCV 640 480 1 2 3", "expected 8 parameters of OPENCV, got 3"),
         ("1 PINHOLE 640 480 1 1 2 2\n2 PINHOLE 640 480 1 1 3 3", "expected one lens"),
-        ("1 PINHOLE x 480 1 1 2 2", "invalid literal"),
+        ("1 PINHOLE 640.5 480 1 1 2 2", "expected whole pixels of a size, .* got 640.5 480 1 1 2 2: "),
+        ("1 PINHOLE 640 480 1 1 x 2", "and numbers, after PINHOLE, got 640 480 1 1 x 2: "),
         ("1", "got none"),
         ("", "got 0"),
     ],
@@ -196,6 +218,16 @@ WRONG = {
     "other names": ({"fps": 25, "who": "x"}, "got fps, who"),
     "no distortion": ({"camera_matrix": MATRIX}, "got no distortion_coefficients"),
     "a small matrix": ({"mtx": [1, 2, 3], "dist": BENT}, "got 3"),
+    "a matrix of another scale": (
+        {"mtx": [[2 * each for each in row] for row in MATRIX], "dist": BENT}, "got 877, 0, 610.5,"
+    ),
+    "a transposed matrix": (
+        {"mtx": np.transpose(MATRIX).tolist(), "dist": BENT}, "of fx 0 cx, 0 fy cy, 0 0 1, got 438.5, 0, 0"
+    ),
+    "a skewed matrix": ({"mtx": [[500, 50, 320], *MATRIX[1:]], "dist": BENT}, "got 500, 50, 320"),
+    "a size of one number": (
+        {"mtx": MATRIX, "dist": BENT, "image_size": [640]}, "width and height of image_size, got 1 numbers"
+    ),
     "words": ({"mtx": [["a"] * 3] * 3, "dist": BENT}, "expected numbers of mtx"),
     "no number": ({"mtx": [[float("nan")] * 3] * 3, "dist": BENT}, "finite numbers of mtx"),
     "no focal length": ({"mtx": np.diag([0, 1, 1]).tolist(), "dist": BENT}, "fx: expected greater than 0"),
