@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -37,6 +37,8 @@ from renderer.readers.tool_masks import marked_pixels
 USES_MASKS: Final = "--mask-polarity tool or tissue says what they mark, and uses them"
 USES_BYTES: Final = "8-bit maps may be inverse or stretched: --depth measured reads them as distances"
 USES_NAMES: Final = "name them _depth or _disparity to have them read as such"
+_FACTOR: Final = re.compile(r"(?<![^\W_])x(\d+)(?![^\W_])")
+"""In names of disparities, x64: they are stored times this."""
 
 Plane = NDArray[np.float32]
 
@@ -149,16 +151,24 @@ def _is_map_file(path: Path) -> bool:
 def _offer(labels: Sequence[str], kind: Kind, name: str, paths: Sequence[Path]) -> _Offer:
     """The files, each with the frame that it belongs to; those of the other eye belong to none."""
     of_right = "right" in _parts(name) and "right" not in _parts(labels[0])
-    files, shift = ({}, 0) if of_right else _paired(labels, paths)
+    files, shift = ({}, 0) if of_right else _paired(labels, paths, _stems(paths, kind))
     if kind == "mask" and not files and len(paths) == 1 and not of_right:
         files = dict.fromkeys(range(len(labels)), paths[0])
     return _Offer(kind, name, files, paths, shift != 0)
 
 
-def _paired(labels: Sequence[str], paths: Sequence[Path]) -> tuple[dict[int, Path], int]:
+def _stems(paths: Sequence[Path], kind: Kind) -> list[str]:
+    """Names, of disparities without their factor, whose number is none of a frame."""
+    stems = [path.stem for path in paths]
+    return [_FACTOR.sub("", stem) for stem in stems] if kind == "disparity" and _factor(stems) else stems
+
+
+def _paired(
+    labels: Sequence[str], paths: Sequence[Path], stems: Sequence[str]
+) -> tuple[dict[int, Path], int]:
     """By name where each picture or each file has its own so, else by number; and how far numbers differ."""
-    by_stem = _by_stem(labels, paths)
-    frames, files = numbers_of(labels), numbers_of([path.name for path in paths])
+    by_stem = _by_stem(labels, dict(zip(stems, paths, strict=True)))
+    frames, files = numbers_of(labels), numbers_of([f"{stem}.png" for stem in stems])
     if len(by_stem) in (len(labels), len(paths)) or frames is None or files is None:
         return by_stem, 0
     pairs = number_pairs(frames, files)
@@ -167,8 +177,8 @@ def _paired(labels: Sequence[str], paths: Sequence[Path]) -> tuple[dict[int, Pat
     )
 
 
-def _by_stem(labels: Sequence[str], paths: Sequence[Path]) -> dict[int, Path]:
-    found = {"_".join(_parts(path.stem)): path for path in paths}
+def _by_stem(labels: Sequence[str], paths: Mapping[str, Path]) -> dict[int, Path]:
+    found = {"_".join(_parts(stem)): path for stem, path in paths.items()}
     names = ["_".join(_parts(Path(label).stem)) for label in labels]
     return {place: found[name] for place, name in enumerate(names) if name and name in found}
 
@@ -262,10 +272,17 @@ def _unit(offer: _Offer, options: ClipOptions) -> str:
     return "mm" if known else "scene units"
 
 
+def _factor(names: Sequence[str]) -> str:
+    """The factor that all of the names have alike, such as x64; empty: none."""
+    found = {tuple(match[0] for match in _FACTOR.finditer(name)) for name in names}
+    return next(iter(found))[0] if len(found) == 1 and () not in found else ""
+
+
 def _steps(offer: _Offer) -> float:
-    """Per pixel of disparity, where the name says it: x64."""
-    found = re.search(r"(?<![^\W_])x(\d+)(?![^\W_])", offer.name)
-    return float(found[1]) if found else 1.0
+    """Per pixel of disparity, where the name of the folder or of every file says it."""
+    factor = _factor([offer.name]) if offer.name.endswith("/") else ""
+    factor = factor or _factor([path.stem for path in offer.paths])
+    return float(factor[1:]) if factor else 1.0
 
 
 def _with_depth(clip: Clip, offer: _Offer, options: ClipOptions) -> Clip:

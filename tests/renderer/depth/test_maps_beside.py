@@ -103,6 +103,27 @@ def test_disparity_is_inverted_and_its_factor_taken_from_the_name(tmp_path):
     assert clip.unit == "mm"
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        "{}_disparity_x64.png",
+        "disparity_x64_{}.png",
+        "disparity/{}_x64.png",
+        "disparity/{}_disparity_x64.png",
+    ],
+)
+def test_the_factor_in_each_name_is_no_number_of_a_frame(tmp_path, name):
+    write(tmp_path, "{}.png", disparity=name)
+    clip = open_clip(tmp_path, ClipOptions(baseline=4.0))
+    check(clip, 4 * clip.cameras[0].fx / 500)
+
+
+def test_numbers_of_frames_that_look_like_a_factor_are_none(tmp_path):
+    write(tmp_path, "x{}.png", disparity="x{}_disparity.png")
+    clip = open_clip(tmp_path)
+    check(clip, clip.cameras[0].fx / 500 / 64)
+
+
 @pytest.mark.parametrize("size", [(32, 24), (64, 48), (128, 96)])
 def test_disparities_are_in_pixels_of_their_map(tmp_path, size):
     write(tmp_path, "{}.png")
