@@ -34,6 +34,7 @@ LARGEST_VERTICAL_OFFSET = 1.5
 the same in all rows of a clip counts for nothing, as the right images can be moved by it."""
 
 _FEWEST_FEATURES = 20
+_SAME = 0.25  # px, below which features of two images are in one place.
 _REMEMBERED = 4  # Frames whose depth is kept, for sliders that ask for the same one again.
 _REMEMBERED_PAIRS = 32  # Whether they show one scene, which opening a folder asks several times.
 _LEFT = re.compile(r"left|(?<=[\d_-])l$|^l(?=$|[\d_-])", re.IGNORECASE)
@@ -252,7 +253,7 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
     """How far rows are apart; not at all where the first pair looks rectified, or, where that shows too
     little, the one of a few that shows most.
 
-    Raises ClipError: they look like no rectified pair, or like one that is swapped.
+    Raises ClipError: they look like no rectified pair, or like one that is swapped or is one image twice.
     """
     first, *rest = places(len(clip))
     every = _shifts(clip, right, (first,))
@@ -264,6 +265,8 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
     if len(shifts) < _FEWEST_FEATURES:
         found = f"{len(shifts)} features in common in the best of {count(len(every), 'pair')} looked at"
         raise ClipError(f"expected a stereo pair, got images with {found}, {where}")
+    if np.median(np.abs(shifts[:, :2])) < _SAME:
+        raise ClipError(f"expected a left and a right image, got the same image twice, {where}")
     across, rows = np.median(shifts[:, 0]), _Rows()
     if np.median(np.abs(shifts[:, 1])) > LARGEST_VERTICAL_OFFSET:
         if len(every) == 1:

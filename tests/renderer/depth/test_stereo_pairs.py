@@ -277,6 +277,14 @@ def test_swapped_eyes_are_refused(written, tmp_path):
         opened(tmp_path)
 
 
+def test_one_eye_twice_is_refused_as_that(written, tmp_path):
+    for eye in ("left", "right"):
+        shutil.copytree(written[0] / "left", tmp_path / eye)
+    change(tmp_path / "right/000000.png", lambda pixels: np.minimum(pixels, 254) + 1)
+    with pytest.raises(ClipError, match="got the same image twice"):
+        opened(tmp_path)
+
+
 def test_pictures_of_two_scenes_are_refused(written, tmp_path):
     folder = copied(written, tmp_path)
     for name in ("000000.png", "000001.png"):
