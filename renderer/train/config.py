@@ -70,8 +70,8 @@ class TrainConfig:
     n_gaussians: Annotated[int, Interval(ge=1, le=1_000_000)] = 30_000
     """Gaussians sampled from the depth of the training frames; fewer are faster but less sharp."""
     window_frames: Annotated[int, Interval(ge=48, le=100_000)] | None = None
-    """Most frames that one set of Gaussians is trained on; longer clips are cut into windows; auto: 400,
-    fewer where the camera travels."""
+    """About how many frames one set of Gaussians is trained on; longer clips are cut into windows, those of
+    less than 80 frames never; auto: 400, fewer where the camera travels."""
     n_controls: Annotated[int, Interval(ge=4, le=1000)] | None = None
     """Control values in time; empty: one per 3.7 frames, up to one per 2.3 where tracks show faster motion.
     More follow faster motion and overfit sooner."""

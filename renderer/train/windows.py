@@ -22,6 +22,8 @@ ALIGNED: Final = 8
 """Windows begin at multiples of this, so that the same frames are held out as of the whole clip."""
 SHORTEST: Final = 3 * OVERLAP
 """Frames of a window: it overlaps none but its neighbours."""
+UNCUT: Final = 2 * SHORTEST - OVERLAP - 1
+"""Frames of the longest clip that two windows do not fit in."""
 LONGEST: Final = 400
 """Frames of a window where nobody says."""
 MOST_VIEWS: Final = 1.0
@@ -52,8 +54,8 @@ class Window:
 
 
 def windows_of(clip: Clip, config: TrainConfig) -> tuple[Window, ...]:
-    """In the order of time, of as many frames as it says, or with as much to show each; a single one where
-    the clip is short and its camera goes nowhere. Raises ClipError: the first frame cannot be read."""
+    """In the order of time, of about as many frames as it says, or with as much to show each; a single one
+    where the clip is short and its camera goes nowhere. Raises ClipError: the first frame cannot be read."""
     if config.window_frames is not None:
         return cut(np.full(len(clip), 1 / config.window_frames))
     return cut(1 / LONGEST + new_views(clip) / MOST_VIEWS)
@@ -128,7 +130,7 @@ def left_out(windows: Sequence[Window], config: TrainConfig) -> tuple[Omission, 
     """Other windows, where one is enough for the clip."""
     if len(windows) > 1:
         return ()
-    longest = config.window_frames or LONGEST
+    longest = max(config.window_frames or LONGEST, UNCUT)
     limit = count(longest, "frame")
     if config.window_frames is None:
         limit += f" or {count(round(MOST_VIEWS), 'view')} beside the first"

@@ -112,8 +112,16 @@ def test_a_short_clip_has_one_window_and_says_so() -> None:
     started = next(iter(train(clip, CONFIG)))
     assert isinstance(started, Started)
     assert [each.why for each in started.omitted if each.what == "windows"] == [
-        "the clip has 12 frames, and windows are for more than 48 frames"
+        "the clip has 12 frames, and windows are for more than 79 frames"
     ]
+
+
+@pytest.mark.parametrize("longest", [SHORTEST, 60, 80, 100])
+def test_the_limit_that_is_told_is_the_one_that_cuts(longest: int) -> None:
+    config = replace(CONFIG, window_frames=longest)
+    limit = next(count for count in range(1, 200) if len(cut(np.full(count + 1, 1 / longest))) > 1)
+    (told,) = left_out((Window(0, limit - 1),), config)
+    assert told.why.endswith(f"windows are for more than {limit} frames")
 
 
 def test_one_of_a_kind_is_told_as_one() -> None:
