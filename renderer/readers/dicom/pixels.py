@@ -20,6 +20,10 @@ from renderer.regular_files import require_regular
 RLE: Final = "1.2.840.10008.1.2.5"
 ROOM: Final = 1.1
 """Beyond its pixels, what run lengths may take where they find no runs."""
+END_OF_IMAGE: Final = b"\xff\xd9"
+"""Of JPEG, JPEG-LS and JPEG 2000."""
+PADDED: Final = 10
+"""Last bytes of a fragment in which pydicom looks for it."""
 
 
 def read_pixels(path: Path, header: DicomHeader, index: int) -> NDArray[Any]:
@@ -67,17 +71,37 @@ def read_still(path: Path) -> NDArray[Any]:
 
 
 def whole_frames(path: Path, header: DicomHeader) -> int:
-    """How many of the frames announced lie in the file as a whole. Raises OSError."""
+    """How many of the frames announced lie in the file as a whole. Raises ClipError, OSError."""
     if header.is_encapsulated:
-        parts = list(fragments(path, header))
-        end = require_regular(path)
-        cut = sum(start + size >= end for start, size in parts)
-        return min(header.frames, len(parts) - cut) if parts else 0
+        return min(header.frames, _whole_compressed(path, header))
     width, height = header.size
     bits = width * height * header.samples * header.bits_allocated
     if header.photometric == "YBR_FULL_422":
         bits = bits * 2 // 3
     return min(header.frames, (require_regular(path) - header.pixels_at - EXPLICIT + 4) * 8 // max(bits, 1))
+
+
+def _whole_compressed(path: Path, header: DicomHeader) -> int:
+    """Of fragments that end before the file does, where a frame has one; else of those that end a frame."""
+    from pydicom.encaps import parse_basic_offsets
+
+    parts, end = list(fragments(path, header)), require_regular(path)
+    whole = [(start, size) for start, size in parts if start + size < end]
+    if not whole:
+        return 0
+    with opened_dicom(path) as file:
+        file.seek(header.pixels_at + EXPLICIT)
+        begins = {parts[0][0] + offset for offset in parse_basic_offsets(file)}
+        has_several = bool(begins) and any(start not in begins for start, _ in parts)
+        if len(parts) <= header.frames and not has_several:
+            return len(whole)
+        return sum(_ends_a_frame(file, start + size) for start, size in whole) or len(whole)
+
+
+def _ends_a_frame(file: io.BufferedReader, at: int) -> bool:
+    """Whether the end of an image stands before this place, and perhaps some padding."""
+    file.seek(at - PADDED)
+    return END_OF_IMAGE in file.read(PADDED)
 
 
 def _require_kind(path: Path, header: DicomHeader) -> None:

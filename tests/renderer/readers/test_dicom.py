@@ -101,6 +101,23 @@ def test_frames_of_a_file_that_is_cut_off_are_those_that_are_whole(tmp_path: Pat
     assert (header.frames, header.is_cut, header.is_announced) == (5, True, False)
 
 
+@pytest.mark.parametrize(("share", "count"), [(0.95, 5), (0.6, 3), (0.3, 1)])
+def test_of_frames_in_several_fragments_the_whole_ones_are_counted(
+    share: float, count: int, tmp_path: Path
+) -> None:
+    jpegs = with_pixels(labelled(VIDEO, JPEGBaseline8Bit), np.stack(FRAMES), "YBR_FULL_422")
+    coded = [encoded(frame, "JPEG", quality=97) for frame in FRAMES]
+    path = saved(compressed(jpegs, coded, fragments=3), tmp_path / "a.dcm")
+    whole = open_clip(path)
+    assert (len(whole), whole.notices) == (6, ())
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) - round((1 - share) * sum(map(len, coded)))])
+    clip = open_clip(path)
+    assert len(clip) == count
+    assert "cut off or damaged at its end" in clip.notices[0]
+    assert np.abs(clip.read_image(count - 1).astype(int) - FRAMES[count - 1]).mean() < 2
+
+
 def test_a_video_inside_is_read_where_it_lies(tmp_path: Path) -> None:
     content = video_file(tmp_path / "a.mp4", FRAMES)
     path = saved(video(content, (64, 48), 6, "40", fragments=4), tmp_path / "a.dcm")
