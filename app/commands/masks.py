@@ -9,6 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from app.console.flags import add_fields, parameters
+from app.console.older_files import say_older
 from app.console.progress import progress
 from app.errors import UserError
 from app.files.atomic import filled
@@ -18,7 +19,7 @@ from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.listing import listed
 from renderer.sources import open_bare
-from renderer.tools.mask_files import NONE, MaskFiles, masks_in
+from renderer.tools.mask_files import NONE, MaskFiles, mask_names, masks_in
 from renderer.tools.onnx_model import VALUES, OnnxError, OnnxTools
 
 
@@ -64,6 +65,7 @@ def run(flags: argparse.Namespace) -> None:
     try:
         model = OnnxTools.open(flags.onnx, flags.onnx_values, flags.onnx_tools) if flags.onnx else None
         told = _made(flags.out, clip, by_hand, model)
+        say_older(flags.out, mask_names(clip.labels))
     except OnnxError as error:
         raise UserError(str(error)) from error
     weak = [clip.labels[index] for index in told.weak]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -28,7 +29,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="its source, or a folder with it (default: looked for beside FILE and in the current folder, "
         "runs also among those of the window)",
     )
-    parser.add_argument("--out", type=Path, metavar="FILE", help="keep the reproduced file")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="keep the reproduced file, by a new name")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 
@@ -52,7 +53,9 @@ def _target(flags: argparse.Namespace) -> Iterator[Path]:
         with tempfile.TemporaryDirectory(prefix="vesselsplat-") as folder:
             yield Path(folder) / flags.file.name
         return
-    if out.suffix.lower() != flags.file.suffix.lower() or out.resolve() == flags.file.resolve():
+    if out.suffix.lower() != flags.file.suffix.lower():
         raise UserError(f"--out: expected a new file named *{flags.file.suffix}, got {out}")
+    if os.path.lexists(out):
+        raise UserError(f"--out: expected a new file, got one that is there: {out}")
     with filled(out.parent) as staging:
         yield staging / out.name

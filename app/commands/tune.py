@@ -14,6 +14,7 @@ from typing import Any, cast
 
 from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
 from app.console.flags import add_fields
+from app.console.older_files import say_older
 from app.console.progress import print_measures, progress
 from app.enhancement.contact_sheet import Tile, columns_of, contact_sheet, tile
 from app.enhancement.methods import PAPER, VESSEL
@@ -117,6 +118,8 @@ def run(flags: argparse.Namespace) -> None:
         if flags.sort:
             rows = [rows[place] for place in ranked([row.measures for row in rows], flags.sort)]
         report = _write_summary(staging, origin, axes, rows, flags.sort)
+        written = [path.name for path in staging.iterdir()]
+    say_older(flags.out, written)
     if flags.json:
         sys.stdout.write(strict_json(report) + "\n")
     else:
@@ -125,7 +128,10 @@ def run(flags: argparse.Namespace) -> None:
 
 
 def _origin(flags: argparse.Namespace) -> Origin:
+    """Raises UserError: no such frame, or --out is where the images of the input are."""
     series = open_series(flags.input)
+    if flags.out.resolve() in {path.resolve().parent for path in series.sources}:
+        raise UserError(f"--out: expected another folder than that of INPUT, got {flags.out}")
     if not 0 <= flags.frame < len(series):
         raise UserError(f"--frame: expected 0 to {len(series) - 1}, got {flags.frame}: {flags.input}")
     image, path = series.read(flags.frame), series.sources[flags.frame]

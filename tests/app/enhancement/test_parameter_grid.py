@@ -177,3 +177,19 @@ def test_a_mistake_is_one_line_and_writes_nothing(
     assert (call.code, call.error.count("\n")) == (2, 1)
     assert said in call.error
     assert not (tmp_path / "out").exists()
+
+
+def test_pictures_of_before_are_told_and_none_of_them_is_overwritten_as_input(
+    folder: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    out = tmp_path / "out"
+    assert vesselsplat("tune", folder / "0.png", "--out", out, "--vary", "d_factor=0:2:3").error == ""
+    call = vesselsplat("tune", folder / "0.png", "--out", out, "--vary", "d_factor=0,2")
+    assert (call.code, call.error) == (0, f"{out} also holds 1 file of these kinds from before\n")
+    first = out / "setting-000.png"
+    before = first.read_bytes()
+    for source in (first, out):
+        call = vesselsplat("tune", source, "--out", out, "--vary", "d_factor=0,2")
+        assert (call.code, call.error.count("\n")) == (2, 1)
+        assert "--out: expected another folder than that of INPUT" in call.error
+    assert first.read_bytes() == before

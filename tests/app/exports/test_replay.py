@@ -268,6 +268,15 @@ def test_what_cannot_be_made_again_is_one_line(
         assert (call.code, "--out" in call.error) == (2, True)
 
 
+def test_no_file_is_overwritten_by_what_is_made_again(folder: Path, vesselsplat: Cli) -> None:
+    source, out = folder / "1.png", folder / "out.png"
+    assert vesselsplat("enhance", source, out).code == 0
+    before = source.read_bytes()
+    call = vesselsplat("replay", out, "--out", source)
+    assert (call.code, "expected a new file, got one that is there" in call.error) == (2, True)
+    assert source.read_bytes() == before
+
+
 def test_difference_counts_values_and_frames(tmp_path: Path) -> None:
     one, other = np.zeros((4, 5, 3)), np.zeros((4, 5, 3))
     one[0, 0, 0] = other[0, 0, 0] = np.nan
