@@ -27,13 +27,17 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
+def check(flags: argparse.Namespace) -> None:
     """Raises UserError: a folder is wanted and a file's name is given."""
+    path: Path | None = flags.cameras
+    if path is not None and flags.cameras_format == "colmap" and path.suffix and not path.is_dir():
+        raise UserError(f"--cameras: expected a folder for COLMAP, got {path.name}")
+
+
+def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
     path, form = flags.cameras, flags.cameras_format
     named = tuple(NamedCamera(moment.name, moment.camera) for moment in wanted)
     times = tuple(moment.time for moment in wanted)
-    if form == "colmap" and path.suffix and not path.is_dir():
-        raise UserError(f"--cameras: expected a folder for COLMAP, got {path.name}")
     write_cameras(path, CameraSet(named, times, scene.model), form)
     if form == "splatting" and (notice := off_center(named)):
         sys.stderr.write(f"{notice}: {path}\n")

@@ -29,7 +29,7 @@ from app.scenes.drawer import Drawer
 from app.scenes.records import MomentRecord
 from app.scenes.renderers import drawer
 from app.scenes.scene import Scene
-from app.scenes.view_request import drawn_record
+from app.scenes.view_request import ViewRequest, drawn_record
 from app.scenes.view_selection import Moment
 from renderer.harmonics import BANDS
 from renderer.readers.listing import count
@@ -120,19 +120,27 @@ def run(flags: argparse.Namespace) -> None:
     if flags.video and not ending_of(flags.video):
         endings = ", ".join(CODECS)
         raise UserError(f"--video: expected a name that ends in {endings}, got {flags.video.name}")
+    if flags.html and flags.html.suffix.lower() != ".html":
+        raise UserError(f"--html: expected the name of an .html file, got {flags.html.name}")
     mesh_export.check(flags)
+    camera_export.check(flags)
     moving = {"--usd": (flags.usd, ".usdc"), "--4dgs": (flags.fourdgs, fourdgs.SUFFIX)}
     for flag, (path, suffix) in moving.items():
         _check_moving(flag, path, suffix)
     research_export.check(flags)
     scene, wanted = view_selection.chosen(flags)
     export_limits.require_one_camera(flags, wanted)
+    export_limits.require_movement(flags, scene)
+    # What may be refused yet comes before the first file is written.
+    pen = Drawer(*drawer(flags.renderer))
+    views = view_flags.asked_for(flags, scene, wanted) if flags.video else []
     speed = _speed(flags, scene, wanted)
+    research_export.write(flags, scene, wanted, pen)
     for suffix, folder in splats.items():
         if folder:
             _write_splats(folder, suffix, scene, wanted, flags.sh_degree)
     if flags.video:
-        _write_video(flags, scene, wanted, speed)
+        _write_video(flags.video, views, pen, wanted, speed)
     if flags.html:
         _write_page(flags.html, scene, wanted, speed)
     for path, _ in moving.values():
@@ -140,7 +148,6 @@ def run(flags: argparse.Namespace) -> None:
             _write_moving(path, scene, speed)
     if flags.mesh:
         mesh_export.write(flags, scene, wanted, speed)
-    research_export.write(flags, scene, wanted)
     if flags.cameras:
         camera_export.write(flags, scene, wanted)
 
@@ -203,8 +210,6 @@ def _write_moving(path: Path, scene: Scene, speed: float) -> None:
 
 def _write_page(path: Path, scene: Scene, wanted: list[Moment], speed: float) -> None:
     """As the camera of the first moment sees it."""
-    if path.suffix.lower() != ".html":
-        raise UserError(f"--html: expected the name of an .html file, got {path.name}")
     record = browser_model(scene, wanted[0].camera, speed)
     run_to_end(make(record, Opened(model=scene), path))
     if scene.model.raw.harmonics.shape[1]:
@@ -214,9 +219,9 @@ def _write_page(path: Path, scene: Scene, wanted: list[Moment], speed: float) ->
     sys.stdout.write(f"{path}: {len(scene.model)} Gaussians, {path.stat().st_size / 1e6:.1f} MB\n")
 
 
-def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment], speed: float) -> None:
-    pen = Drawer(*drawer(flags.renderer))
-    views = view_flags.asked_for(flags, scene, wanted)
+def _write_video(
+    path: Path, views: list[ViewRequest], pen: Drawer, wanted: list[Moment], speed: float
+) -> None:
     seen = tuple(
         MomentRecord(frame=moment.frame, time=moment.time, camera=moment.camera, near=view.near)
         for moment, view in zip(wanted, views, strict=True)
@@ -224,9 +229,9 @@ def _write_video(flags: argparse.Namespace, scene: Scene, wanted: list[Moment], 
     said = drawn_record(views[0], pen.name)
     record = extended(RenderVideo, said, frames_per_second=speed, moments=seen)
     with progress("draw", len(wanted)) as report:
-        for done in make(record, Opened(tuple(views), pen=pen), flags.video):
+        for done in make(record, Opened(tuple(views), pen=pen), path):
             if done:
                 report(done, wanted[done - 1].name)
-    for notice in recorded(flags.video)["video"]["notices"]:
-        sys.stderr.write(f"{notice}: {flags.video}\n")
-    sys.stdout.write(f"{flags.video}: {count(len(wanted), 'frame')} rendered with {pen.name}\n")
+    for notice in recorded(path)["video"]["notices"]:
+        sys.stderr.write(f"{notice}: {path}\n")
+    sys.stdout.write(f"{path}: {count(len(wanted), 'frame')} rendered with {pen.name}\n")

@@ -10,8 +10,10 @@ from typing import Final
 
 from app.errors import UserError
 from app.exports.meshes.writing import CLIPS
+from app.scenes.scene import Scene
 from app.scenes.view_selection import Moment
 from renderer.readers.listing import listed
+from renderer.surface.fineness import VERTICES
 
 FOLDERS: Final = ("ply", "compressed_ply", "spz", "spz4", "sog", "glb")
 FILES: Final = ("usd", "fourdgs", "mesh", "video", "html", "npz", "tracks", "cameras")
@@ -25,6 +27,10 @@ HEEDED: Final[Mapping[str, tuple[object, tuple[str, ...]]]] = MappingProxyType(
         "supersampling": (1, ("video",)),
         "background": ("grey", ("video",)),
         "view": ("color", ("video",)),
+        "mesh_format": ("ply", ("mesh",)),
+        "vertices": (VERTICES, ("mesh",)),
+        "faces": (None, ("mesh",)),
+        "cameras_format": ("splatting", ("cameras",)),
         "renderer": ("cpu", ("video", "npz")),
     }
 )
@@ -52,6 +58,8 @@ def check(flags: argparse.Namespace) -> None:
         if getattr(flags, name) != absent and not set(heeding) & set(asked):
             which = listed([flag(one) for one in heeding])
             raise UserError(f"{flag(name)}: expected an export that it applies to, such as {which}")
+    if flags.frames_per_second is not None and flags.path is None and not goes_through_time(flags):
+        raise UserError("--frames-per-second: expected an export through time, such as --video, or --path")
     run = flags.scene.resolve()
     for name, path in asked.items():
         if run in (path.resolve(), path.resolve().parent):
@@ -68,6 +76,12 @@ def require_one_camera(flags: argparse.Namespace, wanted: Sequence[Moment]) -> N
     # Frames are seen by one camera, several cameras at one moment.
     if flags.html and flags.camera and len(wanted) > 1 and wanted[0].frame is None:
         raise UserError(f"--html: expected one --camera, got {len(wanted)}: {flags.camera}")
+
+
+def require_movement(flags: argparse.Namespace, scene: Scene) -> None:
+    """Raises UserError: what shows one tissue as it moves is asked for, of other models."""
+    if any(name not in (*FOLDERS, "video", "cameras") for name, _ in outputs(flags)):
+        scene.require_same_tissue()
 
 
 def flag(name: str) -> str:

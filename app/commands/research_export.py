@@ -16,7 +16,6 @@ from app.exports.sources import Opened
 from app.files.records import extended
 from app.scenes.drawer import Drawer
 from app.scenes.records import MomentRecord
-from app.scenes.renderers import drawer
 from app.scenes.scene import Scene
 from app.scenes.view_selection import Moment
 from renderer.near_plane import near_plane
@@ -58,20 +57,20 @@ def check(flags: argparse.Namespace) -> None:
     _points(flags)
 
 
-def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
-    """What of the two is asked for."""
+def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment], pen: Drawer) -> None:
+    """What of the two is asked for. Raises UserError: there is no surface behind one of the points."""
     moments = tuple(_moment(one, scene) for one in wanted)
-    if flags.npz:
-        pen = Drawer(*drawer(flags.renderer))
-        arrays = extended(ModelArrays, scene.record, renderer=pen.name, moments=moments)
-        _write(arrays, Opened(model=scene, pen=pen), flags.npz, wanted)
-        said = f"{len(scene.model)} Gaussians at {count(len(wanted), 'moment')}"
-        sys.stdout.write(f"{flags.npz}: {said}, {flags.npz.stat().st_size / 1e6:.1f} MB\n")
+    # First what may be refused.
     if flags.tracks:
         points = _points(flags)
         tracks = extended(Tracks, scene.record, points=points, start=moments[0], moments=moments)
         _write(tracks, Opened(model=scene), flags.tracks, wanted)
         sys.stdout.write(f"{flags.tracks}: {count(len(points), 'point')} at {count(len(wanted), 'moment')}\n")
+    if flags.npz:
+        arrays = extended(ModelArrays, scene.record, renderer=pen.name, moments=moments)
+        _write(arrays, Opened(model=scene, pen=pen), flags.npz, wanted)
+        said = f"{len(scene.model)} Gaussians at {count(len(wanted), 'moment')}"
+        sys.stdout.write(f"{flags.npz}: {said}, {flags.npz.stat().st_size / 1e6:.1f} MB\n")
 
 
 def _moment(one: Moment, scene: Scene) -> MomentRecord:

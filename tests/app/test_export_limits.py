@@ -36,6 +36,27 @@ Cli = Callable[..., Call]
             ("--html", "a.html", "--camera", "cameras.json"),
             "--html: expected one --camera, got 2: cameras.json",
         ),
+        (
+            ("--ply", "ply", "--faces", "500"),
+            "--faces: expected an export that it applies to, such as --mesh",
+        ),
+        (("--ply", "ply", "--vertices", "2000"), "--vertices: expected an export that it applies to"),
+        (("--ply", "ply", "--mesh-format", "obj"), "--mesh-format: expected an export that it applies to"),
+        (("--ply", "ply", "--cameras-format", "colmap"), "--cameras-format: expected an export that"),
+        (
+            ("--ply", "ply", "--frames-per-second", "3"),
+            "--frames-per-second: expected an export through time",
+        ),
+        (("--ply", "ply", "--html", "x.txt"), "--html: expected the name of an .html file, got x.txt"),
+        (
+            ("--ply", "ply", "--cameras", "c.txt", "--cameras-format", "colmap"),
+            "--cameras: expected a folder for COLMAP, got c.txt",
+        ),
+        (("--ply", "ply", "--tracks", "x.csv", "--points", "500,5"), "got 500,5 at frame 0, counted from 0"),
+        (
+            ("--ply", "ply", "--video", "a.mp4", "--view", "difference", "--time", "0.5"),
+            "--view difference: expected frames of a run",
+        ),
         (("--ply", "{run}"), "--ply: expected a place outside the run that is exported, got "),
         (("--video", "{run}/a.mp4"), "--video: expected a place outside the run that is exported, got "),
     ],

@@ -136,9 +136,10 @@ def _lifted(pixel: tuple[int, int], start: MomentRecord, scene: Scene) -> NDArra
     splats, camera = scene.model.at(start.time), start.camera
     found = surface_point(splats, camera, pixel, _near(start, scene), scene.mode)
     if found is None:
+        when = f"time {start.time:g}" if start.frame is None else f"frame {start.frame}, counted from 0"
         raise UserError(
             f"expected a pixel of {camera.width}x{camera.height} where the model has a surface, "
-            f"got {pixel[0]},{pixel[1]} at {scene.moment(start.time)}"
+            f"got {pixel[0]},{pixel[1]} at {when}"
         )
     return found.point
 

@@ -256,7 +256,7 @@ def test_cameras_of_other_programs_come_back_exactly(
         (("--tracks", "a.csv"), "expected --tracks FILE.csv with --points X,Y ..., got one of the two"),
         (("--tracks", "a.csv", "--points", "3;4"), "column,row as whole numbers from 0, got 3;4"),
         (("--tracks", "a.csv", "--points", "-1,5"), "column,row as whole numbers from 0, got -1,5"),
-        (("--tracks", "a.csv", "--points", "3,4", "99,4"), "got 99,4 at frame 1"),
+        (("--tracks", "a.csv", "--points", "3,4", "99,4"), "got 99,4 at frame 0, counted from 0"),
         (("--cameras", "a.txt", "--cameras-format", "colmap"), "expected a folder for COLMAP, got a.txt"),
     ],
 )
