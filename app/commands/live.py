@@ -5,17 +5,21 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, cast
 
 from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
+from app.console.ending import ended_by_ctrl_c
 from app.console.flags import add_fields, parameters
 from app.console.progress import Report, progress
 from app.enhancement.methods import PAPER, VESSEL
 from app.enhancement.settable import PIXELS
 from app.errors import UserError
 from app.files.provenance import provenance, strict_json
+from app.live.address import Kind, LiveInput
 from app.live.igtl.endpoint import PORT, Endpoint
 from app.live.igtl.sender import Sender
 from app.live.picture import LiveSetting, LiveStatus
@@ -33,6 +37,15 @@ LOOK: Final = 0.05
 """Seconds from one look at the session to the next."""
 PATIENCE: Final = 10.0
 """Seconds without any picture after which a source that never gave one is given up."""
+HEEDED: Final[Mapping[str, frozenset[Kind]]] = MappingProxyType(
+    {
+        "once": frozenset({"file"}),
+        "size": frozenset({"device"}),
+        "fps": frozenset({"device", "file"}),
+        "pixel_format": frozenset({"device"}),
+    }
+)
+"""Flags that not every kind of source heeds."""
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -53,9 +66,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--list", action="store_true", help="list the capture devices of this machine")
     parser.add_argument("--seconds", type=float, metavar="N", help="stop after N seconds (default: Ctrl+C)")
     parser.add_argument("--record", type=Path, metavar="FILE.mp4", help="record what is live into a new file")
-    parser.add_argument(
-        "--what", choices=WHATS, default=WHATS[0], help=f"what to record (default {WHATS[0]})"
-    )
+    parser.add_argument("--what", choices=WHATS, help=f"what to record (default {WHATS[0]})")
     parser.add_argument(
         "--igtl",
         metavar="PORT|HOST:PORT",
@@ -92,6 +103,7 @@ def run(flags: argparse.Namespace) -> None:
     reading = parameters(ClipOptions, flags)
     start = start_of(flags.source, flags.right, reading.stereo, flags.igtl, known)
     asked, wish, setting = start.source, wish_of(flags), setting_of(flags)
+    _check_effect(flags, asked)
     for one in (asked.address, asked.right):
         if one is not None and one.kind == "device":
             require_device(one.where)
@@ -100,13 +112,13 @@ def run(flags: argparse.Namespace) -> None:
     # Compiling may take a minute, in which no source is to wait.
     load(setting)
     sender = None if start.endpoint is None else _sender(start.endpoint)
-    recorder = None if flags.record is None else Recorder(flags.record, flags.what, asked.name)
+    recorder = None if flags.record is None else Recorder(flags.record, flags.what or WHATS[0], asked.name)
     recipients = tuple(one.add for one in (recorder, sender) if one is not None)
     began = time.perf_counter()
     session = LiveSession(partial(open_input, asked, wish), setting, recipients=recipients)
     try:
-        with progress(f"live from {asked.name}", 0, every=2.0) as report:
-            _follow(session, sender, flags.seconds, report)
+        with progress(f"live from {asked.name}", 0, every=2.0) as report, ended_by_ctrl_c() as is_ended:
+            _follow(session, sender, flags.seconds, is_ended, report)
     finally:
         session.close()
         recording = None if recorder is None else recorder.finish()
@@ -138,6 +150,18 @@ def wish_of(flags: argparse.Namespace) -> Wish:
     return Wish(size, flags.fps, flags.pixel_format, not flags.once)
 
 
+def _check_effect(flags: argparse.Namespace, asked: LiveInput) -> None:
+    """Raises UserError: a flag that the source, or what is asked for, does not heed."""
+    if flags.what is not None and flags.record is None:
+        raise UserError("--what: expected --record FILE.mp4 with it")
+    kinds = {one.kind for one in (asked.address, asked.right) if one is not None}
+    for name, heeding in HEEDED.items():
+        if getattr(flags, name) not in (None, False) and not kinds & heeding:
+            wanted = " or ".join(sorted(heeding))
+            flag = name.replace("_", "-")
+            raise UserError(f"--{flag}: expected a {wanted} as SOURCE, to which it applies, got {asked.name}")
+
+
 def setting_of(flags: argparse.Namespace) -> LiveSetting:
     params = params_of(flags)
     assert params is not None
@@ -151,10 +175,19 @@ def _sender(endpoint: Endpoint) -> Sender:
     return Sender(endpoint)
 
 
-def _follow(session: LiveSession, sender: Sender | None, seconds: float | None, report: Report) -> None:
-    """Until the time is over, the source has ended, or it never came. Raises UserError: it cannot come."""
+def _follow(
+    session: LiveSession,
+    sender: Sender | None,
+    seconds: float | None,
+    is_ended: Callable[[], bool],
+    report: Report,
+) -> None:
+    """Until it is ended, the time is over, the source has ended, or it never came.
+
+    Raises UserError: it cannot come.
+    """
     began, is_awaited = time.perf_counter(), False
-    while not session.is_over:
+    while not session.is_over and not is_ended():
         time.sleep(LOOK)
         now, passed = session.status(), time.perf_counter() - began
         if now.arrived:
@@ -207,7 +240,9 @@ def _say(facts: dict[str, Any], last: LiveStatus, as_json: bool) -> None:
             f"from eye to eye {last.apart}; pairs left out, more than half a frame apart: {last.unpaired}\n"
         )
     if (one := facts.get("recording")) is not None:
-        text += f"{one.path}: {one.pictures} pictures, {one.seconds:.1f} s recorded\n"
+        files = f" in {one.files} files, the last of them this" if one.files > 1 else ""
+        text += f"{one.path}: {one.pictures} images, {one.seconds:.1f} s recorded{files}, "
+        text += f"{one.left_out} left out\n"
     if (one := facts.get("sending")) is not None:
         text += f"{one.address}: {one.sent} images sent by OpenIGTLink, {one.left_out} left out\n"
     sys.stdout.write(text)

@@ -45,6 +45,27 @@ def noted(most: int | None = None) -> Iterator[Callable[[], bool]]:
             before[came[0]](came[0], None)
 
 
+@contextmanager
+def ended_by_ctrl_c() -> Iterator[Callable[[], bool]]:
+    """Whether Ctrl+C has come, for what is ended so in good order: it interrupts from the second time on."""
+    has_come, before = False, signal.getsignal(signal.SIGINT)
+
+    def note(number: int, frame: FrameType | None) -> None:
+        nonlocal has_come
+        if has_come and callable(before):
+            before(number, frame)
+        has_come = True
+
+    is_heard = threading.current_thread() is threading.main_thread() and callable(before)
+    if is_heard:
+        signal.signal(signal.SIGINT, note)
+    try:
+        yield lambda: has_come
+    finally:
+        if is_heard:
+            signal.signal(signal.SIGINT, before)
+
+
 class Interrupted(KeyboardInterrupt):
     """Where a plain KeyboardInterrupt has passed a library in C, Python ends by SIGINT whatever its code."""
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import signal
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from app.__main__ import main
+from app.live.picture import LiveStatus
 from assets import phantom_path
 from renderer.sources import open_clip
+from tests.app.apart import called
 from tests.app.conftest import Call
 
 Command = Callable[..., Call]
@@ -45,6 +49,14 @@ def test_a_clip_as_if_live_is_enhanced_recorded_and_measured(vesselsplat: Comman
         ((str(phantom_path()), "--seconds", "0"), "--seconds"),
         ((str(phantom_path()), "--fps", "-1"), "--fps"),
         ((str(phantom_path()), "--record", "film.avi"), "expected a recording to end in .mp4"),
+        ((str(phantom_path()), "--what", "original"), "--what: expected --record FILE.mp4 with it"),
+        (
+            (str(phantom_path()), "--size", "64", "48"),
+            "--size: expected a device as SOURCE, to which it applies",
+        ),
+        ((str(phantom_path()), "--pixel-format", "MJPG"), "--pixel-format: expected a device as SOURCE"),
+        (("tcp://127.0.0.1:9", "--fps", "25"), "--fps: expected a device or file as SOURCE"),
+        (("tcp://127.0.0.1:9", "--once"), "--once: expected a file as SOURCE"),
         ((str(phantom_path()), "--coring", "1"), "--coring has no effect"),
     ],
 )
@@ -63,6 +75,30 @@ def test_a_source_that_never_came_is_told_once_and_not_as_lost(
     refused = "nothing can be received from tcp://127.0.0.1:9 (connection refused)"
     assert done.code == 2
     assert done.error.splitlines() == [f"live: waiting for the source: {refused}", f"vesselsplat: {refused}"]
+
+
+def ended_at_the_third_frame(arguments: list[str]) -> int:
+    """By Ctrl+C."""
+
+    def line_of(now: LiveStatus) -> str:
+        if now.made >= 3:
+            signal.raise_signal(signal.SIGINT)
+        return ""
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("app.commands.live.line_of", line_of)
+        return main(arguments)
+
+
+def test_ctrl_c_ends_it_as_the_time_does(tmp_path: Path) -> None:
+    film = tmp_path / "film.mp4"
+    arguments = ["live", str(phantom_path()), "--record", str(film), "--seconds", "20", "--json"]
+    done = called(ended_at_the_third_frame, arguments, folder=tmp_path, seconds=50)
+    assert (done.code, "Traceback" in done.error, "interrupted" in done.error) == (0, False, False)
+    told = json.loads(done.out)
+    assert told["made"] >= 3
+    assert told["seconds"] < 20
+    assert len(open_clip(film)) == told["recording"]["pictures"] > 0
 
 
 def test_devices_are_listed(vesselsplat: Command) -> None:
