@@ -11,6 +11,7 @@ from pathlib import Path
 
 from app.commands.sweep import add_engine_flags, carry_out, print_table, require_all_done
 from app.errors import UserError
+from app.files.legible import require_utf8
 from app.files.provenance import provenance, strict_json
 from app.report.section import Cell, Column, Table
 from app.sweeps.plan import planned, read_sweep
@@ -37,9 +38,13 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 def run(flags: argparse.Namespace) -> None:
     text = files("app.sweeps").joinpath(SPEC).read_text(encoding="utf-8")
     clips = [str(path.absolute()) for path in flags.clips]
+    for clip in clips:
+        require_utf8(Path(clip))
     if flags.print:
-        # A list of texts is the same in JSON and in TOML.
-        sys.stdout.write(text.replace("clips = []", f"clips = {json.dumps(clips)}"))
+        # A list of texts is the same in JSON and in TOML, but for the escape of what Unicode has beyond
+        # 16 bits, and for DEL.
+        listed = json.dumps(clips, ensure_ascii=False).replace("\x7f", "\\u007f")
+        sys.stdout.write(text.replace("clips = []", f"clips = {listed}"))
         return
     if not flags.clips or flags.out is None:
         raise UserError("expected CLIP... and --out DIR, or --print")

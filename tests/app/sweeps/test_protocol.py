@@ -32,6 +32,14 @@ def test_it_prints_a_sweep_that_runs_every_method_at_its_published_length(
     assert methods == {"vesselsplat", "deform3dgs", "endogaussian", "static"}
 
 
+def test_any_name_of_a_clip_is_printed_as_toml_reads_it(
+    vesselsplat: Callable[..., Call], tmp_path: Path
+) -> None:
+    clips = [tmp_path / name for name in ("c\N{GRINNING FACE}", "a\x7fb", 'q"\\u0041', "é\n")]
+    printed = vesselsplat("protocol", *clips, "--print")
+    assert tomllib.loads(printed.out)["clips"] == [str(path) for path in clips]
+
+
 def test_rows_of_a_known_clip_stand_beside_the_published_ones(clip_path: Path, tmp_path: Path) -> None:
     pulling = tmp_path / "pulling_soft_tissues"
     pulling.symlink_to(clip_path)
