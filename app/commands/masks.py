@@ -42,7 +42,6 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--onnx-values",
         choices=VALUES,
-        default="imagenet",
         help="what it takes: RGB less ImageNet's mean by its spread, RGB in [0, 1], or in [0, 255] "
         "(default imagenet)",
     )
@@ -60,10 +59,11 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     _check_out(flags)
+    _check_onnx(flags)
     clip = open_bare(flags.clip, parameters(ClipOptions, flags))
     by_hand = NONE if flags.given is None else masks_in(flags.given, clip.labels)
     try:
-        model = OnnxTools.open(flags.onnx, flags.onnx_values, flags.onnx_tools) if flags.onnx else None
+        model = _network(flags) if flags.onnx else None
         told = _made(flags.out, clip, by_hand, model)
         say_older(flags.out, mask_names(clip.labels))
     except OnnxError as error:
@@ -84,6 +84,18 @@ def _check_out(flags: argparse.Namespace) -> None:
         raise UserError(f"--out: expected a folder outside of the clip {flags.clip}, got {flags.out}")
     if flags.given is not None and out == flags.given.resolve():
         raise UserError(f"--out: expected another folder than --given, got {flags.out}")
+
+
+def _check_onnx(flags: argparse.Namespace) -> None:
+    """Raises UserError: what a network takes and finds is told, and no network given."""
+    told = [name for name, is_told in (("tools", flags.onnx_tools), ("values", flags.onnx_values)) if is_told]
+    if told and flags.onnx is None:
+        raise UserError(f"--onnx-{told[0]}: expected --onnx FILE with it")
+
+
+def _network(flags: argparse.Namespace) -> OnnxTools:
+    """Raises OnnxError."""
+    return OnnxTools.open(flags.onnx, flags.onnx_values or "imagenet", flags.onnx_tools)
 
 
 def _made(folder: Path, clip: Clip, by_hand: MaskFiles, model: OnnxTools | None) -> MaskReport:

@@ -188,6 +188,19 @@ def test_a_folder_without_masks_of_the_clip_is_refused_in_a_line(
     assert not (tmp_path / "out").exists()
 
 
+def test_masks_of_before_are_told_and_flags_without_their_network_refused(
+    unmasked: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "old.png").write_bytes(b"")
+    call = vesselsplat("masks", unmasked, "--out", out)
+    assert (call.code, f"{out} also holds 1 file of this kind from before" in call.error) == (0, True)
+    for flag, value in (("--onnx-tools", 3), ("--onnx-values", "imagenet")):
+        call = vesselsplat("masks", unmasked, "--out", out, flag, value)
+        assert (call.code, call.error) == (2, f"vesselsplat: {flag}: expected --onnx FILE with it\n")
+
+
 def test_masks_are_not_written_among_what_they_are_made_of(
     unmasked: Path, tmp_path: Path, vesselsplat: Cli
 ) -> None:
