@@ -129,6 +129,7 @@ def run(flags: argparse.Namespace) -> None:
         _check_moving(flag, path, suffix)
     research_export.check(flags)
     scene, wanted = view_selection.chosen(flags)
+    export_limits.require_apart(flags, scene)
     export_limits.require_one_camera(flags, wanted)
     export_limits.require_movement(flags, scene)
     # What may be refused yet comes before the first file is written.

@@ -1,4 +1,4 @@
-"""What an export cannot heed: flags that have no effect on its files, and places within the run itself."""
+"""What an export cannot heed: flags without effect on its files, and places among the model's own files."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Final
 
 from app.errors import UserError
 from app.exports.meshes.writing import CLIPS
+from app.scenes.outside import require_no_overwriting, require_outside
 from app.scenes.scene import Scene
 from app.scenes.view_selection import Moment
 from renderer.readers.listing import listed
@@ -46,7 +47,7 @@ def outputs(flags: argparse.Namespace) -> Iterator[tuple[str, Path]]:
 
 
 def check(flags: argparse.Namespace) -> None:
-    """Raises UserError: a flag without effect, or a place within the run that is exported."""
+    """Raises UserError: a flag without effect."""
     asked = dict(outputs(flags))
     whole = [name for name, path in asked.items() if name in WHOLE or _is_film(name, path)]
     for name in MOMENTS:
@@ -60,10 +61,13 @@ def check(flags: argparse.Namespace) -> None:
             raise UserError(f"{flag(name)}: expected an export that it applies to, such as {which}")
     if flags.frames_per_second is not None and flags.path is None and not goes_through_time(flags):
         raise UserError("--frames-per-second: expected an export through time, such as --video, or --path")
-    run = flags.scene.resolve()
-    for name, path in asked.items():
-        if run in (path.resolve(), path.resolve().parent):
-            raise UserError(f"{flag(name)}: expected a place outside the run that is exported, got {path}")
+
+
+def require_apart(flags: argparse.Namespace, scene: Scene) -> None:
+    """Raises UserError: a place among the files that the scene is made of, or that it is itself."""
+    for name, path in outputs(flags):
+        require_outside(flag(name), path, scene)
+        require_no_overwriting(flag(name), path, scene)
 
 
 def goes_through_time(flags: argparse.Namespace) -> bool:

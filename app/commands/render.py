@@ -21,6 +21,7 @@ from app.files.stepping import run_to_end
 from app.scenes import view_selection
 from app.scenes.depth_steps import step_of
 from app.scenes.drawer import Drawer
+from app.scenes.outside import require_outside
 from app.scenes.renderers import drawer
 from app.scenes.view_kinds import SHAPES, has_scale
 from app.scenes.view_request import view_record
@@ -58,6 +59,7 @@ def run(flags: argparse.Namespace) -> None:
     if flags.depth_format and not flags.depth:
         raise UserError(f"--depth-format {flags.depth_format}: expected --depth with it")
     scene, wanted = view_selection.chosen(flags)
+    require_outside("--out", flags.out, scene)
     form = flags.depth_format or "npy"
     pen = Drawer(*drawer(flags.renderer))
     views = view_flags.asked_for(flags, scene, wanted)

@@ -57,8 +57,8 @@ Cli = Callable[..., Call]
             ("--ply", "ply", "--video", "a.mp4", "--view", "difference", "--time", "0.5"),
             "--view difference: expected frames of a run",
         ),
-        (("--ply", "{run}"), "--ply: expected a place outside the run that is exported, got "),
-        (("--video", "{run}/a.mp4"), "--video: expected a place outside the run that is exported, got "),
+        (("--ply", "{run}"), "--ply: expected a place outside the run {run}, got "),
+        (("--video", "{run}/a.mp4"), "--video: expected a place outside the run {run}, got "),
     ],
 )
 def test_what_no_file_heeds_is_refused(
@@ -71,7 +71,7 @@ def test_what_no_file_heeds_is_refused(
     before = sorted(run.iterdir())
     call = vesselsplat("export", run, *(one.format(run=run) for one in flags))
     assert (call.code, call.error.count("\n")) == (2, 1)
-    assert said in call.error
+    assert said.format(run=run) in call.error
     assert [path.name for path in tmp_path.iterdir()] == ["cameras.json"]
     assert sorted(run.iterdir()) == before
 
@@ -97,3 +97,36 @@ def test_an_odd_size_is_told_and_a_frame_is_written_once(
     assert f"the codec needs even sizes: 33x21 was cut to 32x20: {video}\n" in call.error
     assert f"{splats}: 2 splat files" in call.out
     assert len(list(splats.iterdir())) == 2
+
+
+@pytest.mark.parametrize("flags", [("--ply", "."), ("--mesh", "../series"), ("--mesh", "frame-000000.glb")])
+def test_a_splat_file_and_its_series_are_never_overwritten(
+    runs: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, vesselsplat: Cli,
+    flags: tuple[str, str],
+) -> None:  # fmt: skip
+    series = tmp_path / "series"
+    asked = ("--ply", series, "--glb", series, "--frames", 0, 1)
+    assert vesselsplat("export", runs["original"], *asked).code == 0
+    before = {path.name: path.read_bytes() for path in series.iterdir()}
+    monkeypatch.chdir(series)
+    given = "frame-000000.glb" if flags[1].endswith(".glb") else "frame-000001.ply"
+    call = vesselsplat("export", given, *flags)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert f"{flags[0]}: expected a place apart from the splat file {given}, got " in call.error
+    assert {path.name: path.read_bytes() for path in series.iterdir()} == before
+    assert vesselsplat("export", given, "--ply", tmp_path / "other").code == 0
+
+
+def test_nothing_is_written_among_the_files_of_a_run_or_its_clip(
+    runs: dict[str, Path], clip_path: Path, vesselsplat: Cli
+) -> None:
+    run = runs["original"]
+    for command, flag in (("render", "--out"), ("export", "--ply")):
+        for out, what in ((run, f"run {run}"), (run / "views" / "a", f"run {run}"), (
+            clip_path / "images", f"clip of the run {clip_path}",
+        )):  # fmt: skip
+            before = sorted(out.glob("*"))
+            call = vesselsplat(command, run, flag, out)
+            assert (call.code, call.error.count("\n")) == (2, 1)
+            assert f"{flag}: expected a place outside the {what}, got {out}" in call.error
+            assert sorted(out.glob("*")) == before
