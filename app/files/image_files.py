@@ -25,9 +25,10 @@ from renderer.readers.coded_still import is_coded_still, open_coded_still
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
-from renderer.readers.picture_files import opened, read_npy, require_size, tiff_numbers
+from renderer.readers.picture_files import opened, read_npy, require_size
 from renderer.readers.picture_kinds import PictureKinds, frame_folder, is_named_array, kinds_of
 from renderer.readers.pictures import SUFFIXES, is_frame, is_picture, is_visible, moves, natural_key
+from renderer.readers.tiff_layouts import TiffLayout, tiff_layout
 
 ArrayImage = NDArray[Any]
 
@@ -36,10 +37,6 @@ JPEGS = frozenset({".jpg", ".jpeg"})
 WEBP = ".webp"
 JPEG = b"\xff\xd8"
 """How such a file begins, whatever its name."""
-PHOTOMETRIC = 262
-"""The tag of a TIFF that says what its numbers are."""
-LAB = frozenset({8, 9, 10})
-"""In three codings."""
 UPRIGHT = 1
 TURNS: Mapping[int, Callable[[ArrayImage], ArrayImage]] = MappingProxyType(
     {
@@ -112,13 +109,21 @@ def read_image(path: Path) -> ArrayImage:
     if not is_picture(path) and is_coded_still(path):
         return open_coded_still(path).read_image(0)
     _require_size(path)
-    if _is_lab(path):
-        return _read_lab(path)
+    layout = _layout(path)
+    if layout and layout.misread:
+        raise UserError(f"expected grey, RGB or RGBA values, got a TIFF of {layout.misread}: {path}")
+    if layout and layout.is_lab:
+        return _by_pillow(path, ("LAB",), "RGB", "CIE Lab that is not of 8 bits")
+    if layout and layout.has_alpha and layout.bits <= 8:
+        return _by_pillow(path, ("LA", "RGBA"), "RGBA", "alpha in a layout that is not known")
     orientation = UPRIGHT if path.suffix.lower() in TIFF else _checked(path)
     stored = _decoded(path)
     if stored is None:
-        raise UserError(f"expected an intact image, got a damaged file or another kind: {path}")
+        of_cmyk = layout is not None and layout.is_deep_cmyk
+        got = "a TIFF of CMYK of more than 8 bits" if of_cmyk else "a damaged file or another kind"
+        raise UserError(f"expected an intact image, got {got}: {path}")
     colored = _swapped(stored)
+    colored = layout.meant(colored) if layout else colored
     return np.ascontiguousarray(TURNS[orientation](colored)) if orientation in TURNS else colored
 
 
@@ -136,25 +141,29 @@ def _read_dicom(path: Path) -> ArrayImage:
         raise UserError(str(error)) from error
 
 
-def _is_lab(path: Path) -> bool:
+def _layout(path: Path) -> TiffLayout | None:
+    """Of a TIFF."""
     try:
-        told = tiff_numbers(path, PHOTOMETRIC)
+        return tiff_layout(path)
     except OSError:
-        return False  # Its decoder says what is wrong.
-    return told is not None and told[0] in LAB
+        return None  # Its decoder says what is wrong.
 
 
-def _read_lab(path: Path) -> ArrayImage:
-    """As RGB, which OpenCV would take the numbers for."""
+def _by_pillow(path: Path, modes: tuple[str, ...], wanted: str, other: str) -> ArrayImage:
+    """OpenCV would take Lab for RGB, and drop alpha or darken the colours by it.
+
+    Raises:
+        UserError: it is damaged, or Pillow reads it in none of these modes: it is of `other`.
+    """
     try:
         with opened(path) as picture:
-            if picture.mode == "LAB":
-                return np.array(ImageOps.exif_transpose(picture).convert("RGB"))
+            if picture.mode in modes:
+                return np.array(ImageOps.exif_transpose(picture).convert(wanted))
     except UnidentifiedImageError:
         pass
     except BROKEN as error:
         raise UserError(f"expected an intact image, got a damaged one ({error}): {path}") from error
-    raise UserError(f"expected grey or RGB values, got a TIFF of CIE Lab that is not of 8 bits: {path}")
+    raise UserError(f"expected grey or RGB values, got a TIFF of {other}: {path}")
 
 
 def _require_size(path: Path) -> None:

@@ -16,6 +16,7 @@ from PIL import Image, ImageFile, UnidentifiedImageError
 
 from renderer.budget import budget
 from renderer.readers.dicom.opening import is_dicom
+from renderer.readers.tiff_layouts import tiff_numbers
 from renderer.regular_files import require_regular
 
 UNREADABLE_ARRAY = (
@@ -25,8 +26,7 @@ UNREADABLE_ARRAY = (
 """What numpy's reader raises for headers that make no sense."""
 NONSENSE = (TypeError, KeyError, IndexError, AttributeError, OverflowError, MemoryError, struct.error)
 """What Pillow raises beside errors of its own, for a header or a chunk that is damaged."""
-TIFF_ORDERS = {b"II*\0": "<", b"MM\0*": ">"}
-WIDTH_TAG, HEIGHT_TAG, SHORT = 256, 257, 3
+WIDTH_TAG, HEIGHT_TAG = 256, 257
 
 
 @contextmanager
@@ -70,30 +70,6 @@ def require_size(path: Path) -> None:
             pass
     except UnidentifiedImageError:
         pass
-
-
-def tiff_numbers(path: Path, *tags: int) -> tuple[int, ...] | None:
-    """What the directory of the first picture says under these tags, 0 for nothing; None: it is no TIFF.
-
-    Raises OSError: it cannot be read.
-    """
-    with path.open("rb") as file:
-        order = TIFF_ORDERS.get(file.read(4))
-        if order is None:
-            return None
-        told = dict.fromkeys(tags, 0)
-        try:
-            file.seek(struct.unpack(f"{order}I", file.read(4))[0])
-            (count,) = struct.unpack(f"{order}H", file.read(2))
-            entries = [file.read(12) for _ in range(count)]
-            for entry in entries:
-                tag, kind = struct.unpack(f"{order}HH", entry[:4])
-                if tag in told:
-                    form = "H" if kind == SHORT else "I"
-                    told[tag] = struct.unpack_from(f"{order}{form}", entry, 8)[0]
-        except (struct.error, OSError):
-            return (0,) * len(tags)  # The directory is damaged: its decoder says so.
-    return tuple(told.values())
 
 
 def read_npy(path: Path) -> NDArray[Any]:

@@ -22,6 +22,7 @@ from renderer.readers.dicom.opening import has_pydicom
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 from renderer.readers.picture_files import opened, read_npy
+from renderer.readers.tiff_layouts import TiffLayout, tiff_layout
 from renderer.regular_files import what_else
 
 
@@ -128,17 +129,27 @@ def read_rgb(path: Path) -> ByteImage:
         ClipError: the file is missing, truncated, no picture, or holds floats.
     """
     try:
+        layout = _readable(path)
         with opened(path) as picture:
             upright = ImageOps.exif_transpose(picture)
             if not picture.mode.startswith(("I", "F")):
                 return np.array(upright.convert("RGB"), dtype=np.uint8)
             grey = np.asarray(upright)
+        grey = layout.meant(grey) if layout else grey
     except BROKEN as error:
         raise _unreadable(path, error) from error
     if grey.dtype.kind == "f" or grey.min() < 0 or grey.max() > 65535:
         raise ClipError(f"expected an image of 8 or 16 bits, got {grey.dtype} values: {path}")
     byte = in_bytes(grey)
     return np.repeat(byte[:, :, None], 3, axis=2)
+
+
+def _readable(path: Path) -> TiffLayout | None:
+    """Of a TIFF. Raises OSError, or ClipError for one that is misread."""
+    layout = tiff_layout(path) if path.is_file() else None
+    if layout and layout.misread:
+        raise ClipError(f"expected grey, RGB or RGBA values, got a TIFF of {layout.misread}: {path}")
+    return layout
 
 
 def upright_size(path: Path) -> tuple[int, int]:
