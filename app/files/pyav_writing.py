@@ -55,7 +55,7 @@ class PyavWriter:
         # As a plain file: a name with a colon is no address.
         place, options = f"file:{path.absolute()}", dict(within.options)
         self._container = av.open(place, "w", format=within.name, container_options=options)
-        self._rate = Fraction(timing.frames_per_second).limit_denominator(1001)
+        self._rate = rate_of(timing.frames_per_second)
         self._unit = 1 / self._rate if timing.frame_times is None else Fraction(1, TICKS)
         self._stream = self._video_stream(size, tags, codec)
         self._matrix = MATRICES.get(tags.matrix) or usual_matrix(size[1])
@@ -98,6 +98,13 @@ class PyavWriter:
         if self._sound is not None:
             self._sound.close()
         self._container.close()
+
+
+def rate_of(frames_per_second: float) -> Fraction:
+    """The nearest of 1001 or less in the smaller of its numbers, which 30000/1001 has and an hour a frame."""
+    if frames_per_second < 1:
+        return 1 / Fraction(1 / frames_per_second).limit_denominator(1001)
+    return Fraction(frames_per_second).limit_denominator(1001)
 
 
 def _unkept(tags: _Tags, codec: Codec) -> tuple[str, ...]:

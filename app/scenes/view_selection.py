@@ -21,6 +21,8 @@ from renderer.view_files import read_views
 
 MOST_PIXELS = 16384
 """Each way: the largest framebuffer of common graphics cards."""
+LEAST_RATE, MOST_RATE = 1 / 3600, 1000
+"""Frames a second that videos hold."""
 
 
 @dataclass(frozen=True)
@@ -97,8 +99,10 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 def chosen(flags: argparse.Namespace) -> tuple[Scene, list[Moment]]:
     """The scene, what was repaired of it told on stderr. Raises UserError for what there is not."""
     said = flags.frames_per_second
-    if said is not None and not 0 < said <= 1000:
-        raise UserError(f"--frames-per-second: expected more than 0 and at most 1000, got {said}")
+    if said is not None and not LEAST_RATE <= said <= MOST_RATE:
+        raise UserError(
+            f"--frames-per-second: expected {LEAST_RATE:.3g} (a frame an hour) to 1000, got {said}"
+        )
     scene = open_scene(flags.scene, as_trained=flags.as_trained)
     if flags.window is not None:
         scene = scene_of_window(scene, flags.window)

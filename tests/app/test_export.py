@@ -156,6 +156,7 @@ def test_repairs_are_said(tmp_path: Path, vesselsplat: Cli, runs: dict[str, Path
         ((), "--ply DIR"),
         (("--ply", "{out}", "--frames", "99"), "--frames"),
         (("--video", "{out}.mp4", "--frames-per-second", "0"), "--frames-per-second"),
+        (("--video", "{out}.mp4", "--frames-per-second", "1e-4"), "--frames-per-second: expected 0.000278"),
         (("--video", "{out}.txt"), ".webm"),
         (("--npz", "{out}.npz", "--time", "0.5", "--frames", "0"), "--time or --frames"),
     ],

@@ -13,8 +13,10 @@ from app.__main__ import main
 from app.errors import UserError
 from app.files.codecs import CODECS, HEVC, MP4, WEBM, ending_of
 from app.files.image_series import open_series
+from app.files.pyav_writing import rate_of
 from app.files.timing import Timing
 from app.files.video import write_video
+from app.scenes.view_selection import LEAST_RATE
 from renderer.sources import open_clip
 from tests.app.conftest import Call
 from tests.app.files.test_video import RED, Cli, frames, read, without
@@ -42,6 +44,24 @@ def test_frames_times_and_colours_come_back(tmp_path: Path, ending: str) -> None
         assert codec.name in (NAMES[ending], f"lib{NAMES[ending]}", "libvpx-vp9")
         assert (codec.color_primaries, codec.color_trc, codec.colorspace) == (1, 1, 1)
     assert len(read(path)[0]) == 7  # OpenCV's own FFmpeg.
+
+
+@pytest.mark.parametrize("ending", [MP4, *ENDINGS])
+@pytest.mark.parametrize("rate", [LEAST_RATE, 0.0006, 0.4])
+def test_a_time_lapse_keeps_its_rate(tmp_path: Path, ending: str, rate: float) -> None:
+    path = tmp_path / f"out{ending}"
+    write_video(path, iter(frames(4)), Timing(rate))
+    clip = open_clip(path)
+    assert clip.frames_per_second == pytest.approx(rate, rel=1e-3)
+    assert len(clip) == 4
+
+
+@pytest.mark.parametrize(
+    ("rate", "kept"),
+    [(29.97, (2997, 100)), (30000 / 1001, (30000, 1001)), (25.0, (25, 1)), (1 / 3600, (1, 3600))],
+)
+def test_rates_are_kept_as_fractions_of_small_numbers(rate: float, kept: tuple[int, int]) -> None:
+    assert rate_of(rate).as_integer_ratio() == kept
 
 
 @pytest.mark.parametrize("ending", [MP4, *ENDINGS])
