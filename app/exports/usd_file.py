@@ -5,6 +5,7 @@ In the clip's unit, which the file tells, y up and z towards the viewer; a frame
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -48,6 +49,7 @@ def new_stage(
 
     Raises:
         UserError: the package is not there.
+        OSError: the file cannot be written, such as on a full disk.
     """
     require_usd()
     from pxr import Usd, UsdGeom
@@ -65,8 +67,19 @@ def new_stage(
         layer.comment = NOTICE
         layer.customLayerData = {KEYWORD: ascii_json(facts), "unit": unit}
         yield stage
-        layer.Save()
+        _save(layer, temporary)
         del stage, layer
+
+
+def _save(layer: Any, path: Path) -> None:
+    """Raises OSError: the disk is full or gone, of which usd-core has an error of its own, without a number
+    and of many lines."""
+    from pxr import Tf
+
+    try:
+        layer.Save()
+    except Tf.ErrorException as error:
+        raise OSError(errno.EIO, "the file cannot be written, the disk may be full", str(path)) from error
 
 
 def defined(stage: Any, schema: Any, root: str, shown: Sequence[range], index: int) -> Any:

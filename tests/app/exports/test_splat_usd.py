@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import random
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -22,7 +24,7 @@ from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.harmonics import seen_colors
 from renderer.splats import Splats
-from tests.app.conftest import Call
+from tests.app.conftest import ROOT, Call
 from tests.app.exports.test_splat_glb import TURN, covariances
 from tests.renderer.splat_files.files import gaussians
 
@@ -144,3 +146,26 @@ def test_another_suffix_or_no_usd_core_is_one_line(
     done = vesselsplat("export", runs["original"], "--usd", tmp_path / "a.usdc")
     assert (done.code, "pip install 'vesselsplat[usd]'" in done.error) == (2, True)
     assert list(tmp_path.iterdir()) == []
+
+
+LIMITED = """
+import resource, signal, sys
+from app.__main__ import main
+
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits files as Linux does")
+@pytest.mark.parametrize("flag", ["--usd", "--mesh"])
+def test_a_full_disk_is_told_in_a_line(runs: dict[str, Path], tmp_path: Path, flag: str) -> None:
+    path = tmp_path / "a.usdc"
+    asked = (sys.executable, "-B", "-c", LIMITED, "export", str(runs["original"]), flag, str(path))
+    done = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, timeout=120, check=False)
+    last = done.stderr.splitlines()[-1]
+    assert done.returncode == 2, done.stderr
+    assert last.endswith(f"the file cannot be written, the disk may be full: {path}")
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
