@@ -69,6 +69,7 @@ class Recorder:
         self._left_out = 0
         self._source = source
         self._first = path
+        self._has_made_it = False  # What lies there already is not for it to take away.
         self._waiting: queue.Queue[LivePicture] = queue.Queue(WAITING)
         self._ending = threading.Event()
         self._segment: Segment | None = None
@@ -108,6 +109,7 @@ class Recorder:
         try:
             make_folder(self._first.parent)
             self._first.touch(exist_ok=False)
+            self._has_made_it = True
             while (picture := self._next()) is not None:
                 self._write(picture)
         except (OSError, UserError, ValueError) as error:
@@ -171,7 +173,7 @@ class Recorder:
         try:
             if self._segment is not None:
                 self._segment.finish()
-            elif not trouble:
+            elif self._has_made_it:
                 self._first.unlink(missing_ok=True)
         except (OSError, ValueError) as error:
             trouble = trouble or sentence(error)

@@ -123,6 +123,22 @@ def test_without_a_picture_there_is_no_file(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_a_disk_that_is_full_from_the_start_leaves_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.live.recorder.LEAST_FREE", 2**62)
+    done = recorded(tmp_path / "a.mp4", [picture(1, 0.0)])
+    assert "the disk is nearly full" in done.trouble
+    assert not list(tmp_path.iterdir())
+    require_new(tmp_path / "a.mp4")
+
+
+def test_a_file_that_is_there_is_not_taken_away(tmp_path: Path) -> None:
+    (tmp_path / "a.mp4").write_bytes(b"of another")
+    assert "exists" in recorded(tmp_path / "a.mp4", [picture(1, 0.0)]).trouble
+    assert (tmp_path / "a.mp4").read_bytes() == b"of another"
+
+
 @pytest.mark.parametrize("what", WHATS)
 def test_what_is_recorded_is_what_was_asked_for(what: str) -> None:
     one = picture(1, 0.0, (31, 41))
