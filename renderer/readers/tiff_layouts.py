@@ -116,7 +116,8 @@ class TiffLayout:
         if stored.dtype.itemsize == 1:
             return stored
         if self.photometric == WHITE_IS_ZERO:
-            return np.bitwise_not(stored)
+            inverse: NDArray[Any] = np.bitwise_not(stored)
+            return inverse
         return _straight(stored) if self.has_alpha and self.extra == MULTIPLIED else stored
 
 
