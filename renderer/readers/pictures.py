@@ -139,7 +139,8 @@ def read_rgb(path: Path) -> ByteImage:
     except BROKEN as error:
         raise _unreadable(path, error) from error
     if grey.dtype.kind == "f" or grey.min() < 0 or grey.max() > 65535:
-        raise ClipError(f"expected an image of 8 or 16 bits, got {grey.dtype} values: {path}")
+        numbers = layout.numbers if layout else grey.dtype
+        raise ClipError(f"expected an image of 8 or 16 bits, got {numbers} values: {path}")
     byte = in_bytes(grey)
     return np.repeat(byte[:, :, None], 3, axis=2)
 

@@ -22,6 +22,8 @@ LAB = frozenset({8, 9, 10})
 WHITE_IS_ZERO, BLACK_IS_ZERO, RGB, CMYK = 0, 1, 2, 5
 SEPARATE = 2
 UNSIGNED = 1
+NUMBERS = {UNSIGNED: "uint", 2: "int", 3: "float"}
+"""By their format."""
 MULTIPLIED, STRAIGHT = 1, 2
 """Of a first channel beyond those of the colours, what it is as alpha; others are not specified."""
 
@@ -92,6 +94,11 @@ class TiffLayout:
         if self.photometric in (WHITE_IS_ZERO, BLACK_IS_ZERO):
             return self.samples > 1
         return self.photometric == RGB and self.extra in (MULTIPLIED, STRAIGHT)
+
+    @property
+    def numbers(self) -> str:
+        """Their type, as numpy calls it."""
+        return f"{NUMBERS.get(self.format, 'uint')}{self.bits}"
 
     @property
     def is_deep_cmyk(self) -> bool:

@@ -285,6 +285,18 @@ def test_splats_and_exports_say_what_they_were_made_from(
     assert told(tmp_path / "made/out.webp.json")["what"] == {"kind": "provenance"}
 
 
+def test_the_report_of_a_tuning_is_no_provenance_of_a_file_that_is_gone(
+    tmp_path: Path, told: Callable[[Path], dict[str, Any]], vesselsplat: Cli
+) -> None:
+    write_image(tmp_path / "a.png", tissue(1), {})
+    out = tmp_path / "out"
+    assert vesselsplat("tune", tmp_path / "a.png", "--out", out, "--vary", "d_factor=0,2").code == 0
+    facts = told(out / "tuning.json")
+    assert facts["what"] == {"kind": "tuning"}
+    assert facts["source"]["name"] == "a.png"
+    assert "export" not in facts
+
+
 def test_a_session_also_one_whose_source_is_gone(
     clip_path: Path, tmp_path: Path, told: Callable[[Path], dict[str, Any]], vesselsplat: Cli
 ) -> None:

@@ -213,9 +213,21 @@ def of_json(path: Path) -> Facts:
     if not isinstance(facts, dict) or facts.get("app") != "VesselSplat":
         return of_cameras(path)
     there = export.is_file()
+    if not there and "kind" not in facts:
+        return _of_command(facts)
     text = f"provenance of {export.name}" + ("" if there else ", which no longer exists")
     steps = (next_steps(export, ("replay", "PATH")),) if there and can_replay(facts) else ()
     return (Fact("what", text, {"kind": "provenance"}), *_told(facts), *steps)
+
+
+def _of_command(facts: dict[str, Any]) -> Facts:
+    """What a command has written of all that it made, beside no file of that name."""
+    cells = facts.get("cells")
+    if isinstance(cells, list):
+        what = Fact("what", f"tuning, {count(len(cells), 'setting')}", {"kind": "tuning"})
+    else:
+        what = Fact("what", "facts that a command of VesselSplat told", {"kind": "facts"})
+    return (what, *(fact for fact in _told(facts) if fact.name != "export"))
 
 
 def of_export(path: Path) -> Facts:

@@ -113,3 +113,10 @@ def test_a_directory_that_claims_too_much_says_nothing(tmp_path: Path) -> None:
     path = tmp_path / "huge.tif"
     path.write_bytes(b"II+\0\x08\0\0\0" + (16).to_bytes(8, "little") + b"\xff" * 8)
     assert tiff_numbers(path, 258) == (0,)
+
+
+def test_signed_numbers_are_called_what_they_are(tmp_path: Path) -> None:
+    path = tmp_path / "signed.tif"
+    path.write_bytes(tiff(-1 - numbers(np.int16), BLACK))
+    with pytest.raises(ClipError, match="expected an image of 8 or 16 bits, got int16 values"):
+        read_rgb(path)
