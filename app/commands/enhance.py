@@ -20,7 +20,7 @@ from app.enhancement.settable import PIXELS
 from app.errors import UserError
 from app.files.codecs import WEBM, ending_of
 from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
-from app.files.image_files import is_image
+from app.files.image_files import is_image, is_still
 from app.files.image_series import Series, open_series
 from app.files.provenance import provenance, strict_json
 from app.files.stepping import ahead, run_to_end
@@ -107,6 +107,7 @@ def run(flags: argparse.Namespace) -> None:
         _run_batch(flags, setting)
         return
     (given,) = flags.inputs
+    _require_heeded(flags, given)
     series = open_series(given, reading)
     _check_output(given, flags.output, series, setting.dicom)
     started = time.perf_counter()
@@ -124,6 +125,17 @@ def run(flags: argparse.Namespace) -> None:
     if written.failed:
         said = _listed((one.name, one.reason) for one in written.failed)
         raise UserError(f"{len(written.failed)} of {len(series)} images could not be enhanced: {said}")
+
+
+def _require_heeded(flags: argparse.Namespace, given: Path) -> None:
+    """Raises UserError: a flag of videos or of several images, for a still."""
+    if not given.is_file() or not is_still(given):
+        return
+    asked = {name: vars(flags)[name] for name in ("deinterlacing", "stereo") if name in flags}
+    if flags.statistics == "clip":
+        asked["statistics"] = "clip"
+    for name, value in asked.items():
+        raise UserError(f"--{name} {value} has no effect on one image: {given}")
 
 
 def _listed(failed: Iterable[tuple[str, str]]) -> str:

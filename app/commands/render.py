@@ -58,6 +58,10 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError(f"--depth: expected a --view of unaltered Gaussians, got {flags.view}")
     if flags.depth_format and not flags.depth:
         raise UserError(f"--depth-format {flags.depth_format}: expected --depth with it")
+    if flags.transparent and flags.background != "grey":
+        raise UserError(f"--background {flags.background}: expected none with --transparent")
+    if flags.frames_per_second is not None and flags.path is None:
+        raise UserError("--frames-per-second: expected --path with it, which images are rendered along")
     scene, wanted = view_selection.chosen(flags)
     require_outside("--out", flags.out, scene)
     form = flags.depth_format or "npy"

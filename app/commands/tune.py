@@ -112,6 +112,9 @@ def run(flags: argparse.Namespace) -> None:
     base = params_of(flags)
     assert base is not None
     axes = [axis(text, type(base)) for text in flags.vary]
+    for one in axes:
+        if one.name in flags:
+            raise UserError(f"--vary: expected {one.name} to be varied or fixed, got both")
     wanted, origin = settings(base, axes), _origin(flags)
     with filled(flags.out) as staging:
         rows = _tried(staging, origin, wanted)

@@ -357,3 +357,16 @@ def test_names_that_differ_by_suffix_alone_keep_it(tmp_path: Path, vesselsplat: 
         cv2.imwrite(str(folder / name), np.full((40, 50, 3), 60 + 20 * int(name[0]), np.uint8))
     assert vesselsplat("enhance", folder, out).code == 0
     assert {path.name for path in out.iterdir()} == {"1.png.png", "1.bmp.png", "2.png"}
+
+
+@pytest.mark.parametrize(
+    "flags", [("--deinterlacing", "field"), ("--stereo", "top-bottom"), ("--statistics", "clip")]
+)
+def test_flags_of_videos_are_refused_for_one_image(
+    tmp_path: Path, vesselsplat: Cli, flags: tuple[str, str]
+) -> None:
+    cv2.imwrite(str(tmp_path / "a.png"), np.full((48, 64, 3), 90, np.uint8))
+    call = vesselsplat("enhance", tmp_path / "a.png", tmp_path / "b.png", *flags)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert f"{flags[0]} {flags[1]} has no effect on one image: " in call.error
+    assert not (tmp_path / "b.png").exists()

@@ -222,6 +222,8 @@ def test_a_transparent_picture_has_straight_alpha(
         (("--frames", "some"), "--frames"),
         (("--time", "1.5"), "--time"),
         (("--time", "0.5", "--frames", "1"), "--time"),
+        (("--frames-per-second", "3"), "--frames-per-second: expected --path"),
+        (("--transparent", "--background", "smooth"), "--background smooth: expected none"),
         (("--size", "0", "5"), "--size"),
         (("--size", "40", "40", "--view", "difference"), "the shape of the frames"),
         (("--size", "100000", "100000"), "1 to 16384"),

@@ -167,6 +167,7 @@ def test_sorted_cells_keep_their_pictures(folder: Path, tmp_path: Path, vesselsp
         (("--vary", "z=0:2:3"), "z: expected"),
         (("--vary", "z=0:1:3", "--frame", "7"), "--frame"),
         (("--vary", "z=0:1:3", "--lift", "0.3"), "--lift"),
+        (("--vary", "d-factor=0,2", "--d-factor", "1"), "expected d_factor to be varied or fixed, got both"),
         ((), "--vary"),
     ],
 )
