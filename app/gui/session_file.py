@@ -162,6 +162,10 @@ class SummaryDraft:
         return replace(self, pictures=tuple(bare))
 
 
+Case = tuple[str, SummaryDraft]
+"""Notes, and the case summary without folders."""
+
+
 def _unstated(given: Any) -> Any:
     """Files of former versions name a field of view that nobody has stated."""
     options = given.get("clip_options") if isinstance(given, dict) else None
@@ -234,6 +238,11 @@ class Session:
         kept = {name: getattr(self, name) for name in SUBSTANCE}
         run, second = (one and one.bare for one in (self.run, self.second))
         return Session(run=run, second=second, summary=self.summary.substance, **kept)
+
+    @property
+    def case(self) -> Case:
+        """What was written down and collected."""
+        return self.notes, self.summary.substance
 
 
 SUBSTANCE: Final = (

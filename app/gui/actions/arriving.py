@@ -24,7 +24,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         actions.say(state, f"opened {path.name}")
         return
     again, before, making = _is_same_clip(state, opened), state.source.clip, state.masking.making
-    state.source.opening, state.session.path = None, None
+    state.source.opening, state.session.path, state.session.discarded = None, None, None
     # A session of notes alone has no source.
     state.source.path = opened.path if opened.session is not None else opened.path or path
     state.session.is_unsaved, state.source.asked = False, True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime
@@ -17,6 +18,7 @@ from app.gui.actions import actions, edit_actions, second_actions
 from app.gui.session_file import (
     MOST_STEPS,
     SUFFIX,
+    Case,
     Session,
     SessionSource,
     SummaryDraft,
@@ -204,12 +206,17 @@ def save(state: AppState) -> None:
         state.window.wishes += (SessionRequest(path, snapshot(state, path.parent), in_passing=False),)
 
 
-def save_as(state: AppState) -> None:
-    """The same by another name, which later ones go to."""
+def save_as(state: AppState, go: Callable[[], None] | None = None) -> None:
+    """The same by another name, which later ones go to; once it is saved, `go`."""
+
+    def save_here(state: AppState, path: Path) -> None:
+        state.session.after_saving = go
+        save_to(state, path)
+
     if has_content(state):
         named = state.session.path or state.source.path
         name = named.stem if named is not None else UNNAMED
-        actions.choose_path(state, "save", save_to, "session", f"{name}{SUFFIX}")
+        actions.choose_path(state, "save", save_here, "session", f"{name}{SUFFIX}")
 
 
 def has_content(state: AppState) -> bool:
@@ -223,9 +230,33 @@ def has_case(state: AppState) -> bool:
     return any((state.session.notes, summary.title, summary.notes, summary.items))
 
 
+def _case(state: AppState) -> Case:
+    return state.session.notes, _summary(state, state.places.config).substance
+
+
+def loses_case(state: AppState) -> bool:
+    """Notes or a case summary are in no session file, and nobody has given them up."""
+    return has_case(state) and _case(state) not in (state.session.saved_case, state.session.discarded)
+
+
+def leave_case(state: AppState, go: Callable[[], None]) -> None:
+    """Go on with what ends the session and its case, after a question where they are in no file."""
+
+    def on() -> None:
+        if loses_case(state):
+            state.session.leaving = go
+        else:
+            go()
+
+    actions.leave_session(state, on)
+
+
 def ask_new_case(state: AppState) -> None:
     """Whether notes and case summary shall begin anew."""
-    state.session.asks_new_case = has_case(state)
+    if loses_case(state):
+        state.session.leaving = partial(answer_new_case, state, agreed=True)
+    else:
+        state.session.asks_new_case = has_case(state)
 
 
 def answer_new_case(state: AppState, *, agreed: bool) -> None:
@@ -273,13 +304,18 @@ def answer(state: AppState, reply: str) -> None:
     """To "save the changes?": save, discard or stay."""
     kept = state.session
     go, kept.leaving = kept.leaving, None
-    if go is None or kept.path is None or reply == "stay":
+    if go is None or reply == "stay":
+        return
+    if reply == "save" and kept.path is None:
+        save_as(state, go)
         return
     if reply == "save":
         kept.after_saving = go
         save(state)
         return
-    kept.saved, kept.is_unsaved = snapshot(state, kept.path.parent).substance, False
+    kept.discarded = _case(state)
+    if kept.path is not None:
+        kept.saved, kept.is_unsaved = snapshot(state, kept.path.parent).substance, False
     go()
 
 
@@ -292,6 +328,7 @@ def take_written(state: AppState, request: SessionRequest, answer: Path | Failur
         if request.in_passing:
             state.session.autosave_trouble = ""
         else:
+            state.session.saved_case = request.session.case
             if answer == state.session.path:
                 state.session.saved, state.session.is_unsaved = request.session.substance, False
             actions.announce(state, f"saved {answer.name} in {located(answer.parent)}")
@@ -342,7 +379,12 @@ def taken_up(state: AppState, path: Path) -> None:
         with suppress(OSError):
             os.replace(path, autosave_path(state.places.config))
     else:
-        state.session.path, state.session.saved = path, snapshot(state, path.parent).substance
+        session = snapshot(state, path.parent)
+        state.session.path, state.session.saved, state.session.saved_case = (
+            path,
+            session.substance,
+            session.case,
+        )
 
 
 def end(state: AppState) -> None:

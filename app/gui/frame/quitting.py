@@ -6,7 +6,7 @@ import glfw
 from imgui_bundle import glfw_utils, hello_imgui
 
 from app.files.legible import legible
-from app.gui.actions import actions, queue_actions, session_actions
+from app.gui.actions import queue_actions, session_actions
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import ask
@@ -19,35 +19,44 @@ def ask_before_quitting(state: AppState) -> None:
     """
     params = hello_imgui.get_runner_params()
     if params.app_shall_exit:
-        unsaved = session_actions.look_for_changes(state) or state.editing.is_unsaved
+        changed = session_actions.look_for_changes(state) or session_actions.loses_case(state)
+        unsaved = changed or state.editing.is_unsaved
         if unsaved or not queue_actions.may_close(state):
             params.app_shall_exit = False
             glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 0)
         if unsaved:
             queue_actions.answer_closing(state, close=False)
-            actions.leave_session(state, dockings.quit_app)
+            session_actions.leave_case(state, dockings.quit_app)
     _draw_unsaved(state)
     _draw_new_case(state)
     _draw_question(state)
 
 
 def _draw_unsaved(state: AppState) -> None:
-    """Before changes of a session that has a file are lost."""
+    """Before changes of a session that has a file are lost, or a case that has none."""
     kept = state.session
-    if kept.leaving is None or kept.path is None:
+    if kept.leaving is None:
         return
-    said = f"{legible(kept.path.name)} has changed since it was saved."
-    if reply := ask("Unsaved changes", (said,), ("Save", "Discard", "Stay")):
-        session_actions.answer(state, reply.lower())
+    if kept.path is not None:
+        title, save = "Unsaved changes", "Save"
+        said = f"{legible(kept.path.name)} has changed since it was saved."
+    else:
+        title, save = "Unsaved case", "Save session…"
+        said = f"The notes and {_collected(state)} are in no session file yet."
+    if reply := ask(title, (said,), (save, "Discard", "Stay")):
+        session_actions.answer(state, "save" if reply == save else reply.lower())
+
+
+def _collected(state: AppState) -> str:
+    images = len(state.summary.items)
+    return f"{images} image{'s' * (images != 1)} of the case summary" if images else "the case summary"
 
 
 def _draw_new_case(state: AppState) -> None:
     """Before notes and case summary begin anew."""
     if not state.session.asks_new_case:
         return
-    images = len(state.summary.items)
-    collected = f"{images} image{'s' * (images != 1)} of the case summary" if images else "the case summary"
-    said = f"The notes and {collected} leave the window. Files that were saved stay."
+    said = f"The notes and {_collected(state)} leave the window. Files that were saved stay."
     if reply := ask("Begin a new case?", (said,), ("Begin", "Keep")):
         session_actions.answer_new_case(state, agreed=reply == "Begin")
 
@@ -62,3 +71,5 @@ def _draw_question(state: AppState) -> None:
         queue_actions.answer_closing(state, close=reply == "Close")
     if reply == "Close":
         dockings.quit_app()
+    elif reply:
+        state.session.discarded = None  # The window stays, and with it the case.

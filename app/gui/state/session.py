@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.gui.session_file import Session
+from app.gui.session_file import Case, Session
 
 
 @dataclass
@@ -18,6 +18,10 @@ class KeptSession:
     """Where the session was opened from or saved to."""
     saved: Session | None = None
     """The substance of it, as it is in that file."""
+    saved_case: Case | None = None
+    """Notes and case summary, as they are in the newest file."""
+    discarded: Case | None = None
+    """The same, as a person has agreed to lose them."""
     is_unsaved: bool = False
     """Something has changed since, in a session that has a file."""
     leaving: Callable[[], None] | None = None

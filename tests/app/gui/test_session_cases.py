@@ -9,6 +9,7 @@ import pytest
 
 from app.gui.actions import (
     actions,
+    browse_actions,
     changing_runs,
     clip_actions,
     depth_actions,
@@ -137,12 +138,71 @@ def test_notes_and_summary_go_on_with_the_next_clip_and_a_new_case_begins_withou
     assert state.window.toast is not None
     assert "New case" in state.window.toast.message
     session_actions.ask_new_case(state)
-    session_actions.answer_new_case(state, agreed=False)
+    session_actions.answer(state, "stay")
     assert state.session.notes == "bleeding"
+    saved(first, tmp_path / "a.vesselsplat")
     session_actions.ask_new_case(state)
-    assert state.session.asks_new_case
+    assert state.session.asks_new_case  # Nothing is lost: it is in the file.
     session_actions.answer_new_case(state, agreed=True)
     assert (state.session.notes, state.summary.items, state.session.asks_new_case) == ("", (), False)
+
+
+def test_a_case_in_no_file_is_asked_about_before_it_ends(first: Window, places: Places) -> None:
+    state, gone = first[0], list[str]()
+    session_actions.leave_case(state, lambda: gone.append("nothing written down"))
+    session_actions.write_notes(state, "polyp")
+    session_actions.leave_case(state, lambda: gone.append("saved"))
+    session_actions.answer(state, "save")
+    asked = actions.taken_choice(state)
+    assert asked is not None
+    assert gone == ["nothing written down"]
+    browse_actions.chosen(state, asked, places.pictures / "a.vesselsplat")
+    settle(first)
+    assert gone == ["nothing written down", "saved"]
+    assert mended_session(places.pictures / "a.vesselsplat")[0].notes == "polyp"
+    session_actions.leave_case(state, lambda: gone.append("in the file"))
+    summary_actions.type_title(state, "A case")
+    session_actions.ask_new_case(state)
+    session_actions.answer(state, "discard")
+    assert gone[2:] == ["in the file"]
+    assert not session_actions.has_case(state)
+
+
+def test_a_given_up_file_dialog_saves_and_ends_nothing_later(first: Window, tmp_path: Path) -> None:
+    state, gone = first[0], list[str]()
+    session_actions.write_notes(state, "polyp")
+    session_actions.leave_case(state, lambda: gone.append("too late"))
+    session_actions.answer(state, "save")
+    assert actions.taken_choice(state) is not None
+    saved(first, tmp_path / "later.vesselsplat")
+    assert not gone
+
+
+def test_the_notes_of_a_session_replace_others_only_after_a_question(
+    first: Window, places: Places, clips: tuple[Path, Path]
+) -> None:
+    state, path = first[0], places.pictures / "a.vesselsplat"
+    write_session(path, snapshot(state, path.parent))
+    session_actions.write_notes(state, "polyp")
+    actions.open_path(state, path)
+    settle(first)
+    assert (state.session.notes, state.session.path) == ("polyp", None)
+    session_actions.answer(state, "discard")
+    assert (state.session.notes, state.session.path) == ("", path)
+
+
+def test_notes_that_were_given_up_with_a_clip_are_asked_about_in_the_next(
+    first: Window, places: Places, clips: tuple[Path, Path]
+) -> None:
+    state = first[0]
+    saved(first, places.pictures / "a.vesselsplat")
+    session_actions.write_notes(state, "polyp")
+    session_actions.look_for_changes(state)
+    actions.open_path(state, clips[1])
+    session_actions.answer(state, "discard")
+    settle(first)
+    assert (state.source.path, state.session.notes) == (clips[1], "polyp")
+    assert session_actions.loses_case(state)
 
 
 def test_notes_without_a_source_are_saved_and_come_back(

@@ -330,3 +330,25 @@ def test_a_run_whose_clip_was_moved_is_shown_with_it_where_a_person_says(
     assert other.scene.model is not None
     assert other.source.clip is not None
     assert (other.source.clip.path, other.scene.model.is_of(other.source.clip)) == (moved, True)
+
+
+@pytest.mark.display
+def test_a_case_in_no_file_keeps_the_window_open_until_it_is_answered(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        session_actions.write_notes(state, "left ureter?")
+        glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 1)
+        wait(ctx, lambda: state.session.leaving is not None, "the question")
+        ctx.yield_(3)
+        ctx.item_click("//Unsaved case/Stay")
+        ctx.yield_(3)
+        assert (state.session.leaving, state.session.notes) == (None, "left ureter?")
+        session_actions.save_to(state, places.pictures / "monday.vesselsplat")
+        wait(ctx, lambda: not session_actions.loses_case(state), "the session")
+
+    driver.run(drive)
+    assert mended_session(places.pictures / "monday.vesselsplat")[0].notes == "left ureter?"
