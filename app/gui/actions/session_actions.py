@@ -191,6 +191,11 @@ def _restore_views(state: AppState, session: Session) -> None:
         state.scene.cameras.views = session.views
 
 
+def begin_writing(state: AppState, begins: bool) -> None:
+    """What is typed next is a note, not keys of commands."""
+    state.session.begins_writing = begins
+
+
 def write_notes(state: AppState, text: str) -> None:
     """What a person writes down; as much of it as a session keeps."""
     state.session.notes = text[:LONGEST_NOTES]

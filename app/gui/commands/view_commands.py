@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from functools import partial
 
-from app.gui.actions import actions, path_actions, window_actions
+from app.gui.actions import actions, path_actions, session_actions, window_actions
 from app.gui.commands.command import Asks, Command, Section, WindowServices, menu
 from app.gui.commands.presenting_commands import presenting_commands, second_section
+from app.gui.state.app_state import AppState
 from app.gui.work.settings import TEXT_PERCENTS, Theme
 from app.scenes.backgrounds import BACKGROUNDS, EXPLAINED, BackgroundName
 
@@ -15,7 +16,7 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
     panels = tuple(
         Command(
             name,
-            lambda s, name=name: outside.toggle_panel(name),  # type: ignore[misc]
+            partial(_toggle, outside=outside, name=name),
             text=text,
             ticked=lambda s, name=name: outside.panel_shown(name),  # type: ignore[misc]
         )
@@ -47,6 +48,12 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
     others = menu("View", panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
     unobserved = Section("View", backgrounds, "Where nothing was observed")
     return Section("View", whole), second_section(), others[0], unobserved, *others[1:]
+
+
+def _toggle(state: AppState, outside: WindowServices, name: str) -> None:
+    outside.toggle_panel(name)
+    if name == "Notes":
+        session_actions.begin_writing(state, outside.panel_shown(name))
 
 
 def _background(name: BackgroundName) -> Command:

@@ -16,6 +16,7 @@ from app.gui.commands.modes import MASKING_TEXT, PRESENTATION_TEXT, TILE_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import button, cell, em, explain, in_table, muted, note, question, within
+from app.gui.style.writing import text_area
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
@@ -30,6 +31,7 @@ MIDDLE = ("Images", "Splats", "Tuning", "Report")
 NARROW = 24.0
 """Text heights across that an error needs."""
 OFFER = "An earlier session ended unexpectedly"
+NOTES_HINT = "Write notes on this case here."
 FIXED = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
     | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_docking
@@ -185,7 +187,11 @@ def draw_notes(state: AppState) -> None:
     """What a person writes down; kept with the session."""
     space = imgui.get_content_region_avail()
     size = ImVec2(-1, max(space.y, em(3)))
-    changed, text = imgui.input_text_multiline("##notes", state.session.notes, size)
+    if state.session.begins_writing:
+        imgui.set_keyboard_focus_here()
+    changed, text = text_area("##notes", NOTES_HINT, state.session.notes, size)
+    if imgui.is_item_active():
+        session_actions.begin_writing(state, False)
     explain("Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports.")
     if changed:
         session_actions.write_notes(state, text)

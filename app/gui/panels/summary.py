@@ -16,6 +16,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.summary import Item
 from app.gui.style import theme
 from app.gui.style.widgets import FLAT, button, em, explain, floating, muted, note, row
+from app.gui.style.writing import text_area
 from renderer.clip import ByteImage
 
 TEXT = (
@@ -59,7 +60,7 @@ def _draw_texts(state: AppState) -> None:
     if changed:
         summary_actions.type_title(state, title)
     row("Notes", NOTES_TEXT)
-    changed, notes = imgui.input_text_multiline("##notes", state.summary.notes, ImVec2(-0.1, em(3.4)))
+    changed, notes = text_area("##notes", "", state.summary.notes, ImVec2(-0.1, em(3.4)))
     explain(NOTES_TEXT)
     if changed:
         summary_actions.type_notes(state, notes)
@@ -103,7 +104,7 @@ def _draw_item(state: AppState, place: int, item: Item, texture: Texture) -> Non
         imgui.text_unformatted(f"{place + 1}.  {legible(item.path.name)}")
         _draw_moving(state, place)
         size = ImVec2(-0.1, em(HEIGHT) - imgui.get_frame_height_with_spacing())
-        changed, text = imgui.input_text_multiline("##note", item.note, size)
+        changed, text = text_area("##note", "", item.note, size)
         explain("A note below this image.")
         if changed:
             summary_actions.type_note(state, place, text)

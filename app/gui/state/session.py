@@ -14,6 +14,8 @@ class KeptSession:
     """Session actions change it; drawing reads it."""
 
     notes: str = ""
+    begins_writing: bool = False
+    """Whether the field for them takes the keyboard when it is next drawn."""
     path: Path | None = None
     """Where the session was opened from or saved to."""
     saved: Session | None = None

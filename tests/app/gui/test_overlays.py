@@ -116,3 +116,21 @@ def test_an_error_hides_no_control_of_the_images(
             ui.frame(draw)
         banner = imgui.internal.find_window_by_name(overlays.BANNER)
         assert (tops[0] >= banner.pos.y + banner.size.y) == bool(sentence)
+
+
+def test_notes_take_what_is_typed_after_their_panel_was_asked_for(ui: Ui, state: AppState) -> None:
+    shown = {"Notes": False}
+    services = outside(toggle_panel=lambda name: shown.update({name: True}), panel_shown=lambda name: True)
+    commands = [one for section in sections(state, services) for one in section.commands]
+    next(one for one in commands if one.label == "Notes").act(state)
+    draw: Draw = lambda: overlays.draw_notes(state)  # noqa: E731
+    for _ in range(3):
+        ui.frame(draw)
+    ui.io.add_input_characters_utf8("Polyp 1")
+    ui.frame(draw)
+    assert shown["Notes"]
+    assert (state.session.notes, state.session.begins_writing) == ("Polyp 1", False)
+    ui.press(draw, imgui.Key.escape)  # It ends typing, and takes nothing back.
+    ui.frame(draw)
+    assert state.session.notes == "Polyp 1"
+    assert not imgui.is_any_item_active()
