@@ -73,10 +73,11 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     imgui.end_disabled()
     how = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "
     part = f" Trained on {said}." if (said := run.request.part.told()) else ""
+    opens = f"{how}{run.path}.{part}"
     psnr = f"{run.psnr:.1f} dB" if run.psnr is not None else ""
     left = right - imgui.calc_text_size(psnr).x
     if imgui.get_mouse_pos().x < imgui.get_window_pos().x + left:
-        explain(reason or f"{how}{run.path}.{part}")
+        explain(reason or opens)
     if run.psnr is not None:
         imgui.same_line(left)
         imgui.text_colored(theme.now().accent, psnr)
@@ -85,6 +86,10 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     steps = f"{steps} iterations" if finished else f"{run.iteration:,} of {steps}"
     muted(f"{named(config.method)} · {run.request.input} frames · {_made(state, run)}")
     muted(f"{_when(run.created)} · {steps}")
+    if run.made != "unfinished":  # Of that, there is View model.
+        why = reason or ("It is shown already." if shown else "")
+        button("Open###open run", partial(run_actions.open_run, state, run), opens, reason=why)
+        beside(BESIDE, 0.3)
     _draw_beside(state, run)
     _draw_changes(state, run)
     if run.made == "unfinished" and not run_actions.is_present(state, run):

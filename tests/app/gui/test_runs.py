@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from app.gui.actions import job_actions, run_actions
+from app.gui.panels import runs
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
@@ -242,6 +243,23 @@ def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model:
     ui.frame(lambda: draw_reconstruction(opened))
     opened.source.clip = None
     ui.frame(lambda: draw_runs(opened))
+
+
+def test_a_worded_button_opens_a_finished_run(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    acts: list[Callable[[], object]] = []
+
+    def button(label: str, act: Callable[[], object], *_: object, **__: object) -> None:
+        acts.extend([act] * label.startswith("Open###"))
+
+    monkeypatch.setattr(runs, "button", button)
+    whole = named(opened, "whole")
+    ui.frame(lambda: draw_runs(opened))
+    (act,) = acts  # Of the unfinished run there is View model.
+    act()
+    assert opened.source.opening is not None
+    assert opened.source.opening.path == whole.path
 
 
 def kept_model(path: Path) -> Scene:
