@@ -64,7 +64,7 @@ class TrainConfig:
     """vesselsplat: tissue moves by a shared-knot B-spline in time; deform3dgs: by bumps in time;
     endogaussian: by a HexPlane over space and time; static: nothing moves."""
     iterations: Annotated[int, Interval(ge=1, le=100_000)] = 3000
-    """Training steps of one frame each."""
+    """Training iterations, each on one frame."""
     seed: Annotated[int, Interval(ge=0, le=2**31 - 1)] = 0
     """Random seed of the sampled points and the order of the frames."""
     n_gaussians: Annotated[int, Interval(ge=1, le=1_000_000)] = 30_000

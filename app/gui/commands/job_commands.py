@@ -19,7 +19,7 @@ def job_sections() -> tuple[Section, ...]:
                 applies=lambda s: s.runs.reconstruction.can_pause or s.runs.reconstruction.can_resume,
                 synonyms=("hold", "resume", "training")),
         Command("Cancel reconstruction", job_actions.cancel, ("Ctrl+Shift+X",),
-                text="stop training; the steps that are done are kept",
+                text="stop training; the iterations that are done are kept",
                 applies=lambda s: s.runs.reconstruction.is_alive, synonyms=("abort", "stop", "training")),
     )  # fmt: skip
     ended = (

@@ -31,7 +31,7 @@ from app.runs.wall_clock import in_all
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.train.events import Evaluated, Omission, Progress
 
-KEEPS = "The steps that are done are kept: Continue resumes from there."
+KEEPS = "The iterations that are done are kept: Continue resumes from there."
 CONTINUES = "From the last checkpoint."
 STARTS_OVER = "No checkpoint: starts over."
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."

@@ -203,7 +203,7 @@ def _quality(run: Reconstruction) -> int:
 
 def _steps(config: TrainConfig) -> int:
     about = declared(TrainConfig, "iterations")
-    text = about.text or "Training steps; more are slower and better."
+    text = about.text or "Training iterations; more are slower and better."
     row("Iterations", text)
     changed, value = imgui.input_int("##iterations", config.iterations, 100, 1000)
     explain(text)

@@ -15,7 +15,7 @@ STATUS: Final = {
     "finished": "Finished", "failed": "Stopped", "cancelled": "Interrupted",
 }  # fmt: skip
 CANCELLING: Final = "Cancelling…"
-FIRST_STEP: Final = "Preparing the first step…"
+FIRST_STEP: Final = "Preparing the first iteration…"
 COMPILING: Final = "Compiling once…"
 LONG_STEP: Final = 5.0
 """Seconds after which a first step is known to compile: others take a fraction of one."""
@@ -34,7 +34,7 @@ def doing(state: AppState) -> str:
         case "running":
             return _first(state, run) if run.progress is None else _step(run.progress)
         case "paused" if run.progress is not None:
-            return f"Paused at step {_steps(run.progress)}"
+            return f"Paused at iteration {_steps(run.progress)}"
         case status:
             return STATUS[status]
 
@@ -62,7 +62,7 @@ def _first(state: AppState, run: Reconstruction) -> str:
 
 
 def _step(progress: Progress) -> str:
-    return f"Step {_steps(progress)} · {rounded(progress.seconds_left)} left"
+    return f"Iteration {_steps(progress)} · {rounded(progress.seconds_left)} left"
 
 
 def _steps(progress: Progress) -> str:

@@ -54,9 +54,9 @@ def test_a_run_says_what_it_is_doing_from_its_start_to_its_end(going: AppState) 
     assert tell(going, Started(0, 2000, 30, ())) == FIRST_STEP
     going.window.now += LONG_STEP + 1
     assert doing(going) == COMPILING
-    assert tell(going, at(300, 240.0)) == "Step 300 of 2,000 · about 4 min left"
-    assert tell(going, Paused()) == "Paused at step 300 of 2,000"
-    assert tell(going, Resumed(), at(2000, 12.0)) == "Step 2,000 of 2,000 · about 10 s left"
+    assert tell(going, at(300, 240.0)) == "Iteration 300 of 2,000 · about 4 min left"
+    assert tell(going, Paused()) == "Paused at iteration 300 of 2,000"
+    assert tell(going, Resumed(), at(2000, 12.0)) == "Iteration 2,000 of 2,000 · about 10 s left"
     held_out = Finishing("measuring held-out frames", 4.0)
     assert tell(going, held_out) == "Measuring held-out frames · a few seconds left"
     assert share_done(going.runs.reconstruction) == 1
