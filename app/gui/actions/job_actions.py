@@ -164,8 +164,7 @@ def show_live_model(state: AppState, model: DynamicGaussians) -> None:
     """Ask for the newest copy of the model that is being trained in the 3D view."""
     job, wish = state.runs.reconstruction, state.runs.model_wish
     if wish is None or wish.model is not model:
-        iteration = job.progress.iteration if job.progress else 0
-        _wish(state, model, Training(iteration, job.iterations, live=True))
+        _wish(state, model, Training(job.iteration, job.iterations, live=True))
 
 
 def show_finished_model(state: AppState, model: DynamicGaussians) -> None:

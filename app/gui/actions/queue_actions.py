@@ -146,7 +146,8 @@ def _work(state: AppState) -> str:
     waits = "1 more is queued" if count == 1 else f"{count} more are queued"
     if run.is_alive:
         name = run.run_path.name if run.run_path else "A reconstruction"
-        return f"{name} is still running{f', and {waits}' if count else ''}."
+        stands = "paused" if run.status == "paused" else "still running"
+        return f"{name} is {stands}{f', and {waits}' if count else ''}."
     if state.batches.under_way is not None:
         return "Files and folders are still being enhanced."
     if state.exports.under_way is not None:
@@ -162,9 +163,9 @@ def _kept_of_work(state: AppState) -> str:
             return "Finished files are kept; the rest are not written."
         if state.exports.under_way is not None:
             return "What it has written so far is discarded."
-    begun = "The steps that are done are kept: Continue resumes from there."
-    if state.runs.reconstruction.is_alive and state.runs.reconstruction.progress is None:
-        begun = "It has not done a step yet."
+    begun = "The iterations that are done are kept: Continue resumes from there."
+    if state.runs.reconstruction.is_alive and not state.runs.reconstruction.iteration:
+        begun = "It has not done an iteration yet."
     if not state.runs.queue:
         return begun
     return f"{begun} The queue is {'kept for the next start' if to_keep(state) else 'discarded'}."

@@ -98,6 +98,15 @@ class Reconstruction:
         return self.request.config.iterations if self.request else self.config.iterations
 
     @property
+    def iteration(self) -> int:
+        """Done so far: at first as many as the checkpoint has that it resumes from."""
+        if self.progress is not None:
+            return self.progress.iteration
+        if self.started is not None:
+            return self.started.iteration
+        return self.told.progress[-1].iteration if self.told.progress else 0
+
+    @property
     def omitted(self) -> tuple[Omission, ...]:
         return self.started.omitted if self.started else ()
 

@@ -120,7 +120,7 @@ def _hear(state: AppState, event: object) -> None:
             )
         case Cancelled():
             run.status = "cancelled"
-            begun = run.progress is not None
+            begun = run.iteration > 0
             actions.announce(state, f"reconstruction cancelled{'; Continue resumes it' if begun else ''}")
         case Failed():
             reason = without_flags(event.reason)

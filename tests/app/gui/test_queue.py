@@ -159,6 +159,9 @@ def test_closing_is_asked_about_exactly_while_something_would_be_lost(state: App
     assert not queue_actions.may_close(state)
     assert "1 more is queued" in queue_actions.at_stake(state)
     assert "next start" in queue_actions.what_is_kept(state)
+    state.runs.reconstruction.status = "paused"
+    assert "is paused, and 1 more is queued" in queue_actions.at_stake(state)
+    state.runs.reconstruction.status = "running"
     queue_actions.answer_closing(state, close=False)
     assert not queue_actions.may_close(state)
     queue_actions.answer_closing(state, close=True)
