@@ -98,7 +98,7 @@ def _draw_record(state: AppState) -> None:
         button(f"{icons.ICON_FA_CIRCLE}  Record###record", toggle, RECORD_TEXT, width=7.5)
         return
     label = f"{icons.ICON_FA_STOP}  {clock(recording.seconds)}###record"
-    button(label, toggle, "Ctrl+Shift+L: end the recording.", color=theme.now().danger, width=7.5)
+    button(label, toggle, "Ctrl+Shift+L: end the recording.", color=theme.now().recording, width=7.5)
 
 
 def _draw_send(state: AppState) -> None:

@@ -35,6 +35,8 @@ class Colors:
     """A button that is on."""
     caution: ImVec4
     """A button that is on and should be noticed."""
+    recording: ImVec4
+    """A button that ends what it has begun."""
     grab: ImVec4
     warning: ImVec4
     danger: ImVec4
@@ -62,6 +64,7 @@ DARK = Colors(
     accent=ImVec4(0.40, 0.65, 0.92, 1.0),
     lit=ImVec4(0.23, 0.40, 0.59, 1.0),
     caution=ImVec4(0.57, 0.34, 0.03, 1.0),
+    recording=ImVec4(0.62, 0.16, 0.14, 1.0),
     grab=ImVec4(0.29, 0.49, 0.71, 1.0),
     warning=ImVec4(0.95, 0.72, 0.30, 1.0),
     danger=ImVec4(0.97, 0.50, 0.46, 1.0),
@@ -74,6 +77,7 @@ LIGHT = Colors(
     accent=ImVec4(0.09, 0.32, 0.60, 1.0),
     lit=ImVec4(0.62, 0.78, 0.95, 1.0),
     caution=ImVec4(0.96, 0.75, 0.36, 1.0),
+    recording=ImVec4(0.96, 0.66, 0.62, 1.0),
     grab=ImVec4(0.53, 0.70, 0.90, 1.0),
     warning=ImVec4(0.50, 0.29, 0.00, 1.0),
     danger=ImVec4(0.66, 0.11, 0.09, 1.0),

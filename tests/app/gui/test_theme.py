@@ -60,7 +60,7 @@ def test_every_text_can_be_read(ui: Ui, name: Theme) -> None:
     for ink in ("accent", "warning", "danger"):
         for ground in ("window_bg", "popup_bg", "menu_bar_bg"):
             bright[f"{ink} on {ground}"] = contrast(getattr(worn, ink), style(ground))
-    for ground in ("lit", "caution", "alarm"):
+    for ground in ("lit", "caution", "recording", "alarm"):
         bright[f"text on {ground}"] = contrast(worn.text, getattr(worn, ground))
     assert {pair: round(value, 2) for pair, value in bright.items() if value < READABLE} == {}
     # What moves over the middle of its own number.
