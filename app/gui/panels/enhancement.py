@@ -269,7 +269,7 @@ def _draw_exponent(params: EnhanceParams, index: int, exponents: tuple[float, ..
     shown = Amount(about.lo, about.hi, f"{about.text} Changed here, each window has its own.")
     draw = partial(slider, "##p", value, shown, "%.2f")
     said = partial(number, f"{value:.2f}", quiet=not isinstance(params.p, tuple))
-    (moved, p), _ = with_beside("    Detail", shown.text, NUMBERS, draw, said)
+    (moved, p), _ = with_beside(f"    Detail {index + 1}", shown.text, NUMBERS, draw, said)
     return scales.with_exponent(params, index, p, exponents) if moved else params
 
 
