@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from app.enhancement.amounts import AMOUNTS
-from app.enhancement.methods import VESSEL, EnhancementSettings
+from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.parameter_grid import Setting
 from app.files.legible import named
 from enhance import EnhanceParams, Statistics
@@ -34,6 +34,12 @@ def worded(look: EnhancementSettings, used: Statistics | None = None) -> str:
     share = f" at {whole.color:.0%}" if whole is not None and whole.color < 1 else ""
     parts.append(_shown("d_factor", look.d_factor, () if whole is None else (look.k,)) + share)
     return " · ".join(parts)
+
+
+def with_method(look: EnhancementSettings, used: Statistics | None = None) -> str:
+    """The same after the name of its method, of the paper's as well."""
+    said = worded(look, used)
+    return said if isinstance(look, VesselParams) else f"{named(PAPER)} · {said}"
 
 
 def _shown(name: str, chosen: float | tuple[float, ...] | None, used: tuple[float, ...] = ()) -> str:

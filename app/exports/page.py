@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.methods import EnhancementSettings
-from app.enhancement.setting_words import worded
+from app.enhancement.setting_words import with_method
 from app.files.legible import legible
 from app.files.provenance import NOTICE
 from app.scenes.color_bar import GROUND, INK
@@ -27,7 +27,7 @@ class Panel:
     image: ByteImage
 
 
-def describe(pictures: Pictures, say: Callable[[EnhancementSettings, Statistics], str] = worded) -> str:
+def describe(pictures: Pictures, say: Callable[[EnhancementSettings, Statistics], str] = with_method) -> str:
     """What the enhancement used."""
     used, params = pictures.statistics, pictures.request.params
     if used is None or params is None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import METHODS, EnhancementSettings
-from app.enhancement.setting_words import in_letters, worded
+from app.enhancement.setting_words import in_letters, with_method, worded
 from app.errors import UserError
 from app.exports.comparison_images import (
     Difference,
@@ -39,6 +40,8 @@ from renderer.unobserved import BLACK, GREY
 Shown = EnhancementSettings | str | Scene | None
 """A setting, a method without parameters, or a model; None: the frame itself."""
 
+SAID: Final = {None: in_letters, "interface": worded, "method": with_method}
+
 
 def pane_record(
     title: str, original: PictureRequest, by: Shown = None, background: Background = GREY
@@ -61,7 +64,7 @@ def pane_record(
         drawn_tools=True if params is not None and original.tools is not None else None,
         method=method,
         view=view,
-        words="interface",
+        words="method",
     )
 
 
@@ -119,8 +122,7 @@ class PaneMaker:
             original = replace(original, scope=scope, of_clip=known)
         behind = (pane.view and pane.view.background) or BLACK
         (other,) = self._maker.make(OtherRequest(original, by, behind))
-        say = in_letters if pane.words is None else worded
-        said = describe(other.made, say) if other.made is not None else ""
+        said = describe(other.made, SAID[pane.words]) if other.made is not None else ""
         used = other.made.statistics if other.made is not None else None
         return Made(Panel(f"{pane.title}   {said}".rstrip(), sizing.of(other.image)), used)
 

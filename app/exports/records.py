@@ -175,6 +175,9 @@ class Arrangement:
     """Grey levels that the brightest colour of a difference stands for; None: what holds this frame's."""
 
 
+Words = Literal["interface", "method"]
+
+
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
 class PaneRecord(Record):
     """What one pane shows."""
@@ -200,8 +203,9 @@ class PaneRecord(Record):
     statistics: Annotated[Statistics | None, Told] = None
     measured: Annotated[dict[str, float | None] | None, Told] = None
     """What the picture's `measures` are of it; None where one cannot be measured."""
-    words: Literal["interface"] | None = None
-    """In which its caption tells the settings; None: in the paper's letters, as before 0.2.0."""
+    words: Words | None = None
+    """How its caption tells the settings: as sliders show them, or so after the name of the method; None: in
+    the paper's letters, as before 0.2.0."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

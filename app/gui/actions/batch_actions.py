@@ -11,7 +11,7 @@ from app.enhancement.clip_statistics import POOLED_FRAMES
 from app.enhancement.enhance_files import Setting
 from app.enhancement.methods import preset_of
 from app.enhancement.settable import Pixels, Scope
-from app.enhancement.setting_words import worded
+from app.enhancement.setting_words import with_method
 from app.files.legible import located
 from app.files.provenance import stamp
 from app.gui.actions import actions
@@ -67,7 +67,7 @@ def results_folder(state: AppState) -> Path:
 def summary(state: AppState) -> str:
     """The present setting in a line."""
     chosen = state.enhancement
-    return f"{worded(chosen.params)} · {SCOPES_SAID[chosen.scope]} · {PIXELS_SAID[chosen.pixels]}"
+    return f"{with_method(chosen.params)} · {SCOPES_SAID[chosen.scope]} · {PIXELS_SAID[chosen.pixels]}"
 
 
 def present_setting(state: AppState) -> Setting:

@@ -3,7 +3,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
 
 import cv2
 import numpy as np
@@ -16,7 +15,7 @@ from app.enhancement.setting_words import in_letters, worded
 from app.exports.exporting import Step, export
 from app.exports.page import Panel, describe, sheet
 from app.exports.panes import PaneMaker, pane_record
-from app.exports.records import FrameRecord, PanesPicture
+from app.exports.records import FrameRecord, PanesPicture, Words
 from app.exports.sources import Opened
 from app.files.provenance import digest, read_provenance
 from app.files.records import Source
@@ -104,6 +103,16 @@ def test_two_pictures_never_take_the_same_name(tmp_path: Path, clip: Clip) -> No
     assert len(paths) == 5
 
 
+@pytest.mark.parametrize(("words", "starts"), [("method", "Paper · "), ("interface", "Brightness ")])
+def test_a_caption_names_its_method_and_those_of_before_come_again(
+    clip: Clip, words: Words, starts: str
+) -> None:
+    pane = replace(pane_record("Enhanced", PictureRequest(clip, 0, None), EnhanceParams()), words=words)
+    record = PanesPicture(source=Source(name="c", sha256="0"), frame=FrameRecord(index=0), panes=(pane,))
+    (made,) = PaneMaker(record, Opened((), clip)).made(0)
+    assert made.panel.label.startswith(f"Enhanced   {starts}")
+
+
 def test_captions_fit_over_small_pictures() -> None:
     small = np.zeros((8, 8, 3), np.uint8)
     page = sheet([Panel("A caption much longer than its picture", small), Panel("B", small)])
@@ -112,13 +121,15 @@ def test_captions_fit_over_small_pictures() -> None:
 
 def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
     text = describe(pair(clip, EnhanceParams(z=0.25)))
-    assert text.startswith("Brightness 0.75 · Detail auto ")
+    assert text.startswith("Paper · Brightness 0.75 · Detail auto ")
     assert " · Colour auto 0.50" in text
     assert describe(pair(clip, None)) == ""
     assert worded(EnhanceParams(z=0.25)) == "Brightness 0.75 · Detail auto · Colour auto"
     chosen = EnhanceParams(z=0.25, p=(0.4, 0.5, 0.4), d_factor=1.0)
     assert (
-        describe(pair(clip, chosen)) == worded(chosen) == "Brightness 0.75 · Detail 0.40/0.50 · Colour 0.50"
+        describe(pair(clip, chosen))
+        == f"Paper · {worded(chosen)}"
+        == "Paper · Brightness 0.75 · Detail 0.40/0.50 · Colour 0.50"
     )
     vessel = VesselParams(strength=1.5)
     assert (
@@ -177,10 +188,8 @@ def test_a_model_of_this_session_knows_its_run(
     assert state.scene.model.record.run == RunSource(name=path.name, model_sha256=digest(run.model_path))
 
 
-@pytest.mark.parametrize(("words", "said"), [("interface", "frame 3"), (None, "2")])
-def test_frames_without_a_name_count_from_one_in_captions(
-    clip: Clip, words: Literal["interface"] | None, said: str
-) -> None:
+@pytest.mark.parametrize(("words", "said"), [("method", "frame 3"), ("interface", "frame 3"), (None, "2")])
+def test_frames_without_a_name_count_from_one_in_captions(clip: Clip, words: Words | None, said: str) -> None:
     """In files before 0.2.0 they counted from 0, and are reproduced so."""
     video = replace(clip, labels=tuple(map(str, range(len(clip)))))
     frame = PictureRequest(video, 2, None)
