@@ -11,7 +11,6 @@ from functools import partial
 from itertools import groupby
 from pathlib import Path
 
-from app.enhancement.settable import LONGEST_NOTES
 from app.errors import UserError
 from app.files.legible import located
 from app.gui.actions import actions, edit_actions, second_actions
@@ -138,7 +137,7 @@ def restore(state: AppState, session: Session, second: Path | None = None) -> No
         state.tuning.choices = (session.varied[0], session.varied[1])
     state.tuning.shown = session.tuning_shown
     state.tuning.sort = session.sort
-    state.session.notes = session.notes
+    state.session.notes, state.session.notes_asked = session.notes, bool(session.notes)
     if second is not None:
         second_actions.open_second(state, second)
     elif session.second is not None:
@@ -189,16 +188,6 @@ def _restore_views(state: AppState, session: Session) -> None:
         state.scene.viewer.free = session.free
     if session.views is not None:
         state.scene.cameras.views = session.views
-
-
-def begin_writing(state: AppState, begins: bool) -> None:
-    """What is typed next is a note, not keys of commands."""
-    state.session.begins_writing = begins
-
-
-def write_notes(state: AppState, text: str) -> None:
-    """What a person writes down; as much of it as a session keeps."""
-    state.session.notes = text[:LONGEST_NOTES]
 
 
 def save(state: AppState) -> None:

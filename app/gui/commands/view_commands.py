@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from app.gui.actions import actions, path_actions, session_actions, window_actions
+from app.gui.actions import actions, notes_actions, path_actions, window_actions
 from app.gui.commands.command import Asks, Command, Section, WindowServices, menu
 from app.gui.commands.presenting_commands import presenting_commands, second_section
 from app.gui.state.app_state import AppState
@@ -53,7 +53,7 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
 def _toggle(state: AppState, outside: WindowServices, name: str) -> None:
     outside.toggle_panel(name)
     if name == "Notes":
-        session_actions.begin_writing(state, outside.panel_shown(name))
+        notes_actions.begin_writing(state, outside.panel_shown(name))
 
 
 def _background(name: BackgroundName) -> Command:

@@ -8,7 +8,7 @@ from typing import Final, Literal
 import glfw
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
-from app.gui.actions import actions, tuning_actions, window_actions
+from app.gui.actions import actions, notes_actions, tuning_actions, window_actions
 from app.gui.panels import masking
 from app.gui.panels.editing import PANEL as EDIT
 from app.gui.state.app_state import AppState
@@ -194,6 +194,10 @@ def follow(state: AppState) -> None:
         tuning_actions.came(state)
     _show(panel(EDIT), state.editing.active and free)
     _show(panel(MASKS), state.masking.active and free)
+    if state.session.notes_asked:
+        panel("Notes").is_visible = True
+        if not state.source.asked:  # Before that, another arrangement of panels may come.
+            notes_actions.notes_came(state)
     name = SPLATS if alone else "Images"
     if state.source.asked and (opened := _window(name)) is not None:
         # Of another arrangement of panels, which may bring its own to the front, it takes some frames.

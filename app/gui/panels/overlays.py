@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import capital
 from app.files.provenance import NOTICE
-from app.gui.actions import actions, session_actions
+from app.gui.actions import actions, notes_actions, session_actions
 from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, LEAVE_TEXT, MOUSE, PANELS_TEXT, PEEK_TEXT, WALK_TEXT
 from app.gui.commands.modes import MASKING_TEXT, PRESENTATION_TEXT, TILE_TEXT
@@ -191,10 +191,10 @@ def draw_notes(state: AppState) -> None:
         imgui.set_keyboard_focus_here()
     changed, text = text_area("##notes", NOTES_HINT, state.session.notes, size)
     if imgui.is_item_active():
-        session_actions.begin_writing(state, False)
+        notes_actions.begin_writing(state, False)
     explain("Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports.")
     if changed:
-        session_actions.write_notes(state, text)
+        notes_actions.write_notes(state, text)
 
 
 def draw_recovery(state: AppState) -> None:

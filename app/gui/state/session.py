@@ -14,6 +14,8 @@ class KeptSession:
     """Session actions change it; drawing reads it."""
 
     notes: str = ""
+    notes_asked: bool = False
+    """Whether their panel is to be shown."""
     begins_writing: bool = False
     """Whether the field for them takes the keyboard when it is next drawn."""
     path: Path | None = None

@@ -14,6 +14,7 @@ from app.gui.actions import (
     clip_actions,
     depth_actions,
     job_actions,
+    notes_actions,
     session_actions,
     summary_actions,
 )
@@ -115,7 +116,7 @@ def test_what_is_changed_while_another_clip_comes_is_asked_about(
     state, path = first[0], saved(first, places.pictures / "a.vesselsplat")
     actions.open_path(state, clips[1])
     assert state.source.opening is not None
-    session_actions.write_notes(state, "polyp at 12 o'clock")
+    notes_actions.write_notes(state, "polyp at 12 o'clock")
     settle(first)
     assert state.session.leaving is not None
     assert state.source.path == clips[0]
@@ -131,7 +132,7 @@ def test_notes_and_summary_go_on_with_the_next_clip_and_a_new_case_begins_withou
     state = first[0]
     session_actions.ask_new_case(state)
     assert not state.session.asks_new_case
-    session_actions.write_notes(state, "bleeding")
+    notes_actions.write_notes(state, "bleeding")
     summary_actions.add_file(state, tmp_path / "saved.png")
     actions.open_path(state, clips[1])
     settle(first)
@@ -150,7 +151,7 @@ def test_notes_and_summary_go_on_with_the_next_clip_and_a_new_case_begins_withou
 def test_a_case_in_no_file_is_asked_about_before_it_ends(first: Window, places: Places) -> None:
     state, gone = first[0], list[str]()
     session_actions.leave_case(state, lambda: gone.append("nothing written down"))
-    session_actions.write_notes(state, "polyp")
+    notes_actions.write_notes(state, "polyp")
     session_actions.leave_case(state, lambda: gone.append("saved"))
     session_actions.answer(state, "save")
     asked = actions.taken_choice(state)
@@ -170,7 +171,7 @@ def test_a_case_in_no_file_is_asked_about_before_it_ends(first: Window, places: 
 
 def test_a_given_up_file_dialog_saves_and_ends_nothing_later(first: Window, tmp_path: Path) -> None:
     state, gone = first[0], list[str]()
-    session_actions.write_notes(state, "polyp")
+    notes_actions.write_notes(state, "polyp")
     session_actions.leave_case(state, lambda: gone.append("too late"))
     session_actions.answer(state, "save")
     assert actions.taken_choice(state) is not None
@@ -183,7 +184,7 @@ def test_the_notes_of_a_session_replace_others_only_after_a_question(
 ) -> None:
     state, path = first[0], places.pictures / "a.vesselsplat"
     write_session(path, snapshot(state, path.parent))
-    session_actions.write_notes(state, "polyp")
+    notes_actions.write_notes(state, "polyp")
     actions.open_path(state, path)
     settle(first)
     assert (state.session.notes, state.session.path) == ("polyp", None)
@@ -196,7 +197,7 @@ def test_notes_that_were_given_up_with_a_clip_are_asked_about_in_the_next(
 ) -> None:
     state = first[0]
     saved(first, places.pictures / "a.vesselsplat")
-    session_actions.write_notes(state, "polyp")
+    notes_actions.write_notes(state, "polyp")
     session_actions.look_for_changes(state)
     actions.open_path(state, clips[1])
     session_actions.answer(state, "discard")
@@ -213,13 +214,13 @@ def test_notes_without_a_source_are_saved_and_come_back(
     state.source.path = None
     assert session_actions.autosave_request(state) is None
     assert not session_actions.has_content(state)
-    session_actions.write_notes(state, "seen live")
+    notes_actions.write_notes(state, "seen live")
     (tmp_path / "saved.png").write_bytes(b"x")
     summary_actions.add_file(state, tmp_path / "saved.png")
     state.window.now += 10.0
     assert session_actions.autosave_request(state) is not None
     path = saved(first, places.pictures / "live.vesselsplat")
-    session_actions.write_notes(state, "seen live, twice")
+    notes_actions.write_notes(state, "seen live, twice")
     assert session_actions.look_for_changes(state)
     again = reopened(places, path)
     assert (again.session.notes, again.session.path, again.source.path) == ("seen live", path, None)

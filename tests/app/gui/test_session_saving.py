@@ -11,10 +11,11 @@ import pytest
 from imgui_bundle import glfw_utils, imgui
 
 from app.files.provenance import digest
-from app.gui.actions import actions, browse_actions, comparing, session_actions
+from app.gui.actions import actions, browse_actions, comparing, notes_actions, session_actions
 from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import chord
+from app.gui.frame import dockings
 from app.gui.frame.title import title_of
 from app.gui.session_file import mended_session
 from app.gui.state.app_state import AppState
@@ -340,15 +341,19 @@ def test_a_case_in_no_file_keeps_the_window_open_until_it_is_answered(places: Pl
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
-        session_actions.write_notes(state, "left ureter?")
+        notes_actions.write_notes(state, "left ureter?")
         glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 1)
         wait(ctx, lambda: state.session.leaving is not None, "the question")
         ctx.yield_(3)
         ctx.item_click("//Unsaved case/Stay")
         ctx.yield_(3)
         assert (state.session.leaving, state.session.notes) == (None, "left ureter?")
-        session_actions.save_to(state, places.pictures / "monday.vesselsplat")
+        session_actions.save_to(state, path := places.pictures / "monday.vesselsplat")
         wait(ctx, lambda: not session_actions.loses_case(state), "the session")
+        assert not dockings.is_shown("Notes")
+        actions.open_path(state, path)
+        wait(ctx, lambda: state.source.opening is None and dockings.is_shown("Notes"), "its notes")
+        wait(ctx, lambda: not state.source.asked and not state.session.notes_asked, "all panels")
 
     driver.run(drive)
     assert mended_session(places.pictures / "monday.vesselsplat")[0].notes == "left ureter?"

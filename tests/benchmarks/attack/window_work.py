@@ -20,6 +20,7 @@ from app.gui.actions import (
     batch_actions,
     export_actions,
     job_actions,
+    notes_actions,
     preset_actions,
     session_actions,
 )
@@ -47,7 +48,7 @@ def save(state: AppState, frame: int) -> None:
     actions.set_params(state, EnhanceParams(d_factor=0.1 + frame % 30 / 10))
     actions.remember_recent(state, not state.settings.remember_recent)
     preset_actions.keep(state, f"mine {frame % 5}")
-    session_actions.write_notes(state, f"{frame}\n" * (frame % 300))
+    notes_actions.write_notes(state, f"{frame}\n" * (frame % 300))
     session_actions.save_to(state, state.places.pictures / "a.vesselsplat")
 
 
