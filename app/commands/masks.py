@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import shutil
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from app.console.flags import add_fields, parameters
@@ -19,13 +20,20 @@ from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.listing import listed
 from renderer.sources import open_bare
-from renderer.tools.mask_files import NONE, MaskFiles, mask_names, masks_in
+from renderer.tools.mask_files import NONE, MaskFiles, mask_names, masks_in, origin_of, own_masks
 from renderer.tools.onnx_model import VALUES, OnnxError, OnnxTools
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("clip", metavar="CLIP", type=Path, help="folder of a clip, or a video, see README")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="folder to write into; masks in it that were drawn or mended by hand stay, unless --given has "
+        "one for their frame",
+    )
     parser.add_argument(
         "--given",
         type=Path,
@@ -101,10 +109,22 @@ def _network(flags: argparse.Namespace) -> OnnxTools:
 def _made(folder: Path, clip: Clip, by_hand: MaskFiles, model: OnnxTools | None) -> MaskReport:
     told: MaskReport | None = None
     with filled(folder) as staging, progress("masks", len(clip)) as report:
+        kept = _keep_drawn(folder, staging, clip, by_hand)
         for told in make_masks(clip, staging, by_hand, model):
             report(told.done, "")
     assert told is not None
-    return told
+    return replace(told, notices=(*told.notices, *kept))
+
+
+def _keep_drawn(folder: Path, staging: Path, clip: Clip, by_hand: MaskFiles) -> tuple[str, ...]:
+    """Masks in `folder` that a hand has drawn or mended stay, where --given has none; a notice of them."""
+    files = own_masks(folder, clip.labels).files
+    drawn = [
+        path for index, path in files.items() if index not in by_hand.files and origin_of(path) == "by hand"
+    ]
+    for path in drawn:
+        shutil.copy2(path, staging / path.name)
+    return (f"kept as drawn by hand in {folder}: {listed([path.name for path in drawn])}",) if drawn else ()
 
 
 def _said(told: MaskReport, weak: Sequence[str], *, learned: bool) -> str:
