@@ -23,6 +23,9 @@ DepthOrigin = Literal["measured", "beside", "stereo", "monocular", "brightness",
 """Files of the clip's layout, files beside pictures, pairs that are matched, maps of a network, a guess, the
 camera's motion."""
 
+CLOCK = 0.005
+"""Seconds, well above the rounding of times in containers, a millisecond at each end."""
+
 
 class ClipError(ValueError):
     """A clip cannot be read: the text says what was expected, what came, and where.
@@ -244,7 +247,7 @@ class Clip:
             index = range(len(kept))[index]
             return replace(self.read_frame(kept[index]), index=index, time=index / len(kept))
 
-        speed, times, read_right = self.frames_per_second, self.frame_times, self.read_right
+        times, read_right = self.frame_times, self.read_right
         taken = slice(kept.start, kept.stop, kept.step)
         return replace(
             self,
@@ -252,10 +255,20 @@ class Clip:
             read_frame=read_frame,
             read_image=lambda index: self.read_image(kept[index]),
             labels=self.labels[taken],
-            frames_per_second=speed and speed / kept.step,
+            frames_per_second=self._rate_of(kept),
             frame_times=times and tuple(time - times[kept.start] for time in times[taken]),
             read_right=read_right and (lambda index: read_right(kept[index])),
         )
+
+    def _rate_of(self, kept: range) -> float | None:
+        """The clip's, but where the frames kept are further apart or closer by their own times."""
+        speed = self.frames_per_second and self.frames_per_second / kept.step
+        times = (self.frame_times or ())[kept.start : kept.stop : kept.step]
+        if not speed or len(times) < 2:
+            return speed
+        gaps, seconds = len(times) - 1, times[-1] - times[0]
+        is_even = abs(seconds - gaps / speed) <= CLOCK
+        return speed if is_even or seconds <= 0 else gaps / seconds
 
     def through(self, cameras: tuple[Camera, ...]) -> Clip:
         """The same clip seen by these cameras, one a frame. Raises ValueError: another number of them."""
