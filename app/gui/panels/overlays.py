@@ -28,6 +28,8 @@ DETAILS = (
 BANNER = "##banner"
 MIDDLE = ("Images", "Splats", "Tuning", "Report")
 """Panels of which one is in front there."""
+TIMELINE = 7.8
+"""Text heights up to where the timeline and the bars below it begin, also those of a live source."""
 NARROW = 24.0
 """Text heights across that an error needs."""
 OFFER = "An earlier session ended unexpectedly"
@@ -117,11 +119,11 @@ def make_room(state: AppState) -> None:
 
 
 def draw_toast(state: AppState) -> None:
-    """Good news, at the bottom, for a few seconds."""
+    """Good news, above the timeline, for a few seconds."""
     if state.window.toast is None:
         return
     viewport = imgui.get_main_viewport()
-    bottom = ImVec2(viewport.get_center().x, viewport.work_pos.y + viewport.work_size.y - em(6))
+    bottom = ImVec2(viewport.get_center().x, viewport.work_pos.y + viewport.work_size.y - em(TIMELINE))
     imgui.set_next_window_pos(bottom, imgui.Cond_.always, ImVec2(0.5, 1))
     flags = FIXED | imgui.WindowFlags_.no_inputs
     with (

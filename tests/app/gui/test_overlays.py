@@ -66,6 +66,20 @@ def test_good_news_lies_over_the_window_that_was_clicked_last(ui: Ui, state: App
     assert height(named("##toast")) > height(named("Keys and mouse"))
 
 
+def test_good_news_lies_above_the_timeline_and_the_bars_below_it(ui: Ui, state: AppState) -> None:
+    actions.announce(state, "saved clip.png")
+    heights: list[float] = []
+
+    def draw() -> None:
+        overlays.draw_toast(state)
+        heights.append(imgui.get_font_size())
+
+    for _ in range(3):
+        ui.frame(draw)
+    toast = imgui.internal.find_window_by_name("##toast")
+    assert toast.pos.y + toast.size.y <= ui.io.display_size.y - (5.4 + 2) * heights[0]
+
+
 def test_the_log_keeps_the_newest_in_sight_and_gives_its_lines(ui: Ui, state: AppState) -> None:
     copied: list[str] = []
     bottoms: list[float] = []
