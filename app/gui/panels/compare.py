@@ -72,14 +72,14 @@ def _draw_toolbar(state: AppState) -> None:
     frozen, freeze = state.is_frozen, partial(live_actions.toggle_freeze, state)
     color = theme.switch(frozen, caution=True)
     button("Frozen###freeze" if frozen else "Freeze###freeze", freeze, FREEZE_TEXT, color=color)
-    beside_of(em(7), 1)
+    beside_of(em(7))
     mode = choose("mode", chosen.mode, MODE_LABELS, MODE_TEXT, 7)
     if mode != chosen.mode:
         comparing.choose_mode(state, mode)
     beside("Zebra")
     button("Zebra", partial(comparing.toggle_zebra, state), ZEBRA_TEXT, color=theme.switch(chosen.zebra))
     fit = f"{icons.ICON_FA_EXPAND}  Fit"
-    beside(fit, 1)
+    beside(fit)
     button(fit, partial(picture_actions.fit, state), "0 or double click: fit the whole frame.")
     beside("1:1")
     button("1:1", partial(one_to_one, state), "1: actual pixels (1:1).")
@@ -87,7 +87,7 @@ def _draw_toolbar(state: AppState) -> None:
     imgui.align_text_to_frame_padding()
     muted(f"{100 * state.picture.zoom:.0f} %".rjust(6))
     explain("Screen pixels per image pixel.")
-    for slot, gap in zip(SLOTS, (1.0, 0.5), strict=True):
+    for slot, gap in zip(SLOTS, (0.5, 0.5), strict=True):
         text = f"Shift+{slot}: store the current settings as {slot}, to compare with or return to."
         beside(f"Store {slot}", gap)
         button(f"Store {slot}", partial(comparing.store, state, slot), text)
