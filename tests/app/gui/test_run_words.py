@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import job_actions
+from app.gui.actions import job_actions, queue_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.pace import Pace
 from app.gui.state.run_words import COMPILING, FIRST_STEP, LONG_STEP, doing, share_done
@@ -19,6 +19,7 @@ from app.kernels.progress import Preparation, tasks
 from app.runs.job import Paused, Resumed
 from app.runs.train_run import TrainRequest, run_training
 from assets import phantom_path
+from renderer.gaussians import DynamicGaussians
 from renderer.train import meter
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finishing, Preparing, Progress, Started
@@ -60,6 +61,18 @@ def test_a_run_says_what_it_is_doing_from_its_start_to_its_end(going: AppState) 
     held_out = Finishing("measuring held-out frames", 4.0)
     assert tell(going, held_out) == "Measuring held-out frames · a few seconds left"
     assert share_done(going.runs.reconstruction) == 1
+
+
+def test_a_run_that_resumes_counts_from_its_checkpoint_before_its_first_event(
+    going: AppState, model: DynamicGaussians
+) -> None:
+    job = going.runs.reconstruction.job
+    assert isinstance(job, FakeJob)
+    job.inbox, job.model = [Started(71, 2000, 30, ())], model
+    follow_job(going)
+    assert going.runs.model_wish is not None
+    assert going.runs.model_wish.training.iteration == 71
+    assert "Continue resumes" in queue_actions.what_is_kept(going)
 
 
 def test_the_first_step_beside_the_one_time_preparation_compiles(going: AppState) -> None:

@@ -342,20 +342,6 @@ def test_what_has_not_done_a_step_is_not_said_to_be_resumed(
     assert state.window.log[-1] == "reconstruction cancelled"
 
 
-def test_a_run_that_resumes_counts_from_its_checkpoint_before_its_first_event(
-    state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
-) -> None:
-    job_actions.start_reconstruction(state)
-    start_due(state, make_job)
-    assert isinstance(state.runs.reconstruction.job, FakeJob)
-    state.runs.reconstruction.job.inbox = [replace(STARTED, iteration=71)]
-    state.runs.reconstruction.job.model = model
-    update(state, channels, 0.1)
-    assert state.runs.model_wish is not None
-    assert state.runs.model_wish.training.iteration == 71
-    assert "Continue resumes" in queue_actions.what_is_kept(state)
-
-
 def test_the_view_is_asked_for_only_when_it_changes(
     state: AppState, channels: Channels, make_job: MakeFake, model: DynamicGaussians
 ) -> None:
