@@ -13,6 +13,7 @@ import numpy as np
 
 from app.errors import UserError
 from app.exports.records import ModelArrays
+from app.exports.research.clock import frames_of, span_of
 from app.exports.research.npz import PROVENANCE, Archive
 from app.exports.research.readme import Described, readme
 from app.files.atomic import replaced
@@ -94,7 +95,7 @@ def write_model_arrays(
     said = record.signed | {"renderer": drawer.name}
     with replaced(target) as temporary, zipfile.ZipFile(temporary, "w") as file:
         archive = Archive(file)
-        described = [*_write_cameras(archive, moments), *_write_gaussians(archive, scene, moments)]
+        described = [*_write_cameras(archive, scene, moments), *_write_gaussians(archive, scene, moments)]
         shape = (len(moments), *sizes.pop())
         depths = (_depth(scene, moment, drawer) for moment in moments)
         yield from archive.rows("depth", shape, FLOAT, depths)
@@ -110,13 +111,16 @@ def write_model_arrays(
         archive.text(PROVENANCE, ascii_json(said))
 
 
-def _write_cameras(archive: Archive, moments: tuple[MomentRecord, ...]) -> list[Described]:
+def _write_cameras(archive: Archive, scene: Scene, moments: tuple[MomentRecord, ...]) -> list[Described]:
     cameras = [one.camera for one in moments]
     arrays: dict[str, tuple[np.ndarray[Any, Any], str]] = {
-        "times": (np.array([one.time for one in moments]), "of each moment, in [0, 1] over the clip"),
+        "times": (
+            np.array([one.time for one in moments]),
+            f"of each moment, in [0, 1] over {span_of(scene)}",
+        ),
         "frame_numbers": (
             np.array([-1 if one.frame is None else one.frame for one in moments], np.int64),
-            "of the run, counted from 0; -1: a moment that is none of its frames",
+            f"{frames_of(scene)}; -1: a moment that is none of its frames",
         ),
         "intrinsics": (
             np.array([(one.fx, one.fy, one.cx, one.cy) for one in cameras]),

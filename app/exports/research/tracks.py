@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from app.errors import UserError
 from app.exports.records import Tracks
+from app.exports.research.clock import frames_of, span_of
 from app.files.atomic import together, write_bytes
 from app.files.provenance import write_sidecar
 from app.scenes.records import MomentRecord
@@ -30,8 +31,8 @@ from renderer.surface.mesh import Mesh
 COLUMNS: Final = ("point", "frame", "time", "x", "y", "z", "column", "row", "seen")
 DEFINITIONS: Final = {
     "point": "its place in the lists that were asked for, pixels before places, from 0",
-    "frame": "of the run, from 0; empty: a moment that is none of its frames",
-    "time": "in [0, 1] over the clip",
+    "frame": "{frames}; empty: a moment that is none of its frames",
+    "time": "in [0, 1] over {span}",
     "x, y, z": "in the world, in {unit}; x right, y down, z forward; a point that is hidden where one window "
     "of a long clip goes over into the next stays there",
     "column, row": "where the camera of the moment sees it, in pixels; the middle of the first is at 0.5",
@@ -58,7 +59,8 @@ def write_tracks(record: Tracks, scene: Scene, target: Path) -> Generator[int, N
         yield done
     for of_point in zip(*rows, strict=True):
         table.writerows(of_point)
-    told = {name: meaning.format(unit=scene.unit) for name, meaning in DEFINITIONS.items()}
+    words = {"unit": scene.unit, "frames": frames_of(scene), "span": span_of(scene)}
+    told = {name: meaning.format(**words) for name, meaning in DEFINITIONS.items()}
     with together(target) as place:
         write_bytes(place, text.getvalue().encode())
         write_sidecar(place, record.signed | {"definitions": told})

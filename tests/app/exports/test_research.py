@@ -23,6 +23,7 @@ from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene, open_scene
+from app.scenes.window_scene import scene_of_window
 from renderer.camera_files import read_cameras
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
@@ -76,6 +77,27 @@ def test_arrays_are_those_of_the_model_at_each_moment(
     again = vesselsplat("replay", path, "--source", run)
     assert again.out.rstrip().endswith("identical"), again.error + again.out
     assert "model arrays" in vesselsplat("info", path).out
+
+
+def test_frames_and_times_of_one_window_are_told_as_its_own(
+    windowed_run: Path, vesselsplat: Cli, tmp_path: Path
+) -> None:
+    window = ("--window", 2, "--frames", 0, 5)
+    start = scene_of_window(open_scene(windowed_run), 2).start
+    assert start > 0
+    own = f"of window 2, counted from 0 at frame {start} of the whole clip; "
+    done = vesselsplat("export", windowed_run, "--npz", tmp_path / "a.npz", *window)
+    assert done.code == 0, done.error
+    with np.load(tmp_path / "a.npz") as file:
+        page = " ".join(file["README"].item().decode().split())
+        assert file["frame_numbers"].tolist() == [0, 5]
+    assert own in page
+    assert "in [0, 1] over window 2" in page
+    done = vesselsplat("export", windowed_run, "--tracks", tmp_path / "a.csv", "--points", "32,24", *window)
+    assert done.code == 0, done.error
+    told = json.loads((tmp_path / "a.csv.json").read_text())["definitions"]
+    assert told["frame"].startswith(own)
+    assert told["time"] == "in [0, 1] over window 2"
 
 
 def test_arrays_of_a_long_clip_are_those_of_each_window_while_it_is_there(
