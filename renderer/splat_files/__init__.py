@@ -20,7 +20,7 @@ from renderer.splat_files.ksplat import read_ksplat
 from renderer.splat_files.packed_writing import packed_ply_bytes
 from renderer.splat_files.sog import read_sog
 from renderer.splat_files.sog_writing import sog_bytes
-from renderer.splat_files.splat_file import SplatFile, SplatFileError
+from renderer.splat_files.splat_file import SplatFile, SplatFileError, require_drawable
 from renderer.splat_files.splat_records import read_records
 from renderer.splat_files.spz import GZIP, MAGIC_BYTES, read_spz
 from renderer.splat_files.spz_streams import read_spz_streams
@@ -107,7 +107,8 @@ def write_splats(path: str | Path, raw: RawGaussians, mode: RenderMode = "defaul
 
     Raises:
         TypeError: `raw` is none, such as a model or its splats at a moment.
-        ValueError: another ending, or more than the format holds.
+        ValueError: another ending, a splat with a value that is not finite, too large or without a size, or
+            more than the format holds.
         OSError: it cannot be written.
 
     Example:
@@ -136,6 +137,7 @@ def write_splats(path: str | Path, raw: RawGaussians, mode: RenderMode = "defaul
     written = next((write for end, write in WRITERS.items() if name.endswith(end)), None)
     if written is None:
         raise ValueError(f"expected the name of a {', '.join(WRITERS)} file, got {path}")
+    require_drawable(raw)
     content = written(raw, mode)
     with written_atomically(path) as partial:
         partial.write_bytes(content)

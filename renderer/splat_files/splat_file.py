@@ -61,16 +61,11 @@ class SplatFile:
 
 def repaired(raw: RawGaussians, mode: RenderMode = "default") -> SplatFile:
     """Without the rows that cannot be drawn: values that are not finite, places and sizes out of sight."""
+    good = drawable(raw)
     logits = np.clip(raw.opacity_logits, -MOST_LOGIT, MOST_LOGIT)
     lost = np.all(raw.quats == 0, axis=1)
     quats = np.where(lost[:, None], np.array([1, 0, 0, 0], np.float32), raw.quats)
     raw = replace(raw, opacity_logits=logits, quats=quats)
-    with np.errstate(over="ignore", invalid="ignore"):
-        scales = np.exp(raw.log_scales)
-    values = (raw.means, raw.quats, scales, logits[:, None], raw.colors, *raw.harmonics.transpose(1, 0, 2))
-    finite = [np.isfinite(value).all(axis=1) for value in values]
-    near = [(np.abs(value) <= FARTHEST).all(axis=1) for value in (raw.means, scales)]
-    good: NDArray[np.bool_] = np.all([*finite, *near, (scales > 0).all(axis=1)], axis=0)
     notices = []
     if count := int(np.count_nonzero(~good)):
         notices.append(
@@ -80,3 +75,26 @@ def repaired(raw: RawGaussians, mode: RenderMode = "default") -> SplatFile:
     if count := int(np.count_nonzero(lost & good)):
         notices.append(f"{count} of {len(raw)} splats have no rotation and are read as unrotated")
     return SplatFile(raw if good.all() else raw.rows(np.flatnonzero(good)), mode, tuple(notices))
+
+
+def drawable(raw: RawGaussians) -> NDArray[np.bool_]:
+    """(N,) rows whose values are finite, but logits of any size, with places and sizes within sight."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        scales = np.exp(raw.log_scales)
+    values = (raw.means, raw.quats, scales, raw.colors, *raw.harmonics.transpose(1, 0, 2))
+    finite = [np.isfinite(value).all(axis=1) for value in values]
+    near = [(np.abs(value) <= FARTHEST).all(axis=1) for value in (raw.means, scales)]
+    good: NDArray[np.bool_] = np.all(
+        [*finite, *near, (scales > 0).all(axis=1), ~np.isnan(raw.opacity_logits)], axis=0
+    )
+    return good
+
+
+def require_drawable(raw: RawGaussians) -> None:
+    """Raises ValueError: rows that readers leave out, of which formats with bounds lose others too."""
+    lost = np.flatnonzero(~drawable(raw))
+    if len(lost):
+        raise ValueError(
+            f"expected splats of finite values and a size, nearer and smaller than {FARTHEST:g}, "
+            f"got {len(lost)} of {len(raw)} without, the first in row {lost[0]}"
+        )

@@ -17,6 +17,7 @@ from app.scenes.scene import Scene
 from renderer.splat_files import write_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.splat_files.packed_writing import packed_ply_bytes
+from renderer.splat_files.splat_file import require_drawable
 from renderer.splat_files.spz_writing import clipped
 
 SPZ: Final = ".spz"
@@ -39,7 +40,7 @@ def write_moment(record: Splats, scene: Scene, target: Path) -> None:
     their spherical harmonics are filled up with zeros to its degree.
 
     Raises:
-        UserError: one that would lose colours, or more than the format holds.
+        UserError: one that would lose colours, splats that cannot be drawn, or more than the format holds.
     """
     degree = record.sh_degree
     moved = scene.model.motion.moved(scene.model.raw, record.time)
@@ -48,6 +49,10 @@ def write_moment(record: Splats, scene: Scene, target: Path) -> None:
     except ValueError as error:
         got = f"{degree} for {error}"
         raise UserError(f"--sh-degree: expected one that holds the whole model, got {got}") from error
+    try:
+        require_drawable(moved)
+    except ValueError as error:
+        raise UserError(f"{error}: {target}") from error
     if target.suffix.lower() == ".ply":
         written = packed_ply_bytes if record.layout == "compressed" else ply_bytes
         write_bytes(target, written(moved, scene.mode, comments(record.signed)))

@@ -259,3 +259,32 @@ def test_splats_without_rotation_are_written_unrotated(tmp_path: Path) -> None:
         # An SPZ file has w last.
         assert np.allclose(quats[:, 0], 1, atol=0.01) or suffix == ".spz"
         assert np.allclose(np.linalg.norm(quats, axis=1), 1, atol=1e-3)
+
+
+@pytest.mark.parametrize("ending", list(WRITERS))
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("means", np.nan),
+        ("means", 1e20),
+        ("log_scales", -np.inf),
+        ("log_scales", np.inf),
+        ("opacity_logits", np.nan),
+        ("colors", np.inf),
+        ("harmonics", np.nan),
+    ],
+)
+def test_a_splat_that_cannot_be_drawn_is_named_and_nothing_is_written(
+    tmp_path: Path, ending: str, name: str, value: float
+) -> None:
+    raw = gaussians(4, 3)
+    getattr(raw, name)[2] = value
+    with pytest.raises(ValueError, match="got 1 of 4 without, the first in row 2"):
+        write_splats(tmp_path / f"a{ending}", raw)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("ending", list(WRITERS))
+def test_opacities_of_0_and_1_are_written(tmp_path: Path, ending: str) -> None:
+    raw = replace(gaussians(2), opacity_logits=np.float32([-np.inf, np.inf]))
+    assert sorted(np.rint(sigmoid(back(tmp_path, raw, ending).opacity_logits))) == [0, 1]
