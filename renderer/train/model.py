@@ -94,17 +94,16 @@ class TrainModel:
         slopes = self._pictures.loss_and_gradients(
             now, frame, recipe.losses, self._size, every_tile=recipe.every_tile, mode=recipe.mode
         )
-        by, seen = slopes.by, slopes.seen
-        reached = seen.copy()
-        self.trouble.not_finite += leave_out_broken(by, seen)
-        if self._recipe.every_moment:
-            seen |= ~reached
-        self._update(by, seen, iteration)
+        by, reached = slopes.by, slopes.seen.copy()
+        self.trouble.not_finite += leave_out_broken(by, reached)
+        # Those that are broken stay where they are; those that no tile reaches move by their moments alone.
+        updated = reached | ~slopes.seen if recipe.every_moment else reached
+        self._update(by, updated, iteration)
         if moves:
-            self._motion.update(frame.time, by, seen, iteration)
+            self._motion.update(frame.time, by, updated, iteration)
         self.trouble.held += hold_scales(self.raw.log_scales, self._size)
         if self._density:
-            self._density.add(self._pictures.by_centers(), seen, frame.camera)
+            self._density.add(self._pictures.by_centers(), reached, frame.camera)
             if self._density.is_due(iteration + 1):
                 self._carry_out(self._density.plan(self.raw, iteration + 1))
         self._average.add(self.gaussians, iteration + 1)

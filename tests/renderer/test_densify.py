@@ -144,3 +144,21 @@ def test_a_model_grows_learns_and_goes_on_from_its_state() -> None:
             one.step(views[iteration % 3], iteration)
     for name, value in model.state().items():
         assert np.array_equal(value, other.state()[name]), name
+
+
+@pytest.mark.parametrize("every_moment", [False, True])
+def test_gaussians_out_of_view_do_not_count_as_seen(every_moment: bool) -> None:
+    """Also where their moments move them on."""
+    clip = moving_sheet()
+    frames = [clip.read_frame(index) for index in (0, 2)]
+    config = replace(SMALL, n_gaussians=150)
+    plain = recipe_for(config, needs_of(clip, config))
+    recipe = replace(plain, density=DensityControl(start=500), every_moment=every_moment)
+    raw = recipe.initialize(frames)
+    raw.means[7, 2] = -50
+    model = TrainModel(raw, recipe.make_trainer(raw, frames, 50.0), recipe, 50.0)
+    for iteration, frame in enumerate(frames):
+        model.step(train_frame(frame), iteration)
+    counts = model.state()["density.counts"]
+    assert counts[7] == 0
+    assert counts.max() == 2
