@@ -32,6 +32,15 @@ class Trouble:
     held: int = 0
     """Scales held at their bounds."""
 
+    @property
+    def state(self) -> NDArray[np.int64]:
+        """(2,) both counts; a checkpoint keeps them."""
+        return np.array([self.not_finite, self.held], np.int64)
+
+    def restore(self, state: NDArray[np.int64]) -> None:
+        """Take over what `state` gave."""
+        self.not_finite, self.held = map(int, state)
+
     def notices(self) -> Iterable[str]:
         """A sentence for each kind."""
         if self.not_finite:

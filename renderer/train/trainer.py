@@ -40,7 +40,7 @@ from renderer.train.needs import decide
 from renderer.train.recipe import Stage
 from renderer.train.unseen import without_unseen
 
-LOSSES = "loss_watch"
+LOSSES, TROUBLE = "loss_watch", "trouble"
 """Among a checkpoint's arrays."""
 HELD_OUT_PHASE, HELD_OUT_EVERY = 4, 7
 """In training frames; of a clip split as the field does, those with index % 8 == 5."""
@@ -225,7 +225,8 @@ def _keep(
 ) -> int:
     """Write a checkpoint, where there is a folder. Returns the steps done."""
     if folder:
-        write_checkpoint(folder, Checkpoint(done, seconds, identity, {**model.state(), LOSSES: watch.state}))
+        arrays = {**model.state(), LOSSES: watch.state, TROUBLE: model.trouble.state}
+        write_checkpoint(folder, Checkpoint(done, seconds, identity, arrays))
     return done
 
 
@@ -241,14 +242,16 @@ def _resume(
     if checkpoint.fingerprint not in known_as:
         wanted = "expected a checkpoint of this clip and configuration"
         raise TrainingError(f"{wanted}, got another: {folder.name}")
-    # Checkpoints of earlier versions have no state of the watch.
-    arrays = {LOSSES: watch.state, **checkpoint.arrays}
+    # Checkpoints of earlier versions have no state of the watch, or do not count trouble.
+    arrays = {LOSSES: watch.state, TROUBLE: model.trouble.state, **checkpoint.arrays}
+    layout = {LOSSES: Stored(f"{len(watch.state)}", np.float64), TROUBLE: Stored("2", np.int64, least=0)}
     try:
         if checkpoint.iteration > most:
             raise ValueError(f"expected at most {most} iterations, got {checkpoint.iteration}")
-        check(arrays, {LOSSES: Stored(f"{len(watch.state)}", np.float64)}, {})
+        check(arrays, layout, {})
         model.restore(arrays)
         watch.state[:] = arrays[LOSSES]
+        model.trouble.restore(arrays[TROUBLE])
     except ValueError as error:
         raise TrainingError(f"training cannot continue from the checkpoint ({error}): {folder}") from error
 

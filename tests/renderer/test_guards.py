@@ -10,10 +10,10 @@ import pytest
 
 from renderer.clip import Frame
 from renderer.raw_gaussians import RawGaussians
-from renderer.train.checkpoint import checkpoint_paths, read_checkpoint
-from renderer.train.events import Finished
+from renderer.train.checkpoint import checkpoint_paths, read_checkpoint, write_checkpoint
+from renderer.train.events import Finished, Warned
 from renderer.train.guards import JUDGED, LossWatch, hold_scales, leave_out_broken
-from renderer.train.trainer import LOSSES, TrainingError
+from renderer.train.trainer import LOSSES, TROUBLE, TrainingError
 from renderer.train.training import train
 from tests.renderer.sheet import SMALL, moving_sheet
 
@@ -107,6 +107,25 @@ def test_what_was_watched_outlives_an_interruption(tmp_path: Path) -> None:
     list(train(moving_sheet(), config, folder=tmp_path, resume=True))
     again = read_checkpoint(checkpoint_paths(tmp_path)[-1])
     np.testing.assert_array_equal(again.arrays[LOSSES], newest.arrays[LOSSES])
+
+
+def test_trouble_of_all_parts_of_a_run_is_told_in_the_end(tmp_path: Path) -> None:
+    """Also where the last one, or a checkpoint of an earlier version, has none."""
+    config = replace(SMALL, iterations=4, checkpoint_every=2)
+    list(train(moving_sheet(), config, folder=tmp_path))
+    last, first = (read_checkpoint(path) for path in reversed(checkpoint_paths(tmp_path)))
+    assert not first.arrays[TROUBLE].any()
+    for counts, told in (({TROUBLE: np.array([3, 5])}, ["3 gradients", "5 times"]), ({}, [])):
+        for path in checkpoint_paths(tmp_path):
+            path.unlink()
+        arrays = {name: value for name, value in first.arrays.items() if name != TROUBLE}
+        write_checkpoint(tmp_path, replace(first, arrays=arrays | counts))
+        events = list(train(moving_sheet(), config, folder=tmp_path, resume=True))
+        said = [event.message for event in events if isinstance(event, Warned)]
+        assert [" ".join(message.split()[:2]) for message in said] == told
+        again = read_checkpoint(checkpoint_paths(tmp_path)[-1])
+        assert again.arrays[TROUBLE].tolist() == [*(counts.get(TROUBLE, (0, 0)))]
+        assert again.iteration == last.iteration
 
 
 def test_rates_a_hundred_times_too_high_end_in_one_clear_line() -> None:
