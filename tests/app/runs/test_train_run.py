@@ -254,8 +254,12 @@ def test_what_is_forced_back_is_not_left_out_and_can_be_resumed(
     left_out = {each["what"] for each in json.loads(call.out)["omitted"]}
     assert not {"harmonics", "tiles without tissue"} & left_out
     assert RunFolder(tmp_path / "run").model().raw.harmonics.shape[1] == 15
-    again = vesselsplat("train", clip_path, *flags, "--json", "--resume")
-    assert (again.code, json.loads(again.out)["omitted"]) == (0, json.loads(call.out)["omitted"])
+    for kept in (("harmonics", "tiles"), ("tiles", "harmonics", "tiles")):
+        again = vesselsplat("train", clip_path, *flags, "--keep", *kept, "--json", "--resume")
+        assert again.code == 0, again.error
+        assert json.loads(again.out)["omitted"] == json.loads(call.out)["omitted"]
+    other = vesselsplat("train", clip_path, *flags, "--keep", "tiles", "--resume")
+    assert "expected the run's keep ('harmonics', 'tiles'), got ('tiles',)" in other.error
 
 
 def test_the_only_frame_of_a_clip_is_said_to_be_its_training_frame(tmp_path: Path, vesselsplat: Cli) -> None:
