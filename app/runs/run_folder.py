@@ -39,7 +39,7 @@ from renderer.json_files import parsed, read_text
 from renderer.poses.lost_frame import LostFrame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
-from renderer.train.events import Omission, TrainEvent
+from renderer.train.events import Finished, Omission, TrainEvent
 from renderer.train.window_files import FOLDER as WINDOWS
 
 Input = Literal["original", "enhanced"]
@@ -266,9 +266,14 @@ class RunFolder:
 
     def log(self, event: TrainEvent, **facts: Any) -> None:
         """Append one event to events.jsonl: its name and plain fields, without the model, and `facts`."""
-        values = {item.name: getattr(event, item.name) for item in fields(event)}
-        told = {name: value for name, value in values.items() if not isinstance(value, DynamicGaussians)}
-        line = strict_json({"event": type(event).__name__} | told | facts)
+        self._append({"event": type(event).__name__} | _plain(event) | facts)
+
+    def log_saving(self, event: Finished, **facts: Any) -> None:
+        """Append what `event` will say, before its model is written: a kill between the two loses nothing."""
+        self._append({"event": SAVING} | _plain(event) | facts)
+
+    def _append(self, told: Mapping[str, Any]) -> None:
+        line = strict_json(told)
         if self.events_path.is_symlink():
             raise UserError(f"expected the run's own log, got a link to another file: {self.events_path}")
         # A killed run can leave half a line behind: start on a new one.
@@ -330,6 +335,12 @@ class RunFolder:
             raise UserError(str(error)) from error
 
 
+def _plain(event: TrainEvent) -> dict[str, Any]:
+    """Its fields, without the model."""
+    values = {item.name: getattr(event, item.name) for item in fields(event)}
+    return {name: value for name, value in values.items() if not isinstance(value, DynamicGaussians)}
+
+
 def _parsed(line: str) -> dict[str, Any] | None:
     try:
         event = parsed(line)
@@ -343,7 +354,7 @@ def _is_whole(event: dict[str, Any]) -> bool:
     name = event.get("event")
     if name == "Warned" and not isinstance(event.get("message"), str):
         return False
-    needed = ("iteration", "seconds") if name == "Finished" else ()
+    needed = ("iteration", "seconds") if name in ("Finished", SAVING) else ()
     if not all(is_number(event.get(each)) and event[each] >= 0 for each in needed):
         return False
     told = (event[each] for each in NUMBERS if event.get(each) is not None)
@@ -370,7 +381,9 @@ def is_number(value: object) -> bool:
 
 NUMBERS: Final = ("iteration", "seconds", "wall_seconds", "psnr", "n_gaussians")
 """Fields of events that are read by name."""
-TIMED: Final = ("Progress", "Finished")
+SAVING: Final = "Saving"
+"""The event of a log that a run ends with, but for the model, which is written next."""
+TIMED: Final = ("Progress", SAVING, "Finished")
 """Events that say how long a run has taken."""
 MOST: Final = 1e12
 """That any of them may be."""

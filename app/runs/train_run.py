@@ -35,6 +35,8 @@ from app.runs.memory import peak_memory_mb, planned_in
 from app.runs.posing import Posed, posed, within_whole
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
 from app.runs.run_folder import (
+    OMITTED,
+    SAVING,
     ClipRecord,
     Enhancement,
     Input,
@@ -222,6 +224,7 @@ def _told(
     """The event, with what the clip's notices and its part add to it and the time in all; kept, said."""
     if isinstance(event, Finished):
         yield Finishing("saving the model", 0.0)
+        run.log_saving(replace(event, wall_seconds=clock.seconds()), **_facts(event))
         event = replace(event, model=run.save_model(event.model))
     if isinstance(event, Progress | Finished):
         event = replace(event, wall_seconds=clock.seconds())
@@ -337,8 +340,19 @@ def _finished_before(run: RunFolder) -> Finished:
     if events := run.events("Finished"):
         steps, wall = run.train_seconds() or 0.0, run.wall_seconds()
         return Finished(int(events[-1]["iteration"]), steps, run.model(), wall_seconds=wall)
+    finished, memory = _saved(run)
+    run.log(finished, peak_memory_mb=memory, n_gaussians=len(finished.model))
+    return finished
+
+
+def _saved(run: RunFolder) -> tuple[Finished, float | None]:
+    """What was about to be logged with the model, and the peak memory; of logs of earlier versions, which do
+    not tell, as the checkpoint says."""
+    if events := run.events(SAVING):
+        told = events[-1]
+        omitted, wall = OMITTED.validate_python(told.get("omitted", ())), run.wall_seconds()
+        finished = Finished(int(told["iteration"]), float(told["seconds"]), run.model(), omitted, wall)
+        return finished, told.get("peak_memory_mb")
     last = read_newest_checkpoint(run.path)
     iteration, seconds = (last.iteration, last.seconds) if last else (run.record().config.iterations, 0.0)
-    finished = Finished(iteration, seconds, run.model(), wall_seconds=run.wall_seconds())
-    run.log(finished)
-    return finished
+    return Finished(iteration, seconds, run.model(), wall_seconds=run.wall_seconds()), None

@@ -18,6 +18,7 @@ from app.errors import UserError
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
+from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
 from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.events import Finished, Planned, Progress, Started, TrainEvent
@@ -63,6 +64,31 @@ def test_a_killed_run_goes_on_to_the_same_model(clip_path: Path, tmp_path: Path)
     assert 0 < started.iteration < 400
     list(run_training(request_of(clip_path, whole.path, config=config)))
     assert killed.model_path.read_bytes() == whole.model_path.read_bytes()
+
+
+@pytest.mark.parametrize("is_windowed", [False, True])
+def test_a_run_killed_once_its_model_is_written_tells_what_it_took(
+    clip_path: Path, tmp_path: Path, is_windowed: bool
+) -> None:
+    run, clip = RunFolder(tmp_path / "run"), clip_path
+    config = replace(CONFIG, iterations=3)
+    if is_windowed:
+        clip, config = tmp_path / "clip", replace(config, window_frames=48)
+        write_phantom(clip, PhantomParams(n_frames=100, width=48, height=32, camera="moving"))
+    *_, ended = run_training(request_of(clip, run.path, config=config))
+    lines = run.events_path.read_text().splitlines(keepends=True)
+    assert isinstance(ended, Finished)
+    assert json.loads(lines[-1])["event"] == "Finished"
+    omitted, memory = run.omitted(), json.loads(lines[-1])["peak_memory_mb"]
+    run.events_path.write_text("".join(lines[:-1]))
+    (finished,) = run_training(request_of(clip, run.path, config=config, resume=True))
+    assert isinstance(finished, Finished)
+    assert (finished.iteration, finished.seconds) == (ended.iteration, ended.seconds)
+    assert (finished.iteration > config.iterations) == is_windowed
+    assert 0 < (finished.wall_seconds or 0) <= (ended.wall_seconds or 0)
+    assert run.omitted() == omitted
+    # Writing the model may have taken more.
+    assert memory / 2 < run.events("Finished")[-1]["peak_memory_mb"] <= memory
 
 
 def test_half_a_line_of_a_killed_run_is_passed_over(tmp_path: Path) -> None:
