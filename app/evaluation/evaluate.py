@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 import platformdirs
@@ -27,7 +27,7 @@ from app.scenes.cpu_rendering import Drawn
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
 from enhance.ridges import vessel_mask
 from renderer.camera import Camera
-from renderer.clip import BoolImage, ByteImage, Clip, Frame
+from renderer.clip import BoolImage, ByteImage, Clip, Frame, Split
 from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
 from renderer.measuring.closeness import closeness
@@ -75,9 +75,10 @@ DEFINITIONS = {
     "wall_seconds": WALL,
     "edits": "null: the run has no edits; else whether the edited model was measured, and "
     "how many Gaussians the edits remove",
-    "frames_are": "test: held out, (index - 1) % 8 == 0; training: the clip is too short to hold one out",
     "mean": "mean over the frames; values not measured, infinite or undefined are left out",
 }
+HELD_OUT: Final[Mapping[Split, str]] = {"field": "(index - 1) % 8 == 0", "even-odd": "those of odd index"}
+"""The frames, by how a clip is split."""
 Numbers = dict[str, float]
 
 
@@ -198,6 +199,10 @@ class Evaluation:
             "peak_memory_mb": {"training": self._training_memory(), "evaluation": peak_memory_mb()},
             "frames": list(frames),
             "definitions": DEFINITIONS
+            | {
+                "frames_are": f"test: held out, {HELD_OUT[clip.options.split]}; "
+                "training: the clip is too short to hold one out"
+            }
             | {"method": departures(config.method), "defaults": CHOSEN}
             | {"lpips": LPIPS if self.lpips else no_lpips("vesselsplat/lpips in the user cache folder")},
         }

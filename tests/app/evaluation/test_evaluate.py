@@ -201,6 +201,20 @@ def test_peak_memory_is_that_of_one_process_and_grows_with_what_it_holds() -> No
     assert after - before == pytest.approx(160, abs=40)
 
 
+def test_the_frames_are_told_by_the_split_of_the_run(
+    runs: dict[str, Path], clip_path: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    flags = ("--run", tmp_path / "run", "--iterations", 3, "--split", "even-odd")
+    assert vesselsplat("train", clip_path, *flags).code == 0
+    for run, frames, held_out in (
+        (runs["original"], [1, 9], "(index - 1) % 8 == 0"),
+        (tmp_path / "run", [1, 3, 5, 7, 9], "those of odd index"),
+    ):
+        report = evaluated(vesselsplat, run)
+        assert [frame["index"] for frame in report["frames"]] == frames
+        assert report["definitions"]["frames_are"].startswith(f"test: held out, {held_out}; ")
+
+
 def test_peak_memory_of_training_is_what_the_run_logged(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
 ) -> None:
