@@ -18,7 +18,7 @@ from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.decoders import DECODERS
 from renderer.readers.deinterlacing import deinterlaced
 from renderer.readers.stereo_layout import told_layout
-from renderer.readers.video_index import decoded, index_of, open_container, video_stream
+from renderer.readers.video_index import Threads, decoded, index_of, open_container, video_stream
 from renderer.readers.video_shape import UNSPECIFIED, bits_of, pixel_aspect, quarter_turns, usual_matrix
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ class PyAvVideo:
         self._frames: Iterator[VideoFrame] = iter(())
         self._recent: dict[int, VideoFrame] = {}
         self._close: weakref.finalize[..., PyAvVideo] | None = None
-        stream = self._start()
+        stream = self._start(self._index.threads)
         first = self._frame(0)
         self._size = first.width, first.height
         self.pixel_aspect = float(pixel_aspect(stream, first))
@@ -92,7 +92,8 @@ class PyAvVideo:
 
     def read(self, index: int) -> ByteImage:
         """(H, W, 3) RGB, upright. Raises ClipError when the frame is damaged."""
-        number, field = divmod(range(len(self))[index], self._per_frame)
+        index = range(len(self))[index]
+        number, field = divmod(index, self._per_frame)
         DECODERS.use(self)
         with self._lock:
             before = self._neighbour(number - 1)
@@ -100,7 +101,7 @@ class PyAvVideo:
             if (frame.width, frame.height) != self._size:
                 (width, height), got = self._size, f"{frame.width}x{frame.height}"
                 wanted = f"expected frames of {width}x{height}, as the first one"
-                raise ClipError(f"{wanted}, got {got} in frame {number + 1}: {self._path}")
+                raise ClipError(f"{wanted}, got {got} in frame {index}: {self._path}")
             if frame.interlaced_frame and self._deinterlacing != "off":
                 after = self._neighbour(number + 1)
                 frame = deinterlaced(before, frame, after, field=field if self._per_frame == 2 else None)
@@ -147,12 +148,11 @@ class PyAvVideo:
         if number in self._recent:
             return self._recent[number]
         if self._decoder is None:
-            self._start()
-        for approach in (self._step, self._seek, self._restart):
+            self._start(self._index.threads)
+        for approach in (self._step, self._seek, self._seek_one_by_one, self._restart):
             if approach(number) and (frame := self._decode_until(number)) is not None:
                 return frame
-        count = len(self._index.stamps)
-        raise ClipError(f"frame {number} of {count} cannot be decoded: {self._path}")
+        raise ClipError(f"frame {number * self._per_frame} cannot be decoded: {self._path}")
 
     def _step(self, number: int) -> bool:
         return 0 < number - self._at <= STEP_LIMIT
@@ -180,18 +180,25 @@ class PyAvVideo:
         self._decoder, self._frames, self._recent = None, iter(()), {}
         self._reformatter = VideoReformatter()
 
+    def _seek_one_by_one(self, number: int) -> bool:
+        """Near damage a decoder of several threads loses frames that one of a single thread shows."""
+        if self._index.is_counted:
+            return False
+        self._start("SLICE")
+        return self._seek(number)
+
     def _restart(self, number: int) -> bool:
-        self._start()
+        self._start(self._index.threads)
         return True
 
-    def _start(self) -> VideoStream:
+    def _start(self, threads: Threads) -> VideoStream:
         self._give_up()
         container = open_container(self._path)
         # Containers and their streams hold each other, and a decoder its threads and pictures: whoever drops
         # a video gives all of it back at once, and not when garbage is next searched for, which may be never.
         self._close = weakref.finalize(self, container.close)
         self._close.atexit = False
-        stream = video_stream(container, self._path)
+        stream = video_stream(container, self._path, threads)
         self._decoder, self._frames, self._at = (container, stream), decoded(container, stream), -1
         return stream
 
@@ -214,6 +221,9 @@ class PyAvVideo:
         count = len(self._index.stamps)
         if self._index.is_cut:
             yield f"{CUT_OFF}: {count} frames are whole"
+        if (last := self._index.last_size) and last != self._size:
+            (width, height), others = self._size, f"{last[0]}x{last[1]}"
+            yield f"frames at the end are {others}, not {width}x{height} as the first one, and cannot be read"
         if not self._index.is_steady:
             rate = f"{self.frames_per_second:.3g}"
             yield f"the frame rate varies, {rate} frames per second on average; frame times are kept"

@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import islice, pairwise
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from renderer.budget import OverBudget, budget
 from renderer.clip import ClipError
@@ -39,6 +39,7 @@ DICOM_HOLDS = "mov,mp4,mpegts,mpeg,mpegvideo,h264,hevc"
 """Forms of video in it, as FFmpeg calls them."""
 SMOOTH = 8
 """Units of time in a frame from which on a difference of one unit is rounding."""
+Threads = Literal["AUTO", "SLICE"]
 NO_VIDEO = frozenset({"ansi", "bintext", "xbin", "idf"})
 """Text, of which FFmpeg makes pictures."""
 
@@ -58,6 +59,10 @@ class VideoIndex:
     is_interlaced: bool
     nominal_rate: Fraction
     """Frames a second as the file says it."""
+    last_size: tuple[int, int] | None = None
+    """Width and height of the last frame as it is stored, where it was decoded."""
+    threads: Threads = "AUTO"
+    """Of a decoder that counts these very frames."""
 
     @property
     def is_steady(self) -> bool:
@@ -100,8 +105,10 @@ def open_container(path: Path) -> InputContainer:
         raise ClipError(neither(path)) from error
 
 
-def video_stream(container: InputContainer, path: Path) -> VideoStream:
-    """The moving pictures of a container; a cover picture is none.
+def video_stream(container: InputContainer, path: Path, threads: Threads = "AUTO") -> VideoStream:
+    """The moving pictures of a container; a cover picture is none. `threads` decode frames side by side with
+    "AUTO", which is quick; with "SLICE" frames come one after the other, and so the same of a damaged end
+    each time.
 
     Raises:
         ClipError: there are none, or this FFmpeg cannot decode them.
@@ -124,7 +131,7 @@ def video_stream(container: InputContainer, path: Path) -> VideoStream:
         budget().require(pixels=stream.codec_context.width * stream.codec_context.height)
     except OverBudget as error:
         raise ClipError(f"{error}: {path}") from error
-    stream.thread_type = "AUTO"
+    stream.thread_type = threads
     return stream
 
 
@@ -165,11 +172,16 @@ def index_of(path: Path) -> VideoIndex:
 
 def _numbered(path: Path, scan: _Scan) -> VideoIndex:
     """Of a file whose packets do not tell when frames are shown: all are decoded."""
+    threads = scan.packets.threads
     with open_container(path) as container:
-        flags = [frame.interlaced_frame for frame in decoded(container, video_stream(container, path))]
+        stream = video_stream(container, path, threads)
+        flags, size = list[bool](), None
+        for frame in decoded(container, stream):
+            flags.append(frame.interlaced_frame)
+            size = frame.width, frame.height
     count = len(flags)
     cut = scan.packets.is_short or count < len(scan.packets.stamps)
-    return VideoIndex(tuple(range(count)), 1 / scan.rate, True, cut, any(flags), scan.rate)
+    return VideoIndex(tuple(range(count)), 1 / scan.rate, True, cut, any(flags), scan.rate, size, threads)
 
 
 def told_index(path: Path) -> VideoIndex | None:
@@ -200,7 +212,8 @@ def _scanned(path: Path) -> _Scan:
         packets = _packets(container, stream)
         sure = "mp4" in container.format.name
     with open_container(path) as container:
-        head = list(islice(decoded(container, video_stream(container, path)), HEAD))
+        stream = video_stream(container, path, packets.threads)
+        head = list(islice(decoded(container, stream), HEAD))
     if not head:
         raise ClipError(f"expected a video, got a file without a frame that decodes: {path}")
     interlaced = any(frame.interlaced_frame for frame in head) or _interlaced_later(path, packets)
@@ -230,9 +243,11 @@ def _timed(path: Path, scan: _Scan) -> VideoIndex | None:
     stamps = [stamp for stamp in packets.stamps if first is not None and stamp >= first]
     if not packets.are_timed or scan.head != tuple(stamps[: len(scan.head)]):
         return None
-    whole = stamps if scan.is_sure and not packets.is_short else _whole(path, stamps)
+    whole, size = (
+        (stamps, None) if scan.is_sure and not packets.is_short else _whole(path, stamps, packets.threads)
+    )
     cut = packets.is_short or len(whole) < len(stamps)
-    return VideoIndex(tuple(whole), scan.time_base, False, cut, scan.is_interlaced, scan.rate)
+    return VideoIndex(tuple(whole), scan.time_base, False, cut, scan.is_interlaced, scan.rate, size)
 
 
 def start_of(path: Path) -> Fraction:
@@ -270,6 +285,13 @@ class _Packets:
     """Whether each says when it is shown; in joined files times begin anew, and say nothing."""
     is_short: bool
     """Whether the header announces more, or the last packets are damaged."""
+    tells_end: bool
+    """Whether the header announces frames or a length, so that a damaged end shows."""
+
+    @property
+    def threads(self) -> Threads:
+        """With which the frames at the end, of which the last may be damaged, are the same each time."""
+        return "AUTO" if self.tells_end and not self.is_short else "SLICE"
 
 
 def _packets(container: InputContainer, stream: VideoStream) -> _Packets:
@@ -295,17 +317,24 @@ def _packets(container: InputContainer, stream: VideoStream) -> _Packets:
         short |= container.duration / 1e6 - end > LOST
     kept = sorted(set(stamps))
     begin_anew = len(kept) < len(stamps) or any(later < one for one, later in pairwise(order))
-    return _Packets(kept, not untimed and not begin_anew, short)
+    tells_end = stream.frames > 0 or bool(tells_length and container.duration)
+    return _Packets(kept, not untimed and not begin_anew, short, tells_end)
 
 
-def _whole(path: Path, stamps: list[int]) -> list[int]:
-    """The stamps without those at the end whose frames do not decode."""
+def _whole(path: Path, stamps: list[int], threads: Threads) -> tuple[list[int], tuple[int, int] | None]:
+    """The stamps without those at the end whose frames do not decode, and the size of the last frame."""
     start = stamps[max(0, len(stamps) - TAIL)]
     with open_container(path) as container:
-        stream = video_stream(container, path)
+        stream = video_stream(container, path, threads)
         container.seek(start, stream=stream)
-        seen = {frame.pts for frame in decoded(container, stream)}
+        seen = _sizes(container, stream)
     if start not in seen:
         with open_container(path) as container:
-            seen = {frame.pts for frame in decoded(container, video_stream(container, path))}
-    return [stamp for stamp in stamps if stamp < start or stamp in seen]
+            seen = _sizes(container, video_stream(container, path, threads))
+    whole = [stamp for stamp in stamps if stamp < start or stamp in seen]
+    return whole, seen.get(whole[-1])
+
+
+def _sizes(container: InputContainer, stream: VideoStream) -> dict[int | None, tuple[int, int]]:
+    """Width and height by the stamp of each frame that comes."""
+    return {frame.pts: (frame.width, frame.height) for frame in decoded(container, stream)}

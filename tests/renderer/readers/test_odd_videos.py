@@ -60,8 +60,28 @@ def test_a_frame_of_another_size_is_refused_in_a_line(tmp_path):
     path.write_bytes(b"".join(parts))
     clip = open_video(path)
     assert clip.read_image(1).shape == (48, 64, 3)
-    with pytest.raises(ClipError, match="expected frames of 64x48, as the first one, got 96x80 in frame"):
-        clip.read_image(len(clip) - 1)
+    assert clip.notices == ("frames at the end are 96x80, not 64x48 as the first one, and cannot be read",)
+    with pytest.raises(ClipError, match="expected frames of 64x48, as the first one, got 96x80 in frame 4"):
+        clip.read_image(4)
+
+
+@pytest.mark.parametrize("share", [0.5, 2 / 3])
+def test_the_end_of_a_cut_video_is_the_same_each_time(tmp_path, share):
+    """Its last packet decodes or does not, depending on which thread of the decoder is first."""
+    y, x = np.mgrid[:128, :160]
+    pictures = []
+    for number in range(75):
+        waves = [127 + 120 * np.sin(x / 9 + number / 3 + k) * np.cos(y / 7 - number / 5) for k in range(3)]
+        pictures.append(np.stack(waves, -1).astype(np.uint8))
+    options = {"bf": "3", "g": "12", "x264-params": "open-gop=1"}
+    content, path = (
+        encoded(tmp_path / "whole.ts", pictures, options=options).read_bytes(),
+        tmp_path / "cut.ts",
+    )
+    path.write_bytes(content[: int(len(content) * share)])
+    clips = [open_video(path) for _ in range(15)]
+    assert len({len(clip) for clip in clips}) == 1
+    assert all(clip.read_image(len(clip) - 1).shape == (128, 160, 3) for clip in clips)
 
 
 @pytest.mark.parametrize("name", ["notes.txt", "notes.ans", "notes.nfo"])
