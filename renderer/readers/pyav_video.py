@@ -19,7 +19,7 @@ from renderer.readers.decoders import DECODERS
 from renderer.readers.deinterlacing import deinterlaced
 from renderer.readers.stereo_layout import told_layout
 from renderer.readers.video_index import Threads, decoded, index_of, open_container, video_stream
-from renderer.readers.video_shape import UNSPECIFIED, bits_of, pixel_aspect, quarter_turns, usual_matrix
+from renderer.readers.video_shape import UNSPECIFIED, bits_of, pixel_aspect, upright, usual_matrix
 
 if TYPE_CHECKING:
     from av import VideoFrame
@@ -141,8 +141,8 @@ class PyAvVideo:
             np.frombuffer(memoryview(plane), np.uint8).reshape(-1, plane.line_size)[:, : plane.width]
             for plane in planar.planes
         )
-        upright = np.rot90(cv2.merge((red, green, blue)), quarter_turns(frame))
-        return np.ascontiguousarray(upright)
+        stored = np.asarray(cv2.merge((red, green, blue)), np.uint8)
+        return np.ascontiguousarray(upright(frame, stored))
 
     def _frame(self, number: int) -> VideoFrame:
         if number in self._recent:

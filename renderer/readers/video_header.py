@@ -99,14 +99,14 @@ def _of_frames(told: DicomHeader) -> VideoHeader:
 def _by_pyav(path: Path) -> VideoHeader:
     from renderer.readers.stereo_layout import told_layout
     from renderer.readers.video_index import decoded, open_container, rate_of, video_stream
-    from renderer.readers.video_shape import bits_of, pixel_aspect, quarter_turns
+    from renderer.readers.video_shape import bits_of, lies_down, pixel_aspect
 
     with open_container(path) as container:
         stream = video_stream(container, path)
         first = next(decoded(container, stream), None)
         if first is None:
             raise ClipError(f"expected a video, got a file without a frame that decodes: {path}")
-        lies = quarter_turns(first) % 2 == 1
+        lies = lies_down(first)
         rate, seconds = rate_of(stream), _seconds(stream, container)
         sounds = container.streams.audio
         return VideoHeader(

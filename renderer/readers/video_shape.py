@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from renderer.clip import ByteImage
 
 if TYPE_CHECKING:
     from av import VideoFrame
+    from av.buffer import Buffer
     from av.video.stream import VideoStream
 
 UNSPECIFIED = 2
@@ -20,9 +26,29 @@ def usual_matrix(height: int) -> str:
     return "ITU709" if height >= HD else "ITU601"
 
 
-def quarter_turns(frame: VideoFrame) -> int:
-    """Counterclockwise, 0 to 3, that make the frame upright."""
-    return round(frame.rotation / 90) % 4
+def lies_down(frame: VideoFrame) -> bool:
+    """Whether rows of the stored frame are columns of the upright one."""
+    right, down = _display_matrix(frame)[0]
+    return bool(abs(down) > abs(right))
+
+
+def upright(frame: VideoFrame, stored: ByteImage) -> ByteImage:
+    """The (H, W, 3) pixels of a frame, turned and mirrored as players show it: a view of the same memory."""
+    across, down = _display_matrix(frame)
+    if lies_down(frame):
+        stored, across, down = stored.transpose(1, 0, 2), down, across
+    return stored[:: -1 if down[1] < 0 else 1, :: -1 if across[0] < 0 else 1]
+
+
+def _display_matrix(frame: VideoFrame) -> NDArray[np.int64]:
+    """(2, 2): the directions, right and down, in which a step across and a step down the stored frame go.
+
+    Source: ISO/IEC 14496-12, 8.3.2 (matrix of a track), as FFmpeg hands it on.
+    """
+    told = cast("Buffer | None", frame.side_data.get("DISPLAYMATRIX"))
+    if told is None:
+        return np.eye(2, dtype=np.int64)
+    return np.frombuffer(bytes(told), np.int32).astype(np.int64).reshape(3, 3)[:2, :2]
 
 
 def pixel_aspect(stream: VideoStream, frame: VideoFrame) -> Fraction:
@@ -31,7 +57,7 @@ def pixel_aspect(stream: VideoStream, frame: VideoFrame) -> Fraction:
     aspect = Fraction(stream.sample_aspect_ratio or 1)
     if abs(aspect - 1) * max(frame.width, frame.height) < 1:
         return Fraction(1)
-    return 1 / aspect if quarter_turns(frame) % 2 else aspect
+    return 1 / aspect if lies_down(frame) else aspect
 
 
 def bits_of(frame: VideoFrame) -> int:

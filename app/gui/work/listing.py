@@ -197,12 +197,12 @@ def _frame_by_pyav(path: Path) -> ByteImage | None:
 def _next_frame(container: InputContainer, path: Path) -> ByteImage | None:
     """Upright, in the shape that it has on the screen."""
     from renderer.readers.video_index import decoded, video_stream
-    from renderer.readers.video_shape import pixel_aspect, quarter_turns
+    from renderer.readers.video_shape import pixel_aspect, upright
 
     stream = video_stream(container, path)
     frame = next(decoded(container, stream), None)
     if frame is None:
         return None
-    upright = np.rot90(np.asarray(frame.to_ndarray(format="rgb24"), np.uint8), quarter_turns(frame))
-    across = max(1, round(upright.shape[1] * float(pixel_aspect(stream, frame))))
-    return np.asarray(cv2.resize(upright, (across, upright.shape[0])), np.uint8)
+    image = upright(frame, np.asarray(frame.to_ndarray(format="rgb24"), np.uint8))
+    across = max(1, round(image.shape[1] * float(pixel_aspect(stream, frame))))
+    return np.asarray(cv2.resize(np.ascontiguousarray(image), (across, image.shape[0])), np.uint8)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -127,12 +128,15 @@ def bar(field: int) -> np.ndarray:
     return picture
 
 
-def turned(path: Path) -> Path:
-    """The same .mp4, now told to be shown turned by a quarter."""
+def turned(path: Path, across: tuple[int, int] = (0, 1), down: tuple[int, int] = (-1, 0)) -> Path:
+    """The same .mp4, now told to be shown turned by a quarter; or so that a step across and a step down its
+    stored frames go these ways, right and down."""
     content = path.read_bytes()
-    one, unit = (1 << 16).to_bytes(4, "big"), (1 << 30).to_bytes(4, "big")
-    identity = b"".join((one, bytes(12), one, bytes(12), unit))
-    quarter = b"".join((bytes(4), one, bytes(4), (-1 << 16).to_bytes(4, "big", signed=True), bytes(16), unit))
+    identity, told = (
+        b"".join(struct.pack(">3i", x << 16, y << 16, 0) for x, y in steps)
+        + struct.pack(">3i", 0, 0, 1 << 30)
+        for steps in (((1, 0), (0, 1)), (across, down))
+    )
     at = content.index(identity, content.index(b"tkhd"))
-    path.write_bytes(content[:at] + quarter + content[at + len(quarter) :])
+    path.write_bytes(content[:at] + told + content[at + len(told) :])
     return path

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import random
+import shutil
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
@@ -327,6 +328,24 @@ def test_a_turned_video_is_upright(tmp_path):
     clip = open_video(turned(encoded(tmp_path / "a.mp4", [numbered_picture(number) for number in range(5)])))
     assert clip.size == (64, 128)
     assert [number_of(np.rot90(clip.read_image(number))) for number in range(5)] == list(range(5))
+
+
+@pytest.mark.parametrize(
+    ("across", "down", "shown"),
+    [
+        ((-1, 0), (0, 1), lambda stored: stored[:, ::-1]),
+        ((1, 0), (0, -1), lambda stored: stored[::-1]),
+        ((-1, 0), (0, -1), lambda stored: stored[::-1, ::-1]),
+        ((0, -1), (1, 0), lambda stored: np.rot90(stored)),
+        ((0, 1), (1, 0), lambda stored: stored.transpose(1, 0, 2)),
+        ((0, -1), (-1, 0), lambda stored: np.rot90(stored, 2).transpose(1, 0, 2)),
+    ],
+)
+def test_a_mirrored_video_is_read_as_players_show_it(tmp_path, across, down, shown):
+    stored = encoded(tmp_path / "a.mp4", [numbered_picture(number) for number in range(3)])
+    wanted = shown(open_video(stored).read_image(1))
+    told = turned(shutil.copy(stored, tmp_path / "b.mp4"), across, down)
+    np.testing.assert_array_equal(open_video(told).read_image(1), wanted)
 
 
 def test_a_stream_without_times(tmp_path):
