@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice, pairwise
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from renderer.budget import OverBudget, budget
 from renderer.clip import ClipError
 from renderer.readers.dicom.opening import is_dicom
-from renderer.readers.dicom.stream import StreamFile
+from renderer.readers.dicom.stream import StreamFile, ends_early
 from renderer.readers.misnamed import JPEG_XL, neither, what_it_is
 from renderer.utf8_paths import not_utf8
 
@@ -211,6 +211,8 @@ def _scanned(path: Path) -> _Scan:
         time_base, rate = stream.time_base or Fraction(1, 25), nominal_rate(stream)
         packets = _packets(container, stream)
         sure = "mp4" in container.format.name
+    if is_dicom(path) and ends_early(path):
+        packets = replace(packets, is_short=True)
     with open_container(path) as container:
         stream = video_stream(container, path, packets.threads)
         head = list(islice(decoded(container, stream), HEAD))
@@ -297,7 +299,9 @@ class _Packets:
 def _packets(container: InputContainer, stream: VideoStream) -> _Packets:
     stamps, order, damaged, untimed, count = list[int](), list[int](), 0, 0, 0
     tells_length, end = "matroska" in container.format.name, 0.0
-    for packet in _packets_of(container, stream, *(container.streams.audio if tells_length else ())):
+    # The length that the header tells is that of the longest track, of subtitles too.
+    others = [one for one in container.streams if one.index != stream.index] if tells_length else ()
+    for packet in _packets_of(container, stream, *others):
         if not packet.size:
             continue
         if tells_length and packet.pts is not None:

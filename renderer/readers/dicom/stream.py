@@ -23,7 +23,22 @@ ANNOUNCED: Final = 0xFFFFFFFF
 def fragments(path: Path, header: DicomHeader) -> Iterator[tuple[int, int]]:
     """Where each fragment of the pixels begins and how many bytes it has, as far as the file goes.
 
-    The first item of all is no fragment: it lists where frames begin. Raises OSError.
+    Raises OSError.
+    """
+    length = require_regular(path)
+    return ((start, min(size, length - start)) for start, size in _announced(path, header) if start < length)
+
+
+def ends_early(path: Path) -> bool:
+    """Whether a fragment reaches past the end of the file. Raises as `read_header`, and OSError."""
+    length = require_regular(path)
+    return any(start + size > length for start, size in _announced(path, read_header(path)))
+
+
+def _announced(path: Path, header: DicomHeader) -> Iterator[tuple[int, int]]:
+    """Where each fragment begins and how many bytes it should have.
+
+    The first item of all is no fragment: it lists where frames begin.
     """
     length = require_regular(path)
     with path.open("rb") as file:
@@ -33,8 +48,8 @@ def fragments(path: Path, header: DicomHeader) -> Iterator[tuple[int, int]]:
             tag, size = struct.unpack("<4sI", file.read(8))
             if tag != ITEM:
                 return
-            if not is_first and at + 8 < length:
-                yield at + 8, min(size, length - at - 8)
+            if not is_first:
+                yield at + 8, size
             at, is_first = at + 8 + size, False
 
 

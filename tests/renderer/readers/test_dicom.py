@@ -118,6 +118,19 @@ def test_of_frames_in_several_fragments_the_whole_ones_are_counted(
     assert np.abs(clip.read_image(count - 1).astype(int) - FRAMES[count - 1]).mean() < 2
 
 
+@pytest.mark.parametrize("share", [0.4, 0.6])
+def test_a_video_inside_that_is_cut_off_says_so(share: float, tmp_path: Path) -> None:
+    frames = [picture(seed=seed) for seed in range(40)]
+    path = saved(video(video_file(tmp_path / "a.ts", frames), (64, 48), 40, "40"), tmp_path / "a.dcm")
+    assert open_clip(path).notices == ()
+    path.write_bytes(path.read_bytes()[: int(path.stat().st_size * share)])
+    clip = open_clip(path)
+    assert abs(len(clip) - 40 * share) < 5
+    assert clip.notices[0] == f"the file is cut off or damaged at its end: {len(clip)} frames are whole"
+    header = read_counted_header(path)
+    assert (header.frames, header.is_cut) == (len(clip), True)
+
+
 def test_a_video_inside_is_read_where_it_lies(tmp_path: Path) -> None:
     content = video_file(tmp_path / "a.mp4", FRAMES)
     path = saved(video(content, (64, 48), 6, "40", fragments=4), tmp_path / "a.dcm")

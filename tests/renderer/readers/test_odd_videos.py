@@ -44,6 +44,25 @@ def test_of_a_cut_mkv_with_sound_the_whole_frames_remain(tmp_path):
     assert "cut off" in clip.notices[0]
 
 
+def test_subtitles_that_last_longer_than_the_video_cut_nothing_off(tmp_path):
+    film = encoded(tmp_path / "film.mkv", [numbered_picture(number) for number in range(10)])
+    (tmp_path / "words.srt").write_text("1\n00:00:00,000 --> 00:00:08,000\nLiver\n")
+    path = tmp_path / "both.mkv"
+    with (
+        av.open(str(film)) as seen,
+        av.open(str(tmp_path / "words.srt")) as words,
+        av.open(str(path), "w") as out,
+    ):
+        tracks = [(one, out.add_stream_from_template(one.streams[0])) for one in (seen, words)]
+        for source, track in tracks:
+            for packet in source.demux():
+                if packet.size:
+                    packet.stream = track
+                    out.mux(packet)
+    clip = open_video(path)
+    assert (len(clip), clip.notices) == (10, ())
+
+
 def test_a_frame_of_another_size_is_refused_in_a_line(tmp_path):
     """Two streams one behind the other, as recorders write them when the source changes."""
     parts = []
