@@ -71,8 +71,7 @@ def read_counted_header(path: Path) -> VideoHeader:
     if (index := told_index(path)) is None:
         return header
     frames, rate = len(index.stamps), float(index.frames_per_second)
-    seconds = frames / rate if index.is_cut else header.seconds
-    found = replace(header, frames=frames, frames_per_second=rate, seconds=seconds)
+    found = replace(header, frames=frames, frames_per_second=rate, seconds=frames / rate)
     return replace(found, is_steady=index.is_steady, is_announced=False, is_cut=index.is_cut)
 
 
@@ -127,7 +126,11 @@ def _seconds(stream: VideoStream, container: InputContainer) -> float | None:
     """Of the pictures where the file says it; sound may last longer."""
     if stream.duration and stream.time_base:
         return float(stream.duration * stream.time_base)
-    return container.duration / 1e6 if container.duration else None
+    if not container.duration:
+        return None
+    # Matroska tells when its last frame ends, however late its first one is.
+    before = max(container.start_time or 0, 0) if "matroska" in container.format.name else 0
+    return (container.duration - before) / 1e6
 
 
 def _kept_rate(rate: float, frames: int, seconds: float | None) -> float:

@@ -10,6 +10,7 @@ import pytest
 from renderer.readers.container_end import ends_early
 from renderer.readers.opencv_video import OpenCvVideo
 from renderer.readers.pyav_video import PyAvVideo
+from renderer.readers.video_header import read_counted_header, read_video_header
 from tests.renderer.readers.numbered import encoded, number_of, numbered_picture, opencv_video
 
 LENGTH = 60
@@ -50,6 +51,13 @@ def test_a_clip_whose_edit_list_leaves_out_its_beginning_keeps_its_last_frame(tm
     clip = OpenCvVideo(path)
     assert numbers(clip) == numbers(PyAvVideo(path)) == list(range(25, LENGTH))
     assert clip.notices == ()
+
+
+@pytest.mark.parametrize("name", ["late.mkv", "late.mp4", "late.ts"])
+def test_a_clip_that_starts_late_is_no_longer_for_it(tmp_path, whole, name):
+    path = later(whole, tmp_path / name, 100 * 12800)
+    for read in (read_video_header, read_counted_header):
+        assert read(path).seconds == pytest.approx(LENGTH / 25, abs=0.05)
 
 
 @pytest.mark.parametrize("name", ["sound.mkv", "sound.mp4"])
