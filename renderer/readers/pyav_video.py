@@ -7,7 +7,7 @@ import weakref
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
@@ -128,6 +128,8 @@ class PyAvVideo:
             return None
 
     def _rgb(self, frame: VideoFrame) -> ByteImage:
+        """Upright. Raises ClipError: swscale does not convert its colours."""
+        from av.error import FFmpegError
         from av.video.reformatter import Colorspace
         from av.video.reformatter import Interpolation as Flags
 
@@ -136,7 +138,12 @@ class PyAvVideo:
         exact = Flags.BILINEAR | Flags.ACCURATE_RND | Flags.FULL_CHR_H_INT
         unsaid = frame.colorspace == UNSPECIFIED
         matrix = int(Colorspace[usual_matrix(frame.height)]) if unsaid else None
-        planar = self._reformatter.reformat(frame, format="gbrp", src_colorspace=matrix, interpolation=exact)
+        wanted: dict[str, Any] = {"format": "gbrp", "src_colorspace": matrix, "interpolation": exact}
+        try:
+            planar = self._reformatter.reformat(frame, **wanted)
+        except FFmpegError as error:
+            got = f"those of {frame.format.name} with matrix {frame.colorspace} of H.273"
+            raise ClipError(f"expected colours that FFmpeg converts, got {got}: {self._path}") from error
         green, blue, red = (
             np.frombuffer(memoryview(plane), np.uint8).reshape(-1, plane.line_size)[:, : plane.width]
             for plane in planar.planes
