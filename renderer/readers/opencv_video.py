@@ -79,7 +79,8 @@ class OpenCvVideo:
         return 0 < index - self._at <= STEP_LIMIT
 
     def _seek(self, index: int) -> bool:
-        return not self._is_counted and self._capture.set(cv2.CAP_PROP_POS_FRAMES, index)
+        # To the frame before, without whose stamp the last one may not be known.
+        return not self._is_counted and self._capture.set(cv2.CAP_PROP_POS_FRAMES, max(0, index - 1))
 
     def _restart(self, index: int) -> bool:
         self._capture = open_capture(self._path)
@@ -91,8 +92,11 @@ class OpenCvVideo:
         self._at = index
         if self._is_counted:
             return all(self._capture.grab() for _ in range(index - at))
+        before = None
         while self._capture.grab():
             stamp = int(self._capture.get(cv2.CAP_PROP_PTS))
+            stamp += stamp == before
+            before = stamp
             if stamp >= wanted:
                 return stamp == wanted
         return False
@@ -103,7 +107,7 @@ class OpenCvVideo:
             raise ClipError(f"expected a video, got no frame that OpenCV decodes ({MORE}): {self._path}")
         first = int(self._capture.get(cv2.CAP_PROP_PTS))
         if first not in self._stamps:
-            self._stamps = sorted(set(_stamps(open_capture(self._path))))
+            self._stamps = _shown(_stamps(open_capture(self._path)))
         self._stamps = [stamp for stamp in self._stamps if stamp >= first]
         start = max(0, len(self) - TAIL)
         reached = self._seek(start) and self._grab_until(start)
@@ -111,10 +115,10 @@ class OpenCvVideo:
             self._restart(start)
             reached = self._grab_until(start)
         if reached:
-            tail = [self._stamps[start], *sorted(set(_stamps(self._capture)))]
-            self._stamps = self._stamps[:start] + tail
+            tail = [self._stamps[start], *_stamps(self._capture)]
+            self._stamps = self._stamps[:start] + _shown(tail)
         else:
-            self._stamps = sorted(set(_stamps(open_capture(self._path))))
+            self._stamps = _shown(_stamps(open_capture(self._path)))
         self._restart(0)
         self._at = -1
 
@@ -171,3 +175,13 @@ def _stamps(capture: cv2.VideoCapture) -> list[int]:
     while capture.grab():
         stamps.append(int(capture.get(cv2.CAP_PROP_PTS)))
     return stamps
+
+
+def _shown(stamps: list[int]) -> list[int]:
+    """Sorted, one for each frame.
+
+    Where packets tell when they are decoded and not when they are shown, as in .avi, each frame bears the
+    stamp of a later packet, and the last frame, behind which none comes, that of the frame before it.
+    """
+    last = [stamps[-1] + 1] if stamps[-2:-1] == stamps[-1:] else []
+    return sorted({*stamps, *last})

@@ -60,6 +60,17 @@ def test_a_clip_that_starts_late_is_no_longer_for_it(tmp_path, whole, name):
         assert read(path).seconds == pytest.approx(LENGTH / 25, abs=0.05)
 
 
+@pytest.mark.parametrize("length", [2, 10, LENGTH])
+def test_the_last_frame_of_an_avi_with_b_frames_is_read(tmp_path, length):
+    pictures = [numbered_picture(number) for number in range(length)]
+    clip = OpenCvVideo(encoded(tmp_path / "a.avi", pictures, "mpeg4", options={"bf": "2"}))
+    assert numbers(clip) == list(range(length))
+    order = [length - 1, 0, length - 2, length - 1, length // 2, length - 1]
+    assert [number_of(clip.read(index)) for index in order] == order
+    assert clip.frame_times == pytest.approx([number / 25 for number in range(length)])
+    assert clip.notices == ()
+
+
 @pytest.mark.parametrize("name", ["sound.mkv", "sound.mp4"])
 def test_sound_that_lasts_longer_takes_no_frame(tmp_path, name):
     pictures = [numbered_picture(number) for number in range(LENGTH)]

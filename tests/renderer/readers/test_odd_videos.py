@@ -66,7 +66,7 @@ def test_subtitles_that_last_longer_than_the_video_cut_nothing_off(tmp_path):
 def test_colours_that_ffmpeg_does_not_convert_are_refused_in_a_line(tmp_path):
     pictures = [numbered_picture(number) for number in range(3)]
     path = encoded(tmp_path / "a.mkv", pictures, options={"x264-params": "colormatrix=YCgCo"}, matrix=2)
-    with pytest.raises(ClipError, match="expected colours that FFmpeg converts, got those of .* matrix 8"):
+    with pytest.raises(ClipError, match=r"expected colours that FFmpeg converts.* matrix 8"):
         open_video(path)
 
 
