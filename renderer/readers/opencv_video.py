@@ -30,6 +30,9 @@ class OpenCvVideo:
 
     Packet time stamps, sorted, tell which frame is which: a frame is returned only when its own
     stamp is the wanted one, so seeking that lands elsewhere is noticed and mended.
+
+    OpenCV converts colours by the matrix that the file names, and by BT.601 where it names none, HD or not,
+    and does not tell which of the two it did.
     """
 
     pixel_aspect = 1.0
