@@ -231,7 +231,7 @@ FAULTS: tuple[Fault, ...] = (
         "dropped",
         "the motion is not trained",
         MODEL,
-        "self._motion.update(frame.time, by, seen, iteration)",
+        "self._motion.update(frame.time, by, updated, iteration)",
         "pass",
         (*VESSELSPLAT, *DEFORM3DGS, *ENDOGAUSSIAN),
     ),
