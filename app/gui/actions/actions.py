@@ -129,19 +129,26 @@ def open_phantom(state: AppState) -> None:
 def open_path(state: AppState, path: Path) -> None:
     """Ask for a clip or a run; what is open stays until the new one is there, what is unsaved for good."""
 
-    def go() -> None:
-        clip, options = state.source.clip, state.source.first_options(path.absolute())
-        beside = clip.path if clip is not None else None
-        state.source.opening = OpenRequest(path.absolute(), options, beside=beside)
-        state.window.banner = None
-        state.live.stop_connecting()
-
+    go = partial(_begin_opening, state, path.absolute())
     if path.suffix.lower() not in VIEW_SUFFIXES:
         leave_clip(state, go)
     elif state.source.opening is not None:
         fail(state, f"{path.name} joins what is open: wait until {state.source.opening.path.name} is there")
     else:
         go()  # It ends no edits.
+
+
+def open_run(state: AppState, path: Path) -> None:
+    """Ask for a run of the clip that is open: the session goes on with it, so nothing is asked about that."""
+    leave(state, partial(_leave_masks, state, partial(_begin_opening, state, path.absolute())))
+
+
+def _begin_opening(state: AppState, path: Path) -> None:
+    clip, options = state.source.clip, state.source.first_options(path)
+    beside = clip.path if clip is not None else None
+    state.source.opening = OpenRequest(path, options, beside=beside)
+    state.window.banner = None
+    state.live.stop_connecting()
 
 
 def stop_opening(state: AppState) -> None:
@@ -174,14 +181,14 @@ def leave_session(state: AppState, go: Callable[[], None]) -> None:
 
 def leave_clip(state: AppState, go: Callable[[], None]) -> None:
     """The same with what takes the clip's place: at last, masks of its tools that are not all there yet."""
+    leave_session(state, partial(_leave_masks, state, go))
 
-    def on() -> None:
-        if state.masking.making is not None:
-            state.masking.leaving = go
-        else:
-            go()
 
-    leave_session(state, on)
+def _leave_masks(state: AppState, go: Callable[[], None]) -> None:
+    if state.masking.making is not None:
+        state.masking.leaving = go
+    else:
+        go()
 
 
 def choose_chart(state: AppState, place: int) -> None:

@@ -24,10 +24,12 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         actions.say(state, f"opened {path.name}")
         return
     again, before, making = _is_same_clip(state, opened), state.source.clip, state.masking.making
-    state.source.opening, state.session.path, state.session.discarded = None, None, None
+    if not goes_on(state, opened):
+        state.session.path, state.session.discarded, state.session.is_unsaved = None, None, False
+    state.source.opening = None
     # A session of notes alone has no source.
     state.source.path = opened.path if opened.session is not None else opened.path or path
-    state.session.is_unsaved, state.source.asked = False, True
+    state.source.asked = True
     if opened.clip is None or state.source.clip is None or opened.clip.path != state.source.clip.path:
         state.scene.cameras = CameraList()
     state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
@@ -65,6 +67,18 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     if not opened.in_passing and path.parent != state.places.config:
         state.settings = state.settings.opened(path)
         actions.save_settings(state)
+
+
+def show_without_run(state: AppState, clip: Clip) -> None:
+    """The run that was shown is there no longer: its clip, which is open, goes on alone."""
+    alone = Opened(clip)
+    state.source.path, state.source.content = clip.path, alone.content
+    _show_run(state, alone, again=True)
+
+
+def goes_on(state: AppState, opened: Opened) -> bool:
+    """The session goes on with it, in its file: another run of the clip that is open."""
+    return opened.run is not None and _is_same_clip(state, opened)
 
 
 def _begins_with_notes(state: AppState, before: Clip | None, opened: Opened) -> bool:

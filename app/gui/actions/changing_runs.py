@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from app.enhancement.settable import LONGEST_NAME
 from app.files.legible import legible
-from app.gui.actions import actions, run_actions, second_actions
+from app.gui.actions import actions, arriving, run_actions, second_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import RunQuestion
 from app.gui.work.background import Failure
@@ -106,6 +107,22 @@ def take_changed(state: AppState, request: ChangeRequest, answer: Changed | Fail
         second_actions.close_second(state)
         if answer.path is not None:
             second_actions.open_second(state, answer.path)
-    clip, comes = state.source.clip, state.source.opening is not None
-    if clip is not None and is_shown(state, request.path) and not comes:
-        actions.open_path(state, answer.path or clip.path)
+    if is_shown(state, request.path):
+        _follow(state, request.path, answer.path)
+
+
+def _follow(state: AppState, before: Path, path: Path | None) -> None:
+    """What is shown, and so the session, is of the run at its new place, or of its clip alone."""
+    clip, begun = state.source.clip, state.runs.reconstruction.request
+    if clip is None:
+        return
+    if path is None:
+        arriving.show_without_run(state, clip)
+        return
+    # At once: the session may be saved before the run is open again.
+    if state.source.path == before:
+        state.source.path = path
+    if begun is not None and begun.run_path == before:
+        state.runs.reconstruction.request = replace(begun, run_path=path)
+    if state.source.opening is None:
+        actions.open_run(state, path)

@@ -34,7 +34,7 @@ def open_run(state: AppState, run: ListedRun) -> None:
     if state.runs.reconstruction.is_alive:
         second_actions.open_second(state, run.path)
     else:
-        actions.open_path(state, run.path)
+        actions.open_run(state, run.path)
 
 
 def why_not_open(state: AppState, run: ListedRun) -> str:

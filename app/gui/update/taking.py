@@ -144,8 +144,9 @@ def take_opened(state: AppState, request: OpenRequest, answer: Opened | Failure)
     else:
         # What has been changed meanwhile, while one could go on with what was open.
         session_actions.look_for_changes(state)
+        leave = actions.leave if arriving.goes_on(state, answer) else actions.leave_session
         # The notes of a session take the place of those there are.
-        leave = actions.leave_session if answer.session is None else session_actions.leave_case
+        leave = leave if answer.session is None else session_actions.leave_case
         leave(state, partial(_show_opened, state, request, answer))
 
 

@@ -191,8 +191,11 @@ def test_the_run_that_is_shown_is_renamed_and_deleted_by_mouse_and_keyboard(
         ctx.yield_(2)
         ctx.key_press(imgui.Key.enter)
         wait(ctx, lambda: state.source.path == places.runs / "second-look", "the renamed run")
-        assert state.scene.model is not None
-        assert state.scene.model.name == "second-look"
+        wait(
+            ctx,
+            lambda: state.scene.model is not None and state.scene.model.name == "second-look",
+            "its model",
+        )
         wait(ctx, lambda: shown_list(state) == ["second-look"], "the new list")
         ctx.yield_(2)
         ctx.item_click("//Runs/**/###delete")

@@ -1,0 +1,122 @@
+"""A session and the runs of its clip: it goes on with another one, and with one of another name."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from app.gui.actions import actions, changing_runs, notes_actions, session_actions
+from app.gui.session_file import mended_session
+from app.gui.state.app_state import AppState
+from app.gui.update.channels import Channels
+from app.gui.work.changing_runs import Changed, ChangeRequest
+from app.gui.work.settings import Places
+from assets import phantom_path
+from renderer.gaussians import DynamicGaussians
+from tests.app.gui.test_opening import make_run
+from tests.app.gui.test_session import opened_state, turn
+
+Window = tuple[AppState, Channels]
+
+
+def settle(window: Window) -> None:
+    for _ in range(5):
+        turn(*window)
+
+
+@pytest.fixture
+def clip(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(phantom_path(), tmp_path / "clips" / "liver"))
+
+
+@pytest.fixture
+def run(places: Places, clip: Path, model: DynamicGaussians) -> Path:
+    return make_run(places.runs / "one", clip, model).path
+
+
+@pytest.fixture
+def file(places: Places) -> Path:
+    return places.pictures / "a.vesselsplat"
+
+
+@pytest.fixture
+def noted(places: Places, run: Path, file: Path) -> Window:
+    """A saved session of the run, with a note since."""
+    window = opened_state(places, run)
+    session_actions.save_to(window[0], file)
+    settle(window)
+    notes_actions.write_notes(window[0], "polyp")
+    settle(window)
+    return window
+
+
+def test_a_session_goes_on_in_its_file_with_another_run_of_its_clip(
+    noted: Window, places: Places, clip: Path, file: Path, model: DynamicGaussians
+) -> None:
+    state, other = noted[0], make_run(places.runs / "two", clip, model).path
+    actions.open_run(state, other)
+    settle(noted)
+    assert (state.session.leaving, state.session.path, state.source.path) == (None, file, other)
+    assert session_actions.look_for_changes(state)
+    session_actions.save(state)
+    settle(noted)
+    session, _ = mended_session(file)
+    assert (session.notes, session.run and session.run.found(file)) == ("polyp", other)
+
+
+def test_a_run_of_another_clip_ends_the_session_after_a_question(
+    noted: Window, places: Places, tmp_path: Path, file: Path, model: DynamicGaussians
+) -> None:
+    state, other = noted[0], Path(shutil.copytree(phantom_path(), tmp_path / "other" / "liver"))
+    actions.open_run(state, make_run(places.runs / "two", other, model).path)
+    settle(noted)
+    assert state.session.leaving is not None
+    session_actions.answer(state, "discard")
+    settle(noted)
+    assert (state.session.path, state.session.is_unsaved) == (None, False)
+
+
+def renamed(window: Window, run: Path) -> Path:
+    path = run.rename(run.with_name("two"))
+    changing_runs.take_changed(window[0], ChangeRequest(run, "two"), Changed(path))
+    return path
+
+
+def test_a_session_goes_on_with_a_run_that_is_renamed(
+    noted: Window, places: Places, run: Path, file: Path
+) -> None:
+    state, path = noted[0], renamed(noted, run)
+    session_actions.save(state)  # At once: before the run is open again.
+    settle(noted)
+    assert (state.session.leaving, state.session.path, state.window.banner) == (None, file, None)
+    assert state.scene.model is not None
+    assert (state.scene.model.path, state.source.path, state.runs.reconstruction.run_path) == (path,) * 3
+    again = opened_state(places, file)[0]
+    assert (again.source.path, again.session.notes, again.window.banner) == (path, "polyp", None)
+    assert again.scene.model is not None
+
+
+def test_a_rename_is_a_change_of_a_session_that_has_no_other(noted: Window, run: Path, file: Path) -> None:
+    state = noted[0]
+    session_actions.save(state)
+    settle(noted)
+    assert not session_actions.look_for_changes(state)
+    renamed(noted, run)
+    settle(noted)
+    assert session_actions.look_for_changes(state)
+
+
+def test_a_session_goes_on_with_the_clip_of_a_run_that_is_deleted(
+    noted: Window, places: Places, clip: Path, run: Path, file: Path
+) -> None:
+    state = noted[0]
+    shutil.rmtree(run)
+    changing_runs.take_changed(state, ChangeRequest(run, None), Changed(None))
+    session_actions.save(state)
+    settle(noted)
+    assert (state.scene.model, state.source.path, state.source.content) == (None, clip, "clip")
+    assert (state.session.leaving, state.session.path) == (None, file)
+    again = opened_state(places, file)[0]
+    assert (again.source.path, again.session.notes, again.window.banner) == (clip, "polyp", None)
