@@ -10,7 +10,7 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.work.background import Failure
-from app.gui.work.opening import TakenUp, TakeUpRequest
+from app.gui.work.taking_up import TakenUp, TakeUpRequest
 from app.runs.queue_file import keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
 

@@ -162,6 +162,10 @@ def offer_to_find(state: AppState, lost: SourceLost) -> None:
         state.window.banner = replace(state.window.banner, find=find)
 
 
+def _offers_to_find(state: AppState) -> bool:
+    return state.window.banner is not None and state.window.banner.find is not None
+
+
 def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:
     """They are there again, and still unsaved; those of another model are left out, which is said."""
     edit_actions.follow(state)
@@ -169,7 +173,9 @@ def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:
     count = len(base.model) if base is not None else 0
     if count != kept.gaussians:
         said = f"they are for {kept.gaussians} Gaussians, the model has {count}"
-        actions.fail(state, f"unsaved edits in the session were not restored: {said}")
+        # A run that can still be found brings them along: the offer to find it stays.
+        tell = actions.say if _offers_to_find(state) else actions.fail
+        tell(state, f"unsaved edits in the session were not restored: {said}")
         return
     try:
         edits = unpacked(kept.deleted, kept.hidden, count, Path("session"))

@@ -58,7 +58,7 @@ from app.gui.work.measuring import Measurer
 from app.gui.work.naming import encoder_of, name_of
 from app.gui.work.neighbours import find_neighbours
 from app.gui.work.omissions import look
-from app.gui.work.opening import OpenRequest, TakeUpRequest, open_path, take_up
+from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.presets import KeepPresets, keep_presets
 from app.gui.work.recents import find_recents
 from app.gui.work.revealing import RevealRequest, reveal
@@ -69,6 +69,7 @@ from app.gui.work.selecting import Selector, pick
 from app.gui.work.shipped import read_guide, read_welcome
 from app.gui.work.strip import left_out, make_strip
 from app.gui.work.swept import read_swept_image
+from app.gui.work.taking_up import TakeUpRequest, take_up
 from app.gui.work.thumbnails import make_thumbnails
 from app.gui.work.tidying import clear_places
 from app.gui.work.tuning import CellMaker

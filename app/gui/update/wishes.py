@@ -16,11 +16,11 @@ from app.gui.work.clip_scale import SCALED, ScaleRequest
 from app.gui.work.depths import WaysRequest
 from app.gui.work.kept_layout import NAME, SealRequest
 from app.gui.work.neighbours import NeighboursRequest
-from app.gui.work.opening import TakeUpRequest
 from app.gui.work.presets import presets_with
 from app.gui.work.recents import RecentsRequest
 from app.gui.work.run_measures import RunMeasuresRequest
 from app.gui.work.strip import LeftOutRequest, StripRequest
+from app.gui.work.taking_up import TakeUpRequest
 from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tuning import CellRequest
 from app.gui.work.writing import KeepRequest

@@ -10,7 +10,7 @@ from typing import Final, Literal
 from app.enhancement.clip_statistics import IMAGES
 from app.errors import UserError
 from app.files.provenance import digests
-from app.gui.session_file import SUFFIX, Session, mended_session
+from app.gui.session_file import SUFFIX, Session, SessionSource, mended_session
 from app.gui.work.reported import Reported, read, read_sweep_report
 from app.report.section import holds_report
 from app.runs.progress_log import TrainingLog, told
@@ -27,7 +27,7 @@ from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.listing import listed
 from renderer.readers.stills import NOT_READABLE
 from renderer.regular_files import require_regular
-from renderer.sources import open_bare, open_case, open_clip, with_chosen_depth
+from renderer.sources import open_bare, open_case, with_chosen_depth
 from renderer.splat_files import is_named_as_splats
 from renderer.splat_series import series_files
 from renderer.train.window_files import unfinished
@@ -265,17 +265,28 @@ def _open_session(path: Path, source: Path | None) -> Opened:
         if named is None:
             return Opened(None, session=session, pictures=_pictures(session, path), warning=damage)
         old = named.place(path)
-        places = f"at its old place {old.parent} or beside the session"
-        raise SourceLost(f"expected {old.name} {places}, found neither: {path}", path, old)
+        raise SourceLost(f"{_expected(old)}: {path}", path, old)
     of_run = source if place == run else None
     (opened,) = open_path(OpenRequest(place, session.clip_options, source=of_run))
     lost = opened.lost and SourceLost(str(opened.lost), path, opened.lost.old)
+    if session.run is not None and place != run:
+        lost = lost or _run_lost(session.run, path, place)
     notices = opened.notices
     if wanted.sha256 is not None and wanted.sha256 not in digests(place):
         notices = (*notices, f"{place.name} has changed since the session was saved")
     second = session.second.found(path) if session.second else None
     opened = replace(opened, session=session, second=second, pictures=_pictures(session, path), lost=lost)
     return replace(opened, path=place, notices=notices, warning=damage or opened.warning)
+
+
+def _run_lost(run: SessionSource, path: Path, shown: Path) -> SourceLost:
+    """Of the session at `path`, of which only `shown` is there."""
+    old = run.place(path)
+    return SourceLost(f"{_expected(old, 'the reconstruction ')}; {shown.name} is shown without it", path, old)
+
+
+def _expected(old: Path, kind: str = "") -> str:
+    return f"expected {kind}{old.name} at its old place {old.parent} or beside the session, found neither"
 
 
 def _pictures(session: Session, path: Path) -> tuple[Path | None, ...]:
@@ -374,28 +385,3 @@ def _clip_of(record: RunRecord, path: Path) -> tuple[Clip, Clip]:
     """As it was trained on, and with no depth but that of its own files. Raises ClipError."""
     bare = open_bare(path, record.clip.options)
     return record.clip.through_whole(with_chosen_depth(bare, record.clip.options)), bare
-
-
-@dataclass(frozen=True)
-class TakeUpRequest:
-    """Which one is to be made; `attempt` grows when a person tries again."""
-
-    request: TrainRequest
-    attempt: int
-
-
-@dataclass(frozen=True, eq=False)
-class TakenUp:
-    """What the window needs beside the request."""
-
-    clip: Clip
-    told: TrainingLog
-    """Of a run that goes on: what it has said so far."""
-
-
-def take_up(request: TakeUpRequest) -> Iterator[TakenUp]:
-    """Raises ClipError or UserError: the clip cannot be opened any more, or has no such part."""
-    wanted = request.request
-    clip = open_clip(wanted.clip_path, wanted.clip_options)
-    wanted.part.of(clip)
-    yield TakenUp(clip, told(RunFolder(wanted.run_path)))

@@ -7,7 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import actions, changing_runs, notes_actions, session_actions
+from app.gui.actions import (
+    actions,
+    browse_actions,
+    changing_runs,
+    edit_actions,
+    notes_actions,
+    session_actions,
+)
 from app.gui.session_file import mended_session
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
@@ -120,3 +127,31 @@ def test_a_session_goes_on_with_the_clip_of_a_run_that_is_deleted(
     assert (state.session.leaving, state.session.path) == (None, file)
     again = opened_state(places, file)[0]
     assert (again.source.path, again.session.notes, again.window.banner) == (clip, "polyp", None)
+
+
+def test_a_session_whose_run_is_gone_says_so_and_asks_where_it_is(
+    noted: Window, places: Places, clip: Path, run: Path, file: Path
+) -> None:
+    state = noted[0]
+    state.source.path = clip  # As after training in the window.
+    edit_actions.toggle(state)
+    edit_actions.select_all(state)
+    edit_actions.hide(state)
+    assert state.editing.is_unsaved
+    session_actions.save(state)
+    settle(noted)
+    moved = run.rename(run.with_name("moved"))
+    window = opened_state(places, file)
+    again = window[0]
+    assert again.window.banner is not None
+    assert "expected the reconstruction one" in again.window.banner.message.lower()
+    assert "liver is shown without it" in again.window.banner.message
+    assert again.window.banner.find is not None
+    again.window.banner.find()
+    asked = actions.taken_choice(again)
+    assert asked is not None
+    browse_actions.chosen(again, asked, moved)
+    settle(window)
+    assert again.scene.model is not None
+    assert (again.scene.model.path, again.window.banner) == (moved, None)
+    assert again.editing.is_unsaved
