@@ -252,17 +252,18 @@ def leave_case(state: AppState, go: Callable[[], None]) -> None:
 
 
 def ask_new_case(state: AppState) -> None:
-    """Whether notes and case summary shall begin anew."""
-    if loses_case(state):
+    """Whether notes and case summary shall begin anew, and in another file."""
+    if has_case(state) and (loses_case(state) or look_for_changes(state)):
         state.session.leaving = partial(answer_new_case, state, agreed=True)
     else:
         state.session.asks_new_case = has_case(state)
 
 
 def answer_new_case(state: AppState, *, agreed: bool) -> None:
-    """Without notes and images of the case before; files that were saved stay."""
+    """Without notes and images of the case before; files that were saved stay, as they are."""
     state.session.asks_new_case = False
     if agreed:
+        state.session.path, state.session.is_unsaved = None, False
         summary = state.summary
         state.session.notes = summary.title = summary.notes = ""
         # What is being saved is of the case before.

@@ -26,6 +26,7 @@ from app.gui.update.channels import Channels
 from app.gui.work.changing_runs import Changed, ChangeRequest
 from app.gui.work.settings import Places
 from assets import phantom_path
+from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.splat_files.inria_ply import ply_bytes
 from tests.app.gui.test_opening import make_run
@@ -146,6 +147,25 @@ def test_notes_and_summary_go_on_with_the_next_clip_and_a_new_case_begins_withou
     assert state.session.asks_new_case  # Nothing is lost: it is in the file.
     session_actions.answer_new_case(state, agreed=True)
     assert (state.session.notes, state.summary.items, state.session.asks_new_case) == ("", (), False)
+
+
+def test_a_new_case_leaves_the_file_of_the_one_before_as_it_is(first: Window, places: Places) -> None:
+    state, path = first[0], places.pictures / "a.vesselsplat"
+    notes_actions.write_notes(state, "polyp")
+    saved(first, path)
+    actions.set_params(state, EnhanceParams(strength=0.5))
+    session_actions.ask_new_case(state)
+    session_actions.answer(state, "save")  # What has changed beside the case is asked about first.
+    settle(first)
+    assert (state.session.notes, state.session.path) == ("", None)
+    notes_actions.write_notes(state, "of another person")
+    session_actions.save(state)
+    settle(first)
+    asked = actions.taken_choice(state)
+    assert asked is not None
+    assert asked.purpose == "session"
+    session, _ = mended_session(path)
+    assert (session.notes, session.params) == ("polyp", EnhanceParams(strength=0.5))
 
 
 def test_a_case_in_no_file_is_asked_about_before_it_ends(first: Window, places: Places) -> None:
