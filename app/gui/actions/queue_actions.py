@@ -127,8 +127,13 @@ def what_is_kept(state: AppState) -> str:
 def _stakes(state: AppState) -> tuple[tuple[str, str], ...]:
     """What would end, each with what is kept of it."""
     masks = "Tools are still being masked." if state.masking.making is not None else ""
+    batch = "Files and folders are still being enhanced." if state.batches.under_way is not None else ""
+    export = "An export is still being written." if state.exports.under_way is not None else ""
     stakes = (
-        (_work(state), _kept_of_work(state)),
+        (_run(state), _kept_of_run(state)),
+        (_queue(state), _kept_of_queue(state)),
+        (batch, "Finished files are kept; the rest are not written."),
+        (export, "What the export has written so far is discarded."),
         (_images(state), "Images not saved yet are lost."),
         (masks, "Masks made so far stay."),
     )
@@ -141,34 +146,33 @@ def _images(state: AppState) -> str:
     return f"{still} still being saved." if count else ""
 
 
-def _work(state: AppState) -> str:
+def _run(state: AppState) -> str:
     run, count = state.runs.reconstruction, len(state.runs.queue)
+    if not run.is_alive:
+        return ""
+    name = run.run_path.name if run.run_path else "A reconstruction"
+    stands = "paused" if run.status == "paused" else "still running"
     waits = "1 more is queued" if count == 1 else f"{count} more are queued"
-    if run.is_alive:
-        name = run.run_path.name if run.run_path else "A reconstruction"
-        stands = "paused" if run.status == "paused" else "still running"
-        return f"{name} is {stands}{f', and {waits}' if count else ''}."
-    if state.batches.under_way is not None:
-        return "Files and folders are still being enhanced."
-    if state.exports.under_way is not None:
-        return "An export is still being written."
-    if not count or to_keep(state):
+    return f"{name} is {stands}{f', and {waits}' if count else ''}."
+
+
+def _kept_of_run(state: AppState) -> str:
+    begun = "The iterations that are done are kept: Continue resumes from there."
+    if not state.runs.reconstruction.iteration:
+        begun = "It has not done an iteration yet."
+    return f"{begun} {_kept_of_queue(state)}" if state.runs.queue else begun
+
+
+def _queue(state: AppState) -> str:
+    """Where none is under way: what waits is told with that one."""
+    count = len(state.runs.queue)
+    if not count or state.runs.reconstruction.is_alive or to_keep(state):
         return ""
     return "1 reconstruction is queued." if count == 1 else f"{count} reconstructions are queued."
 
 
-def _kept_of_work(state: AppState) -> str:
-    if not state.runs.reconstruction.is_alive:
-        if state.batches.under_way is not None:
-            return "Finished files are kept; the rest are not written."
-        if state.exports.under_way is not None:
-            return "What it has written so far is discarded."
-    begun = "The iterations that are done are kept: Continue resumes from there."
-    if state.runs.reconstruction.is_alive and not state.runs.reconstruction.iteration:
-        begun = "It has not done an iteration yet."
-    if not state.runs.queue:
-        return begun
-    return f"{begun} The queue is {'kept for the next start' if to_keep(state) else 'discarded'}."
+def _kept_of_queue(state: AppState) -> str:
+    return f"The queue is {'kept for the next start' if to_keep(state) else 'discarded'}."
 
 
 def may_close(state: AppState) -> bool:

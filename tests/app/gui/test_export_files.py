@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.enhancement.enhance_files import Setting
 from app.exports.exporting import ExportRequest, free_name
 from app.exports.replay.again import replay
 from app.files.image_files import read_image, write_image
@@ -21,9 +22,14 @@ from app.gui.commands.finding import find
 from app.gui.commands.keys import chord
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
+from app.gui.state.reconstruction import Waiting
+from app.gui.work.batching import BatchRequest
 from app.gui.work.naming import NameRequest
 from app.gui.work.settings import Places, Settings
+from app.runs.train_run import TrainRequest
 from assets import phantom_path
+from enhance.vessel import VesselParams
+from renderer.train.config import TrainConfig
 from tests.app.gui.conftest import outside
 from tests.app.gui.exporting import Exporter, exported, same
 from tests.app.gui.test_session import opened_state
@@ -85,6 +91,28 @@ def test_a_name_that_is_taken_while_a_video_is_made_is_not_replaced(run: Exporte
     assert run.state.exports.last == taken.with_stem(f"{taken.stem}-2")
     assert taken.read_text() == "meanwhile"
     assert run.state.exports.last.with_name(f"{run.state.exports.last.name}.json").is_file()
+
+
+def test_closing_tells_of_a_run_a_batch_and_an_export_that_go_on_together(
+    run: Exporter, tmp_path: Path
+) -> None:
+    state = run.state
+    export_actions.choose_what(state, "video of both panes")
+    export_actions.start(state)
+    run.turn(3)
+    state.batches.under_way = BatchRequest((), tmp_path, Setting("vessel", VesselParams()))
+    state.runs.reconstruction.status = "running"
+    request = TrainRequest(clip_path=tmp_path, run_path=tmp_path / "run", config=TrainConfig())
+    state.runs.reconstruction.request, state.runs.queue = request, (Waiting(None, request),)
+    assert queue_actions.at_stake(state) == (
+        "run is still running, and 1 more is queued. Files and folders are still being enhanced. "
+        "An export is still being written."
+    )
+    assert queue_actions.what_is_kept(state) == (
+        "The iterations that are done are kept: Continue resumes from there. The queue is kept for the next "
+        "start. Finished files are kept; the rest are not written. "
+        "What the export has written so far is discarded."
+    )
 
 
 def test_free_names(tmp_path: Path) -> None:
