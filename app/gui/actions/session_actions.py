@@ -234,6 +234,11 @@ def _case(state: AppState) -> Case:
     return state.session.notes, _summary(state, state.places.config).substance
 
 
+def keep_case(state: AppState) -> None:
+    """The window stays after all, and with it the case that was to be discarded."""
+    state.session.discarded = None
+
+
 def loses_case(state: AppState) -> bool:
     """Notes or a case summary are in no session file, and nobody has given them up."""
     return has_case(state) and _case(state) not in (state.session.saved_case, state.session.discarded)

@@ -72,4 +72,4 @@ def _draw_question(state: AppState) -> None:
     if reply == "Close":
         dockings.quit_app()
     elif reply:
-        state.session.discarded = None  # The window stays, and with it the case.
+        session_actions.keep_case(state)
