@@ -291,6 +291,9 @@ def answer(state: AppState, reply: str) -> None:
         editing.after_saving = go
         save(state)
         return
+    # A selection that comes later, and what waits for it, would change what has been given up.
+    editing.wish = None
+    editing.waiting.clear()
     editing.history = History(editing.saved)
     _show(state)
     go()

@@ -235,6 +235,20 @@ def test_unsaved_edits_are_asked_about_before_they_are_lost(splats: AppState, tm
     assert len(shown(splats)) == 30
 
 
+def test_what_waits_for_a_selection_is_discarded_with_the_edits(splats: AppState, tmp_path: Path) -> None:
+    edit_actions.select_all(splats)
+    edit_actions.hide(splats)
+    drag(splats, (0, 0), (63, 47))
+    edit_actions.delete(splats)
+    assert splats.editing.wish is not None
+    assert splats.editing.waiting
+    actions.open_path(splats, tmp_path / "other.ply")
+    edit_actions.answer(splats, "discard")
+    assert splats.editing.wish is None
+    assert not splats.editing.waiting
+    assert not splats.editing.is_unsaved
+
+
 def test_edits_of_a_run_come_back_with_it(
     state: AppState, runs: dict[str, Path], tmp_path: Path, places: Places
 ) -> None:
