@@ -48,16 +48,27 @@ def choose(state: AppState, name: str) -> None:
         state.enhancement.active = True
 
 
+def replaced(state: AppState) -> str:
+    """The own preset that keeping under the typed name would replace; empty for none."""
+    name = _kept_name(state.enhancement.preset_draft)
+    return name if name in state.enhancement.presets else ""
+
+
+def _kept_name(typed: str) -> str:
+    return typed.strip()[:LONGEST_NAME]
+
+
 def keep(state: AppState, name: str) -> None:
     """The present setting under this name, in place of an own preset of the same name."""
-    name = name.strip()[:LONGEST_NAME]
+    name = _kept_name(name)
     if not is_preset_name(name):
         actions.fail(state, "expected a name other than those of the built-in presets")
         return
     if len(state.enhancement.presets | {name: state.enhancement.params}) > MOST_PRESETS:
         actions.fail(state, f"expected at most {MOST_PRESETS} presets: delete some first")
         return
-    _save(state, {**state.enhancement.presets, name: state.enhancement.params}, f"saved as preset {name}")
+    done = f"preset {name} replaced" if name in state.enhancement.presets else f"saved as preset {name}"
+    _save(state, {**state.enhancement.presets, name: state.enhancement.params}, done)
 
 
 def ask_forget(state: AppState, name: str) -> None:

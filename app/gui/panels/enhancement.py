@@ -157,7 +157,12 @@ def _draw_keep(state: AppState) -> None:
     preset_actions.type_name(state, name)
     imgui.same_line()
     named = bool(state.enhancement.preset_draft.strip())
-    entered |= button("Save", enabled=named)
+    replaced = preset_actions.replaced(state)
+    pressed = button("Replace" if replaced else "Save", enabled=named)
+    if replaced:
+        imgui.text(f"The preset {legible(replaced)} is replaced for good.")
+    # Enter alone replaces nothing: the name may have been typed without a look at the list.
+    entered = pressed or (entered and not replaced)
     if entered and named:
         preset_actions.keep(state, state.enhancement.preset_draft)
         imgui.close_current_popup()

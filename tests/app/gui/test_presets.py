@@ -55,6 +55,17 @@ def test_the_built_in_ones_are_the_paper_s_and_ours() -> None:
     assert preset_name(EnhanceParams(z=0.9), OWN) == "Custom"
 
 
+def test_a_name_that_is_there_is_told_before_it_is_replaced(state: AppState) -> None:
+    preset_actions.type_name(state, " mine ")
+    assert not preset_actions.replaced(state)
+    preset_actions.keep(state, "mine")
+    keep_all(state)
+    assert preset_actions.replaced(state) == "mine"
+    preset_actions.keep(state, "mine")
+    keep_all(state)
+    assert state.window.log[-1] == "preset mine replaced"
+
+
 def test_keeping_choosing_and_forgetting(state: AppState) -> None:
     actions.set_params(state, OWN["mine"])
     preset_actions.keep(state, "  mine ")
