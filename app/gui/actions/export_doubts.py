@@ -16,19 +16,25 @@ from renderer.splat_files.spz_writing import clipped
 def doubts(state: AppState) -> str:
     """What the model has and the chosen format does not hold, and what is assumed, in sentences; empty for
     nothing."""
-    model, offer = state.scene.model, OFFERS[state.exports.what]
-    if model is None:
-        return ""
-    loses = suffix_of(state) in ONE_COLOR and model.model.raw.harmonics.shape[1] > 0
-    plays = (offer.form in THROUGH_TIME or offer.sees == "time") and len(model.cameras) > 1
-    said = ["Colours by direction are left out of the file."] if loses else []
-    if suffix_of(state).endswith(SPZ):
+    model, said = state.scene.model, list[str]()
+    if model is not None and suffix_of(state) in ONE_COLOR and model.model.raw.harmonics.shape[1] > 0:
+        said.append("Colours by direction are left out of the file.")
+    if model is not None and suffix_of(state).endswith(SPZ):
         said += (f"{notice}." for notice in _clipped(model.model.raw))
-    if plays and model.frames_per_second is None:
+    if _assumes_speed(state):
         said.append(
             f"How fast the clip goes is not known: {FRAMES_PER_SECOND:g} frames a second are assumed."
         )
     return " ".join(said)
+
+
+def _assumes_speed(state: AppState) -> bool:
+    """Of what plays: videos of panes as fast as the clip, those of the model as fast as that."""
+    model, clip, offer = state.scene.model, state.source.clip, OFFERS[state.exports.what]
+    if offer.form in ("panes video", "DICOM video"):
+        return clip is not None and len(clip) > 1 and clip.frames_per_second is None
+    plays = offer.form in THROUGH_TIME or offer.sees == "time"
+    return plays and model is not None and len(model.cameras) > 1 and model.frames_per_second is None
 
 
 @lru_cache(maxsize=1)

@@ -16,11 +16,13 @@ from app.exports.replay.again import replay
 from app.gui.actions import actions, export_actions
 from app.gui.actions.export_doubts import doubts
 from app.gui.actions.export_offers import OFFERS
+from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.views.measurement import Located, Measurement
 from renderer.camera_files import read_cameras
 from renderer.camera_path import CameraPath, Keyframe
 from renderer.picking import surface_point
+from renderer.sources import open_clip
 from renderer.splat_files import read_splats
 from renderer.surface.maps import maps_of, read
 from tests.app.gui.exporting import Exporter, exported, same
@@ -56,6 +58,21 @@ def test_what_a_format_does_not_hold_is_said(run: Exporter) -> None:
     assert not doubts(state)
     export_actions.choose_format(state, "moving splats", ".4dgs")
     assert doubts(state)
+
+
+def test_a_speed_that_is_assumed_is_told_of_every_video_of_the_clip(state: AppState, clip_path: Path) -> None:
+    clip, told = open_clip(clip_path), "How fast the clip goes is not known: 15 frames a second are assumed."
+    assert clip.frames_per_second is None
+    videos: list[What] = [
+        what for what, offer in OFFERS.items() if offer.form in ("panes video", "DICOM video")
+    ]
+    assert videos
+    for what in videos:
+        export_actions.choose_what(state, what)
+        state.source.clip = clip
+        assert doubts(state) == told
+        state.source.clip = replace(clip, frames_per_second=10.0)
+        assert not doubts(state)
 
 
 def test_what_is_beyond_spz_is_said(run: Exporter) -> None:
