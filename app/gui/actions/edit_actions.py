@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import takewhile
 
 from app.gui.actions import actions, history_actions
 from app.gui.state.app_state import AppState
@@ -163,15 +164,15 @@ def _ask(state: AppState, wish: Region | Around | None, how: Combination) -> Non
 
 
 def take_selected(state: AppState, request: SelectRequest, answer: Selected | Failure) -> None:
-    """The answer to a wish, and then what was asked for while it was on its way: where it fails, nothing up
-    to the next selection, as it was meant for what would have been selected."""
+    """The answer to a wish, and then what was asked for while it was on its way: where it fails, no change
+    up to the next selection, as it was meant for what would have been selected."""
     editing = state.editing
     if request is not editing.wish:
         return
     editing.wish = None
     if isinstance(answer, Failure):
-        while editing.waiting and not isinstance(editing.waiting[0], SelectRequest):
-            editing.waiting.pop(0)
+        steps = list(takewhile(lambda one: not isinstance(one, SelectRequest), editing.waiting))
+        editing.waiting[: len(steps)] = [one for one in steps if one == "save"]
         actions.fail(state, f"nothing was selected: {answer.message}")
     else:
         _take_selection(state, request, answer)
@@ -196,6 +197,8 @@ def _go_on(state: AppState) -> None:
         later = editing.waiting.pop(0)
         if isinstance(later, SelectRequest):
             editing.wish = later
+        elif later == "save":
+            save(state)
         else:
             _do(state, later)
 
@@ -250,9 +253,13 @@ def redo(state: AppState) -> None:
 
 
 def save(state: AppState) -> None:
-    """Beside the run; of a file of splats, as another file."""
+    """Beside the run; of a file of splats, as another file. After a selection that is still on its way, and
+    what waits for it."""
     editing = state.editing
     if editing.base is None or editing.run_path is None or editing.saving is not None:
+        return
+    if editing.wish is not None:
+        editing.waiting.append("save")
         return
     editing.saving = SaveRequest(editing.base, editing.run_path, editing.edits, editing.saved, state.time)
 

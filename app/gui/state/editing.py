@@ -21,6 +21,7 @@ Tool = Literal["look", "rectangle", "lasso", "sphere", "box"]
 TOOLS: tuple[Tool, ...] = ("look", "rectangle", "lasso", "sphere", "box")
 Change = Callable[[Edits], Edits]
 Step = Callable[[History], History]
+Saving = Literal["save"]
 
 
 @dataclass
@@ -57,7 +58,7 @@ class Editing:
     """Until it is answered."""
     saving: SaveRequest | None = None
     """Until it is answered."""
-    waiting: list[Step | SelectRequest] = field(default_factory=list)
+    waiting: list[Step | SelectRequest | Saving] = field(default_factory=list)
     """What was asked for after it, in that order."""
     leaving: Callable[[], None] | None = None
     """What waits for an answer to "save the edits?"."""

@@ -249,6 +249,35 @@ def test_what_waits_for_a_selection_is_discarded_with_the_edits(splats: AppState
     assert not splats.editing.is_unsaved
 
 
+def test_saving_waits_for_a_selection_and_what_was_asked_for_after_it(splats: AppState) -> None:
+    drag(splats, (0, 0), (48, 80))
+    edit_actions.delete(splats)
+    edit_actions.save(splats)
+    edit_actions.select_all(splats)
+    assert splats.editing.saving is None
+    settle(splats)
+    assert splats.editing.saving is not None
+    assert splats.editing.saving.edits.deleted == splats.editing.edits.deleted
+    assert 0 < len(splats.editing.saving.edits.deleted) < splats.editing.edits.count
+    keep_all(splats)
+    assert not splats.editing.is_unsaved
+
+
+def test_a_selection_that_fails_takes_its_changes_along_but_not_the_saving(splats: AppState) -> None:
+    edit_actions.select_all(splats)
+    edit_actions.hide(splats)
+    drag(splats, (0, 0), (48, 80))
+    edit_actions.delete(splats)
+    edit_actions.save(splats)
+    request = splats.editing.wish
+    assert request is not None
+    edit_actions.take_selected(splats, request, Failure(MemoryError()))
+    assert splats.editing.saving is not None
+    assert not len(splats.editing.saving.edits.deleted)
+    keep_all(splats)
+    assert not splats.editing.is_unsaved
+
+
 def test_edits_of_a_run_come_back_with_it(
     state: AppState, runs: dict[str, Path], tmp_path: Path, places: Places
 ) -> None:
