@@ -32,6 +32,8 @@ class Command:
     applies: Asks = always
     """Elsewhere its keys do nothing, and menus and palette show it greyed."""
     ticked: Asks = never
+    while_typing: bool = False
+    """Its keys count in a text field, too, where they mean nothing else."""
     repeats: bool = False
     """A held key counts again."""
     synonyms: tuple[str, ...] = ()

@@ -159,7 +159,13 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
                 text="in the system's file manager", applies=lambda s: s.exports.last is not None),
     )  # fmt: skip
     quitting = (
-        Command("Quit", lambda s: outside.quit(), ("Ctrl+Q",), synonyms=("exit", "close", "leave", "end")),
+        Command(
+            "Quit",
+            lambda s: outside.quit(),
+            ("Ctrl+Q",),
+            while_typing=True,
+            synonyms=("exit", "close", "leave", "end"),
+        ),
     )
     return (
         Section("File", opening),

@@ -84,7 +84,8 @@ class Keyboard:
 
     def handle(self, state: AppState, sections: Iterable[Section]) -> None:
         io = imgui.get_io()
-        free = not io.want_text_input and not imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+        asked = imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+        free = not io.want_text_input and not asked
         # The key that has just closed a menu or ended typing has done its work.
         acts, self._was_free = free and self._was_free, free
         actions.peek(state, not io.want_text_input and not io.key_mods and imgui.is_key_down(PEEK))
@@ -103,7 +104,9 @@ class Keyboard:
         if acts and not walks and _is_pressed(LEAVE, False):
             leaving.leave_innermost(state)
         modal = keys_of(state) if acts and not walks else {}
-        for command in _pressed(state, sections, modal, walks) if acts else ():
+        typing = io.want_text_input and not asked
+        pressed = _pressed(state, sections, modal, walks) if acts or typing else []
+        for command in pressed if acts else [one for one in pressed if one.while_typing]:
             if command.applies(state):
                 command.act(state)
             elif command.lacks is not None:

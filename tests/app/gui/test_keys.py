@@ -54,6 +54,28 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     assert not opened.enhancement.active
 
 
+def test_a_text_field_keeps_all_keys_but_those_of_quitting(ui: Ui, opened: AppState) -> None:
+    keys, left, written = Keyboard(), list[bool](), [""]
+    commands = sections(opened, outside(quit=lambda: left.append(True)))
+
+    def draw() -> None:
+        if not written[0]:
+            imgui.set_keyboard_focus_here()
+        written[0] = imgui.input_text("##name", written[0])[1]
+        keys.handle(opened, commands)
+
+    for _ in range(2):
+        ui.frame(draw)
+    ui.io.add_input_character(ord("a"))
+    ui.frame(draw)
+    assert written == ["a"]
+    ui.press(draw, imgui.Key.mod_ctrl, imgui.Key.m)
+    ui.press(draw, imgui.Key.e)
+    assert (opened.enhancement.active, opened.masking.active) == (True, False)
+    ui.press(draw, imgui.Key.mod_ctrl, imgui.Key.q)
+    assert left == [True]
+
+
 def test_a_key_that_cannot_do_its_work_says_what_is_missing(ui: Ui, places: Places) -> None:
     state = AppState(places)
     draw = keyboard(state)
