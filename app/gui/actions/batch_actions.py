@@ -18,6 +18,7 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.batching import BatchRequest, Progressed
+from app.gui.work.revealing import RevealRequest
 
 SCOPES_SAID: Final[Mapping[Scope, str]] = MappingProxyType(
     {
@@ -90,7 +91,7 @@ def batch_request(state: AppState) -> BatchRequest | None:
         return None
     target = results_folder(state) / f"enhanced-{stamp()}"
     request = BatchRequest(state.batches.inputs, target, present_setting(state))
-    state.batches.under_way, state.batches.progressed = request, None
+    state.batches.under_way, state.batches.progressed, state.batches.written = request, None, None
     return request
 
 
@@ -111,17 +112,27 @@ def take_progress(state: AppState, request: BatchRequest, answer: Progressed | F
 
 def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
     count, folder = answer.step.count, located(request.output)
+    done = count - sum(not one.image for one in answer.failed)
+    state.batches.written = request.output if done else None
     if not answer.failed:
         actions.announce(state, f"{count} of {count} enhanced into {folder}")
         return
     for one in answer.failed:
         actions.say(state, f"{one.name} could not be enhanced: {one.reason}")
     state.batches.shown = True
-    done = count - sum(not one.image for one in answer.failed)
     actions.fail(state, f"{done} of {count} enhanced into {folder}; see the list for what failed")
 
 
 def cancelled(state: AppState) -> None:
     """What is whole stays; of the one under way nothing does."""
-    state.batches.under_way = None
+    batches, request = state.batches, state.batches.under_way
+    batches.under_way = None
+    if request is not None and batches.progressed is not None and batches.progressed.step.place:
+        batches.written = request.output
     actions.announce(state, "batch cancelled; finished files are kept")
+
+
+def reveal(state: AppState) -> None:
+    """The results of the last one in the system's file manager."""
+    if state.batches.written is not None:
+        state.window.wishes += (RevealRequest(state.batches.written),)

@@ -25,6 +25,7 @@ KINDS: dict[Kind, str] = {
 }
 REMOVE_TEXT = "Remove from the list; no file is touched."
 RUNS_TEXT = "Runs in the background; the window stays usable. Each file records how it was made."
+SHOW_TEXT = "Open the folder of the results in the system's file manager."
 LISTED = 6
 """Lines of a list before it scrolls."""
 
@@ -92,6 +93,7 @@ def _draw_progress(state: AppState) -> None:
     if batches.under_way is None:
         start, color = partial(batch_actions.batch_request, state), theme.now().lit
         button("Enhance all###start", start, RUNS_TEXT, reason=reason, color=color, width=-1)
+        _draw_written(state)
         return
     step = batches.progressed.step if batches.progressed is not None else None
     if step is None:
@@ -103,6 +105,18 @@ def _draw_progress(state: AppState) -> None:
     imgui.same_line()
     text = "Finished files are kept; no file is left incomplete."
     button("Cancel", partial(batch_actions.cancelled, state), text, width=6)
+
+
+def _draw_written(state: AppState) -> None:
+    """Where the last batch went, and the way to it."""
+    written = state.batches.written
+    if written is None:
+        return
+    imgui.align_text_to_frame_padding()
+    muted(f"Enhanced into {legible(written.name)}")
+    explain(str(written))
+    imgui.same_line()
+    button("Show in folder###reveal", partial(batch_actions.reveal, state), SHOW_TEXT, width=10)
 
 
 def _draw_failed(failed: tuple[Failed, ...]) -> None:

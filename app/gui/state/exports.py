@@ -108,3 +108,5 @@ class Batches:
     under_way: BatchRequest | None = None
     progressed: Progressed | None = None
     """Of the batch under way, or of the last one."""
+    written: Path | None = None
+    """The folder of the last one's results; None: it has none yet."""

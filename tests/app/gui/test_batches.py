@@ -21,6 +21,7 @@ from app.gui.state.choosing import QUESTIONS
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.background import Worker
+from app.gui.work.revealing import RevealRequest
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams, enhance
@@ -88,6 +89,9 @@ def test_the_present_setting_is_used_and_every_file_comes_again(
     np.testing.assert_array_equal(read_image(output / "stills/1.png"), expected)
     assert person.state.window.toast is not None
     assert "2 of 2 enhanced" in person.state.window.toast.message
+    batch_actions.reveal(person.state)
+    assert [wish.path for wish in person.state.window.wishes if isinstance(wish, RevealRequest)] == [output]
+    person.state.window.wishes = ()
     for name, source in (("scope.mp4", case), ("stills/2.png", case / "stills")):
         again = tmp_path / f"again{Path(name).suffix}"
         assert replay(output / name, (source,), again).difference.is_none
@@ -123,6 +127,7 @@ def test_pictures_are_served_meanwhile_and_cancel_keeps_what_is_whole(places: Pl
     person.channels.batches.cancel()
     batch_actions.cancelled(person.state)
     person.turn(2)
+    assert person.state.batches.written == output
     assert files(output) == {"scope.mp4", "scope.mp4.json"}
     assert not list(output.rglob("*.partial"))
 
