@@ -12,6 +12,7 @@ from app.gui.style.widgets import ask, button, in_line, muted, question
 from app.runs.run_changes import Footprint, folder_name
 
 RENAME, DELETE = "Rename the run", "Delete the run?"
+BIN = "It goes to the system's bin, from which it can be restored."
 FOR_GOOD = "There is no bin for it here: it is deleted for good."
 
 
@@ -27,7 +28,9 @@ def draw_run_question(state: AppState) -> None:
 
 
 def _draw_delete(state: AppState, asked: RunQuestion) -> None:
-    said = (legible(str(asked.path)), held(asked.footprint), *([FOR_GOOD] if asked.is_for_good else []))
+    known = FOR_GOOD if asked.is_for_good else BIN
+    # A line either way: the buttons stay where they are.
+    said = (legible(str(asked.path)), held(asked.footprint), known if asked.footprint is not None else " ")
     if reply := ask(DELETE, said, ("Delete", "Keep")):
         changing_runs.answer(state, agreed=reply == "Delete")
 

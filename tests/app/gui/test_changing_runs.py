@@ -112,6 +112,22 @@ def test_only_what_was_agreed_to_is_done(listed: AppState) -> None:
     assert listed.window.toast.message == "moved one to the bin"
 
 
+def test_the_bin_is_named_once_it_is_known_that_there_is_one(
+    listed: AppState, monkeypatch: pytest.MonkeyPatch, bin_files: Path
+) -> None:
+    texts: list[str] = []
+    monkeypatch.setattr(run_questions, "ask", lambda title, said, replies: texts.extend(said) or "")
+    channels = Channels()
+    changing_runs.ask_delete(listed, run_of(listed, "one"))
+    run_questions.draw_run_question(listed)
+    assert run_questions.BIN not in texts
+    update(listed, channels, 0.1)
+    assert channels.footprints.run_waiting()
+    update(listed, channels, 0.2)
+    run_questions.draw_run_question(listed)
+    assert texts[-1] == run_questions.BIN
+
+
 def test_past_the_bin_is_said_before(
     listed: AppState, monkeypatch: pytest.MonkeyPatch, bin_files: Path
 ) -> None:
