@@ -27,6 +27,14 @@ def is_present(state: AppState, run: ListedRun) -> bool:
     return state.runs.reconstruction.is_alive and state.runs.reconstruction.run_path == run.path
 
 
+def shown_from_elsewhere(state: AppState) -> Path | None:
+    """The run that is shown, where it lies in another folder than the clip's listed ones."""
+    model = state.editing.base or state.scene.model
+    if model is None or not model.is_of_run or model.path is None or model.path.parent == state.places.runs:
+        return None
+    return model.path
+
+
 def open_run(state: AppState, run: ListedRun) -> None:
     """In place of what is shown; while another one is made, beside it. An unfinished one as last kept."""
     if why_not_open(state, run):

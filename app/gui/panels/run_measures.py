@@ -58,6 +58,8 @@ def draw_run_measures(state: AppState) -> None:
     kind = "held-out" if found.are_held_out else "training"
     muted(f"Mean of {found.count} {kind} frame{'s' * (found.count > 1)}")
     explain(HELD_OUT if found.are_held_out else SHORT)
+    if not state.editing.edits.is_empty:
+        muted("Of the model as trained, without the edits.")
 
     def value(name: str, said: Callable[[float], str]) -> str:
         mean = found.mean(name)

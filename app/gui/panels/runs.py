@@ -41,7 +41,11 @@ def draw_runs(state: AppState) -> None:
     if found is None or found.request.clip is not state.source.clip:
         muted("Looking for reconstructions of this clip…")
         return
-    if not found.runs:
+    elsewhere = run_actions.shown_from_elsewhere(state)
+    if elsewhere is not None:
+        muted(f"Open from another folder: {legible(elsewhere.name)}")
+        explain(str(elsewhere))
+    elif not found.runs:
         muted("No reconstruction of this clip yet.")
     for run in found.runs:
         with imgui_ctx.push_id(run.path.name):

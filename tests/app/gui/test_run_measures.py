@@ -11,7 +11,7 @@ from imgui_bundle import ImVec4
 
 from app.evaluation.evaluate import measure_frame, open_evaluation
 from app.evaluation.mean import mean_of_finite
-from app.gui.actions import arriving
+from app.gui.actions import arriving, edit_actions, run_actions
 from app.gui.panels import run_measures
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.run_measures import ROWS
@@ -19,6 +19,7 @@ from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import OpenRequest, open_path
+from app.gui.work.settings import Places
 from app.runs.train_run import TrainRequest, run_training
 from app.scenes.cpu_rendering import draw_on_cpu
 from renderer.near_plane import near_plane
@@ -104,6 +105,27 @@ def test_a_finished_run_is_measured_as_evaluate_does_and_says_so(
     covered = found.mean("coverage")
     assert covered is not None
     assert lines[-2:] == ["Covered tissue", f"{int(1000 * covered) / 10:.1f} %"]
+
+
+def test_measures_of_the_trained_model_say_so_beside_an_edited_one(
+    opened: AppState, ui: Ui, lines: list[str]
+) -> None:
+    channels, note = Channels(), "Of the model as trained, without the edits."
+    follow(opened, ui, lambda: draw_reconstruction(opened), channels)
+    assert note not in lines
+    edit_actions.follow(opened)
+    edit_actions.toggle(opened)
+    opened.editing.wish = None
+    edit_actions.select_all(opened)
+    edit_actions.hide(opened)
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert note in lines
+
+
+def test_a_run_from_another_folder_is_named(opened: AppState, run_path: Path, places: Places) -> None:
+    assert run_actions.shown_from_elsewhere(opened) == run_path
+    opened.places = replace(places, runs=run_path.parent)
+    assert run_actions.shown_from_elsewhere(opened) is None
 
 
 def test_all_but_all_of_the_tissue_is_never_said_to_be_all() -> None:
