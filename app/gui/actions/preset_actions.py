@@ -88,6 +88,32 @@ def forget(state: AppState, name: str) -> None:
     _save(state, left, f"preset {name} deleted")
 
 
+def ask_rename(state: AppState, name: str) -> None:
+    """Which name an own preset shall have."""
+    state.enhancement.preset_renamed = state.enhancement.preset_draft = name
+
+
+def why_not_rename(state: AppState) -> str:
+    """To what is typed, in a sentence; empty when it can be."""
+    name = _kept_name(state.enhancement.preset_draft)
+    if not name:
+        return "Type a name."
+    if not is_preset_name(name):
+        return "A built-in preset has this name."
+    taken = name in state.enhancement.presets and name != state.enhancement.preset_renamed
+    return "Another preset has this name." if taken else ""
+
+
+def answer_rename(state: AppState, *, rename: bool) -> None:
+    """The question is gone; under its new name the preset is the same."""
+    reason, presets = why_not_rename(state), state.enhancement.presets
+    before, state.enhancement.preset_renamed = state.enhancement.preset_renamed, ""
+    name = _kept_name(state.enhancement.preset_draft)
+    if rename and not reason and name != before and before in presets:
+        left = {known: look for known, look in presets.items() if known != before}
+        _save(state, {**left, name: presets[before]}, f"preset {before} renamed to {name}")
+
+
 def _save(state: AppState, presets: dict[str, EnhancementSettings], done: str) -> None:
     state.window.wishes += (
         KeepPresets(presets_file(state.places), presets, state.enhancement.presets, done),

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.amounts import Amount
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
@@ -19,6 +20,7 @@ from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measur
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.style.fields import NUMBERS, amount, declared, number, slide, slide_auto, slider, with_beside
+from app.gui.style.naming import ask_name
 from app.gui.style.widgets import (
     FLAT,
     NAMES,
@@ -95,11 +97,9 @@ def draw_presets(state: AppState, texture: Texture) -> None:
             imgui.separator()
         for name in sorted(state.enhancement.presets):
             with imgui_ctx.push_id(name):
-                _draw_preset(state, name, shown, texture, beside=em(2))
-                imgui.same_line(0, 0)
-                forget = partial(preset_actions.ask_forget, state, name)
-                button("×", forget, f"Delete {legible(name)}.", small=True)
-        if state.enhancement.preset_doomed:
+                _draw_preset(state, name, shown, texture, beside=em(4))
+                _draw_changes(state, name)
+        if state.enhancement.preset_doomed or state.enhancement.preset_renamed:
             imgui.close_current_popup()
         imgui.end_combo()
     imgui.same_line()
@@ -112,6 +112,26 @@ def draw_presets(state: AppState, texture: Texture) -> None:
         said = (f"The preset {legible(doomed)} is deleted for good.",)
         if reply := ask("Delete the preset?", said, ("Delete", "Keep")):
             preset_actions.answer_forget(state, delete=reply == "Delete")
+    if state.enhancement.preset_renamed:
+        _draw_rename(state)
+
+
+def _draw_changes(state: AppState, name: str) -> None:
+    """Rename and delete an own preset, beside its line."""
+    for label, act, text in (
+        (f"{icons.ICON_FA_EDIT}###rename", preset_actions.ask_rename, "Rename"),
+        (f"{icons.ICON_FA_TRASH}###delete", preset_actions.ask_forget, "Delete"),
+    ):
+        imgui.same_line(0, 0)
+        button(label, partial(act, state, name), f"{text} {legible(name)}.", small=True)
+
+
+def _draw_rename(state: AppState) -> None:
+    take, why_not = partial(preset_actions.type_name, state), partial(preset_actions.why_not_rename, state)
+    name = state.enhancement.preset_draft
+    agreed = ask_name("Rename the preset", "Name of the preset", name, take, why_not, "")
+    if agreed is not None:
+        preset_actions.answer_rename(state, rename=agreed)
 
 
 def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, beside: float = 0.0) -> None:

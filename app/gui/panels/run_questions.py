@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from imgui_bundle import imgui
+from functools import partial
 
 from app.files.legible import grouped, legible
 from app.gui.actions import changing_runs
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import RunQuestion
-from app.gui.style.widgets import ask, button, in_line, muted, question
+from app.gui.style.naming import ask_name
+from app.gui.style.widgets import ask
 from app.runs.run_changes import Footprint, folder_name
 
 RENAME, DELETE = "Rename the run", "Delete the run?"
@@ -44,22 +45,9 @@ def held(footprint: Footprint | None) -> str:
 
 
 def _draw_rename(state: AppState, asked: RunQuestion, name: str) -> None:
-    with question(RENAME, 27) as opened:
-        if not opened:
-            return
-        imgui.text_unformatted("Name of the folder")
-        if imgui.is_window_appearing():
-            imgui.set_keyboard_focus_here()
-        imgui.set_next_item_width(-1)
-        entered, typed = imgui.input_text("##name", name, imgui.InputTextFlags_.enter_returns_true)
-        changing_runs.type_name(state, typed)
-        becomes = folder_name(typed)
-        muted(f"Becomes {becomes}" if becomes and becomes != typed else " ")
-        reason = changing_runs.why_not_name(asked)
-        agreed, given_up = entered and not reason, imgui.is_key_pressed(imgui.Key.escape)
-        for label, width in in_line(("Rename", "Cancel")):
-            if button(label, width=width, reason=reason if label == "Rename" else ""):
-                agreed, given_up = label == "Rename", label == "Cancel"
-        if agreed or given_up:
-            changing_runs.answer(state, agreed=agreed)
-            imgui.close_current_popup()
+    becomes = folder_name(name)
+    told = f"Becomes {becomes}" if becomes and becomes != name else ""
+    take, why_not = partial(changing_runs.type_name, state), partial(changing_runs.why_not_name, asked)
+    agreed = ask_name(RENAME, "Name of the folder", name, take, why_not, told)
+    if agreed is not None:
+        changing_runs.answer(state, agreed=agreed)

@@ -104,5 +104,7 @@ class Enhancement:
     """What presets made of a frame, when the menu was last open."""
     preset_doomed: str = ""
     """An own one that is deleted once that is confirmed."""
+    preset_renamed: str = ""
+    """The own preset whose new name is asked for; empty: none."""
     preset_draft: str = ""
     """Name that is being typed for one."""

@@ -86,6 +86,30 @@ def test_keeping_choosing_and_forgetting(state: AppState) -> None:
     assert load_presets(presets_file(state.places))[0] == state.enhancement.presets == {}
 
 
+def test_an_own_preset_is_renamed_but_takes_no_other_ones_place(state: AppState) -> None:
+    for name, z in (("mine", 0.3), ("yours", 0.6)):
+        actions.set_params(state, EnhanceParams(z=z))
+        preset_actions.keep(state, name)
+        keep_all(state)
+    for typed in ("yours", "Paper", " "):
+        preset_actions.ask_rename(state, "mine")
+        preset_actions.type_name(state, typed)
+        assert preset_actions.why_not_rename(state)
+        preset_actions.answer_rename(state, rename=True)
+        keep_all(state)
+        assert set(state.enhancement.presets) == {"mine", "yours"}
+    for rename, names in ((False, {"mine", "yours"}), (True, {"Mine, darker", "yours"})):
+        preset_actions.ask_rename(state, "mine")
+        assert not preset_actions.why_not_rename(state)
+        preset_actions.type_name(state, " Mine, darker ")
+        preset_actions.answer_rename(state, rename=rename)
+        keep_all(state)
+        assert load_presets(presets_file(state.places))[0] == state.enhancement.presets
+        assert set(state.enhancement.presets) == names
+    assert state.enhancement.presets["Mine, darker"] == EnhanceParams(z=0.3)
+    assert state.window.log[-1] == "preset mine renamed to Mine, darker"
+
+
 @pytest.mark.parametrize("name", ["", "   ", "Custom", *BUILT_IN])
 def test_a_name_that_is_taken_or_empty_is_refused(state: AppState, name: str) -> None:
     preset_actions.keep(state, name)
