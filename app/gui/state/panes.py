@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final
 
 import numpy as np
 
@@ -268,10 +267,6 @@ def pixel(image: ByteImage, at: tuple[int, int]) -> Pixel | None:
     return Pixel((red, green, blue))
 
 
-LEAST: Final = 0.02
-"""Share of the original's colour difference: less is nobody's loss."""
-
-
 @dataclass(frozen=True)
 class Fainter:
     """Colour difference (CIEDE2000) of vessels to their surroundings."""
@@ -289,4 +284,4 @@ def fainter(state: AppState) -> Fainter | None:
     if seen.pictures is not pictures or pictures.request.params != state.enhancement.params:
         return None
     found = Fainter(seen.before.color_difference, seen.after.color_difference)
-    return found if found.after < (1 - LEAST) * found.before else None
+    return found if seen.fainter else None

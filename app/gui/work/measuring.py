@@ -16,7 +16,8 @@ from app.enhancement.methods import EnhancementSettings
 from app.enhancement.parameter_grid import Measures, measured
 from enhance import EnhanceParams, Statistics
 from enhance.brightness import brighten, z_from_level
-from enhance.ridges import field_of_view, vessel_mask
+from enhance.color_difference import vessel_color_difference
+from enhance.ridges import creases, field_of_view, vessel_mask
 from enhance.saturation import Saturation, stretch
 from renderer.clip import BoolImage, ByteImage
 
@@ -43,6 +44,13 @@ class Measured:
     after: Measures
     original: Spread
     enhanced: Spread
+    fainter: bool = False
+    """Vessels have less colour difference than before: all dark lines, and those alone that are no creases,
+    which brightening opens."""
+
+
+LEAST = 0.02
+"""Share of the original's colour difference: less is nobody's loss."""
 
 
 class Measurer:
@@ -52,6 +60,7 @@ class Measurer:
         self._original: ByteImage | None = None
         self._masks: tuple[BoolImage, BoolImage] | None = None
         self._before: tuple[Measures, Spread] | None = None
+        self._open: tuple[BoolImage, BoolImage] | None = None
 
     def measure(self, pictures: Pictures) -> Iterator[Measured]:
         """Raises ImageError."""
@@ -61,9 +70,30 @@ class Measurer:
         if self._original is not original or self._masks is None or self._before is None:
             view = field_of_view(original)
             self._original, self._masks = original, (vessel_mask(original, tissue_mask=view), view)
+            self._open = None
             self._before = measured(original, original, *self._masks, 0.0), spread(original)
         after = measured(enhanced, original, *self._masks, pictures.milliseconds)
-        yield Measured(pictures, self._before[0], after, self._before[1], spread(enhanced))
+        before = self._before[0]
+        fainter = _loses(before.color_difference, after.color_difference) and self._is_fainter(
+            original, enhanced, self._masks[1]
+        )
+        yield Measured(pictures, before, after, self._before[1], spread(enhanced), fainter)
+
+    def _is_fainter(self, original: ByteImage, enhanced: ByteImage, view: BoolImage) -> bool:
+        """Whether vessels are, of the lines that are no creases."""
+        if self._open is None:
+            tissue = view & ~creases(original)
+            self._open = vessel_mask(original, tissue_mask=tissue), tissue
+        vessels, tissue = self._open
+        before, after = (
+            vessel_color_difference(image, vessels, tissue_mask=tissue) for image in (original, enhanced)
+        )
+        return _loses(before, after)
+
+
+def _loses(before: float, after: float) -> bool:
+    """False where either cannot be measured."""
+    return after < (1 - LEAST) * before
 
 
 def spread(image: ByteImage) -> Spread:
