@@ -19,7 +19,6 @@ from enhance import EnhanceParams, VesselParams
 from renderer.clip import ByteImage
 from tests.app.gui.ui import Ui
 
-
 Drawn = tuple[tuple[int, int, int] | None, tuple[int, int, int] | None]
 
 
