@@ -147,13 +147,15 @@ def clip_paths(spec: Spec, folder: Path) -> tuple[Path, ...]:
 
 
 def _matching(text: str, folder: Path) -> list[Path]:
-    """Of a pattern, what is there and can be a clip: folders and files of images and videos."""
-    path = folder / Path(text).expanduser()
-    if not WILD & set(text):
-        return [path.absolute()] if path.exists() else []
-    first = next(place for place, part in enumerate(path.parts) if WILD & set(part))
-    base = Path(*path.parts[:first])
-    hits = base.glob(str(Path(*path.parts[first:])))
+    """Of a pattern, what is there and can be a clip: folders and files of images and videos. Parts of `text`
+    that are there as they are written are no pattern: folders may be called so."""
+    parts = Path(text).expanduser().parts
+    base = folder
+    while parts and (not WILD & set(parts[0]) or (base / parts[0]).exists()):
+        base, parts = base / parts[0], parts[1:]
+    if not parts:
+        return [base.absolute()] if base.exists() else []
+    hits = base.glob(str(Path(*parts)))
     return sorted(hit.absolute() for hit in hits if not hit.name.startswith(".") and _may_be_clip(hit))
 
 

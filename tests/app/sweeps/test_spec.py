@@ -112,6 +112,16 @@ def test_patterns_find_images_videos_and_folders_alone(tmp_path: Path) -> None:
         clip_paths(spec(clips=["c*.png"]), tmp_path)
 
 
+def test_a_name_with_signs_of_patterns_is_that_name(tmp_path: Path) -> None:
+    study, other = tmp_path / "study [2024]", tmp_path / "study 2"
+    for folder in (study / "s1", study / "clip [1]", study / "clip 1", other / "s1"):
+        folder.mkdir(parents=True)
+    assert clip_paths(spec(clips=["s*"]), study) == (study / "s1",)
+    assert clip_paths(spec(clips=["clip [1]"]), study) == (study / "clip [1]",)
+    assert clip_paths(spec(clips=[f"{study}/clip [1]"]), other) == (study / "clip [1]",)
+    assert clip_paths(spec(clips=["../study [2024]/s?"]), other) == (other / "../study [2024]/s1",)
+
+
 @given(count=st.integers(1, 40), seed=st.integers(0, 1000), names=st.integers(1, 4))
 def test_a_latin_hypercube_has_a_point_in_each_part_of_each_range(count: int, seed: int, names: int) -> None:
     ranges = {f"x{i}": Range(**{"from": 0.0, "to": 1.0}) for i in range(names)}
