@@ -66,8 +66,16 @@ def add_engine_flags(parser: argparse.ArgumentParser) -> None:
         help="where jobs run: processes on this machine, a new or a running dask cluster, or Slurm "
         "(default local)",
     )
-    parser.add_argument("--workers", type=int, metavar="N", help="jobs at once (default: as the cores allow)")
+    parser.add_argument(
+        "--workers", type=_one_or_more, metavar="N", help="jobs at once (default: as the cores allow)"
+    )
     parser.add_argument("--retry", action="store_true", help="repeat failed jobs")
+
+
+def _one_or_more(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"expected 1 or more, got {text!r}")
+    return int(text)
 
 
 def run(flags: argparse.Namespace) -> None:
@@ -76,8 +84,6 @@ def run(flags: argparse.Namespace) -> None:
         return
     if flags.out is None:
         raise UserError("expected --out DIR, the folder to write into, or --table")
-    if flags.workers is not None and flags.workers < 1:
-        raise UserError(f"--workers: expected 1 or more, got {flags.workers}")
     plan = planned(read_spec(flags.sweep), flags.sweep.absolute().parent)
     if flags.dry_run:
         _preview(plan, flags)

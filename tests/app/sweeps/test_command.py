@@ -62,7 +62,7 @@ def test_mistakes_are_one_line(
         ((spec,), "expected --out DIR"),
         ((tmp_path / "none.toml", "--out", tmp_path / "out"), "none.toml"),
         ((tmp_path, "--table"), "expected the folder of a sweep"),
-        ((spec, "--out", tmp_path / "out", "--workers", 0), "--workers: expected 1 or more, got 0"),
+        ((spec, "--out", tmp_path / "out", "--workers", 0), "--workers: expected 1 or more, got '0'"),
         ((spec, "--out", tmp_path / "out", "--on", "tcp://127.0.0.1:9"), "tcp://127.0.0.1:9"),
         ((spec, "--out", tmp_path / "good.png"), "good.png"),
     ):

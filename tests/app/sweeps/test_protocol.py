@@ -60,3 +60,13 @@ def test_without_clips_it_says_what_it_expects(vesselsplat: Callable[..., Call])
     called = vesselsplat("protocol")
     assert (called.code, called.error.count("\n")) == (2, 1)
     assert "expected CLIP... and --out DIR, or --print" in called.error
+
+
+def test_a_number_of_workers_that_cannot_be_is_refused_before_anything_is_written(
+    vesselsplat: Callable[..., Call], clip_path: Path, tmp_path: Path
+) -> None:
+    for number in ("0", "-1", "two"):
+        called = vesselsplat("protocol", clip_path, "--out", tmp_path / "out", "--workers", number)
+        assert (called.code, called.error.count("\n")) == (2, 1)
+        assert f"--workers: expected 1 or more, got '{number}'" in called.error
+        assert not (tmp_path / "out").exists()
