@@ -135,11 +135,16 @@ def clip_paths(spec: Spec, folder: Path) -> tuple[Path, ...]:
     """The clips, in the order of the file, those of a pattern sorted by name; none twice.
 
     Raises:
-        UserError: nothing is there.
+        UserError: nothing is there, or a text is no pattern.
     """
     paths: dict[Path, None] = {}
     for text in spec.clips:
-        found = _matching(text, folder)
+        try:
+            found = _matching(text, folder)
+        except (ValueError, RuntimeError) as error:  # Of ** within a name; of ~ with a name of nobody.
+            raise UserError(
+                f"clips: expected a path or a pattern, got {text!r} ({error}): {folder}"
+            ) from error
         if not found:
             raise UserError(f"clips: expected a clip, an image or a video, found nothing at {text}: {folder}")
         paths |= dict.fromkeys(found)

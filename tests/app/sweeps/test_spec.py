@@ -122,6 +122,13 @@ def test_a_name_with_signs_of_patterns_is_that_name(tmp_path: Path) -> None:
     assert clip_paths(spec(clips=["../study [2024]/s?"]), other) == (other / "../study [2024]/s1",)
 
 
+@pytest.mark.parametrize("text", ["a**b", "~nobody-of-this-name/x"])
+def test_a_text_that_is_no_pattern_is_one_line(tmp_path: Path, text: str) -> None:
+    with pytest.raises(UserError, match="clips: expected a path or a pattern, got") as caught:
+        clip_paths(spec(clips=[text]), tmp_path)
+    assert repr(text) in str(caught.value)
+
+
 @given(count=st.integers(1, 40), seed=st.integers(0, 1000), names=st.integers(1, 4))
 def test_a_latin_hypercube_has_a_point_in_each_part_of_each_range(count: int, seed: int, names: int) -> None:
     ranges = {f"x{i}": Range(**{"from": 0.0, "to": 1.0}) for i in range(names)}
