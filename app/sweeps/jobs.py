@@ -10,12 +10,11 @@ from typing import Any, Final, Literal
 
 from app.files.atomic import write_bytes
 from app.files.provenance import provenance, strict_json, version
+from app.sweeps.folder import JOBS
 from app.sweeps.settings import Settings, TaskName
 from renderer.json_files import read_json
 
 JobState = Literal["finished", "failed", "left"]
-JOBS: Final = "jobs"
-"""In a sweep's folder, the folder of all jobs."""
 RESULT, FAILURE, PICTURE, RUN = "result.json", "failure.json", "picture.png", "run"
 SURFACE: Final = "surface.glb"
 RENDERS: Final = "renders"

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from app.runs.run_folder import RunFolder
-from app.sweeps.jobs import JOBS, RENDERS, RUN, Job, JobFolder
+from app.sweeps.folder import JOBS
+from app.sweeps.jobs import RENDERS, RUN, Job, JobFolder
 from app.sweeps.plan import Plan
 from app.sweeps.settings import training_of
 from renderer.readers.listing import listed

@@ -17,6 +17,7 @@ from app.console.flags import problem
 from app.errors import UserError
 from app.files.image_files import is_image
 from app.sweeps.design import Sample
+from app.sweeps.folder import is_in_sweep
 from app.sweeps.names import BY_NAME
 from app.sweeps.settings import Settings, TaskName, settings_of
 from renderer.readers.pictures import VIDEOS
@@ -48,7 +49,8 @@ class Spec:
     every seed."""
 
     clips: Annotated[list[str], Len(1, 10_000)]
-    """Clips, images, videos and folders, or patterns such as data/*; relative to the file."""
+    """Clips, images, videos and folders, or patterns such as data/*, which find nothing in folders of sweeps;
+    relative to the file."""
     task: TaskName
     """enhance: enhance images and measure them; train: reconstruct, and evaluate on held-out frames; mesh:
     both, and the tissue surface as a file."""
@@ -152,8 +154,9 @@ def clip_paths(spec: Spec, folder: Path) -> tuple[Path, ...]:
 
 
 def _matching(text: str, folder: Path) -> list[Path]:
-    """Of a pattern, what is there and can be a clip: folders and files of images and videos. Parts of `text`
-    that are there as they are written are no pattern: folders may be called so."""
+    """Of a pattern, what is there and can be a clip: folders and files of images and videos, but for what
+    sweeps wrote, such as this one. Parts of `text` that are there as they are written are no pattern: folders
+    may be called so."""
     parts = Path(text).expanduser().parts
     base = folder
     while parts and (not WILD & set(parts[0]) or (base / parts[0]).exists()):
@@ -161,11 +164,12 @@ def _matching(text: str, folder: Path) -> list[Path]:
     if not parts:
         return [base.absolute()] if base.exists() else []
     hits = base.glob(str(Path(*parts)))
-    return sorted(hit.absolute() for hit in hits if not hit.name.startswith(".") and _may_be_clip(hit))
+    return sorted(hit.absolute() for hit in hits if _may_be_clip(hit) and not is_in_sweep(hit, base))
 
 
 def _may_be_clip(path: Path) -> bool:
-    return path.is_dir() or is_image(path) or path.suffix.lower() in VIDEOS
+    is_one = path.is_dir() or is_image(path) or path.suffix.lower() in VIDEOS
+    return is_one and not path.name.startswith(".")
 
 
 def jobs_asked_for(spec: Spec, clips: int) -> int:

@@ -122,6 +122,20 @@ def test_a_name_with_signs_of_patterns_is_that_name(tmp_path: Path) -> None:
     assert clip_paths(spec(clips=["../study [2024]/s?"]), other) == (other / "../study [2024]/s1",)
 
 
+def test_patterns_leave_out_what_sweeps_wrote(tmp_path: Path) -> None:
+    for name in ("clip", "out/jobs/1"):
+        (tmp_path / name).mkdir(parents=True)
+    (tmp_path / "out" / "sweep.json").touch()
+    (tmp_path / "out" / "jobs" / "1" / "picture.png").touch()
+    for pattern in ("*", "*/**", "**/*"):
+        assert clip_paths(spec(clips=[pattern]), tmp_path) == (tmp_path / "clip",)
+    # Asked for by its name, or from a folder that the sweep is written into.
+    assert clip_paths(spec(clips=["out/jobs/1/*"]), tmp_path) == (tmp_path / "out/jobs/1/picture.png",)
+    (tmp_path / "sweep.json").touch()
+    (tmp_path / "jobs").mkdir()
+    assert clip_paths(spec(clips=["*"]), tmp_path) == (tmp_path / "clip",)
+
+
 @pytest.mark.parametrize("text", ["a**b", "~nobody-of-this-name/x"])
 def test_a_text_that_is_no_pattern_is_one_line(tmp_path: Path, text: str) -> None:
     with pytest.raises(UserError, match="clips: expected a path or a pattern, got") as caught:
