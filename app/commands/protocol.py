@@ -49,7 +49,7 @@ def run(flags: argparse.Namespace) -> None:
     if not flags.clips or flags.out is None:
         raise UserError("expected CLIP... and --out DIR, or --print")
     spec = spec_of(tomllib.loads(text) | {"clips": clips}, Path(SPEC))
-    plan = planned(spec, Path.cwd())
+    plan = planned(spec, Path(SPEC))
     carry_out(plan, flags.out, on=flags.on, workers=flags.workers, retry=flags.retry)
     table = compared(flags.out)
     if flags.json:

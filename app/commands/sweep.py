@@ -84,7 +84,7 @@ def run(flags: argparse.Namespace) -> None:
         return
     if flags.out is None:
         raise UserError("expected --out DIR, the folder to write into, or --table")
-    plan = planned(read_spec(flags.sweep), flags.sweep.absolute().parent)
+    plan = planned(read_spec(flags.sweep), flags.sweep)
     if flags.dry_run:
         _preview(plan, flags)
         return

@@ -58,19 +58,22 @@ class State:
     left: int
 
 
-def planned(spec: Spec, folder: Path) -> Plan:
-    """`folder`: of the file with the spec. Raises UserError: a setting, a clip or their number."""
-    paths = clip_paths(spec, folder)
-    jobs_asked_for(spec, len(paths))
-    settings = all_settings(spec)
+def planned(spec: Spec, path: Path) -> Plan:
+    """`path`: of the file with the spec. Raises UserError: a setting, a clip or their number."""
+    paths = clip_paths(spec, path.absolute().parent)
+    try:
+        jobs_asked_for(spec, len(paths))
+        settings = all_settings(spec)
+    except UserError as error:
+        raise UserError(f"{error}: {path}") from error
     clips: dict[str, Path] = {}
     names: dict[str, str] = {}
     with progress("reading clips", len(paths)) as report:
-        for done, path in enumerate(paths, 1):
-            sha256 = digest(path)
-            clips.setdefault(sha256, path)
+        for done, clip in enumerate(paths, 1):
+            sha256 = digest(clip)
+            clips.setdefault(sha256, clip)
             names[sha256] = clips[sha256].name
-            report(done, path.name)
+            report(done, clip.name)
     jobs = [
         Job(spec.task, names[sha256], sha256, setting, spec.frames)
         for sha256 in clips

@@ -97,7 +97,7 @@ class Spec:
 def read_spec(path: Path) -> Spec:
     """Raises UserError: it cannot be read, is not TOML, or asks for what there is not."""
     try:
-        return spec_of(tomllib.loads(read_whole(path).decode()), path)
+        return spec_of(tomllib.loads(read_whole(path).decode("utf-8-sig")), path)
     except UnicodeDecodeError as error:
         raise UserError(f"expected a sweep in TOML, as UTF-8 text: {path}") from error
     except tomllib.TOMLDecodeError as error:

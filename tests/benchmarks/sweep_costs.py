@@ -44,7 +44,7 @@ def overhead(work: Path) -> None:
     values = np.linspace(0, 1, EMPTY).round(5).tolist()
     spec = spec_of({"clips": ["a.png"], "task": "enhance", "grid": {"z": values}}, work / "s.toml")
     began = time.perf_counter()
-    plan = planned(spec, work)
+    plan = planned(spec, work / "s.toml")
     print(f"planning: {len(plan.jobs) / (time.perf_counter() - began):.0f} jobs/s")
     for on in ("local", "dask"):
         folder = work / on
@@ -77,7 +77,7 @@ def efficiency(work: Path) -> None:
     write_phantom(work / "clip", PhantomParams(n_frames=8, width=96, height=64))
     given = {"clips": ["clip"], "task": "train", "seeds": list(range(24))}
     settings = {"iterations": 300, "n_gaussians": 800}
-    plan = planned(spec_of(given | {"settings": settings}, work / "s.toml"), work)
+    plan = planned(spec_of(given | {"settings": settings}, path := work / "s.toml"), path)
     for workers in (1, 2):
         folder = work / f"of-{workers}"
         recorded(plan, folder)

@@ -129,7 +129,7 @@ def test_submitit_runs_jobs_as_futures(tmp_path: Path, clip_path: Path) -> None:
     path = tmp_path / "sweep.toml"
     text = SPEC.format(clip=clip_path.as_posix(), seeds="0, 1", iterations=2)
     path.write_text(text)
-    plan = planned(spec_of(tomllib.loads(text), path), tmp_path)
+    plan = planned(spec_of(tomllib.loads(text), path), path)
     folder = tmp_path / "out"
     recorded(plan, folder)
     with submitted_by("local", 1, Slurm(minutes=5), folder) as executor:
@@ -157,7 +157,7 @@ def test_finished_trainings_keep_what_is_wanted_and_are_measured_on_the_right_fr
     given = tomllib.loads(SPEC.format(clip=clip_path.as_posix(), seeds="0", iterations=2))
     given["settings"]["hold_out"] = held_out
     given |= {"models": held_out, "renders": not held_out}
-    plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
+    plan = planned(spec_of(given, path := tmp_path / "sweep.toml"), path)
     folder = tmp_path / "out"
     recorded(plan, folder)
     with open_engine("local", workers=1, threads=1, slurm=Slurm(), folder=folder) as engine:

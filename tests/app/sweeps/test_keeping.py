@@ -20,7 +20,7 @@ def swept(clip: Path, folder: Path, **given: object) -> Plan:
         "task": "train",
         "settings": {"iterations": 3, "n_gaussians": 100},
     }
-    plan = planned(spec_of(asked | given, folder / "sweep.toml"), folder)
+    plan = planned(spec_of(asked | given, path := folder / "sweep.toml"), path)
     recorded(plan, folder)
     with ThreadPoolExecutor(1) as here:
         run_jobs(plan, folder, Engine("here", here, 1, 1), lambda done, note: None)

@@ -19,7 +19,7 @@ def test_the_surface_lies_beside_its_measures(clip_path: Path, tmp_path: Path) -
         "settings": {"iterations": 40, "n_gaussians": 600},
         "grid": {"vertices": [200, 800]},
     }
-    plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
+    plan = planned(spec_of(given, path := tmp_path / "sweep.toml"), path)
     assert len({job.key for job in plan.jobs}) == 2
     found = []
     for job in plan.jobs:

@@ -23,7 +23,7 @@ def test_it_prints_a_sweep_that_runs_every_method_at_its_published_length(
     whole = vesselsplat("protocol", clip_path, "--print")
     assert tomllib.loads(whole.out) == tomllib.loads(printed.out) | {"clips": [str(clip_path)]}
     spec = spec_of(tomllib.loads(whole.out), tmp_path / "protocol.toml")
-    plan = planned(spec, tmp_path)
+    plan = planned(spec, tmp_path / "protocol.toml")
     settings = [job.settings for job in plan.jobs]
     assert len(settings) == 4 * 3
     assert all(isinstance(one, Training) and one.config.iterations == 3000 for one in settings)
@@ -44,7 +44,7 @@ def test_rows_of_a_known_clip_stand_beside_the_published_ones(clip_path: Path, t
     pulling = tmp_path / "pulling_soft_tissues"
     pulling.symlink_to(clip_path)
     given = {"clips": [str(pulling)], "task": "train", "seeds": [0, 1], "variants": [{"method": "static"}]}
-    plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
+    plan = planned(spec_of(given, path := tmp_path / "sweep.toml"), path)
     recorded(plan, tmp_path / "out")
     for psnr, job in zip((30.0, 32.0), plan.jobs, strict=True):
         JobFolder.of(tmp_path / "out", job.key).finish(job, {"measures": {"psnr": psnr}, "seconds": 1.0})

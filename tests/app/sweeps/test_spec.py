@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from app.errors import UserError
 from app.sweeps.design import Range, Sample
+from app.sweeps.plan import planned
 from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for, read_spec, spec_of
 
 PLACE = Path("sweep.toml")
@@ -100,6 +101,23 @@ def test_a_file_that_is_no_toml_is_one_line(tmp_path: Path, text: bytes) -> None
     (tmp_path / "sweep.toml").write_bytes(text)
     with pytest.raises(UserError, match=r"expected a sweep in TOML"):
         read_spec(tmp_path / "sweep.toml")
+
+
+def test_a_byte_order_mark_is_no_part_of_the_file(tmp_path: Path) -> None:
+    (tmp_path / "sweep.toml").write_text('clips = ["a.png"]\ntask = "enhance"\n', encoding="utf-8-sig")
+    assert read_spec(tmp_path / "sweep.toml").clips == ["a.png"]
+
+
+def test_a_setting_that_is_refused_names_the_file(tmp_path: Path) -> None:
+    (tmp_path / "a.png").touch()
+    path = tmp_path / "sweep.toml"
+    for asked, told in (
+        ({"settings": {"z": "high"}}, "z: expected a valid number"),
+        ({"grid": {"z": [0.1] * 1000, "p": [0.1] * 1000}}, "expected at most 100000 jobs"),
+    ):
+        with pytest.raises(UserError, match=told) as caught:
+            planned(spec(**asked), path)
+        assert str(caught.value).endswith(f": {path}")
 
 
 def test_patterns_find_images_videos_and_folders_alone(tmp_path: Path) -> None:

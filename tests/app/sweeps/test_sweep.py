@@ -57,7 +57,7 @@ def plan(tmp_path: Path) -> Plan:
         image = random.integers(40, 200, (24, 32, 3), dtype=np.uint8)
         assert cv2.imwrite(str(tmp_path / f"{name}.png"), image)
     given = {"clips": ["*.png"], "task": "enhance", "grid": {"z": [0.2, 0.4, 0.6]}}
-    return planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
+    return planned(spec_of(given, path := tmp_path / "sweep.toml"), path)
 
 
 @pytest.fixture
@@ -219,7 +219,7 @@ def test_clips_of_one_name_are_told_apart(tmp_path: Path) -> None:
         image[8:12] //= 2
         assert cv2.imwrite(str(tmp_path / place / "x.png"), image)
     given = {"clips": ["1/x.png", "2/x.png"], "task": "enhance", "grid": {"z": [0.2, 0.4]}}
-    plan = planned(spec_of(given, tmp_path / "sweep.toml"), tmp_path)
+    plan = planned(spec_of(given, path := tmp_path / "sweep.toml"), path)
     recorded(plan, tmp_path / "sweep")
     carried_out(plan, tmp_path / "sweep", Here())
     table = rows(read_sweep(tmp_path / "sweep"), tmp_path / "sweep")
