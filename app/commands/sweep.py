@@ -13,7 +13,7 @@ from rich.table import Table
 
 from app.console.progress import Terminal, progress
 from app.errors import UserError
-from app.files.atomic import write_bytes
+from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import provenance, strict_json
 from app.report.section import Table as Measured
 from app.report.section import said
@@ -100,8 +100,9 @@ def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: 
     Raises:
         UserError: another process runs a sweep there, or the engine is gone.
     """
-    recorded(plan, folder)
+    make_folder(folder)
     with sweep_locked(folder):
+        recorded(plan, folder)
         if retry:
             for job in plan.jobs:
                 JobFolder.of(folder, job.key).forget_failure()

@@ -14,6 +14,7 @@ from app.sweeps.engines import dask
 from app.sweeps.jobs import Job, JobFolder
 from app.sweeps.plan import Plan, recorded
 from app.sweeps.spec import all_settings, spec_of
+from app.sweeps.worker import sweep_locked
 from tests.app.conftest import Call
 
 Cli = Callable[..., Call]
@@ -71,6 +72,17 @@ def test_mistakes_are_one_line(
         assert told in called.error
         assert called.error.count("\n") <= 2  # The clips are read before the engine is opened.
         assert "Traceback" not in called.error
+
+
+def test_what_a_sweep_that_runs_records_is_not_replaced(vesselsplat: Cli, spec: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "sweep.json").write_text("of the one that runs")
+    with sweep_locked(out):
+        called = vesselsplat("sweep", spec, "--out", out)
+    assert called.code == 2
+    assert "another process" in called.error
+    assert (out / "sweep.json").read_text() == "of the one that runs"
 
 
 def test_info_says_what_a_sweep_has_and_what_is_next(vesselsplat: Cli, tmp_path: Path) -> None:
