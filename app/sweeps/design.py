@@ -31,6 +31,8 @@ class Range:
             raise ValueError(f"expected from < to, got {self.first:g} and {self.last:g}")
         if self.scale == "log" and self.first <= 0:
             raise ValueError(f"expected from > 0 on a log scale, got {self.first:g}")
+        if self.whole and math.ceil(self.first) > math.floor(self.last):
+            raise ValueError(f"expected a whole number between, got {self.first:g} and {self.last:g}")
         return self
 
     def at(self, share: float) -> float | int:

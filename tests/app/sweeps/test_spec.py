@@ -78,6 +78,10 @@ def test_combinations_that_say_the_same_are_one_job() -> None:
         ({"task": "train", "seeds": [-1]}, "seeds.0"),
         ({"sample": {"count": 3, "ranges": {"z": {"from": 0.5, "to": 0.2}}}}, "expected from < to"),
         ({"sample": {"count": 3, "ranges": {"z": {"from": 0, "to": 1, "scale": "log"}}}}, "from > 0"),
+        (
+            {"sample": {"count": 3, "ranges": {"z": {"from": 0.2, "to": 0.8, "whole": True}}}},
+            "sample.ranges.z: expected a whole number between, got 0.2 and 0.8",
+        ),
         ({"sample": {"count": 0, "ranges": {"z": {"from": 0, "to": 1}}}}, "sample.count"),
         ({"threads": 0}, "threads"),
         ({"slurm": {"minutes": 0}}, "slurm.minutes"),
