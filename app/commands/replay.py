@@ -55,7 +55,13 @@ def _target(flags: argparse.Namespace) -> Iterator[Path]:
         return
     if out.suffix.lower() != flags.file.suffix.lower():
         raise UserError(f"--out: expected a new file named *{flags.file.suffix}, got {out}")
-    if os.path.lexists(out):
-        raise UserError(f"--out: expected a new file, got one that is there: {out}")
+    _require_new(out)
     with filled(out.parent) as staging:
         yield staging / out.name
+        for written in staging.iterdir():  # Some kinds write more than one file, such as their provenance.
+            _require_new(out.parent / written.name)
+
+
+def _require_new(path: Path) -> None:
+    if os.path.lexists(path):
+        raise UserError(f"--out: expected a new file, got one that is there: {path}")

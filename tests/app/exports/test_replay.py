@@ -277,6 +277,18 @@ def test_no_file_is_overwritten_by_what_is_made_again(folder: Path, vesselsplat:
     assert source.read_bytes() == before
 
 
+def test_no_file_beside_what_is_made_again_is_overwritten(folder: Path, vesselsplat: Cli) -> None:
+    out, again = folder / "out.npy", folder / "again.npy"
+    assert vesselsplat("enhance", folder / "1.png", out).code == 0
+    theirs = folder / "again.npy.json"
+    theirs.write_text("another's")
+    call = vesselsplat("replay", out, "--out", again)
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert f"expected a new file, got one that is there: {theirs}" in call.error
+    assert theirs.read_text() == "another's"
+    assert not again.exists()
+
+
 def test_difference_counts_values_and_frames(tmp_path: Path) -> None:
     one, other = np.zeros((4, 5, 3)), np.zeros((4, 5, 3))
     one[0, 0, 0] = other[0, 0, 0] = np.nan
