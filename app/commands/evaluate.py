@@ -147,7 +147,8 @@ def _print(report: dict[str, Any]) -> None:
 def _print_compared(report: dict[str, Any]) -> None:
     other, gain = report["against"], report["compared"]["dv_bv_gain"]
     table = _table("run, frames", COMPARED)
-    table.title = "Means over the held-out frames, each run against its own input frames"
+    frames = "training" if report["frames_are"] == "training" else "held-out"
+    table.title = f"Means over the {frames} frames, each run against its own input frames"
     for each in (other, report):
         table.add_row(f"{each['run']}, {each['input']}", *_texts(each["mean"], COMPARED))
     for row in report["compared"]["paper"]:

@@ -11,6 +11,7 @@ import cv2
 import pytest
 
 from app.runs.train_run import run_training
+from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
 from tests.app.conftest import CONFIG, Call, request_of
 
@@ -58,3 +59,15 @@ def test_the_same_masks_asked_for_in_other_words_are_compared(
 ) -> None:
     own, other = two_kinds(ClipOptions()), two_kinds(ClipOptions(mask_polarity="tool"))
     assert vesselsplat("evaluate", own, "--against", other).code == 0
+
+
+@pytest.mark.parametrize(("count", "frames"), [(1, "training"), (3, "held-out")])
+def test_the_comparison_says_which_frames_it_is_over(
+    count: int, frames: str, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    clip, run = tmp_path / "clip", tmp_path / "run"
+    write_phantom(clip, PhantomParams(n_frames=count, width=64, height=48), "endonerf")
+    list(run_training(request_of(clip, run, config=replace(CONFIG, iterations=2, n_gaussians=100))))
+    out = " ".join(vesselsplat("evaluate", run, "--against", run).out.split())
+    assert f"Means over the {frames} frames" in out
+    assert ("measured on training frames" in out) == (frames == "training")
