@@ -61,7 +61,18 @@ def _left_out(summary: Summary, measures: Sequence[str]) -> str:
         if left:
             without.setdefault(left, []).append(name)
     told = "; ".join(f"{listed(names)} without {listed(clips)}" for clips, names in without.items())
-    return f" Means are over the clips of which every setting has the measure: {told}." if told else ""
+    clips = f" Means are over the clips of which every setting has the measure: {told}." if told else ""
+    return clips + _seeds_left_out(summary, measures)
+
+
+def _seeds_left_out(summary: Summary, measures: Sequence[str]) -> str:
+    """The same on seeds of a clip."""
+    uneven: dict[tuple[str, ...], list[str]] = {}
+    for name in measures:
+        if clips := summary.uneven_clips(name):
+            uneven.setdefault(clips, []).append(name)
+    told = "; ".join(f"{listed(names)} of {listed(clips)}" for clips, names in uneven.items())
+    return f" Means are over the seeds with which every setting has the measure: {told}." if told else ""
 
 
 def by_clip(summary: Summary, measures: Sequence[str]) -> Table:
@@ -78,7 +89,7 @@ def by_clip(summary: Summary, measures: Sequence[str]) -> Table:
         title="Means over seeds",
         columns=(Column("clip"), Column("setting"), Column("seeds"), *_columns(measures)),
         rows=tuple(rows),
-        note="± is the standard deviation over seeds.",
+        note="± is the standard deviation over seeds." + _seeds_left_out(summary, measures),
     )
 
 

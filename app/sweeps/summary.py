@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from functools import cached_property
 from statistics import NormalDist, fmean, median, stdev
@@ -122,28 +123,38 @@ class Summary:
 
     def measured_clips(self, measure: str) -> tuple[str, ...]:
         """Those of which some setting has the measure."""
-        measured = set[str]().union(*self._clips_by_setting(measure))
+        measured = self._common.get(measure, {})
         return tuple(clip for clip in self.clips if clip in measured)
 
     def compared_clips(self, measure: str) -> tuple[str, ...]:
-        """Those of which all settings have the measure, but for settings that never have it: what fails on
-        hard clips would otherwise look better than what does not."""
+        """Those of which all settings have the measure, with a seed in common, but for settings that never
+        have it: what fails on hard clips would otherwise look better than what does not."""
         return self._compared.get(measure, ())
 
+    def uneven_clips(self, measure: str) -> tuple[str, ...]:
+        """Those of which some setting has the measure with more seeds than the compared ones."""
+        every = self._values.get(measure, {}).values()
+        return tuple(
+            clip
+            for clip in self.measured_clips(measure)
+            if any(by_clip.get(clip, {}).keys() - self._common[measure][clip] for by_clip in every)
+        )
+
     def spread(self, setting: Setting, measure: str, clip: str | None = None) -> Spread:
-        """Over seeds, of one clip; over the compared clips of the means over seeds, of all."""
+        """Over seeds, of one clip: those with which every setting that has the measure of the clip has it, as
+        hard seeds are like hard clips; over the compared clips of the means over seeds, of all."""
         if clip is not None:
-            return Spread.of(self._values(setting, measure, clip))
+            by_seed = self._values.get(measure, {}).get(setting, {}).get(clip, {})
+            return Spread.of([by_seed[seed] for seed in by_seed if seed in self._common[measure][clip]])
         means = [self.spread(setting, measure, one) for one in self.compared_clips(measure)]
         return Spread.of([one.mean for one in means if one.count])
 
     def difference(self, setting: Setting, base: Setting, measure: str) -> Difference:
         """What `setting` has more than `base`."""
-        ours, theirs = self._paired(setting, measure), self._paired(base, measure)
-        by_clip: dict[str, list[float]] = {}
-        for clip, seed in ours.keys() & theirs.keys():
-            by_clip.setdefault(clip, []).append(ours[clip, seed] - theirs[clip, seed])
-        return Difference.of(list(by_clip.values()))
+        ours, theirs = (self._values.get(measure, {}).get(one, {}) for one in (setting, base))
+        pairs = [(ours[clip], theirs[clip]) for clip in ours if clip in theirs]
+        by_clip = [[one[seed] - other[seed] for seed in one if seed in other] for one, other in pairs]
+        return Difference.of([seeds for seeds in by_clip if seeds])
 
     def best(self, measure: str, clip: str | None = None) -> Setting | None:
         """Of one clip, or over the compared clips; None: nothing was measured there."""
@@ -154,10 +165,10 @@ class Summary:
 
     def diagram(self, measure: str) -> Diagram:
         """Every setting by its median seconds, since a worker's first job loads kernels, and mean measure;
-        both over the compared clips."""
-        points, clips = [], self.compared_clips(measure)
+        both over the compared clips and seeds."""
+        points = []
         for setting in self.settings:
-            times = [row.costs["seconds"] for clip in clips for row in self._jobs.get((setting, clip), ())]
+            times = [row.costs["seconds"] for row in self._compared_jobs(setting, measure)]
             seconds = median([float(one) for one in times if isinstance(one, int | float)] or [math.nan])
             mean = self.spread(setting, measure).mean
             if not math.isnan(seconds + mean):
@@ -165,6 +176,12 @@ class Summary:
                 points.append(Point(series=series, setting=said(setting), seconds=seconds, error=mean))
         words = measure.replace("_", " ")
         return Diagram(measure=words, points=tuple(points), more_is_better=measure in HIGHER)
+
+    def _compared_jobs(self, setting: Setting, measure: str) -> Iterator[Row]:
+        for clip in self.compared_clips(measure):
+            for row in self._jobs.get((setting, clip), ()):
+                if row.settings.get("seed") in self._common[measure][clip]:
+                    yield row
 
     @cached_property
     def _jobs(self) -> Mapping[tuple[Setting, str], Sequence[Row]]:
@@ -175,31 +192,37 @@ class Summary:
         return found
 
     @cached_property
+    def _values(self) -> Mapping[str, Mapping[Setting, Mapping[str, Mapping[Value, float]]]]:
+        """By measure, setting, clip and seed."""
+        found: dict[str, dict[Setting, dict[str, dict[Value, float]]]] = {}
+        for (setting, clip), jobs in self._jobs.items():
+            for row in jobs:
+                for measure, value in row.measures.items():
+                    if value is not None:
+                        by_clip = found.setdefault(measure, {}).setdefault(setting, {})
+                        by_clip.setdefault(clip, {})[row.settings.get("seed")] = value
+        return found
+
+    @cached_property
+    def _common(self) -> Mapping[str, Mapping[str, AbstractSet[Value]]]:
+        """By measure and clip: the seeds of all settings that have the measure of the clip."""
+        found: dict[str, dict[str, AbstractSet[Value]]] = {}
+        for measure, by_setting in self._values.items():
+            seeds = found[measure] = {}
+            for by_clip in by_setting.values():
+                for clip, by_seed in by_clip.items():
+                    seeds[clip] = seeds.get(clip, by_seed.keys()) & by_seed.keys()
+        return found
+
+    @cached_property
     def _compared(self) -> Mapping[str, tuple[str, ...]]:
         """By measure."""
         found = {}
-        for measure in self.measures:
-            common = set(self.clips).intersection(*filter(None, self._clips_by_setting(measure)))
+        for measure, by_setting in self._values.items():
+            common = {clip for clip, seeds in self._common[measure].items() if seeds}
+            common.intersection_update(*by_setting.values())
             found[measure] = tuple(clip for clip in self.clips if clip in common)
         return found
-
-    def _clips_by_setting(self, measure: str) -> list[set[str]]:
-        """Those of which a setting has the measure, of each setting."""
-        return [
-            {clip for clip in self.clips if self._values(setting, measure, clip)} for setting in self.settings
-        ]
-
-    def _values(self, setting: Setting, measure: str, clip: str) -> list[float]:
-        values = (row.measures.get(measure) for row in self._jobs.get((setting, clip), ()))
-        return [value for value in values if value is not None]
-
-    def _paired(self, setting: Setting, measure: str) -> dict[tuple[str, Value], float]:
-        pairs = {
-            (row.clip_sha256, row.settings.get("seed")): row.measures.get(measure)
-            for row in self.rows
-            if self.setting(row) == setting
-        }
-        return {pair: value for pair, value in pairs.items() if value is not None}
 
 
 def drawn_as(setting: Setting) -> str:
