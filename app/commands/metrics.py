@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.console.progress import print_measures, progress
+from app.console.progress import measured_text, print_measures, progress
 from app.errors import UserError
 from app.evaluation.mean import mean_of_finite
 from app.files.image_files import ArrayImage
@@ -267,11 +266,7 @@ def _unit(image: ArrayImage) -> NDArray[np.float64]:
 
 def _print(labels: list[str], measured: list[dict[str, Any]], mean: dict[str, float | None]) -> None:
     rows = [
-        (label, *(_told(picture[name]) for name in mean))
+        (label, *(measured_text(picture[name]) for name in mean))
         for label, picture in zip(labels, measured, strict=True)
     ]
-    print_measures(("image", *mean), rows, ("mean", *map(_told, mean.values())))
-
-
-def _told(value: float | None) -> str:
-    return "none" if value is None or math.isnan(value) else f"{value:.4g}"
+    print_measures(("image", *mean), rows, ("mean", *map(measured_text, mean.values())))

@@ -15,7 +15,7 @@ from typing import Any, cast
 from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
 from app.console.flags import add_fields
 from app.console.older_files import say_older
-from app.console.progress import print_measures, progress
+from app.console.progress import measured_text, print_measures, progress
 from app.enhancement.contact_sheet import Tile, columns_of, contact_sheet, tile
 from app.enhancement.methods import PAPER, VESSEL
 from app.enhancement.parameter_grid import (
@@ -208,5 +208,5 @@ def _table(axes: Sequence[Axis], rows: Sequence[Row]) -> bytes:
 
 
 def _print(rows: Sequence[Row]) -> None:
-    cells = [(row.setting.label, *(f"{value:.4g}" for value in vars(row.measures).values())) for row in rows]
+    cells = [(row.setting.label, *map(measured_text, vars(row.measures).values())) for row in rows]
     print_measures(("setting", *METRICS), cells)

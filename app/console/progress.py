@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -50,6 +51,11 @@ def print_measures(head: Sequence[str], rows: Sequence[Sequence[str]], last: Seq
             table.add_row(last[0], *(last[place] for place in columns))
         console.print(table)
     console.print("dv, bv, dv_bv: inferred definition. Visibility only, neither detection nor diagnosis.")
+
+
+def measured_text(value: float | None) -> str:
+    """A cell of such a table; NaN and None are what could not be measured."""
+    return "none" if value is None or math.isnan(value) else f"{value:.4g}"
 
 
 def _fitting(rows: Sequence[Sequence[str]], width: int) -> Iterator[list[int]]:

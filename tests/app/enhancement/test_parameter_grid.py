@@ -15,7 +15,7 @@ from app.enhancement.contact_sheet import columns_of
 from app.enhancement.parameter_grid import METRICS, Axis, Measures, axis, ranked, settings, tried
 from app.errors import UserError
 from app.files.image_files import read_image
-from app.files.provenance import read_provenance
+from app.files.provenance import read_provenance, write_png
 from enhance import EnhanceParams, enhance
 from enhance.metrics import dvbv_otsu, noise_gain
 from enhance.ridges import field_of_view
@@ -158,6 +158,14 @@ def test_sorted_cells_keep_their_pictures(folder: Path, tmp_path: Path, vesselsp
         made = read_provenance(tmp_path / "out" / cell["output"])
         assert made["params"] == cell["params"]
     assert vesselsplat("replay", tmp_path / "out" / "sheet.png", "--source", folder).code == 0
+
+
+def test_what_cannot_be_measured_is_none_as_in_metrics(tmp_path: Path, vesselsplat: Cli) -> None:
+    write_png(tmp_path / "flat.png", np.full((24, 32, 3), 90, np.uint8), {})
+    call = vesselsplat("tune", tmp_path / "flat.png", "--out", tmp_path / "out", "--vary", "d_factor=0,1")
+    assert (call.code, call.error) == (0, "")
+    assert " none " in call.out
+    assert "nan" not in call.out.split()
 
 
 @pytest.mark.parametrize(
