@@ -82,6 +82,8 @@ def run(flags: argparse.Namespace) -> None:
     if flags.table:
         _tell(flags.sweep, rows(read_sweep(flags.sweep), flags.sweep), flags.measures, flags.json)
         return
+    if flags.measures:
+        raise UserError("--measures: expected --table and the folder of a sweep, got a sweep to run")
     if flags.out is None:
         raise UserError("expected --out DIR, the folder to write into, or --table")
     plan = planned(read_spec(flags.sweep), flags.sweep)
@@ -89,7 +91,7 @@ def run(flags: argparse.Namespace) -> None:
         _preview(plan, flags)
         return
     table = carry_out(plan, flags.out, on=flags.on, workers=flags.workers, retry=flags.retry)
-    _tell(flags.out, table, flags.measures, flags.json)
+    _tell(flags.out, table, None, flags.json)
     require_all_done(plan, flags.out)
 
 

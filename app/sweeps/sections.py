@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from app.report.section import Cell, Column, Plate, Section, Table
 from app.sweeps.plan import SweepRecord
-from app.sweeps.summary import HIGHER, SHOWN, Summary, said
+from app.sweeps.summary import COUNTS, HIGHER, SHOWN, Summary, said
 from app.sweeps.table import Row, column_of
 from renderer.readers.listing import count, listed
 
@@ -172,7 +172,7 @@ def failures(failed: Sequence[Row]) -> Table:
 
 def _columns(measures: Sequence[str]) -> Iterator[Column]:
     for name in measures:
-        yield Column(name, best="high" if name in HIGHER else "low")
+        yield Column(name, best="" if name in COUNTS else "high" if name in HIGHER else "low")
         yield Column(f"{name} ±")
 
 

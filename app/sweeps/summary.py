@@ -18,7 +18,9 @@ HIGHER: Final = frozenset(
     {"psnr", "psnr_masked", "psnr_tissue", "psnr_seldom", "ssim", "coverage", "dv", "dv_bv"}
     | {"vessel_contrast", "color_difference"}
 )
-"""Measures of which more is better; of all others, less is."""
+"""Measures of which more is better; of all others, less is, but for these."""
+COUNTS: Final = frozenset({"images", "n_gaussians", "vertices", "triangles"})
+"""Measures of which neither is better."""
 SHOWN: Final[dict[TaskName, tuple[str, ...]]] = {
     "train": ("psnr", "psnr_seldom", "ssim", "depth_rmse_mm", "wall_seconds"),
     "mesh": ("surface_mm", "surface_95_mm", "vertices", "bytes", "export_seconds"),
@@ -157,7 +159,10 @@ class Summary:
         return Difference.of([seeds for seeds in by_clip if seeds])
 
     def best(self, measure: str, clip: str | None = None) -> Setting | None:
-        """Of one clip, or over the compared clips; None: nothing was measured there."""
+        """Of one clip, or over the compared clips; None: nothing was measured there, or neither more nor less
+        is better."""
+        if measure in COUNTS:
+            return None
         sign = -1 if measure in HIGHER else 1
         means = {setting: self.spread(setting, measure, clip).mean for setting in self.settings}
         known = {setting: mean for setting, mean in means.items() if not math.isnan(mean)}

@@ -66,6 +66,7 @@ def test_mistakes_are_one_line(
         ((spec, "--out", tmp_path / "out", "--workers", 0), "--workers: expected 1 or more, got '0'"),
         ((spec, "--out", tmp_path / "out", "--on", "tcp://127.0.0.1:9"), "tcp://127.0.0.1:9"),
         ((spec, "--out", tmp_path / "good.png"), "good.png"),
+        ((spec, "--out", tmp_path / "out", "--measures", "psnr"), "--measures: expected --table"),
     ):
         called = vesselsplat("sweep", *flags)
         assert called.code == 2, called

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.sweeps.plan import read_sweep
-from app.sweeps.sections import by_clip, differences, over_all
+from app.sweeps.sections import best, by_clip, differences, over_all
 from app.sweeps.summary import Difference, Spread, Summary, quantile, said
 from app.sweeps.table import Row
 
@@ -75,6 +75,16 @@ def test_the_best_setting_is_the_largest_or_the_smallest_as_the_measure_means(su
     assert summary.best("psnr") == B
     assert summary.best("psnr", "y") == A
     assert summary.best("ssim") is None
+
+
+def test_no_setting_is_best_by_a_count() -> None:
+    found = Summary.of([row("x", "a", 0, images=8.0, bytes=9.0), row("x", "b", 0, images=7.0)], ["method"])
+    assert found.spread(B, "images").mean == 7.0
+    assert found.best("images") is None
+    assert found.best("bytes") == A
+    assert [line[0] for line in best(found, ["images", "bytes"]).rows] == ["bytes"]
+    columns = {column.name: column.best for column in over_all(found, ["images", "bytes"]).columns}
+    assert (columns["images"], columns["bytes"]) == ("", "low")
 
 
 def test_the_diagram_has_a_point_a_setting(summary: Summary) -> None:
