@@ -22,6 +22,8 @@ RING_GAP: Final = 2
 RING_WIDTH: Final = 5
 SATURATED: Final = 250 / 255
 FLAT_SIGMA: Final = 2.0
+ROUNDING: Final = 1e-8
+"""Grey levels squared: variances below are what rounding leaves of none; one step of 16 bits makes 6e-7."""
 NOISE_KERNEL: Final = np.outer((1, -2, 1), (1, -2, 1)).astype(np.float32)
 
 
@@ -353,7 +355,8 @@ def grey_levels(image: AnyImage) -> NDArray[np.float64]:
 
 def _local_variance(grey: NDArray[np.float64]) -> NDArray[np.float64]:
     mean, square = (cv2.blur(x, (5, 5), borderType=cv2.BORDER_REFLECT) for x in (grey, grey * grey))
-    return np.asarray(np.maximum(np.asarray(square) - np.asarray(mean) ** 2, 0.0))
+    variance = np.asarray(square) - np.asarray(mean) ** 2
+    return np.where(variance < ROUNDING, 0.0, variance)
 
 
 def _dilated(mask: BoolImage, radius: int) -> BoolImage:

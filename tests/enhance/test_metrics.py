@@ -78,6 +78,23 @@ def test_undefined_measures_are_nan() -> None:
     assert math.isnan(vessel_contrast(np.zeros((9, 9), np.uint8), np.eye(9, dtype=bool)))
 
 
+@pytest.mark.parametrize("level", range(60, 250, 3))
+def test_a_background_of_one_level_has_no_local_variance(level: int) -> None:
+    image = np.full((64, 64, 3), level, np.uint8)
+    image[:, 30:34] = 5
+    found = dvbv_local(image, image)
+    assert found.dv > 100
+    assert found.bv == 0
+    assert math.isnan(found.ratio)
+
+
+def test_the_least_step_of_16_bits_has_a_local_variance() -> None:
+    image = np.full((64, 64), 60000, np.uint16)
+    image[32, 32] += 1
+    # Of windows of 25 pixels, one of which is one step of 255 / 65535 grey levels above the others.
+    assert dvbv_local(image, image).dv == pytest.approx(24 / 25**2 * (255 / 65535) ** 2, rel=0.05)
+
+
 def test_local_variances_over_the_originals_detail() -> None:
     rng = np.random.default_rng(3)
     original = np.full((40, 60), 0.5)
