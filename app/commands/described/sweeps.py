@@ -56,7 +56,8 @@ def _of_csv(path: Path) -> Stored:
 
 
 def _of_lines(path: Path) -> Stored:
-    found = [parsed(line) for line in path.read_text(encoding="utf-8").splitlines()]
+    with path.open(encoding="utf-8") as lines:
+        found = [parsed(line) for line in lines]
     return tuple(dict.fromkeys(name for row in found for name in dict(row))), found
 
 

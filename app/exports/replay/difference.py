@@ -6,6 +6,7 @@ import csv
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from io import StringIO
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -155,7 +156,7 @@ def _columns(path: Path) -> Iterator[Array]:
 def _rows(path: Path) -> list[dict[str, Any]]:
     """Raises UserError: it is no table whose rows are all as long as the first."""
     try:
-        head, *lines = csv.reader(read_whole(path).decode().splitlines(), strict=True)
+        head, *lines = csv.reader(StringIO(read_whole(path).decode(), newline=""), strict=True)
         return [dict(zip(head, line, strict=True)) for line in lines]
     except (ValueError, csv.Error) as error:
         raise UserError(f"expected a table written by VesselSplat ({error}): {path}") from error

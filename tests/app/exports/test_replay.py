@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import shutil
 from collections.abc import Callable
@@ -299,6 +300,18 @@ def test_difference_counts_values_and_frames(tmp_path: Path) -> None:
     assert difference(a, a).is_none
     assert (difference(a, b).largest, difference(a, b).share) == (0.5, 1 / 60)
     assert "shape" in difference(a, c).text
+
+
+@pytest.mark.parametrize("label", ["a\u2028b", "a\x85b", "a\x0bb", "a\nb"])
+def test_a_table_is_read_row_by_row_whatever_signs_a_label_has(tmp_path: Path, label: str) -> None:
+    for name, value in (("a", 1), ("b", 2)):
+        path = tmp_path / f"{name}.csv"
+        with path.open("w", encoding="utf-8", newline="") as file:
+            csv.writer(file).writerows([("frame", "label", "dv"), (0, label, value)])
+        (tmp_path / f"{name}.csv.json").write_text("{}")
+    a, b = tmp_path / "a.csv", tmp_path / "b.csv"
+    assert difference(a, a).is_none
+    assert difference(a, b).largest == 1
 
 
 @pytest.mark.parametrize("name", ["/etc/hostname", "../1.png", "..\\1.png", "a/1.png", "..", "", "1.png\0"])

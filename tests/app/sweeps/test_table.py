@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
 
+from app.commands.described.sweeps import of_table
 from app.enhancement.parameter_grid import Measures
 from app.evaluation.evaluate import FrameMeasures
 from app.sweeps.page import sweep_page
@@ -42,6 +43,13 @@ def test_csv_and_json_lines_hold_every_value(tmp_path: Path) -> None:
     lines = [json.loads(line) for line in (tmp_path / "table.jsonl").read_text().splitlines()]
     assert lines == [row.flat() for row in TABLE]
     assert paths[0] == tmp_path / "table.csv"
+
+
+def test_a_name_may_have_what_ends_a_line_elsewhere(tmp_path: Path) -> None:
+    write_tables([replace(row, clip="a\u2028b\x85c") for row in TABLE], tmp_path)
+    told = [of_table(tmp_path / name) for name in ("table.csv", "table.jsonl")]
+    assert told[0] == told[1]
+    assert ("jobs", "2: 1 finished, 1 failed") in [(fact.name, fact.text) for fact in told[1]]
 
 
 def test_parquet_has_the_same_columns(tmp_path: Path) -> None:
