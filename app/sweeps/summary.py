@@ -22,11 +22,11 @@ HIGHER: Final = frozenset(
 COUNTS: Final = frozenset({"images", "n_gaussians", "vertices", "triangles"})
 """Measures of which neither is better."""
 SHOWN: Final[dict[TaskName, tuple[str, ...]]] = {
-    "train": ("psnr", "psnr_seldom", "ssim", "depth_rmse_mm", "wall_seconds"),
-    "mesh": ("surface_mm", "surface_95_mm", "vertices", "bytes", "export_seconds"),
+    "train": ("psnr", "psnr_seldom", "ssim", "depth_rmse_mm", "depth_rmse", "wall_seconds"),
+    "mesh": ("surface_mm", "surface_95_mm", "surface", "surface_95", "vertices", "bytes", "export_seconds"),
     "enhance": ("vessel_contrast", "color_difference", "noise_gain", "milliseconds"),
 }
-"""By default."""
+"""By default, those that there are: lengths end with _mm of clips in millimetres."""
 CERTAINTY: Final = 0.95
 QUANTILES: Final = (
     12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228,

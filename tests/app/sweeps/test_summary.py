@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.sweeps.plan import read_sweep
-from app.sweeps.sections import best, by_clip, differences, over_all
+from app.sweeps.plan import SweepRecord, read_sweep
+from app.sweeps.sections import best, by_clip, differences, over_all, sections
+from app.sweeps.settings import TaskName
 from app.sweeps.summary import Difference, Spread, Summary, quantile, said
 from app.sweeps.table import Row
 
@@ -75,6 +76,19 @@ def test_the_best_setting_is_the_largest_or_the_smallest_as_the_measure_means(su
     assert summary.best("psnr") == B
     assert summary.best("psnr", "y") == A
     assert summary.best("ssim") is None
+
+
+@pytest.mark.parametrize(
+    ("task", "lengths"), [("train", ["depth_rmse"]), ("mesh", ["surface", "surface_95"])]
+)
+def test_lengths_of_clips_without_millimetres_are_shown(task: TaskName, lengths: list[str]) -> None:
+    measures = dict.fromkeys(lengths, 0.5)
+    record = SweepRecord(task=task, varied=("method",), jobs=("xa0", "xb0"))
+    told = sections(record, [row("x", "a", 0, **measures), row("x", "b", 0, **measures)])
+    assert [line[0] for line in told["best"].tables[0].rows] == [name for name in lengths for _ in range(2)]
+    assert [one.measure for plate in told["settings"].plates for one in plate.diagrams] == [
+        name.replace("_", " ") for name in lengths
+    ]
 
 
 def test_no_setting_is_best_by_a_count() -> None:
