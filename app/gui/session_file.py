@@ -259,6 +259,15 @@ def write_session(path: Path, session: Session) -> None:
     write_bytes(path, strict_json(facts, indent=1).encode())
 
 
+def readable_session(path: Path) -> Session | None:
+    """All of a session that can be read; None for no session at all. The file stays as it is.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    return _readable(read_text(path))[0]
+
+
 def mended_session(path: Path) -> tuple[Session, str]:
     """All of a session that can be read, and in a sentence what cannot; empty when all can.
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from app.errors import UserError
 from app.files.atomic import write_bytes
-from app.gui.session_file import SUFFIX, mended_session
+from app.gui.session_file import SUFFIX, readable_session
 from app.gui.work.opening import VIEW_SUFFIXES
 from app.runs.run_folder import RunFolder
 from app.sweeps.folder import is_sweep
@@ -101,8 +101,8 @@ def _made(path: Path) -> ByteImage | None:
     """The frame in the middle: of a clip, of the clip of a run, of the source of a session."""
     try:
         if path.suffix == SUFFIX:
-            session, _ = mended_session(path)
-            source = session.source.found(path) if session.source else None
+            session = readable_session(path)
+            source = session.source.found(path) if session and session.source else None
             return None if source is None or source.suffix == SUFFIX else _made(source)
         run, options = RunFolder(path), DEFAULTS
         if run.is_run:

@@ -99,6 +99,15 @@ def test_what_is_gone_is_said_first_and_what_is_damaged_has_no_image(folder: Pat
     assert found(folder, damaged, gone).found[str(damaged)].image is None
 
 
+def test_session_files_that_cannot_be_read_stay_as_they_are(folder: Path, tmp_path: Path) -> None:
+    newer, unsynced, notes = (tmp_path / f"{name}{SUFFIX}" for name in ("newer", "unsynced", "notes"))
+    contents = {newer: b'{"schema": 2}', unsynced: b"", notes: b'{"notes": "all there is", "frame": -5}'}
+    for path, content in contents.items():
+        path.write_bytes(content)
+    assert not any(recent.missing or recent.image for recent in found(folder, *contents).found.values())
+    assert {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()} == contents
+
+
 def test_a_damaged_image_is_made_anew_and_a_full_disk_is_no_trouble(folder: Path, tmp_path: Path) -> None:
     found(folder, phantom_path())
     (kept,) = folder.glob("*.jpg")
