@@ -15,9 +15,9 @@ from app.files.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Choosing, Kind, Purpose
 from app.gui.state.window import Banner, Toast
+from app.gui.work.keeping import KeepSettings
 from app.gui.work.opening import VIEW_SUFFIXES, OpenRequest
-from app.gui.work.settings import Theme, settings_content
-from app.gui.work.writing import WriteRequest
+from app.gui.work.settings import Settings, Theme
 from app.scenes.backgrounds import BackgroundName
 from assets import phantom_path
 
@@ -86,8 +86,16 @@ def remember_recent(state: AppState, remember: bool) -> None:
 
 def save_settings(state: AppState) -> None:
     """For the next start."""
-    file, content = state.places.settings_file, settings_content(state.settings)
-    state.window.wishes += (WriteRequest(file, content, "settings cannot be saved"),)
+    state.window.wishes += (KeepSettings(state.places.settings_file, state.settings, state.saved_settings),)
+
+
+def take_settings(state: AppState, request: KeepSettings, kept: Settings) -> None:
+    """They are on disk. That another window remembers no paths is for this one, too."""
+    state.saved_settings = request.settings
+    if state.settings.remember_recent and not kept.remember_recent:
+        state.settings = state.settings.remembering(False)
+        state.saved_settings = request.settings.remembering(False)
+        say(state, "another window has switched off the list of recent files: it is empty here, too")
 
 
 # ---- clip and time

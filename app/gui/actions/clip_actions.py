@@ -8,9 +8,9 @@ from pathlib import Path
 from app.enhancement.image_mask import NO_MASK, PictureMask, enclosing
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
+from app.gui.work.keeping import KeepClip
 from app.gui.work.opening import OpenRequest
-from app.gui.work.settings import FILE, UNKNOWN, KnownClip, clips_content
-from app.gui.work.writing import WriteRequest
+from app.gui.work.settings import UNKNOWN, KnownClip
 from app.runs.clip_selection import ClipPart
 from enhance.field_search import find_field
 from renderer.clip import Clip
@@ -177,11 +177,8 @@ def keep_settings(state: AppState) -> None:
 
 def _keep(state: AppState, path: str, reading: KnownClip) -> None:
     """The part as it is now, and how the clip is read."""
-    part, others = (
-        state.source.part,
-        {each: said for each, said in state.source.known.items() if each != path},
-    )
-    state.source.known = {**others, path: replace(reading, trim=part.trim, mask=part.mask)}
+    part = state.source.part
+    known = replace(reading, trim=part.trim, mask=part.mask)
+    state.source.known = {**state.source.known, path: known}
     if state.settings.remember_recent:
-        file, content = state.places.config / FILE, clips_content(state.source.known)
-        state.window.wishes += (WriteRequest(file, content, "the clip's settings cannot be saved"),)
+        state.window.wishes += (KeepClip(state.places.config, path, known),)

@@ -53,6 +53,8 @@ class AppState:
 
     places: Places
     settings: Settings = field(default_factory=Settings)
+    saved_settings: Settings = field(init=False)
+    """As this window last read or wrote them."""
     source: Source = field(default_factory=Source)
     timeline: Timeline = field(default_factory=Timeline)
     live: Live = field(default_factory=Live)
@@ -75,6 +77,9 @@ class AppState:
     window: WindowFrame = field(default_factory=WindowFrame)
     presenting: Presenting = field(default_factory=Presenting)
     second_window: SecondWindow = field(default_factory=SecondWindow)
+
+    def __post_init__(self) -> None:
+        self.saved_settings = self.settings
 
     @property
     def chosen(self) -> SettingsSnapshot:

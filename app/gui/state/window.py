@@ -12,6 +12,7 @@ from app.exports.exporting import ExportRequest
 from app.gui.state.browsing import Browsing
 from app.gui.state.choosing import Choosing
 from app.gui.work.changing_runs import ChangeRequest
+from app.gui.work.keeping import KeepClip, KeepSettings
 from app.gui.work.masking import KeepMask
 from app.gui.work.presets import KeepPresets
 from app.gui.work.revealing import RevealRequest
@@ -21,7 +22,17 @@ from app.kernels.progress import Preparation
 Closing = Literal["no", "asked", "agreed"]
 """Whether the window shall close although reconstructions are under way."""
 LOG_LINES = 500
-Wish = WriteRequest | KeepPresets | SessionRequest | ExportRequest | RevealRequest | ChangeRequest | KeepMask
+Wish = (
+    WriteRequest
+    | KeepSettings
+    | KeepClip
+    | KeepPresets
+    | SessionRequest
+    | ExportRequest
+    | RevealRequest
+    | ChangeRequest
+    | KeepMask
+)
 
 
 @dataclass

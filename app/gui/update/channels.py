@@ -50,6 +50,7 @@ from app.gui.work.beside import find_models
 from app.gui.work.changing_runs import ChangeRequest, change_run, measure_folder
 from app.gui.work.clip_scale import find_scale
 from app.gui.work.depths import find_ways, read_depth
+from app.gui.work.keeping import KeepClip, KeepSettings, keep_clip, keep_settings
 from app.gui.work.kept_layout import seal_anew
 from app.gui.work.listing import list_folder, thumbnail_of
 from app.gui.work.live_devices import find_devices
@@ -158,6 +159,7 @@ class Channels:
         self.runs, self.beside = Channel(RunFinder().find), Channel(find_models)
         self.changes, self.footprints = Channel(change_run, depth=8), Channel(measure_folder)
         self.files = Channel(write_file, depth=256)
+        self.settings, self.known = Channel(keep_settings, depth=64), Channel(keep_clip, depth=256)
         self.presets = Channel(keep_presets, depth=64)
         self.edits = Channel(keep_edits)
         self.kept, self.layouts = Channel(keep), Channel(seal_anew)
@@ -261,6 +263,10 @@ class Channels:
             Row(self.footprints, told("the folder cannot be measured", changing_runs.take_footprint),
                 changing_runs.footprint_wish, SECOND),
             Row(self.files, taking.take_written, server=SECOND),
+            Row(self.settings, told("settings cannot be saved", actions.take_settings, actions.say),
+                server=SECOND),
+            Row(self.known, told("the clip's settings cannot be saved", taking.take_nothing, actions.say),
+                server=SECOND),
             Row(self.presets, preset_actions.take_kept, server=SECOND),
         )  # fmt: skip
 
@@ -274,6 +280,8 @@ class Channels:
         wishes, state.window.wishes = state.window.wishes, ()
         channels: dict[type[Wish], Channel[Any, Any]] = {
             WriteRequest: self.files,
+            KeepSettings: self.settings,
+            KeepClip: self.known,
             KeepPresets: self.presets,
             SessionRequest: self.sessions,
             ExportRequest: self.saving,
@@ -290,7 +298,7 @@ class Channels:
         """The window has closed and no worker is left: do what must not be given up."""
         self.ask_once(state)
         self.edits.want(state.editing.saving)
-        for channel in (self.files, self.presets, self.edits, self.kept_masks):
+        for channel in (self.files, self.settings, self.known, self.presets, self.edits, self.kept_masks):
             while channel.run_waiting():
                 pass
 
