@@ -30,7 +30,7 @@ def temporary_name(name: str, suffix: str = "") -> str:
     whole = name.encode(errors="surrogateescape")
     if len(whole) > LONGEST:
         name = f"{whole[:LONGEST].decode(errors='ignore')}-{crc32(whole):08x}"
-    return f".{name}-{os.getpid()}-{_machine()}{PARTIAL}{suffix}"
+    return f".{name}-{os.getpid()}-{machine()}{PARTIAL}{suffix}"
 
 
 def commit_name(temporary: str) -> str:
@@ -55,7 +55,7 @@ def clear(folder: Path) -> None:
     with suppress(OSError):
         for item in sorted(folder.iterdir()):
             found = _NAME.match(item.name)
-            if found and found[2] == _machine() and not lives(int(found[1]), item):
+            if found and found[2] == machine() and not lives(int(found[1]), item):
                 with suppress(OSError):
                     _settle(item, found[3])
 
@@ -85,6 +85,6 @@ def lives(process: int, item: Path) -> bool:
         return True
 
 
-def _machine() -> str:
+def machine() -> str:
     """Folders may be shared: a process is one of the machine that it runs on."""
     return f"{crc32(platform.node().encode()):08x}"

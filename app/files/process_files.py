@@ -1,30 +1,51 @@
-"""Files that each process of the app keeps for itself, and those that dead processes have left."""
+"""Files that each process of the app keeps for itself, and those that dead processes have left.
+
+Named `KIND-PROCESS-MACHINE-TOKEN`; former versions named them `KIND-PROCESS`.
+"""
 
 from __future__ import annotations
 
 import os
+import re
+import secrets
+import time
 from pathlib import Path
+from typing import Final
 
 import psutil
+
+from renderer.leftovers import machine
+
+TOKEN: Final = secrets.token_hex(4)
+"""Of this process: its number comes again, in a container with each start."""
+FORGOTTEN: Final = 7 * 24 * 3600.0
+"""Seconds; after them a file of another machine, whose processes cannot be seen, is one that was left."""
+_NAME: Final = re.compile(r"(\d+)(?:-([0-9a-f]{8})-[0-9a-f]{8})?")
 
 
 def own_file(folder: Path, kind: str, suffix: str) -> Path:
     """Where this process keeps its file of this kind."""
-    return folder / f"{kind}-{os.getpid()}{suffix}"
+    return folder / f"{kind}-{os.getpid()}-{machine()}-{TOKEN}{suffix}"
 
 
 def left_behind(folder: Path, kind: str, suffix: str) -> list[Path]:
     """Those of processes that have ended, the oldest first. Raises OSError: the folder cannot be listed."""
-    left = [path for path in folder.glob(f"{kind}-*{suffix}") if not _is_written_still(path, kind)]
+    own = own_file(folder, kind, suffix)
+    files = (path for path in folder.glob(f"{kind}-*{suffix}") if path != own)
+    left = [path for path in files if not _is_written_still(path, kind)]
     return sorted(left, key=lambda path: path.stat().st_mtime)
 
 
 def _is_written_still(path: Path, kind: str) -> bool:
     """Its process lives, and is not a later one of the same number."""
-    number = path.stem.removeprefix(f"{kind}-")
-    if not number.isdecimal():
+    found = _NAME.fullmatch(path.stem.removeprefix(f"{kind}-"))
+    if found is None:
         return True
     try:
-        return float(psutil.Process(int(number)).create_time()) <= path.stat().st_mtime
+        written = path.stat().st_mtime
+        if found[2] not in (None, machine()):
+            return time.time() - written < FORGOTTEN
+        process = int(found[1])
+        return process != os.getpid() and float(psutil.Process(process).create_time()) <= written
     except (psutil.Error, OSError, OverflowError):
         return False

@@ -1,0 +1,98 @@
+"""Files of windows: whose process lives is told by more than its number."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from app.files import process_files
+from app.files.process_files import FORGOTTEN, left_behind, own_file
+from app.gui.session_file import (
+    Session,
+    SessionSource,
+    autosave_path,
+    mended_session,
+    recoverable,
+    write_session,
+)
+from app.runs.queue_file import keep_queue, queue_file, take_over
+from app.runs.train_run import TrainRequest
+from renderer import leftovers
+from renderer.train.config import TrainConfig
+
+LONG = 1e6
+
+
+def kept(folder: Path, age: float = 0.0, name: str = "") -> Path:
+    """The file of this process, or one of that name, written so many seconds before."""
+    path = folder / name if name else own_file(folder, "kept", ".json")
+    path.write_text("precious")
+    os.utime(path, (time.time() - age,) * 2)
+    return path
+
+
+def is_left(folder: Path) -> bool:
+    return bool(left_behind(folder, "kept", ".json"))
+
+
+def test_ones_own_file_is_not_left_however_old(tmp_path: Path) -> None:
+    kept(tmp_path, LONG)
+    assert not is_left(tmp_path)
+
+
+def test_a_dead_process_of_the_same_number_has_left_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = kept(tmp_path)
+    monkeypatch.setattr(process_files, "TOKEN", "01234567")
+    assert left_behind(tmp_path, "kept", ".json") == [before]
+    assert own_file(tmp_path, "kept", ".json") != before
+
+
+def test_another_living_process_keeps_its_file(tmp_path: Path) -> None:
+    other = os.getppid()
+    name = own_file(tmp_path, "kept", ".json").name.replace(f"-{os.getpid()}-", f"-{other}-")
+    kept(tmp_path, 0, name)
+    assert not is_left(tmp_path)
+    kept(tmp_path, time.time() - psutil.Process(other).create_time() + 10, name)
+    assert is_left(tmp_path)
+
+
+def test_another_machines_file_stays_till_it_is_forgotten(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for number in (os.getpid(), 999_999_999):
+        path = own_file(tmp_path, "kept", ".json")
+        path = kept(tmp_path, 0, path.name.replace(f"-{os.getpid()}-", f"-{number}-"))
+        with monkeypatch.context() as patch:
+            patch.setattr(leftovers.platform, "node", lambda: "elsewhere")
+            assert not is_left(tmp_path)
+            os.utime(path, (time.time() - FORGOTTEN - 60,) * 2)
+            assert is_left(tmp_path)
+        path.unlink()
+
+
+def test_names_of_former_versions_are_found(tmp_path: Path) -> None:
+    left = kept(tmp_path, 0, "kept-999999999.json")
+    kept(tmp_path, 0, f"kept-{os.getppid()}.json")
+    kept(tmp_path, 0, "kept-of-somebody.json")
+    assert left_behind(tmp_path, "kept", ".json") == [left]
+
+
+def test_queue_and_session_of_a_window_with_the_same_number_outlive_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    request = TrainRequest(clip_path=tmp_path, run_path=tmp_path, config=TrainConfig())
+    keep_queue(queue_file(tmp_path), [request])
+    write_session(autosave_path(tmp_path), Session(source=SessionSource("x"), notes="precious"))
+    monkeypatch.setattr(process_files, "TOKEN", "01234567")
+    assert take_over(tmp_path) == ((request,), "")
+    assert list(tmp_path.glob("queue-*")) == [queue_file(tmp_path)]
+    left = recoverable(tmp_path)
+    assert left is not None
+    write_session(autosave_path(tmp_path), Session(source=SessionSource("y")))
+    assert mended_session(left)[0].notes == "precious"
