@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Final
 
 import psutil
 from filelock import FileLock, Timeout
 
 from app.errors import UserError
 from app.files.atomic import write_bytes
-from renderer.atomic_files import PARTIAL
 from renderer.json_files import read_json
 
 NAME, LOCK = ".training.json", ".training.lock"
+_PARTIAL: Final = re.compile(r"(checkpoint-\d+|model)\.safetensors\.partial")
+"""What a training was writing. Other programs end names in the same way, and may have files in its folder."""
 
 
 @contextmanager
@@ -33,9 +36,8 @@ def locked(run: Path) -> Iterator[None]:
         raise UserError(f"the run is being trained by another process{who}: {run}") from error
     try:
         # What killed processes were writing: nobody else writes here now.
-        for partial in run.glob(f"*{PARTIAL}"):
-            if partial.is_symlink() or partial.is_file():
-                partial.unlink()
+        for partial in _partial_files(run):
+            partial.unlink()
         write_bytes(file, json.dumps({"process": process.pid, "began": process.create_time()}).encode())
         yield
     finally:
@@ -46,9 +48,18 @@ def locked(run: Path) -> Iterator[None]:
         lock.release()
 
 
+def _partial_files(run: Path) -> list[Path]:
+    found = (path for path in run.iterdir() if _PARTIAL.fullmatch(path.name))
+    return [path for path in found if path.is_symlink() or path.is_file()]
+
+
 def clear_training(run: Path) -> None:
-    """Remove what killed trainings of the run have left; nothing where one goes on, or where it cannot be."""
-    if any((run / name).exists() for name in (NAME, LOCK)) or any(run.glob(f"*{PARTIAL}")):
+    """Remove what killed trainings of the run have left; nothing where one goes on, or where it cannot be.
+
+    Raises:
+        OSError: the folder cannot be listed.
+    """
+    if any((run / name).exists() for name in (NAME, LOCK)) or _partial_files(run):
         with suppress(UserError, OSError), locked(run):
             pass
 

@@ -6,10 +6,12 @@ from __future__ import annotations
 import gc
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from app.gui.work.settings import Places
 from app.runs.memory import give_back
+from app.runs.run_folder import RunFolder
 from app.runs.run_lock import clear_training
 from app.runs.shared_model import clear_blocks
 from renderer.leftovers import clear
@@ -37,5 +39,7 @@ def clear_places(places: Places) -> Iterator[None]:
     for run in sorted(places.runs.iterdir()) if places.runs.is_dir() else ():
         if run.is_dir() and not run.is_symlink():
             clear(run)
-            clear_training(run)
+            with suppress(OSError):
+                if RunFolder(run).is_run:
+                    clear_training(run)
     yield None

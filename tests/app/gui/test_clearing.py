@@ -98,6 +98,23 @@ def test_what_goes_on_is_left_alone(places: Places, shared: Path) -> None:
     assert len(list(shared.iterdir())) == 1
 
 
+def test_partial_files_of_others_stay(places: Places) -> None:
+    run, papers = places.runs / "first", places.runs / "papers"
+    files = [
+        run / "run.json",
+        run / "big-download.zip.partial",
+        run / "seen.ply.partial",
+        papers / "model.safetensors.partial",
+    ]
+    for file in files:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text("{}")
+    start(places)
+    assert sorted(path for path in places.runs.rglob("*") if path.is_file()) == sorted(files)
+    with locked(run):
+        assert all(file.exists() for file in files)
+
+
 def test_shared_memory_of_dead_windows_is_given_back(places: Places, dead: int, shared: Path) -> None:
     (shared / f"{PREFIX}{dead}-abcd-1").write_text("x")
     start(places)
