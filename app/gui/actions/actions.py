@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from app.enhancement.methods import EnhancementSettings
+from app.enhancement.settable import Pixels, Scope
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Choosing, Kind, Purpose
@@ -292,10 +293,15 @@ def set_params(state: AppState, params: EnhancementSettings) -> None:
 
 def use_params(state: AppState, params: EnhancementSettings, named: str) -> None:
     """Enhance by these from now on, which are said as `named`; one step of undo."""
+    use_look(state, params, state.enhancement.scope, state.enhancement.pixels, named)
+
+
+def use_look(state: AppState, params: EnhancementSettings, scope: Scope, pixels: Pixels, named: str) -> None:
+    """The same with the statistics that belong to them: all that the image depends on."""
     settle_params(state)
-    set_params(state, params)
+    chosen = state.enhancement
+    chosen.params, chosen.scope, chosen.pixels, chosen.active = params, scope, pixels, True
     settle_params(state)
-    state.enhancement.active = True
     announce(state, f"now using {named}")
 
 

@@ -134,8 +134,10 @@ def one_to_one(state: AppState, zoom: float) -> None:
 
 
 def use_setting(state: AppState, setting: Setting) -> None:
-    """Enhance by this setting from now on; one step of undo."""
-    actions.use_params(state, setting.params, said(setting))
+    """Enhance by this setting of the grid from now on, as it was tried; one step of undo."""
+    assert state.tuning.grid is not None
+    picture = state.tuning.grid.picture
+    actions.use_look(state, setting.params, picture.scope, picture.pixels, said(setting))
 
 
 def take_cell(state: AppState, request: CellRequest, answer: GridCell | Failure) -> None:

@@ -234,7 +234,7 @@ def _draw_tile(state: AppState, textures: ShowsPictures, setting: Setting, size:
     draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.SURROUND))
     if cell is not None:
         draw.add_image(textures.whole(f"tile{key}", cell.image), area.corner, area.end)
-    marked = setting.params == state.enhancement.params
+    marked = state.is_set(setting)
     if marked or imgui.is_item_hovered() or imgui.is_item_focused():
         ink = imgui.get_color_u32(theme.MARK if marked else theme.INK)
         draw.add_rect(area.corner, area.end, ink, 0.0, 2.0)

@@ -8,6 +8,7 @@ from pathlib import Path
 from app.enhancement.clip_statistics import OfClip
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import preset_of
+from app.enhancement.parameter_grid import Setting
 from app.files.legible import legible
 from app.gui.state.choosing import Purpose
 from app.gui.state.editing import Editing
@@ -139,6 +140,14 @@ class AppState:
         if model is None or self.source.clip is not None:
             return self.timeline.frame_index
         return model.frame_at(self.scene.own_time)
+
+    def is_set(self, setting: Setting) -> bool:
+        """The window enhances by this setting of the tuning grid, as it was tried."""
+        grid, chosen = self.tuning.grid, self.enhancement
+        if grid is None:
+            return False
+        tried = (setting.params, grid.picture.scope, grid.picture.pixels)
+        return tried == (chosen.params, chosen.scope, chosen.pixels)
 
     @property
     def picture_request(self) -> PictureRequest | None:

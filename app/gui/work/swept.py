@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.enhancement.methods import EnhancementSettings
+from app.enhancement.settable import Pixels
 from app.errors import UserError
 from app.files.image_files import read_image
 from app.runs.run_folder import RunFolder
@@ -45,6 +46,8 @@ class SweptJob:
     """Measures, seconds, and varied settings that are numbers."""
     params: EnhancementSettings | None
     """To enhance by; None of trainings, and of methods without settings."""
+    pixels: Pixels
+    """Of their statistics."""
     folder: Path
     run: Path | None
     """Of a training."""
@@ -102,13 +105,15 @@ def _job(summary: Summary, row: Row, folder: Path, order: Sequence[str]) -> Swep
     measures = {column_of(name, chosen): row.measures.get(name) for name in order}
     values = {**measures, SECONDS: row.costs.get(SECONDS), **chosen}
     place = JobFolder.of(folder, row.job)
+    enhancing = _enhancing(place.result())
     run = place.path / RUN
     return SweptJob(
         clip=row.clip,
         setting=words,
         series=drawn_as(setting),
         values={name: float(value) for name, value in values.items() if _is_number(value)},  # type: ignore[arg-type]
-        params=_params(place.result()),
+        params=enhancing.params if enhancing else None,
+        pixels=enhancing.pixels if enhancing else "automatic",
         folder=place.path,
         run=run if RunFolder(run).is_finished else None,
     )
@@ -118,14 +123,14 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _params(facts: Mapping[str, Any] | None) -> EnhancementSettings | None:
+def _enhancing(facts: Mapping[str, Any] | None) -> Enhancing | None:
     if facts is None or facts.get("task") != "enhance":
         return None
     try:
         settings = settings_of("enhance", dict(facts["settings"]))
     except (UserError, KeyError, TypeError, ValueError):
         return None
-    return settings.params if isinstance(settings, Enhancing) else None
+    return settings if isinstance(settings, Enhancing) else None
 
 
 def read_swept_image(job: SweptJob) -> Iterator[SweptImage]:

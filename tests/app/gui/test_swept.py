@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from app.errors import UserError
 from app.files.image_files import write_image
-from app.gui.actions import arriving, sweep_actions
+from app.gui.actions import arriving, history_actions, sweep_actions
 from app.gui.panels.report import draw_report
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
@@ -85,8 +86,14 @@ def test_settings_of_a_job_are_those_that_it_was_done_with(state: AppState, fold
     first, second = opened(state, folder).jobs
     assert first.params == VesselParams(strength=1.5)
     assert second.params is None
+    before = state.chosen
+    state.enhancement.scope = "clip"
     sweep_actions.use_params(state, first)
     assert state.enhancement.params == VesselParams(strength=1.5)
+    assert (state.enhancement.scope, state.enhancement.pixels) == ("automatic", "all")
+    history_actions.undo(state)
+    assert state.chosen == replace(before, scope="clip")
+    sweep_actions.use_params(state, first)
     assert state.enhancement.active
 
 

@@ -81,6 +81,26 @@ def test_use_is_one_step_of_undo(state: AppState, channels: Channels) -> None:
     assert state.enhancement.params == EnhanceParams()
 
 
+def test_a_setting_is_taken_with_the_statistics_that_it_was_tried_with(
+    state: AppState, channels: Channels
+) -> None:
+    state.enhancement.scope, state.enhancement.pixels = "image", "tissue"
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    assert state.tuning.grid is not None
+    setting = state.tuning.grid.settings[0]
+    actions.set_params(state, setting.params)
+    assert state.is_set(setting)
+    state.enhancement.scope, state.enhancement.pixels = "clip", "all"
+    actions.settle_params(state)
+    assert not state.is_set(setting)  # It looks otherwise.
+    tuning_actions.use_setting(state, setting)
+    assert (state.enhancement.scope, state.enhancement.pixels) == ("image", "tissue")
+    assert state.is_set(setting)
+    history_actions.undo(state)
+    assert (state.enhancement.scope, state.enhancement.pixels) == ("clip", "all")
+
+
 def test_a_cell_at_a_time_so_that_sliders_are_served_in_between(state: AppState, channels: Channels) -> None:
     tuning_actions.start_grid(state)
     for _ in range(3):
