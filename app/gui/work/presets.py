@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import chain, count
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -64,7 +65,7 @@ def load_presets(path: Path) -> tuple[dict[str, EnhancementSettings], str]:
         return {}, _put_aside(path, DAMAGED)
     if not isinstance(told, dict):
         return {}, _put_aside(path, DAMAGED)
-    told = {f"{name}{RENAMED}" if name in RESERVED else name: look for name, look in told.items()}
+    told = {_own_name(name, told): look for name, look in told.items()}
     named = [(name, look) for name, look in told.items() if is_preset_name(name)]
     readable = mended(OWN, dict(named[:MOST_PRESETS]))
     found = readable[0]
@@ -74,6 +75,15 @@ def load_presets(path: Path) -> tuple[dict[str, EnhancementSettings], str]:
     with suppress(OSError, UserError):
         save_presets(path, found)
     return found, trouble
+
+
+def _own_name(name: str, taken: Container[str]) -> str:
+    """What an own preset is called that has a reserved name; other names stay."""
+    if name not in RESERVED:
+        return name
+    free = f"{name}{RENAMED}"
+    numbered = (f"{free} {place}" for place in count(2))
+    return next(one for one in chain((free,), numbered) if one not in taken)
 
 
 def presets_with(own: Mapping[str, EnhancementSettings]) -> dict[str, EnhancementSettings]:

@@ -45,6 +45,15 @@ def test_a_damaged_file_is_told_and_put_aside(tmp_path: Path, text: str) -> None
     assert load_presets(path) == (OWN, "")
 
 
+def test_one_of_a_reserved_name_gets_a_free_one(tmp_path: Path) -> None:
+    path, looks = tmp_path / "presets.json", [VesselParams(strength=strength) for strength in (3.0, 1.5, 2.0)]
+    save_presets(path, dict(zip(("Gentle", "Gentle (own)", "Paper"), looks, strict=True)))
+    names = ("Gentle (own) 2", "Gentle (own)", "Paper (own)")
+    found, trouble = load_presets(path)
+    assert (found, trouble) == (dict(zip(names, looks, strict=True)), "")
+    assert merged_presets(path, found, found) == found
+
+
 def test_the_built_in_ones_are_the_paper_s_and_ours() -> None:
     assert preset_name(VesselParams(), {}) == "Vessels"
     assert preset_name(EnhanceParams(), {}) == "Paper"
