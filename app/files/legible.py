@@ -28,6 +28,14 @@ def legible(text: str) -> str:
     return text.encode("utf-8", "replace").decode("utf-8")
 
 
+def as_label(name: str) -> str:
+    """`name` for a control of the window, all of which is shown.
+
+    ImGui hides what begins with two hashes. They are parted here, by what has no width.
+    """
+    return re.sub("#(?=#|$)", "#\N{ZERO WIDTH SPACE}", legible(name))
+
+
 def require_utf8(path: Path) -> None:
     """Video decoders crash on other paths, and run.json cannot name them. Raises UserError."""
     if said := not_utf8(path):

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 
-from app.files.legible import legible
+from app.files.legible import as_label
 from app.gui.actions import actions, second_actions
 from app.gui.commands.command import Command
 from app.gui.state.app_state import AppState
@@ -30,4 +30,4 @@ def beside(state: AppState) -> tuple[Command, ...]:
 
 def _named(paths: Iterable[str]) -> list[tuple[str, str]]:
     """What the label says and the path; the same name can stand for two paths."""
-    return [(f"{legible(Path(text).name)}##{place}", text) for place, text in enumerate(paths)]
+    return [(f"{as_label(Path(text).name)}##{place}", text) for place, text in enumerate(paths)]

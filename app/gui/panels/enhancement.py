@@ -13,7 +13,7 @@ from app.enhancement.amounts import Amount
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.settable import Pixels, Scope
 from app.enhancement.setting_words import VESSEL_LABELS, before_strength
-from app.files.legible import legible, named
+from app.files.legible import as_label, legible, named
 from app.gui.actions import actions, picture_actions, preset_actions
 from app.gui.actions import history_actions as history
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
@@ -88,7 +88,7 @@ def draw_enhancement(state: AppState, texture: Texture) -> None:
 def draw_presets(state: AppState, texture: Texture) -> None:
     row("Preset", "Named settings. Save stores the current ones under a name of yours.", -4.0)
     shown = preset_name(state.enhancement.params, state.enhancement.presets)
-    is_open = imgui.begin_combo("##preset", legible(shown), imgui.ComboFlags_.height_largest)
+    is_open = imgui.begin_combo("##preset", as_label(shown), imgui.ComboFlags_.height_largest)
     preset_actions.look_at(state, is_open)
     if is_open:
         for name in BUILT_IN:
@@ -96,7 +96,7 @@ def draw_presets(state: AppState, texture: Texture) -> None:
         if state.enhancement.presets:
             imgui.separator()
         for name in sorted(state.enhancement.presets):
-            with imgui_ctx.push_id(name):
+            with imgui_ctx.push_id(as_label(name)):
                 _draw_preset(state, name, shown, texture, beside=em(4.2))
                 _draw_changes(state, name)
         if state.enhancement.preset_doomed or state.enhancement.preset_renamed:
@@ -142,7 +142,7 @@ def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, besid
     imgui.same_line()
     size = ImVec2(max(em(9), imgui.get_content_region_avail().x - beside), em(HEIGHT))
     with imgui_ctx.push_style_var(imgui.StyleVar_.selectable_text_align, ImVec2(0, 0.5)):
-        chosen = imgui.selectable(legible(name), name == shown, size=size)[0] or chosen
+        chosen = imgui.selectable(as_label(name), name == shown, size=size)[0] or chosen
     if chosen:
         preset_actions.choose(state, name)
         imgui.close_current_popup()

@@ -9,7 +9,7 @@ from typing import Final
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.files.legible import legible
+from app.files.legible import as_label
 from app.gui.actions import actions, export_actions, live_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.state.app_state import AppState
@@ -174,7 +174,7 @@ def _draw_device(state: AppState, one: Device, textures: ShowsPictures) -> None:
             take = partial(live_actions.type_right, state, one.where)
             button("Right eye###right", take, "Take this one for the right eye.", width=6)
             imgui.same_line()
-        label = f"{legible(one.name)}###open"
+        label = f"{as_label(one.name)}###open"
         button(label, partial(live_actions.open_device, state, one), "Show what it sees.", width=-1)
 
 

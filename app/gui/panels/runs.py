@@ -8,7 +8,7 @@ from functools import partial
 from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui, imgui_ctx
 
-from app.files.legible import legible, named
+from app.files.legible import as_label, legible, named
 from app.gui.actions import changing_runs, laid_out, queue_actions, run_actions
 from app.gui.panels.reconstruction import CONTINUES, LOOK_TEXT, STARTS_OVER
 from app.gui.panels.run_measures import draw_run_measures
@@ -72,7 +72,7 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     reason = run_actions.why_not_open(state, run)
     right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
     imgui.begin_disabled(bool(reason))
-    if imgui.selectable(f"{legible(run.path.name)}###open", shown)[0]:
+    if imgui.selectable(f"{as_label(run.path.name)}###open", shown)[0]:
         run_actions.open_run(state, run)
     imgui.end_disabled()
     how = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "

@@ -13,7 +13,7 @@ from imgui_bundle import imgui
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.exports.page import Panel, sheet
-from app.files.legible import legible
+from app.files.legible import as_label, legible
 from app.gui.actions import actions, browse_actions
 from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
@@ -38,6 +38,14 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere file 
 def test_what_utf_8_can_say_stays() -> None:
     assert legible("Gefäße 胃 é") == "Gefäße 胃 é"
     assert legible(NAME) == "caf?.png"
+
+
+def test_labels_keep_their_hashes_and_the_mark_behind_them() -> None:
+    for name in ("##", "a##b", "###", "a#b", "end#"):
+        label = f"{as_label(name)}###id"
+        assert label.index("##") == len(as_label(name))
+        assert as_label(name).replace("\u200b", "") == name
+    assert as_label(NAME) == "caf?.png"
 
 
 def test_the_welcome_and_the_menu_show_such_names(ui: Ui, state: AppState) -> None:

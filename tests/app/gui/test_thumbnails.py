@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from imgui_bundle import imgui
+from imgui_bundle import ImVec2, hello_imgui, imgui
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.gui.panels.enhancement import draw_presets
 from app.gui.state.app_state import AppState
+from app.gui.style import fonts
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.update.wishes import thumbnails_wish
@@ -55,6 +56,40 @@ def test_they_are_made_while_the_menu_is_open_and_once(opened: AppState) -> None
     for _ in range(3):
         update(opened, channels, 1.0)
         assert not channels.thumbnails.run_waiting()
+
+
+def test_names_with_hashes_are_shown_whole(ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = ui.io.fonts.add_font_from_file_ttf(hello_imgui.asset_file_full_path(fonts.OWN), 15)
+    names, shown = ("a##1", "##b", "c###", "d #"), list[float]()
+    opened.enhancement.presets = {name: VesselParams(strength=place) for place, name in enumerate(names)}
+    opened.enhancement.params = opened.enhancement.presets["##b"]
+    combo, line = imgui.begin_combo, imgui.selectable
+
+    def see(label: str) -> None:
+        shown.append(imgui.calc_text_size(label, hide_text_after_double_hash=True).x)
+
+    def seen_combo(label: str, preview: str, flags: int) -> bool:
+        see(preview)
+        return combo(label, preview, flags)
+
+    def seen_line(label: str, chosen: bool, *, size: ImVec2) -> tuple[bool, bool]:
+        see(label)
+        return line(label, chosen, size=size)
+
+    def draw() -> None:
+        imgui.push_font(own, 15)
+        shown.clear()
+        draw_presets(opened, lambda slot, image: imgui.ImTextureRef(0))
+        whole = [imgui.calc_text_size(name).x for name in ("##b", *BUILT_IN, *sorted(names))]
+        assert shown in (whole, whole[:1])
+        imgui.pop_font()
+
+    monkeypatch.setattr(imgui, "begin_combo", seen_combo)
+    monkeypatch.setattr(imgui, "selectable", seen_line)
+    ui.frame(draw)
+    ui.drag(draw, (300, 20), (300, 20))
+    ui.frame(draw)
+    assert len(shown) == 1 + len(BUILT_IN) + len(names)
 
 
 @pytest.mark.parametrize("aside", [0.0, 120.0], ids=["picture", "name"])
