@@ -54,7 +54,7 @@ class SecondContent:
         tags = [(one.text, TONES[one.tone]) for one in shown.tags]
         view = PictureView(pixel_aspect=state.picture.view.pixel_aspect)
         place = view.place((shown.image.shape[1], shown.image.shape[0]), size)
-        part = self._textures.part("second window", shown.image, place, size)
+        part = self._textures.part("second window", shown.image, place, size, (shown.zebra, shown.tint))
         if part is None:
             return (), tags
         box = (part.x, part.y, part.x + part.width, part.y + part.height)

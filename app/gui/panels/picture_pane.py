@@ -13,7 +13,7 @@ from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
 from app.gui.panels.masking import draw_brush, follow_brush
 from app.gui.state.app_state import AppState
 from app.gui.state.live_words import is_not_live
-from app.gui.state.panes import Pane, pixel, tinted
+from app.gui.state.panes import Pane, pixel
 from app.gui.state.tags import Tag
 from app.gui.style import theme
 from app.gui.style.widgets import Area, dragged, em, fill_around, stack_tags, tag, tag_height
@@ -50,7 +50,7 @@ def draw_pane(
     """
     pointer = _button(state, slot, pane.image, area)
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
-        _draw_image(state, textures, slot, pane.image, area)
+        _draw_image(state, textures, slot, pane, area)
         if state.masking.active:
             draw_brush(state, _placement(state, pane.image, area), area)
         if pointer is None and len(read) == 1:
@@ -76,7 +76,7 @@ def draw_divider(
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
         for side, pane, start, end in (("left", left, area.corner.x, x), ("right", right, x, area.end.x)):
             with imgui_ctx.push_clip_rect(ImVec2(start, area.corner.y), ImVec2(end, area.end.y), True):
-                _draw_image(state, textures, side, pane.image, area)
+                _draw_image(state, textures, side, pane, area)
                 _draw_tags(pane.tags, ImVec2(start, area.corner.y), ImVec2(end - start, area.size.y))
         if is_not_live(state.live):
             _draw_rim(area)
@@ -179,9 +179,9 @@ def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
         clip_actions.finish_mask(state)
 
 
-def _draw_image(state: AppState, textures: ShowsPictures, slot: str, image: ByteImage, area: Area) -> None:
+def _draw_image(state: AppState, textures: ShowsPictures, slot: str, pane: Pane, area: Area) -> None:
     view = state.picture.view.scaled(imgui.get_io().display_framebuffer_scale.x)
-    draw_part(textures, slot, image, view, area, (state.comparing.chosen.zebra, tinted(state)))
+    draw_part(textures, slot, pane.image, view, area, (pane.zebra, pane.tint))
 
 
 def draw_part(

@@ -38,6 +38,10 @@ class Pane:
     tags: tuple[Tag, ...]
     stale: bool = False
     """Not yet what was asked for."""
+    zebra: bool = False
+    """Stripes are painted on clipped pixels."""
+    tint: BoolImage | None = None
+    """(H, W), True where it is to be tinted."""
 
 
 def shown_mode(state: AppState) -> Mode:
@@ -107,7 +111,8 @@ def pane(state: AppState, pictures: Pictures, side: Side) -> Pane:
     """What a side shows now; it never looks enhanced without saying so, nor the reverse."""
     image, head, stale = _content(state, pictures, side)
     # What could mislead comes before details, which a small pane has no room for.
-    return Pane(image, (head[0], *_state_tags(state, stale), *head[1:]), stale)
+    tags = (head[0], *_state_tags(state, stale), *head[1:])
+    return Pane(image, tags, stale, state.comparing.chosen.zebra, tinted(state))
 
 
 def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:
@@ -224,13 +229,15 @@ def difference_request(state: AppState) -> DifferenceRequest | None:
 
 
 def difference_pane(state: AppState, pictures: Pictures, difference: Difference) -> Pane:
-    """The heat map, with both names."""
+    """The heat map, with both names; its colours are of a scale, so that none is clipped."""
     sides = [pane(state, pictures, side) for side in SIDES]
     names = " − ".join(side.tags[0].text for side in sides)
     others = tuple(tag for tag in sides[1].tags[1:] if tag.tone == "caution")
     said = Tag(f"largest of R, G, B · mean {difference.mean:.1f} grey levels")
     stale = difference.request != difference_request(state) or any(side.stale for side in sides)
-    return Pane(difference.heat, (Tag(f"DIFFERENCE · {names}", "caution"), said, *others), stale)
+    return Pane(
+        difference.heat, (Tag(f"DIFFERENCE · {names}", "caution"), said, *others), stale, tint=tinted(state)
+    )
 
 
 @dataclass(frozen=True)

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 from weakref import ref
 
+import moderngl
 import numpy as np
 import pytest
 
 from app.enhancement.clip_statistics import ClipStatistics
+from app.enhancement.image_mask import PictureMask
 from app.enhancement.settable import SOURCES
 from app.exports.comparison_images import DifferenceRequest, OtherMaker, OtherRequest, heat_map
 from app.files.legible import named
-from app.gui.actions import actions, comparing, history_actions
+from app.gui.actions import actions, clip_actions, comparing, history_actions
+from app.gui.drawing.viewport import Viewport
+from app.gui.frame.second_content import SecondContent
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import difference_pane, other_request, pane, pixel, shown_mode, why_not
+from app.gui.state.panes import difference_pane, other_request, pane, pixel, shown_mode, tinted, why_not
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.views.comparison import Comparison
@@ -30,6 +35,7 @@ from renderer.unobserved import GREY
 from tests.app.gui.conftest import image_of, make_clip, start_live
 from tests.app.gui.scenes import scene_of
 from tests.app.gui.settling import settle
+from tests.app.gui.ui import Shown, StillViewport, Ui, compare
 
 
 @pytest.fixture
@@ -272,6 +278,30 @@ def test_the_difference_is_of_the_two_panes(state: AppState, channels: Channels)
     assert "ORIGINAL − ENHANCED" in shown.tags[0].text
     actions.set_params(state, EnhanceParams(z=0.0))
     assert difference_pane(state, pictures, difference).stale
+
+
+def test_stripes_and_tint_are_on_both_windows_and_no_stripes_on_a_heat_map(
+    ui: Ui, state: AppState, channels: Channels
+) -> None:
+    comparing.toggle_zebra(state)
+    clip_actions.set_mask(state, PictureMask(text=(0, 0, 10, 40)))
+    clip_actions.toggle_overlay(state)
+    settle(state, channels)
+    channels.left_out.run_waiting()
+    settle(state, channels)
+    tint, shown = tinted(state), Shown()
+    assert tint is not None
+    second = SecondContent(cast(moderngl.Context, None), shown, cast(Viewport, StillViewport()))
+    second.of(state, (64, 48))
+    ui.frame(compare(state, shown))
+    slots = ("second window", "left", "right")
+    assert {slot: shown.marks[slot] for slot in slots} == dict.fromkeys(slots, (True, tint))
+    comparing.choose_mode(state, "difference")
+    settle(state, channels)
+    ui.frame(compare(state, shown))
+    assert state.comparing.difference is not None
+    assert shown.images["single"] is state.comparing.difference.heat
+    assert shown.marks["single"] == (False, tint)
 
 
 def test_requests_of_the_same_two_pictures_are_one() -> None:

@@ -74,10 +74,11 @@ class Ui:
 
 
 class Shown:
-    """Stands for the textures: remembers which image each slot showed last."""
+    """Stands for the textures: remembers which image each slot showed last, and what was painted over it."""
 
     def __init__(self) -> None:
         self.images: dict[str, ByteImage] = {}
+        self.marks: dict[str, Marks] = {}
 
     def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
         self.images[slot] = image
@@ -86,7 +87,7 @@ class Shown:
     def part(
         self, slot: str, image: ByteImage, place: Placement, pane: tuple[float, float], marks: Marks = PLAIN
     ) -> OnPane | None:
-        self.images[slot] = image
+        self.images[slot], self.marks[slot] = image, marks
         return OnPane(imgui.ImTextureRef(1), 0, 0, 10, 10)
 
     def lay(self, shown: OnPane, low: ImVec2, high: ImVec2) -> None: ...
