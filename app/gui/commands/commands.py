@@ -248,7 +248,8 @@ def _wipe(steps: int) -> Act:
 
 def _slot(slot: Slot) -> tuple[Command, Command]:
     return (
-        Command(f"Store settings {slot}", lambda s: comparing.store(s, slot), (f"Shift+{slot}",)),
+        Command(f"Store settings {slot}", lambda s: comparing.store(s, slot), (f"Shift+{slot}",),
+                applies=has_clip),
         Command(f"Use settings {slot}", lambda s: comparing.recall(s, slot),
                 applies=lambda s: slot in s.enhancement.stored),
     )  # fmt: skip

@@ -147,6 +147,8 @@ def test_what_does_not_apply_cannot_be_run(ui: Ui, empty: AppState) -> None:
 def test_a_key_does_nothing_where_its_command_does_not_apply(ui: Ui, empty: AppState) -> None:
     ui.press(palette(empty), imgui.Key.z)
     assert not empty.comparing.chosen.zebra
+    ui.press(palette(empty), imgui.Key.mod_shift, imgui.Key.a)
+    assert not empty.enhancement.stored  # There are no panes to choose it for.
 
 
 def test_undo_is_of_edits_in_edit_mode_and_of_parameters_elsewhere(editing: AppState) -> None:
