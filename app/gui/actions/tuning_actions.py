@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from app.enhancement.amounts import spaced
 from app.enhancement.contact_sheet import columns_of
 from app.enhancement.parameter_grid import Axis, Setting, settings
-from app.enhancement.setting_words import said
+from app.enhancement.setting_words import LABELS, said
 from app.errors import UserError
 from app.gui.actions import actions, presenting
 from app.gui.session_file import Choice
@@ -45,8 +46,12 @@ def start_grid(state: AppState) -> None:
     picture = state.picture_request
     if picture is None:
         return
+    chosen = [choice for choice in tuning.choices if _is_of_method(state, choice)]
+    if reason := _why_not(chosen):
+        actions.fail(state, reason)
+        return
     try:
-        axes = [_axis(state, choice) for choice in tuning.choices if _is_of_method(state, choice)]
+        axes = [_axis(state, choice) for choice in chosen]
         wanted = settings(state.enhancement.params, axes)
     except UserError as error:
         actions.fail(state, str(error).removeprefix("--vary: "))
@@ -57,6 +62,16 @@ def start_grid(state: AppState) -> None:
         picture = replace(picture, of_clip=None)
     tuning.grid = Grid(picture.with_params(state.enhancement.params), wanted, columns)
     tuning.cells, tuning.running, tuning.chosen, tuning.look = {}, True, None, None
+
+
+def _why_not(chosen: Sequence[Choice]) -> str:
+    """Why these make no grid, in the words of the panel; empty where they do."""
+    names = [choice.name for choice in chosen]
+    if not names:
+        return "There is nothing to try: choose a parameter for the rows or the columns."
+    if len(set(names)) < len(names):
+        return f"Rows and columns are both of {LABELS[names[0]]}: choose two different parameters."
+    return ""
 
 
 def _is_of_method(state: AppState, choice: Choice) -> bool:

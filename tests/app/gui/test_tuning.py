@@ -141,10 +141,12 @@ def test_what_cannot_be_tried_is_a_sentence(state: AppState, channels: Channels)
     state.tuning.choices = (Choice("p"), Choice("p"))
     tuning_actions.start_grid(state)
     assert state.window.banner is not None
+    assert "both of Detail" in state.window.banner.message
     state.enhancement.params, state.window.banner = VesselParams(), None
     state.tuning.choices = (Choice("z"), Choice())
     tuning_actions.start_grid(state)
     assert state.window.banner is not None
+    assert "nothing to try" in state.window.banner.message
     assert state.tuning.grid is None
 
 
