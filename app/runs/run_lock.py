@@ -53,13 +53,15 @@ def _partial_files(run: Path) -> list[Path]:
     return [path for path in found if path.is_symlink() or path.is_file()]
 
 
-def clear_training(run: Path) -> None:
-    """Remove what killed trainings of the run have left; nothing where one goes on, or where it cannot be.
+def clear_training(run: Path, *, is_run: bool) -> None:
+    """Remove what killed trainings have left in a folder; nothing where one goes on, or where it cannot be.
+
+    One that was killed as it began leaves no run: without a mark of ours, files in its folder are others'.
 
     Raises:
         OSError: the folder cannot be listed.
     """
-    if any((run / name).exists() for name in (NAME, LOCK)) or _partial_files(run):
+    if any((run / name).exists() for name in (NAME, LOCK)) or (is_run and _partial_files(run)):
         with suppress(UserError, OSError), locked(run):
             pass
 

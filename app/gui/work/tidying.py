@@ -40,6 +40,5 @@ def clear_places(places: Places) -> Iterator[None]:
         if run.is_dir() and not run.is_symlink():
             clear(run)
             with suppress(OSError):
-                if RunFolder(run).is_run:
-                    clear_training(run)
+                clear_training(run, is_run=RunFolder(run).is_run)
     yield None

@@ -81,6 +81,15 @@ def test_a_run_whose_training_was_killed_is_nobodys(places: Places) -> None:
     assert [path.name for path in run.iterdir()] == ["run.json"]
 
 
+def test_a_training_that_was_killed_as_it_began_leaves_nothing(places: Places) -> None:
+    run = places.runs / "first"
+    run.mkdir(parents=True)
+    for name in (NAME, LOCK):
+        (run / name).write_text("")
+    start(places)
+    assert left(places) == []
+
+
 def test_what_goes_on_is_left_alone(places: Places, shared: Path) -> None:
     run = places.runs / "first"
     run.mkdir(parents=True)
