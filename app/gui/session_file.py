@@ -252,6 +252,9 @@ SUBSTANCE: Final = (
 SESSION = TypeAdapter(Session)
 
 
+OTHER: Final = "expected a session of schema"
+
+
 def write_session(path: Path, session: Session) -> None:
     """The file becomes this session or stays as it was. Raises OSError or UserError."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
@@ -272,7 +275,8 @@ def mended_session(path: Path) -> tuple[Session, str]:
     """All of a session that can be read, and in a sentence what cannot; empty when all can.
 
     Raises:
-        UserError: no such file, or nothing to open in it. A damaged file is kept beside as NAME.broken.
+        UserError: no such file, nothing to open in it, or of another schema. A damaged file is kept beside as
+            NAME.broken.
     """
     try:
         content = read_text(path)
@@ -282,6 +286,9 @@ def mended_session(path: Path) -> tuple[Session, str]:
     session, wrong = _readable(content)
     if not wrong and session is not None:
         return session, ""
+    if wrong.startswith(OTHER):
+        # Another version reads it: it stays.
+        raise UserError(f"{wrong}: {path}")
     if session is None or (session.source is None and session.run is None):
         with suppress(OSError):
             os.replace(path, kept)
@@ -300,7 +307,7 @@ def _readable(content: bytes) -> tuple[Session | None, str]:
     if not isinstance(told, dict):
         return None, "not a JSON object"
     if told.get("schema", 1) != 1:
-        return None, f"expected schema 1, got {shortened(told['schema'])}"
+        return None, f"{OTHER} 1, got {shortened(told['schema'])}, which another version can open"
     found = mended(SESSION, told)
     session, left_out = found
     return session, f"{', '.join(left_out)} cannot be read" if left_out else ""

@@ -106,6 +106,13 @@ def test_a_field_out_of_its_range_is_as_at_first_and_is_said(tmp_path: Path, nam
     assert len(said) < 300
 
 
+def test_a_session_of_another_version_stays_where_it_is(tmp_path: Path) -> None:
+    path = session_file(tmp_path, schema=2)
+    with pytest.raises(UserError, match="expected a session of schema 1, got 2, which another version can"):
+        mended_session(path)
+    assert list(tmp_path.iterdir()) == [path]
+
+
 @pytest.mark.parametrize("name", ["source", "run"])
 def test_a_path_of_millions_of_characters_is_no_path(tmp_path: Path, name: str) -> None:
     path = session_file(tmp_path, **{"source": None, name: {"path": "x" * 10_000_000}})
