@@ -226,7 +226,7 @@ def _render_video(record: RenderVideo, sources: Sources, target: Path) -> Steps:
 
 def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None:
     scene = sources.scene(record)
-    windows = page_windows(scene, record.tolerance)
+    windows = page_windows(scene, record.tolerance, record.rounding)
     errors = [one.tracks.error for one in windows if one.tracks.error is not None]
     record = replace(record, error=max(errors, default=None))
     about = f"Reconstruction of {record.trained_on}" if record.trained_on else "Reconstruction"

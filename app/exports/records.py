@@ -103,9 +103,12 @@ class BrowserModel(SceneRecord):
     tolerance: Annotated[float, Interval(ge=0)] | None = None
     """In scene units, to which positions of a motion that is no spline are sampled, as far as the page may
     grow; None: at 48 moments, as before 0.2.0."""
+    rounding: Annotated[float, Interval(ge=0)] | None = None
+    """In scene units, by which rounding moves positions at most; None: all values of a kind are rounded to a
+    share of their range, however wide that is, as before 0.4.0."""
     error: Annotated[float | None, Told] = None
     """In scene units, the largest distance at a frame between positions of the page and of the model; None:
-    not measured, as of splines, which the page draws themselves."""
+    not measured, as of splines before 0.4.0."""
     clip_frames: Annotated[int, Interval(ge=1)]
     """Of the clip, or of the part of it that was trained on."""
     start: Annotated[int, Interval(ge=0)] | None = None

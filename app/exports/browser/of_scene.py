@@ -15,6 +15,8 @@ from renderer.model_windows import ModelWindow, windows_of
 
 TOLERANCE: Final = 0.25
 """Pixels of the clip, of tissue at the middle distance."""
+ROUNDING: Final = 0.25
+"""Of the tolerance."""
 MOST_VALUES: Final = 4096 * 2048
 """Of a kind, over all Gaussians and moments: what a texture of every browser holds."""
 
@@ -24,6 +26,7 @@ def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> Bro
     UserError: a splat file per moment."""
     scene.require_same_tissue()
     frames = len(scene.cameras)
+    tolerance = TOLERANCE * scene.distance / scene.cameras[0].fx
     return extended(
         BrowserModel,
         scene.record,
@@ -31,7 +34,8 @@ def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> Bro
         camera=camera,
         moves=camera in scene.cameras and any(one != camera for one in scene.cameras),
         near=scene.near,
-        tolerance=TOLERANCE * scene.distance / scene.cameras[0].fx,
+        tolerance=tolerance,
+        rounding=ROUNDING * tolerance,
         clip_frames=frames,
         start=scene.first,
         seconds=frames / frames_per_second,
@@ -45,12 +49,15 @@ def far_off(record: BrowserModel, unit: str) -> str:
     return f"shown with an error of up to {record.error:.2g} {unit}"
 
 
-def page_windows(scene: Scene, tolerance: float | None) -> tuple[PageWindow, ...]:
-    """Of its model, in the order of time; `tolerance`: see BrowserModel."""
+def page_windows(
+    scene: Scene, tolerance: float | None, rounding: float | None = None
+) -> tuple[PageWindow, ...]:
+    """Of its model, in the order of time; `tolerance` and `rounding`: see BrowserModel."""
     frames, most = len(scene.cameras), MOST_VALUES // max(len(scene.model), 1)
-    return tuple(_window(one, one.frames(frames), tolerance, most) for one in windows_of(scene.model))
+    nearness = None if tolerance is None else tolerance - (rounding or 0.0)
 
+    def window(one: ModelWindow, there: range) -> PageWindow:
+        sampling = None if nearness is None else Sampling(len(there), nearness, most)
+        return PageWindow(tracks_of(one.model, sampling, rounding), there[0], there[-1])
 
-def _window(window: ModelWindow, there: range, tolerance: float | None, most: int) -> PageWindow:
-    sampling = None if tolerance is None else Sampling(len(there), tolerance, most)
-    return PageWindow(tracks_of(window.model, sampling), there[0], there[-1])
+    return tuple(window(one, one.frames(frames)) for one in windows_of(scene.model))

@@ -23,6 +23,8 @@ from renderer.splats import RenderMode
 
 LEVEL: Final = 9
 """Of the compression."""
+CODE: Final = ("shaders.js", "controls.js", "viewer.js")
+"""One after another a single script."""
 LONGEST: Final = 500_000_000
 """Characters of its numbers; browsers hold texts of some 512 million."""
 
@@ -94,7 +96,7 @@ def browser_page(
         "SCENE": in_script(scene),
         "PROVENANCE": in_script(facts),
         "CONTENT": content,
-        "CODE": _own("viewer.js"),
+        "CODE": "\n".join(_own(name) for name in CODE),
     }
     return filled_in(_own("viewer.html"), parts)
 

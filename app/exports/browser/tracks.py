@@ -1,4 +1,4 @@
-"""A model's values over time, quantised for the page: control values of curves, or samples between which the
+"""A model's values over time, rounded for the page: control values of curves, or samples between which the
 page interpolates linearly."""
 
 from __future__ import annotations
@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
+from math import inf, sqrt
 from typing import Any, Final
 
 import numpy as np
@@ -24,24 +25,32 @@ ALIGNED: Final = 4
 """Bytes; by so many at once the page reads what it holds."""
 SAME: Final = 1e-6
 """Below which a value does not move, in its own unit."""
+OFF: Final = {"colors": 1 / 128, "quats": 1e-3, "log_scales": 0.01, "opacity_logits": 0.01}
+"""By how much rounding may move each of a Gaussian's values, beside its position."""
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """(N, K, C) values, as whole numbers between `low` and `high`; K = 1 does not move."""
+    """(N, K, C) values; K = 1 does not move."""
 
     name: str
     values: NDArray[Any]
+    """Whole numbers of 8 or 16 bits between `low` and `high`; or float32, the values themselves."""
     low: Float32Array
     """(C,)"""
     high: Float32Array
     """(C,)"""
 
     @classmethod
-    def of(cls, name: str, values: Float32Array, bits: int) -> Track:
-        """Rounded to `bits`, 8 or 16, over the range of each channel."""
+    def of(cls, name: str, values: Float32Array, bits: int, off: float = inf) -> Track:
+        """Rounded over the range of each channel to `bits`, 8 or 16, or to 16 where those move one by more
+        than `off`; as they are where these do too, since one stray value makes all others coarse."""
         nothing = np.zeros(values.shape[2], np.float32)
         low, high = (values.min(axis=(0, 1)), values.max(axis=(0, 1))) if len(values) else (nothing, nothing)
+        if bits == 8 and _half_step(low, high, 8).max() > off:
+            bits = 16
+        if _half_step(low, high, bits).max() > off:
+            return cls(name, values, nothing, nothing + 1)
         high = np.maximum(high, low + np.float32(1e-9))
         top = (1 << bits) - 1
         # Beside a large value, that is none: what does not vary is then at its lower end.
@@ -49,6 +58,13 @@ class Track:
         share = (values.astype(np.float64) - low) / span
         whole = np.rint(share * top).clip(0, top).astype(np.uint8 if bits == 8 else np.uint16)
         return cls(name, whole, low.astype(np.float32), high.astype(np.float32))
+
+    @property
+    def rounding(self) -> float:
+        """The largest distance between values and what they are rounded to."""
+        if self.values.dtype == np.float32:
+            return 0.0
+        return float(np.linalg.norm(_half_step(self.low, self.high, 8 * self.values.itemsize)))
 
     def told(self, start: int) -> dict[str, Any]:
         """For the page; `start`: of its bytes among all."""
@@ -73,7 +89,8 @@ class Tracks:
     degree: int
     """CUBIC: uniform B-splines; LINEAR: through samples at even moments, the first at 0, the last at 1."""
     error: float | None = None
-    """Of samples, see `samples.Samples`."""
+    """Largest distance at a frame between a position of the model and that of the page, in scene units; None:
+    not asked for."""
 
     @property
     def content(self) -> bytes:
@@ -87,23 +104,33 @@ class Tracks:
         return [track.told(int(start)) for track, start in zip(self.tracks, starts, strict=False)]
 
 
+def _half_step(low: Float32Array, high: Float32Array, bits: int) -> NDArray[np.float64]:
+    return np.asarray((high.astype(np.float64) - low) / ((1 << bits) - 1) / 2)
+
+
 def _padded(content: bytes) -> bytes:
     return content + bytes(-len(content) % ALIGNED)
 
 
-def tracks_of(model: DynamicGaussians, sampling: Sampling | None = None) -> Tracks:
+def tracks_of(
+    model: DynamicGaussians, sampling: Sampling | None = None, rounding: float | None = None
+) -> Tracks:
     """Colours by direction are left out: the page shows those that do not depend on it.
 
-    `sampling`: of a motion that is no spline.
+    `sampling`: of a motion that is no spline; `rounding`: see BrowserModel.
     """
     motion = model.motion
     if isinstance(motion, SplineMotion):
-        return _of_spline(model.raw, motion)
-    samples = sampled(model, sampling)
-    return Tracks(_quantised(samples.moments), LINEAR, samples.error)
+        tracks, degree, error = _tracks(_of_spline(model.raw, motion), rounding), CUBIC, None
+    else:
+        samples = sampled(model, sampling)
+        tracks, degree, error = _tracks(_over_time(samples.moments), rounding), LINEAR, samples.error
+    if rounding is not None:
+        error = (error or 0.0) + tracks[0].rounding
+    return Tracks(tracks, degree, error)
 
 
-def _of_spline(raw: RawGaussians, motion: SplineMotion) -> Tracks:
+def _of_spline(raw: RawGaussians, motion: SplineMotion) -> tuple[Float32Array, ...]:
     """Curves of Gaussians and of their nodes are sums of the same basis, so their control values add up."""
     means = _lifted(raw.means, motion.position_controls, motion.n_controls)
     if len(motion.node_indices):
@@ -113,8 +140,7 @@ def _of_spline(raw: RawGaussians, motion: SplineMotion) -> Tracks:
         means = means + np.einsum("nj,njkc->nkc", motion.node_weights, shared, dtype=np.float64)
     colors = _lifted(raw.colors, motion.color_controls, motion.n_controls)
     logits = _lifted(raw.opacity_logits[:, None], motion.opacity_controls, motion.n_controls)
-    values = (means, colors, unit_quats(raw.quats)[:, None], raw.log_scales[:, None], logits)
-    return Tracks(_tracks(values), CUBIC)
+    return means, colors, unit_quats(raw.quats)[:, None], raw.log_scales[:, None], logits
 
 
 def _lifted(base: Float32Array, controls: Float32Array, count: int) -> Float32Array:
@@ -122,26 +148,27 @@ def _lifted(base: Float32Array, controls: Float32Array, count: int) -> Float32Ar
     return base[:, None] + controls if len(controls) else base[:, None]
 
 
-def _quantised(samples: Sequence[RawGaussians]) -> tuple[Track, ...]:
+def _over_time(samples: Sequence[RawGaussians]) -> tuple[Float32Array, ...]:
     def over_time(values: Iterable[Float32Array]) -> Float32Array:
         stacked = np.stack(list(values), axis=1)
         return stacked if np.ptp(stacked, axis=1).max(initial=0) > SAME else stacked[:, :1]
 
     turns = (unit_quats(one.quats) for one in samples)
-    return _tracks((
+    return (
         over_time(one.means for one in samples),
         over_time(one.colors for one in samples),
         over_time(accumulate(turns, lambda before, now: of_nearer_sign(now, before))),
         over_time(one.log_scales for one in samples),
         over_time(one.opacity_logits[:, None] for one in samples),
-    ))  # fmt: skip
+    )
 
 
-def _tracks(values: Iterable[Float32Array]) -> tuple[Track, ...]:
-    """In the order of Tracks. Colours of 8 bits err by up to a grey level of each splat, which blending and
-    the mean over several control values make less."""
+def _tracks(values: Iterable[Float32Array], rounding: float | None) -> tuple[Track, ...]:
+    """In the order of Tracks. Colours of 8 bits err by up to a few grey levels of each splat, which blending
+    and the mean over several control values make less."""
     names = (("means", 16), ("colors", 8), ("quats", 16), ("log_scales", 16), ("opacity_logits", 16))
+    off = {} if rounding is None else {"means": rounding / sqrt(3), **OFF}
     return tuple(
-        Track.of(name, np.asarray(each, np.float32), bits)
+        Track.of(name, np.asarray(each, np.float32), bits, off.get(name, inf))
         for (name, bits), each in zip(names, values, strict=True)
     )

@@ -1,10 +1,9 @@
-"use strict";
 // Gaussians as instanced quads (WebGL2), sorted by depth, values over time from integer textures. A long clip has
 // windows, each with Gaussians of its own; where two overlap, one fades into the next.
 
 const scene = JSON.parse(document.getElementById("scene").textContent);
 const canvas = document.getElementById("canvas");
-const NAMES = ["means", "colors", "quats", "log_scales", "opacity_logits"], WIDTH = 4096, GROUND = 64 / 255;
+const NAMES = ["means", "colors", "quats", "log_scales", "opacity_logits"], GROUND = 64 / 255;
 const windows = scene.windows.map((one) => ({ ...one, tracks: NAMES.map((name) => one.tracks.find((track) => track.name === name)) }));
 
 function fail(text) {
@@ -21,11 +20,16 @@ async function unpacked() {
   return new Response(stream).arrayBuffer();
 }
 
-// The values of a track as whole numbers, all of a Gaussian's moments one after another.
-function numbers(one, buffer) {
-  const kind = one.bytes === 1 ? Uint8Array : Uint16Array;
+// Of the bytes of each number: how it is read, and what stands for the high end of a track.
+const KINDS = { 1: Uint8Array, 2: Uint16Array, 4: Float32Array }, TOPS = { 1: 255, 2: 65535, 4: 1 };
+
+// The values of a track, as they are or as whole numbers, all of a Gaussian's moments one after another.
+function numbers(one, buffer, kind = KINDS[one.bytes]) {
   return new kind(buffer, one.start, one.count * one.moments * one.channels);
 }
+
+// Of a number, in each channel.
+const steps = (track) => track.high.map((high, c) => (high - track.low[c]) / TOPS[track.bytes]);
 
 // What is there at a time: one window or two, each with its own time and how much of it is seen.
 function present(time) {
@@ -51,81 +55,6 @@ function taps(moments, { degree, time }) {
   return [first, [v ** 3, 3 * u ** 3 - 6 * u ** 2 + 4, 3 * v ** 3 - 6 * v ** 2 + 4, u ** 3].map((w) => w / 6)];
 }
 
-const VERTEX = `#version 300 es
-precision highp float; precision highp int; precision highp usampler2D;
-uniform usampler2D means, colors, quats, log_scales, opacity_logits;
-// Of each value in the first window, then in the second one.
-uniform int start[10], first[10], moments[10]; uniform vec4 weights[10], low[10], span[10];
-uniform int split; uniform float fades[2];
-uniform mat3 turn; uniform vec3 shift;
-uniform vec4 lens; uniform vec4 limits; uniform vec2 size; uniform float near; uniform bool antialiased;
-in uint splat;
-out vec2 place; out vec4 color;
-int later, own;
-vec4 at(usampler2D values, int name) {
-  vec4 sum = vec4(0.0);
-  int which = 5 * later + name;
-  for (int tap = 0; tap < 4; tap++) {
-    if (weights[which][tap] == 0.0) continue;
-    int index = start[which] + own * moments[which] + min(first[which] + tap, moments[which] - 1);
-    sum += weights[which][tap] * vec4(texelFetch(values, ivec2(index % ${WIDTH}, index / ${WIDTH}), 0));
-  }
-  return low[which] + sum * span[which];
-}
-void main() {
-  gl_Position = vec4(2.0, 2.0, 2.0, 1.0); place = vec2(0.0); color = vec4(0.0);
-  later = int(splat) < split ? 0 : 1;
-  own = int(splat) - later * split;
-  vec3 local = turn * at(means, 0).xyz + shift;
-  if (local.z <= near) return;
-  vec4 q = normalize(at(quats, 2));
-  vec3 scale = exp(at(log_scales, 3).xyz);
-  float opacity = fades[later] / (1.0 + exp(-at(opacity_logits, 4).x));
-  mat3 rotation = mat3(
-    1.0 - 2.0 * (q.z * q.z + q.w * q.w), 2.0 * (q.y * q.z + q.x * q.w), 2.0 * (q.y * q.w - q.x * q.z),
-    2.0 * (q.y * q.z - q.x * q.w), 1.0 - 2.0 * (q.y * q.y + q.w * q.w), 2.0 * (q.z * q.w + q.x * q.y),
-    2.0 * (q.y * q.w + q.x * q.z), 2.0 * (q.z * q.w - q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z));
-  mat3 axes = turn * rotation * mat3(scale.x, 0, 0, 0, scale.y, 0, 0, 0, scale.z);
-  vec2 slope = clamp(local.xy / local.z, limits.xz, limits.yw);
-  vec3 across = lens.x / local.z * (vec3(axes[0].x, axes[1].x, axes[2].x) - slope.x * vec3(axes[0].z, axes[1].z, axes[2].z));
-  vec3 down = lens.y / local.z * (vec3(axes[0].y, axes[1].y, axes[2].y) - slope.y * vec3(axes[0].z, axes[1].z, axes[2].z));
-  float xx = dot(across, across) + 0.3, yy = dot(down, down) + 0.3, xy = dot(across, down);
-  if (antialiased) {
-    vec3 minors = cross(across, down);
-    float sharp = dot(minors, minors);
-    opacity *= sqrt(sharp / (sharp + 0.3 * (xx + yy - 0.3)));
-  }
-  if (opacity < 1.0 / 255.0) return;
-  float middle = 0.5 * (xx + yy), apart = length(vec2(0.5 * (xx - yy), xy));
-  float longer = middle + apart, shorter = max(middle - apart, 0.3);
-  vec2 axis = apart < 1e-6 ? vec2(1.0, 0.0) : normalize(xx >= yy ? vec2(longer - yy, xy) : vec2(xy, longer - xx));
-  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
-  place = corner * sqrt(2.0 * log(255.0 * opacity));
-  vec2 centre = lens.xy * local.xy / local.z + lens.zw;
-  vec2 pixel = centre + place.x * sqrt(longer) * axis + place.y * sqrt(shorter) * vec2(-axis.y, axis.x);
-  gl_Position = vec4(pixel.x / size.x * 2.0 - 1.0, 1.0 - pixel.y / size.y * 2.0, 0.0, 1.0);
-  color = vec4(at(colors, 1).xyz, opacity);
-}`;
-
-const FRAGMENT = `#version 300 es
-precision highp float;
-in vec2 place; in vec4 color; out vec4 seen;
-void main() {
-  float alpha = min(color.a * exp(-0.5 * dot(place, place)), 0.99);
-  if (alpha < 1.0 / 255.0) discard;
-  seen = vec4(color.rgb * alpha, alpha);
-}`;
-
-const WHOLE = `#version 300 es
-void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`;
-
-const RESOLVE = `#version 300 es
-precision highp float; uniform sampler2D drawn; uniform float ground; out vec4 shown;
-void main() {
-  vec4 seen = texelFetch(drawn, ivec2(gl_FragCoord.xy), 0);
-  shown = vec4(clamp(seen.rgb + (1.0 - seen.a) * ground, 0.0, 1.0), 1.0);
-}`;
-
 function program(gl, ...sources) {
   const made = gl.createProgram();
   [gl.VERTEX_SHADER, gl.FRAGMENT_SHADER].forEach((kind, place) => {
@@ -140,24 +69,27 @@ function program(gl, ...sources) {
   return made;
 }
 
-// One value of all windows, one window after another.
+// One value of all windows, one window after another, as wide as the widest; of floats, their bits.
 function texture(gl, unit, buffer) {
-  const tracks = windows.map((one) => one.tracks[unit]), { bytes, channels } = tracks[0];
+  const tracks = windows.map((one) => one.tracks[unit]), { channels } = tracks[0];
+  const bytes = Math.max(...tracks.map((one) => one.bytes));
   let texels = 0;
   for (const one of tracks) { one.texel = texels; texels += one.count * one.moments; }
   const rows = Math.max(1, Math.ceil(texels / WIDTH));
   if (rows > gl.getParameter(gl.MAX_TEXTURE_SIZE)) fail("This model is too large for this browser's graphics.");
   const formats = {
-    11: [gl.R8UI, gl.RED_INTEGER], 13: [gl.RGB8UI, gl.RGB_INTEGER],
-    21: [gl.R16UI, gl.RED_INTEGER], 23: [gl.RGB16UI, gl.RGB_INTEGER], 24: [gl.RGBA16UI, gl.RGBA_INTEGER],
+    1: { 3: gl.RGB8UI },
+    2: { 1: gl.R16UI, 3: gl.RGB16UI, 4: gl.RGBA16UI },
+    4: { 1: gl.R32UI, 3: gl.RGB32UI, 4: gl.RGBA32UI },
   };
-  const [inside, format] = formats[10 * bytes + channels];
-  const values = new (bytes === 1 ? Uint8Array : Uint16Array)(rows * WIDTH * channels);
-  for (const one of tracks) values.set(numbers(one, buffer), one.texel * channels);
+  const [kind, type] = { 1: [Uint8Array, gl.UNSIGNED_BYTE], 2: [Uint16Array, gl.UNSIGNED_SHORT], 4: [Uint32Array, gl.UNSIGNED_INT] }[bytes];
+  const format = { 1: gl.RED_INTEGER, 3: gl.RGB_INTEGER, 4: gl.RGBA_INTEGER }[channels];
+  const values = new kind(rows * WIDTH * channels);
+  for (const one of tracks) values.set(numbers(one, buffer, one.bytes === 4 ? kind : undefined), one.texel * channels);
   gl.activeTexture(gl.TEXTURE0 + unit);
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-  gl.texImage2D(gl.TEXTURE_2D, 0, inside, WIDTH, rows, 0, format, bytes === 1 ? gl.UNSIGNED_BYTE : gl.UNSIGNED_SHORT, values);
+  gl.texImage2D(gl.TEXTURE_2D, 0, formats[bytes][channels], WIDTH, rows, 0, format, type, values);
   for (const name of ["MIN", "MAG"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}_FILTER`], gl.NEAREST);
 }
 
@@ -229,7 +161,7 @@ class Viewer {
     for (const one of there) {
       const track = one.tracks[0], [first, weights] = taps(track.moments, one), means = one.means;
       const base = shift[2] + axis.reduce((sum, a, c) => sum + a * track.low[c], 0);
-      const factors = axis.map((a, c) => a * (track.high[c] - track.low[c]) / 65535);
+      const factors = steps(track).map((step, c) => axis[c] * step);
       for (let n = 0; n < track.count; n++) {
         let z = base;
         for (let tap = 0; tap < 4; tap++) {
@@ -257,13 +189,14 @@ class Viewer {
     there.forEach((one, later) => {
       gl.uniform1f(at(`fades[${later}]`), one.fade);
       one.tracks.forEach((track, name) => {
-        const which = 5 * later + name, [first, weights] = taps(track.moments, one), top = track.bytes === 1 ? 255 : 65535;
+        const which = 5 * later + name, [first, weights] = taps(track.moments, one);
+        gl.uniform1i(at(`exact[${which}]`), track.bytes === 4 ? 1 : 0);
         gl.uniform1i(at(`start[${which}]`), track.texel);
         gl.uniform1i(at(`moments[${which}]`), track.moments);
         gl.uniform1i(at(`first[${which}]`), first);
         gl.uniform4fv(at(`weights[${which}]`), weights);
         gl.uniform4fv(at(`low[${which}]`), four(track.low));
-        gl.uniform4fv(at(`span[${which}]`), four(track.high.map((h, c) => (h - track.low[c]) / top)));
+        gl.uniform4fv(at(`span[${which}]`), four(steps(track)));
       });
     });
     gl.uniform1i(at("split"), there[0].tracks[0].count);
@@ -344,68 +277,6 @@ class Viewer {
     this.added = { turn: [1, 0, 0, 0, 1, 0, 0, 0, 1], shift: [0, 0, 0] };
     this.middle = this.pivot();
   }
-}
-
-function listen(viewer) {
-  const slider = document.getElementById("time"), play = document.getElementById("play"), start = scene.start ?? 0;
-  let playing = false, before = 0, due = false;
-  const show = () => {
-    slider.value = viewer.time;
-    const frame = Math.min(scene.frames - 1, Math.round(viewer.time * scene.frames));
-    document.getElementById("frame").textContent = `frame ${start + frame + 1} / ${start + scene.frames}`;
-    if (!due) { due = true; requestAnimationFrame(step); }
-  };
-  const step = (now) => {
-    due = false;
-    if (playing) {
-      viewer.time = (viewer.time + (now - before) / 1000 / scene.seconds) % 1;
-      before = now;
-    }
-    viewer.draw();
-    if (playing) show();
-  };
-  const toggle = () => {
-    playing = !playing;
-    before = performance.now();
-    play.textContent = playing ? "❚❚" : "▶";
-    play.setAttribute("aria-label", playing ? "Pause" : "Play");
-    show();
-  };
-  const move = (by) => { viewer.time = Math.min(1, Math.max(0, viewer.time + by / scene.frames)); show(); };
-  play.onclick = toggle;
-  slider.oninput = () => { viewer.time = Number(slider.value); show(); };
-  document.getElementById("reset").onclick = canvas.ondblclick = () => { viewer.reset(); show(); };
-  window.onresize = show;
-  window.onkeydown = (event) => {
-    const deeds = { " ": toggle, ArrowLeft: () => move(-1), ArrowRight: () => move(1), r: () => { viewer.reset(); show(); } };
-    const deed = deeds[event.key];
-    if (!deed || event.target.tagName === "BUTTON" && event.key === " ") return;
-    event.preventDefault();
-    deed();
-  };
-  canvas.onwheel = (event) => { event.preventDefault(); viewer.zoom(Math.exp(event.deltaY * 0.001)); show(); };
-  const held = new Map();
-  canvas.onpointerdown = (event) => { canvas.setPointerCapture(event.pointerId); held.set(event.pointerId, event); };
-  canvas.onpointerup = canvas.onpointercancel = (event) => held.delete(event.pointerId);
-  canvas.onpointermove = (event) => {
-    const last = held.get(event.pointerId);
-    if (!last) return;
-    const across = event.clientX - last.clientX, down = event.clientY - last.clientY;
-    if (held.size === 2) {
-      const other = [...held.values()].find((one) => one.pointerId !== event.pointerId);
-      const far = (one) => Math.hypot(one.clientX - other.clientX, one.clientY - other.clientY) || 1;
-      viewer.zoom(far(last) / far(event));
-    } else if (event.shiftKey || event.buttons & 2) {
-      const step = viewer.middle / (scene.camera.fx * Math.min(canvas.clientWidth / scene.camera.width, canvas.clientHeight / scene.camera.height));
-      viewer.pan(across * step, down * step);
-    } else {
-      viewer.orbit(across * 0.005, -down * 0.005);
-    }
-    held.set(event.pointerId, event);
-    show();
-  };
-  canvas.oncontextmenu = (event) => event.preventDefault();
-  show();
 }
 
 // #still=TIME shows one moment at the size of the clip, and nothing else: for comparisons.

@@ -129,7 +129,7 @@ def _tracks(text: str) -> Iterator[Array]:
         for track in window["tracks"]:
             yield np.array([*track["low"], *track["high"]])
             shape = track["count"], track["moments"], track["channels"]
-            kind = np.uint8 if track["bytes"] == 1 else np.uint16
+            kind = {1: np.uint8, 2: np.uint16, 4: np.float32}[track["bytes"]]
             yield np.frombuffer(content.tobytes(), kind, math.prod(shape), track["start"]).reshape(shape)
         yield np.array([scene["near"], scene["seconds"], scene["frames"], window["degree"]], np.float64)
     if "poses" in scene:

@@ -73,11 +73,11 @@ def drawn(tracks: Tracks, time: float) -> dict[str, NDArray[np.float64]]:
     for track, told in zip(tracks.tracks, tracks.told(), strict=True):
         whole = np.frombuffer(
             tracks.content,
-            f"u{told['bytes']}",
+            "f4" if told["bytes"] == 4 else f"u{told['bytes']}",
             told["count"] * told["moments"] * told["channels"],
             told["start"],
         )
-        top = 256 ** told["bytes"] - 1
+        top = 1 if told["bytes"] == 4 else 256 ** told["bytes"] - 1
         span = np.subtract(told["high"], told["low"]) / top
         values = (
             np.array(told["low"]) + whole.reshape(told["count"], told["moments"], told["channels"]) * span
