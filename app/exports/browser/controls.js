@@ -12,7 +12,8 @@ function listen(viewer) {
   const step = (now) => {
     due = false;
     if (playing) {
-      viewer.time = (viewer.time + (now - before) / 1000 / scene.seconds) % 1;
+      // The frame may have begun before the click that plays it.
+      viewer.time = (viewer.time + Math.max(now - before, 0) / 1000 / scene.seconds) % 1;
       before = now;
     }
     viewer.draw();
@@ -31,9 +32,9 @@ function listen(viewer) {
   document.getElementById("reset").onclick = canvas.ondblclick = () => { viewer.reset(); show(); };
   window.onresize = show;
   window.onkeydown = (event) => {
-    const deeds = { " ": toggle, ArrowLeft: () => move(-1), ArrowRight: () => move(1), r: () => { viewer.reset(); show(); } };
-    const deed = deeds[event.key];
-    if (!deed || event.target.tagName === "BUTTON" && event.key === " ") return;
+    const deeds = { " ": toggle, arrowleft: () => move(-1), arrowright: () => move(1), r: () => { viewer.reset(); show(); } };
+    const deed = deeds[event.key.toLowerCase()];
+    if (!deed || event.ctrlKey || event.metaKey || event.altKey || event.target.tagName === "BUTTON" && event.key === " ") return;
     event.preventDefault();
     deed();
   };

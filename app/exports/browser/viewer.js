@@ -105,6 +105,20 @@ function clipCamera(time) {
   return { turn: [0, 1, 2].flatMap((i) => rows[i].slice(0, 3)), shift: [0, 1, 2].map((i) => rows[i][3]) };
 }
 
+// Numbers (Float32Array) above 0, by their places in the array: the largest first, of equal ones the last. The bits
+// of a positive float order as it does; they are counted 16 at a time, the low ones first.
+function descending(values, places, spare) {
+  const digits = new Uint16Array(values.buffer), count = places.length;
+  const pass = (from, to, half, first, step) => {
+    const starts = new Uint32Array(65537);
+    for (let n = 0; n < count; n++) starts[65536 - digits[2 * from[n] + half]]++;
+    for (let k = 0; k < 65536; k++) starts[k + 1] += starts[k];
+    for (let n = 0, at = first; n < count; n++, at += step) to[starts[65535 - digits[2 * from[at] + half]]++] = from[at];
+  };
+  pass(places, spare, 0, count - 1, -1);
+  pass(spare, places, 1, 0, 1);
+}
+
 class Viewer {
   constructor(buffer) {
     const gl = this.gl = canvas.getContext("webgl2", { antialias: false, alpha: false, preserveDrawingBuffer: true });
@@ -121,7 +135,7 @@ class Viewer {
     const most = Math.max(...windows.map((one, place) => one.tracks[0].count + (windows[place + 1]?.tracks[0].count ?? 0)));
     this.order = new Uint32Array(most);
     this.depths = new Float32Array(most);
-    this.keys = new Uint16Array(most);
+    this.spare = new Uint32Array(most);
     this.splats = gl.createBuffer();
     gl.bindBuffer(gl.ARRAY_BUFFER, this.splats);
     gl.bufferData(gl.ARRAY_BUFFER, 4 * most, gl.DYNAMIC_DRAW);
@@ -150,14 +164,14 @@ class Viewer {
 
   // Depth of the middle of what the camera sees, about which a drag turns.
   pivot() {
-    const seen = [...this.depths.subarray(0, this.sort(present(this.time)))].filter((z) => z > scene.near).sort((a, b) => a - b);
-    return seen.length ? seen[seen.length >> 1] : 1;
+    const seen = this.sort(present(this.time));
+    return seen ? this.depths[this.order[(seen - 1) >> 1]] : 1;
   }
 
-  // Far to near, by counting depths in 65536 steps; how many there are.
+  // Those before the camera, far to near, of those as far the last first, as CPU and OpenGL draw; how many there are.
   sort(there) {
     const { turn, shift } = this.camera, axis = turn.slice(6, 9);
-    let least = Infinity, most = -Infinity, count = 0;
+    let count = 0, seen = 0;
     for (const one of there) {
       const track = one.tracks[0], [first, weights] = taps(track.moments, one), means = one.means;
       const base = shift[2] + axis.reduce((sum, a, c) => sum + a * track.low[c], 0);
@@ -169,17 +183,12 @@ class Viewer {
           const at = 3 * (n * track.moments + first + tap);
           z += weights[tap] * (factors[0] * means[at] + factors[1] * means[at + 1] + factors[2] * means[at + 2]);
         }
+        if (z > scene.near) this.order[seen++] = count;
         this.depths[count++] = z;
-        if (z < least) least = z;
-        if (z > most) most = z;
       }
     }
-    const scale = 65535 / Math.max(most - least, 1e-30), starts = new Uint32Array(65537), keys = this.keys;
-    for (let n = 0; n < count; n++) keys[n] = (most - this.depths[n]) * scale;
-    for (let n = 0; n < count; n++) starts[keys[n] + 1]++;
-    for (let k = 0; k < 65536; k++) starts[k + 1] += starts[k];
-    for (let n = 0; n < count; n++) this.order[starts[keys[n]]++] = n;
-    return count;
+    descending(this.depths, this.order.subarray(0, seen), this.spare);
+    return seen;
   }
 
   // Where the values of what is there lie, and which of them this time needs.
