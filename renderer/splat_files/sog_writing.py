@@ -110,7 +110,8 @@ def _palette(harmonics: NDArray[np.float32], files: Files) -> dict[str, Any]:
 
 
 def _code_book(values: Values) -> Values:
-    """256 ascending numbers near all values: k-means in one dimension, from evenly many values for each."""
+    """256 ascending numbers near all values: k-means in one dimension, from even steps, or where strays
+    leave most of these without a value, from `_among_strays`."""
     ordered = np.sort(values, axis=None)
     if not len(ordered):
         return np.zeros(LEVELS)
@@ -120,13 +121,28 @@ def _code_book(values: Values) -> Values:
         codes[: len(distinct)] = distinct
         codes[len(distinct) :] = distinct[-1]
         return codes
+    if (np.diff(_ends(ordered, codes)) > 0).sum() < LEVELS / 2:
+        codes = _among_strays(distinct)
     sums = np.concatenate([[0.0], np.cumsum(ordered)])
     for _ in range(REFINED):
-        ends = np.searchsorted(ordered, (codes[1:] + codes[:-1]) / 2)
-        ends = np.concatenate([[0], ends, [len(ordered)]])
+        ends = _ends(ordered, codes)
         held = np.diff(ends)
         codes = np.where(held > 0, np.diff(sums[ends]) / np.maximum(held, 1), codes)
     return codes
+
+
+def _among_strays(distinct: Values) -> Values:
+    """Half of the codes with evenly many values for each, half in even steps over all but 1 in 500 values."""
+    few = len(distinct) // 1000
+    even = np.linspace(distinct[few], distinct[~few], LEVELS // 2)
+    places = np.linspace(0, len(distinct) - 1, LEVELS // 2).astype(np.int64)
+    return np.sort(np.concatenate([distinct[places], even]))
+
+
+def _ends(ordered: Values, codes: Values) -> NDArray[np.int64]:
+    """(257,): where the values that are nearest to each code begin and end."""
+    within = np.searchsorted(ordered, (codes[1:] + codes[:-1]) / 2)
+    return np.concatenate([[0], within, [len(ordered)]])
 
 
 def _places(codes: Values, values: Values) -> Bytes:
