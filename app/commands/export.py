@@ -18,7 +18,7 @@ from app.exports.records import MovingSplats, RenderVideo, Splats
 from app.exports.replay.recorded import recorded
 from app.exports.sources import Opened
 from app.exports.splats import fourdgs
-from app.exports.splats.writing import COMPRESSED, MOVING, SPZ, layout_of
+from app.exports.splats.writing import CLIPPED, COMPRESSED, MOVING, layout_of
 from app.files.atomic import filled
 from app.files.codecs import CODECS, ending_of
 from app.files.records import extended
@@ -177,7 +177,7 @@ def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment],
             record = extended(Splats, scene.record, **when, sh_degree=degree, layout=layout)
             file = staging / f"{moment.name}{suffix}"
             run_to_end(make(record, sources, file))
-            if suffix.endswith(SPZ) and not beyond:
+            if suffix.endswith(tuple(CLIPPED)) and not beyond:
                 # Of the first that has any: the others are much like it.
                 beyond = [f"{notice}: {folder / file.name}" for notice in recorded(file).get("clipped", ())]
             report(done, moment.name)

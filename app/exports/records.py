@@ -84,7 +84,7 @@ class Splats(SceneRecord):
     layout: Literal["compressed"] | None = None
     """Of a PLY file: None: that of 3D Gaussian Splatting."""
     clipped: Annotated[tuple[str, ...] | None, Told] = None
-    """What the format does not hold, and is written as the nearest that it does, in words."""
+    """What the format does not hold, and is written as the nearest that it does, or coarsely, in words."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

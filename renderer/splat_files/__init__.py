@@ -98,7 +98,7 @@ def write_splats(path: str | Path, raw: RawGaussians, mode: RenderMode = "defaul
     gives all values back bit for bit, colours to 1e-7; or, of a third of its size or less, an SPZ file of
     version 3 (where it is named .v4.spz, of version 4), or, with the splats in another order, PlayCanvas'
     compressed PLY or SOG of version 2 (`spz_writing.py`, `packed_writing.py` and `sog_writing.py` say
-    what is rounded, and `spz_writing.clipped` what SPZ does not hold).
+    what is rounded, and `clipped` of the first two what the format does not hold).
     Of a model at a moment: `write_splats(path, model.motion.moved(model.raw, time))`.
 
     Args:

@@ -1,6 +1,7 @@
 """PlayCanvas' compressed PLY as it is written; see packed_ply.py for what its words hold.
 
-Splats are ordered so that neighbours share a chunk, whose bounds are then narrow.
+Splats are ordered so that neighbours share a chunk, whose bounds are then narrow. Strays, in which bounds are
+wide, come last; the least opaque splats fill up their chunk.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splat_files.inria_ply import comment_lines
 from renderer.splat_files.morton import morton_order
 from renderer.splat_files.packed_ply import CHUNK, UNSIGNED, WORDS, without_largest
+from renderer.splat_files.strays import strays, usual_span
 from renderer.splats import RenderMode
 
 THIRDS: Final = (11, 10, 11)
@@ -22,18 +24,51 @@ BYTES: Final = (8, 8, 8, 8)
 AXES: Final = ("x", "y", "z")
 SCALES: Final = ("scale_x", "scale_y", "scale_z")
 COLORS: Final = ("r", "g", "b")
+HARMONICS: Final = 4.0
+"""The largest."""
+COARSE: Final = 0.02
+"""Share of what most values of a kind span: rounding that moves one by more is told."""
 Words = NDArray[np.uint32]
+
+
+def clipped(raw: RawGaussians) -> tuple[str, ...]:
+    """What is beyond what the format holds, or is rounded coarsely by it, in words."""
+    told = list[str]()
+    if beyond := int((np.abs(raw.harmonics) > HARMONICS + 1 / 64).sum()):
+        told.append(
+            f"{beyond} of {raw.harmonics.size} values of colours by direction are beyond -{HARMONICS:g} to "
+            f"{HARMONICS:g}, which compressed PLY does not hold: they are clipped"
+        )
+    if coarse := _coarse(raw):
+        told.append(
+            f"{coarse} of {len(raw)} splats are rounded by more than {COARSE:.0%} of the usual range of "
+            f"positions, sizes or colours: compressed PLY rounds {CHUNK} together, and strays are among them"
+        )
+    return tuple(told)
+
+
+def _coarse(raw: RawGaussians) -> int:
+    """How many splats are in a chunk whose bounds are that wide."""
+    ordered, of_chunk = raw.rows(_order(raw)), np.arange(len(raw)) // CHUNK
+    coarse = np.zeros(-(-len(raw) // CHUNK), np.bool_)
+    groups = ((ordered.means, THIRDS), (ordered.log_scales, THIRDS), (ordered.colors, BYTES[:3]))
+    for values, widths in groups:
+        _, (low, high) = _within_chunks(values.astype(np.float64))
+        halves = (high.astype(np.float64) - low) / (2.0 ** np.array(widths) - 1) / 2
+        if (span := usual_span(values)) > 0:
+            coarse |= (halves > COARSE * span).any(axis=1)
+    return int(coarse[of_chunk].sum())
 
 
 def packed_ply_bytes(raw: RawGaussians, mode: RenderMode = "default", comments: Sequence[str] = ()) -> bytes:
     """What `packed_ply.splats_of` gives back in another order, to half a step of the bounds of each chunk:
     positions, log-scales and colours of 10 or 11 and of 8 bits, opacities to 1 / 510, harmonics from -4 to 4
-    to 1 / 64.
+    to 1 / 64. `clipped` says what is beyond.
 
     Raises:
         ValueError: a comment that other programs cannot read, see ply_comments.py.
     """
-    raw = raw.rows(morton_order(raw.means))
+    raw = raw.rows(_order(raw))
     groups = {AXES: raw.means, SCALES: raw.log_scales, COLORS: raw.colors}
     shares, bounds = {}, {}
     for names, values in groups.items():
@@ -54,6 +89,19 @@ def packed_ply_bytes(raw: RawGaussians, mode: RenderMode = "default", comments: 
     ]  # fmt: skip
     body = (chunks.astype("<f4"), np.stack(words, axis=1).astype("<u4"), _harmonics(raw.harmonics))
     return "\n".join(head).encode("ascii", "replace") + b"".join(part.tobytes() for part in body)
+
+
+def _order(raw: RawGaussians) -> NDArray[np.int64]:
+    order = morton_order(raw.means)
+    apart = strays(raw.means) | strays(raw.log_scales) | strays(raw.colors)
+    if not apart.any():
+        return order
+    count = int(apart.sum())
+    clear = np.argsort(np.where(apart, -np.inf, raw.opacity_logits), kind="stable")
+    last = np.zeros(len(raw), np.bool_)
+    # What comes before them then fills chunks.
+    last[clear[: count + (len(raw) - count) % CHUNK]] = True
+    return order[np.argsort(last[order], kind="stable")]
 
 
 def _within_chunks(

@@ -1,4 +1,4 @@
-"""What SPZ does not hold is clipped, and that is told: by the command, and in the file beside it."""
+"""What SPZ and compressed PLY do not hold is clipped, and that is told: by the command, and by the file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.exports.replay.recorded import recorded
 from renderer import read_splats, write_splats
+from renderer.splat_files import packed_writing
 from renderer.splat_files.spz_writing import clipped
 from tests.app.conftest import Call
 from tests.renderer.splat_files.files import gaussians
@@ -63,3 +65,16 @@ def test_another_format_holds_it(tmp_path: Path, vesselsplat: Callable[..., Call
     assert (call.code, call.error) == (0, "")
     raw = read_splats(tmp_path / "out" / "frame-000000.sog").raw
     assert np.exp(raw.log_scales.min()) == pytest.approx(2e-5, rel=0.05)
+
+
+def test_compressed_ply_tells_in_the_file_itself(tmp_path: Path, vesselsplat: Callable[..., Call]) -> None:
+    raw = gaussians(600)
+    raw.means[3] = 1e5
+    write_splats(tmp_path / "a.ply", raw)
+    call = vesselsplat("export", tmp_path / "a.ply", "--compressed-ply", tmp_path / "out")
+    file = tmp_path / "out" / "frame-000000.compressed.ply"
+    (said,) = packed_writing.clipped(raw)
+    assert said.startswith("88 of 600 splats are rounded by more than 2%")
+    assert (call.code, call.error) == (0, f"{said}: {file}\n")
+    assert recorded(file)["clipped"] == [said]
+    assert vesselsplat("replay", file, "--source", tmp_path / "a.ply").out.rstrip().endswith("identical")

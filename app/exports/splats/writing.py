@@ -14,14 +14,19 @@ from app.exports.splats.glb import splats_glb
 from app.files.atomic import together, write_bytes
 from app.files.provenance import comments, write_sidecar
 from app.scenes.scene import Scene
-from renderer.splat_files import write_splats
+from renderer.raw_gaussians import RawGaussians
+from renderer.splat_files import packed_writing, spz_writing, write_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.splat_files.packed_writing import packed_ply_bytes
 from renderer.splat_files.splat_file import require_drawable
-from renderer.splat_files.spz_writing import clipped
 
 SPZ: Final = ".spz"
 COMPRESSED: Final = ".compressed.ply"
+CLIPPED: Final[Mapping[str, Callable[[RawGaussians], tuple[str, ...]]]] = {
+    SPZ: spz_writing.clipped,
+    COMPRESSED: packed_writing.clipped,
+}
+"""Of files whose names end so, what they do not hold."""
 Moving = Callable[[MovingSplats, Scene, Path], Generator[int, None, None]]
 MOVING: Final[Mapping[str, tuple[Callable[[], None], Moving]]] = {
     ".usdc": (usd.require_splats_in_usd, usd.write_usd),
@@ -33,6 +38,12 @@ MOVING: Final[Mapping[str, tuple[Callable[[], None], Moving]]] = {
 def layout_of(ending: str) -> Literal["compressed"] | None:
     """What the record of a file whose name ends so says."""
     return "compressed" if ending == COMPRESSED else None
+
+
+def clipped(ending: str, raw: RawGaussians) -> tuple[str, ...]:
+    """What a file whose name ends so does not hold of the Gaussians, in words."""
+    told = (tell for end, tell in CLIPPED.items() if ending.endswith(end))
+    return next((tell(raw) for tell in told), ())
 
 
 def write_moment(record: Splats, scene: Scene, target: Path) -> None:
@@ -53,6 +64,8 @@ def write_moment(record: Splats, scene: Scene, target: Path) -> None:
         require_drawable(moved)
     except ValueError as error:
         raise UserError(f"{error}: {target}") from error
+    ending = COMPRESSED if record.layout == "compressed" else target.suffix.lower()
+    record = replace(record, clipped=clipped(ending, moved) or None)
     if target.suffix.lower() == ".ply":
         written = packed_ply_bytes if record.layout == "compressed" else ply_bytes
         write_bytes(target, written(moved, scene.mode, comments(record.signed)))
@@ -66,8 +79,7 @@ def write_moment(record: Splats, scene: Scene, target: Path) -> None:
             write_splats(place, moved, scene.mode)
         except ValueError as error:
             raise UserError(f"{error}: {target}") from error
-        beyond = clipped(moved) if target.suffix.lower() == SPZ else ()
-        write_sidecar(place, replace(record, clipped=beyond or None).signed)
+        write_sidecar(place, record.signed)
 
 
 def write_moving(record: MovingSplats, scene: Scene, target: Path) -> Generator[int, None, None]:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from app.exports.splats.writing import SPZ
+from app.exports.splats.writing import clipped
 from app.gui.actions.export_actions import suffix_of
 from app.gui.actions.export_offers import OFFERS, ONE_COLOR, THROUGH_TIME
 from app.gui.state.app_state import AppState
 from app.scenes.clip_speed import FRAMES_PER_SECOND
 from renderer.raw_gaussians import RawGaussians
-from renderer.splat_files.spz_writing import clipped
 
 
 def doubts(state: AppState) -> str:
@@ -19,8 +18,8 @@ def doubts(state: AppState) -> str:
     model, said = state.scene.model, list[str]()
     if model is not None and suffix_of(state) in ONE_COLOR and model.model.raw.harmonics.shape[1] > 0:
         said.append("Colours by direction are left out of the file.")
-    if model is not None and suffix_of(state).endswith(SPZ):
-        said += (f"{notice}." for notice in _clipped(model.model.raw))
+    if model is not None:
+        said += (f"{notice}." for notice in _clipped(suffix_of(state), model.model.raw))
     if _assumes_speed(state):
         said.append(
             f"How fast the clip goes is not known: {FRAMES_PER_SECOND:g} frames a second are assumed."
@@ -38,6 +37,6 @@ def _assumes_speed(state: AppState) -> bool:
 
 
 @lru_cache(maxsize=1)
-def _clipped(raw: RawGaussians) -> tuple[str, ...]:
+def _clipped(ending: str, raw: RawGaussians) -> tuple[str, ...]:
     """Asked at every frame of the panel, and counted once."""
-    return clipped(raw)
+    return clipped(ending, raw)
