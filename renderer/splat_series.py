@@ -13,7 +13,7 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.readers.clip_files import files_in
 from renderer.readers.listing import listed
 from renderer.readers.pictures import is_picture
-from renderer.splat_files import SUFFIXES, SplatFile, SplatFileError, read_splats
+from renderer.splat_files import SUFFIXES, WRITERS, SplatFile, SplatFileError, read_splats
 
 MOST_BYTES: Final = 1 << 30
 """Of Gaussians in memory, about. Beyond it, evenly chosen files are read; the same ones on every computer."""
@@ -44,11 +44,19 @@ def series_files(folder: Path) -> tuple[Path, ...]:
     if any(map(is_picture, files)):
         return ()
     for file in files:
-        if file.suffix.lower() in SUFFIXES and (found := NUMBER.search(file.stem)):
-            alike = file.stem[: found.start()], file.stem[found.end() :], file.suffix
+        ending = _ending(file)
+        stem = file.name.removesuffix(ending)
+        if file.suffix.lower() in SUFFIXES and (found := NUMBER.search(stem)):
+            alike = stem[: found.start()], stem[found.end() :], ending
             series[alike].setdefault(int(found[1]), file)
     longest = max(series.values(), key=len, default={})
     return tuple(longest[number] for number in sorted(longest)) if len(longest) > 1 else ()
+
+
+def _ending(file: Path) -> str:
+    """Of its name; what says the kind (.v4.spz) is no number of a moment."""
+    known = next((end for end in WRITERS if file.name.lower().endswith(end)), file.suffix)
+    return file.name[len(file.name) - len(known) :]
 
 
 def read_series(folder: Path, most_bytes: int = MOST_BYTES) -> SplatSeries:

@@ -10,7 +10,7 @@ import pytest
 from renderer.deformation.frame_by_frame import FrameByFrame
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
-from renderer.splat_files import SplatFileError, write_splats
+from renderer.splat_files import WRITERS, SplatFileError, write_splats
 from renderer.splat_series import read_series, series_files
 
 
@@ -44,6 +44,13 @@ def test_files_are_in_the_order_of_their_numbers(folder: Path) -> None:
     assert said.endswith("input.ply")
     model = DynamicGaussians(series.moments[0], FrameByFrame(series.moments))
     assert [model.at(time).means[0, 0] for time in (0.0, 0.039, 0.043, 0.5, 1.0)] == [0, 0, 1, 6, 11]
+
+
+@pytest.mark.parametrize("ending", [*WRITERS, ".V4.SPZ"])
+def test_the_number_of_a_moment_is_not_that_of_its_kind(ending: str, tmp_path: Path) -> None:
+    for index in range(3):
+        write_splats(tmp_path / f"frame-{index:06d}{ending}", at(float(index)))
+    assert [path.name[:12] for path in series_files(tmp_path)] == [f"frame-{index:06d}" for index in range(3)]
 
 
 def test_of_a_long_series_evenly_chosen_moments_are_kept(folder: Path) -> None:
