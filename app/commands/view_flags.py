@@ -11,7 +11,7 @@ from app.runs.run_folder import RunFolder
 from app.runs.trained_clip import input_clip, run_clip
 from app.scenes.backgrounds import BACKGROUNDS
 from app.scenes.scene import Scene
-from app.scenes.view_kinds import BY_PROCESSOR, EXPLAINED
+from app.scenes.view_kinds import BY_PROCESSOR, EXPLAINED, has_scale
 from app.scenes.view_request import FrameRequest, ViewRequest
 from app.scenes.view_selection import Moment
 from renderer.clip import Clip
@@ -41,6 +41,10 @@ def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment])
     """One a moment. Raises UserError for a difference where there are no frames, or what does not draw it."""
     if flags.view in BY_PROCESSOR and flags.renderer != "cpu":
         raise UserError(f"--with: expected cpu for --view {flags.view}, got {flags.renderer}")
+    if has_scale(flags.view) and flags.background != "grey":
+        raise UserError(
+            f"--background {flags.background}: expected a --view without a scale, got {flags.view}"
+        )
     if flags.view in ("motion", "surface") and scene.is_series:
         raise UserError(f"--view {flags.view}: expected a model that moves, got {scene.split_by_time}")
     clip = _references(flags) if flags.view == "difference" else None

@@ -231,6 +231,10 @@ def test_the_difference_is_to_the_frame_that_the_run_was_trained_on(
     [
         (("--view", "difference", "--time", 0.5), "own cameras"),
         (("--view", "depth", "--transparent"), "without a scale"),
+        (
+            ("--view", "depth", "--background", "hatched"),
+            "--background hatched: expected a --view without a scale",
+        ),
         (("--view", "points", "--depth"), "of unaltered Gaussians"),
         (("--view", "points", "--with", "reference"), "expected cpu or gl for points"),
         (("--view", "surface", "--with", "reference"), "expected cpu for --view surface"),
