@@ -234,7 +234,7 @@ def splat_scene(path: Path) -> Scene:
         file = read_splats(path)
     except SplatFileError as error:
         raise UserError(str(error)) from error
-    notices = (*file.notices, *(() if len(file.raw) else ("no splats to render: images stay black",)))
+    notices = (*file.notices, *(() if len(file.raw) else ("no splats to render: nothing is seen",)))
     return _without_cameras(whole(path), DynamicGaussians(file.raw, Still()), 1, file.mode, notices)
 
 
@@ -246,7 +246,13 @@ def series_scene(path: Path) -> Scene:
         raise UserError(str(error)) from error
     moments = series.moments
     model = DynamicGaussians(moments[0], FrameByFrame(moments))
-    return _without_cameras(path, model, len(moments), series.files[0].mode, series.notices)
+    mode, notices = series.files[0].mode, series.notices
+    if others := sum(file.mode != mode for file in series.files):
+        notices = (
+            *notices,
+            f"all are drawn as the first, {mode}: {others} of {len(series.files)} say another mode",
+        )
+    return _without_cameras(path, model, len(moments), mode, notices)
 
 
 def _without_cameras(
