@@ -19,7 +19,7 @@ ORDERS: Final = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian":
 MAGIC: Final = b"ply"
 LONGEST_HEADER: Final = 1 << 20
 """Bytes; an end is not looked for beyond."""
-_END = re.compile(rb"\nend_header\r?\n")
+_END = re.compile(rb"\nend_header[ \t]*\r?\n")
 
 
 class PlyError(ValueError):

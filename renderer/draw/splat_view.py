@@ -25,7 +25,8 @@ from renderer.splats import Float32Array, RenderMode, Shape, Splats
 from renderer.unobserved import PERIOD, WIDTH
 
 Precision = Literal["byte", "half", "float"]
-"""The target in which colour is blended: 16 bits for the screen, 32 for exports; 8 lose a level or two."""
+"""The target in which colour is blended: 16 bits for the screen, 32 for exports; in 8, levels are
+lost with each layer, some 4 over 150."""
 _FORMATS: dict[Precision, str] = {"byte": "f1", "half": "f2", "float": "f4"}
 
 Rgb = tuple[float, float, float]

@@ -157,6 +157,8 @@ def _splats(document: Any, primitive: Any, told: Any, binary: bytes) -> SplatFil
     attributes = primitive["attributes"]
 
     def values(name: str, width: int) -> NDArray[np.float32]:
+        if name not in attributes:
+            raise SplatFileError(f"expected splats with {name} in the glTF file, got some without")
         return _array(document, attributes[name], binary, width)
 
     means = values("POSITION", 3)

@@ -36,7 +36,8 @@ def splats_of(ply: Ply) -> SplatFile:
     """
     vertices = next((element for element in ply.elements if element.name == "vertex"), None)
     if vertices is None:
-        raise SplatFileError("expected vertices, got none")
+        given = ", ".join(element.name for element in ply.elements)[:60] or "none"
+        raise SplatFileError(f"expected vertices of numbers before any element with lists, got {given}")
     missing = [name for name in NEEDED if name not in vertices.fields]
     if missing and {"opacity", "scale_0", "rot_0"} <= set(missing):
         given = ", ".join(vertices.fields)[:60] or "none"

@@ -1,4 +1,4 @@
-"""What is told of splat files when they are opened: none in them, or moments that say how to draw otherwise."""
+"""What is told of splat files when they are opened: none in them, or moments of another render mode."""
 
 from __future__ import annotations
 

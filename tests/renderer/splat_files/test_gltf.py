@@ -258,6 +258,14 @@ def test_what_is_not_read_is_named(node: Change, primitive: Change, buffer: Chan
         read_glb_splats(packed(document, binary))
 
 
+@pytest.mark.parametrize("name", ["POSITION", f"{NAME}:SH_DEGREE_0_COEF_0", f"{NAME}:SCALE"])
+def test_an_attribute_that_is_missing_is_named(name: str) -> None:
+    document, binary = plain(gaussians(20))
+    del document["meshes"][0]["primitives"][0]["attributes"][name]
+    with pytest.raises(SplatFileError, match=f"expected splats with {name} in"):
+        read_glb_splats(packed(document, binary))
+
+
 def test_an_extension_that_the_file_requires_is_read_or_named() -> None:
     document, binary = plain(gaussians(20))
     document["extensionsRequired"] = [NAME, "KHR_mesh_quantization"]

@@ -225,6 +225,10 @@ ZIPPED = spz(2, 1, [bytes(9), bytes(1), bytes(3), bytes(3), bytes(3), bytes(9)],
         (GOOD.replace(b"f_dc_1", b"f_dd_1"), "f_dc_1"),
         (GOOD.replace(b"f_rest_8", b"f_rest_9"), "f_rest_0 and on"),
         (GOOD.replace(b"float rot_3", b"list uchar float rot_3"), "expected vertices"),
+        (
+            GOOD.replace(b"element", b"element a 0\nproperty list uchar int i\nelement", 1),
+            "vertices of numbers before any element with lists, got none",
+        ),
         (PACKED.replace(b"min_x", b"min_u"), "min_x"),
         (PACKED.replace(b"packed_scale", b"packet_scale"), "packed_scale"),
         (packed_ply([(1, 2, 3, 4)] * 257, [0.0] * 18), "a chunk for each 256"),
@@ -270,6 +274,12 @@ def test_what_comes_after_the_last_splat_is_told(tmp_path: Path, content: bytes)
     assert len(got.raw) == 3
     with pytest.raises(SplatFileError, match="cut off"):
         read(tmp_path, content[:-40])
+
+
+def test_the_line_that_ends_a_header_may_end_in_blanks(tmp_path: Path) -> None:
+    assert len(read(tmp_path, GOOD.replace(b"end_header", b"end_header \t")).raw) == len(
+        read(tmp_path, GOOD).raw
+    )
 
 
 def test_a_header_may_be_long_and_its_lines_end_as_on_windows(tmp_path: Path) -> None:
