@@ -16,6 +16,7 @@ from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.depths import DepthRequest, Ways, WaysRequest
+from app.gui.work.opening import read_as
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.clip import Clip, DepthOrigin
 from renderer.depth.depth_ways import DEPTH_WAYS, DepthWay, way_of
@@ -146,8 +147,12 @@ def take_depth(state: AppState, request: DepthRequest, answer: Clip | Failure) -
     before, state.source.clip, state.source.options = state.source.clip, answer, request.options
     if before is not None:
         _carry_over(state, before, answer)
+    known = () if before is None else before.notices
+    shown = state.source.notices
+    # What has been read before does not come back with the new depth.
+    state.source.notices = tuple(each for each in read_as(answer) if each in shown or each not in known)
     for notice in answer.notices:
-        if before is None or notice not in before.notices:
+        if notice not in known:
             actions.say(state, notice)
 
 

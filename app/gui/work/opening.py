@@ -115,10 +115,9 @@ class Opened:
 
     @property
     def to_be_read(self) -> tuple[str, ...]:
-        """Beside the images, but for the warning above them: what a video or one image is read as."""
-        if self.clip is None or (self.clip.format != "video" and len(self.clip) != 1):
-            return ()
-        return tuple(notice for notice in self.clip.notices if notice != self.warning)
+        """Beside the images, but for the warning above them."""
+        said = read_as(self.clip) if self.clip is not None else ()
+        return tuple(notice for notice in said if notice != self.warning)
 
     @property
     def model(self) -> Scene | None:
@@ -132,6 +131,11 @@ class Opened:
             return "run"
         is_folder = self.clip.format == IMAGES and not self.clip.has_depth
         return "stills" if is_folder or len(self.clip) == 1 else "clip"
+
+
+def read_as(clip: Clip) -> tuple[str, ...]:
+    """What a video or one image is read as, to be read beside it; of folders that is for the log."""
+    return clip.notices if clip.format == "video" or len(clip) == 1 else ()
 
 
 def open_path(request: OpenRequest) -> Iterator[Opened]:

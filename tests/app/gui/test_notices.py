@@ -9,10 +9,13 @@ import pytest
 from imgui_bundle import imgui
 from PIL import Image
 
-from app.gui.actions import arriving
+from app.gui.actions import arriving, depth_actions, picture_actions
 from app.gui.panels import compare
 from app.gui.state.app_state import AppState
+from app.gui.work.depths import DepthRequest
 from app.gui.work.opening import Opened, OpenRequest, open_path
+from renderer.clip import Clip
+from renderer.readers.clip_options import ClipOptions
 from tests.app.gui.conftest import make_clip
 from tests.app.gui.ui import Ui
 
@@ -61,3 +64,25 @@ def test_of_one_image_it_is_said_that_it_is_the_first_of_several(tmp_path: Path)
     pages[0].save(path, save_all=True, append_images=pages[1:])
     (found,) = open_path(OpenRequest(path))
     assert found.to_be_read == ("of a file with several images only the first is read: moves.png of 3",)
+
+
+def test_with_another_depth_they_say_what_is_true_of_it(state: AppState, tmp_path: Path) -> None:
+    def video(*notices: str) -> Clip:
+        return replace(make_clip(tmp_path / "scope.mp4"), format="video", notices=notices)
+
+    def take(clip: Clip, baseline: float) -> None:
+        request = DepthRequest(bare, ClipOptions(baseline=baseline))
+        state.source.depth_wish = request
+        depth_actions.take_depth(state, request, clip)
+
+    bare = video(*SAID)
+    unknown = video(*SAID, "with an unknown baseline")
+    arriving.show_opened(state, bare.path, Opened(unknown, bare=bare, notices=unknown.notices))
+    take(video(*SAID, "4.5 mm apart"), 4.5)
+    assert state.source.notices == (*SAID, "4.5 mm apart")
+    # Those that have been read do not come back, and what is new is shown.
+    picture_actions.dismiss_notices(state)
+    take(video(*SAID, "5 mm apart"), 5.0)
+    assert state.source.notices == ("5 mm apart",)
+    take(replace(bare, format="images"), 5.5)
+    assert state.source.notices == ()
