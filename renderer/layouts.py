@@ -17,14 +17,14 @@ from renderer.depth.stereo_pairs import eye_folders, is_stereo_folder, open_ster
 from renderer.readers import hamlyn, stereomis
 from renderer.readers.clip_files import ClipFiles, numbered_pictures
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.coded_still import is_coded_still, open_coded_still
+from renderer.readers.coded_picture import CODED, is_coded_still
+from renderer.readers.coded_still import open_coded_still
 from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
 from renderer.readers.dicom.header import dicom_kind
-from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.endonerf import endonerf_files, is_endonerf, open_endonerf
 from renderer.readers.frames import frames_of, open_image, open_images
 from renderer.readers.picture_kinds import frame_folder
-from renderer.readers.pictures import is_picture
+from renderer.readers.pictures import SUFFIXES, is_picture, is_unnamed
 from renderer.readers.scared import is_scared, open_scared, scared_files, usual_step
 from renderer.readers.structure_from_motion import (
     is_structure_from_motion,
@@ -107,17 +107,20 @@ def _frames_and_maps(path: Path, folder: Path) -> ClipFiles:
 
 
 def _is_still(path: Path) -> bool:
-    """By its name; of DICOM, whose names tell nothing, by its header; of a coded still by its first bytes."""
+    """By its name; of DICOM, whose names tell nothing, by its header, and so without a suffix; of a coded
+    still, whose name may be that of several, by its first bytes."""
     if path.is_dir():
         return False
-    kind = dicom_kind(path)
-    return is_picture(path) or is_coded_still(path) if kind is None else kind != "clip"
+    if (kind := dicom_kind(path)) is not None:
+        return kind != "clip"
+    is_named = is_picture(path) and path.suffix.lower() not in CODED
+    return is_named or is_coded_still(path) or is_unnamed(path)
 
 
 def _open_picture(path: Path, options: ClipOptions) -> Clip:
     require_regular(path)
-    opens = open_image if is_picture(path) or is_dicom(path) else open_coded_still
-    return opens(path, options.view_angle)
+    is_coded = path.suffix.lower() not in SUFFIXES and is_coded_still(path)
+    return (open_coded_still if is_coded else open_image)(path, options.view_angle)
 
 
 def _open_video(path: Path, options: ClipOptions) -> Clip:

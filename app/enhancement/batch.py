@@ -147,10 +147,11 @@ def enhance_batch(
 
     Closed before its end, it keeps the items that are whole and leaves nothing of the one under way.
     """
+    apart = {item.source for item in items}
     for place, item in enumerate(items):
         try:
             yield Step(place, len(items), item.name)
-            series = open_series(item.source, setting.clip_options)
+            series = open_series(item.source, setting.clip_options, apart)
             names = (item.called,) if item.called else series.names
             series = replace(series, names=names, notices=(*item.notices, *series.notices))
             step = partial(Step, place, len(items), item.name, total=len(series))

@@ -21,7 +21,8 @@ from app.files.provenance import ascii_json, encode_png, write_sidecar
 from renderer.budget import OverBudget
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
-from renderer.readers.coded_still import is_coded_still, open_coded_still
+from renderer.readers.coded_picture import is_coded, is_coded_still
+from renderer.readers.coded_still import open_coded_still
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
@@ -106,7 +107,7 @@ def read_image(path: Path) -> ArrayImage:
         return _read_array(path)
     if is_dicom(path):
         return _read_dicom(path)
-    if not is_picture(path) and is_coded_still(path):
+    if is_coded(path) or (path.suffix.lower() not in SUFFIXES and is_coded_still(path)):
         return open_coded_still(path).read_image(0)
     _require_size(path)
     layout = _layout(path)

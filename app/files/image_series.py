@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
@@ -15,10 +15,13 @@ from app.files.timing import Timing
 from renderer.clip import Clip
 from renderer.layouts import layout_of
 from renderer.readers.calibration import LensCalibration
+from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.dicom.header import holds_stream
 from renderer.readers.pages import left_pages
-from renderer.readers.picture_kinds import frame_folder, left_out, map_folders
+from renderer.readers.passed_over import passed_over
+from renderer.readers.picture_kinds import PictureKinds, frame_folder, left_out, map_folders
+from renderer.readers.pictures import is_visible
 from renderer.readers.straightening import straightening
 from renderer.sources import open_clip
 
@@ -64,8 +67,9 @@ class Series:
         return range(0, len(self), -(-len(self) // count))
 
 
-def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
-    """What `options` say of a video counts, and a calibration.
+def open_series(path: Path, options: ClipOptions = DEFAULTS, apart: Container[Path] = ()) -> Series:
+    """What `options` say of a video counts, and a calibration. Of files in a folder that are passed over it
+    is told which, but for those that are worked on `apart`.
 
     Raises:
         UserError, ClipError: nothing there, nothing readable, or two pictures of one name.
@@ -78,7 +82,8 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS) -> Series:
             return _of_clip(path, replace(DEFAULTS, calibration=options.calibration))
         kinds = frames_in(path)
         series = _of_files(kinds.frames)
-        return replace(series, notices=(*kinds.notices(), *_left_out(path), *series.notices))
+        left = (*kinds.notices(), *_left_out(path), *_passed_over(path, kinds, apart))
+        return replace(series, notices=(*left, *series.notices))
     if not is_still(path):
         return _of_clip(path, options)
     still = _of_files((path,))
@@ -100,6 +105,12 @@ def _left_out(path: Path) -> Iterator[str]:
     if frame_folder(path) != path and not layout_of(path).is_data_set:
         for folder, kind in map_folders(path).items():
             yield left_out(kind, [f"{folder.name}/"])
+
+
+def _passed_over(path: Path, kinds: PictureKinds, apart: Container[Path]) -> Iterator[str]:
+    told = {*kinds.frames, *kinds.others}
+    files = filter(is_visible, files_in(frame_folder(path)))
+    yield from passed_over((each for each in files if each not in told), apart)
 
 
 def _of_files(paths: tuple[Path, ...]) -> Series:

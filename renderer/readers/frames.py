@@ -15,6 +15,7 @@ from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.listing import listed
 from renderer.readers.pages import left_pages
+from renderer.readers.passed_over import passed_over
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of
 from renderer.readers.pictures import (
     SUFFIXES,
@@ -45,10 +46,9 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         raise ClipError(f"expected images in the folder, got none{_instead(visible, files)}: {path}")
     _check_names(paths, path)
     told = {*paths, *kinds.others}
-    strays = sorted(entry.name for entry in files if entry not in told)
     lost = sorted(entry.name for entry in visible if not entry.exists())
     said = (
-        *((f"left out, not numbered images: {listed(strays)}",) if strays else ()),
+        *passed_over(files, told, "numbered images"),
         *((f"left out, broken links: {listed(lost)}",) if lost else ()),
     )
     return without_depth(

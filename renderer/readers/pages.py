@@ -1,4 +1,4 @@
-"""Files of several pictures: TIFF of many pages, animated WebP and PNG, of which the first alone is read."""
+"""Files of several pictures, of which the first alone is read: TIFF of many pages, and what is animated."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from renderer.readers.listing import listed
 from renderer.readers.picture_files import opened
 from renderer.readers.pictures import BROKEN
 
-PAGED = frozenset({".tif", ".tiff", ".webp", ".png", ".dcm", ".dicom"})
+PAGED = frozenset({".tif", ".tiff", ".webp", ".png", ".dcm", ".dicom", ".avif"})
 
 
 def left_pages(paths: Iterable[Path]) -> Iterator[str]:

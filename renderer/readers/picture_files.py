@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageFile, UnidentifiedImageError
 
 from renderer.budget import budget
+from renderer.readers.coded_picture import CodedPicture, is_coded
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.tiff_layouts import tiff_numbers
 from renderer.regular_files import require_regular
@@ -36,17 +37,23 @@ def opened(path: Path) -> Iterator[ImageFile.ImageFile]:
     Raises:
         OverBudget: it has too many pixels.
         OSError, ValueError, SyntaxError: it is no regular file, or no picture; or what is read of it while
-            it is open is damaged. Of DICOM a ClipError, which is a ValueError, says all.
+            it is open is damaged. Of DICOM and of `is_coded` a ClipError, which is a ValueError, says all.
     """
     require_regular(path)
     try:
-        with _dicom(path) if is_dicom(path) else Image.open(path) as picture:
+        with _opened(path) as picture:
             # What has a name Pillow maps into memory, and then reads grey TIFF that lies on its side wrongly.
             picture.filename = ""
             budget().require(pixels=picture.width * picture.height)
             yield picture
     except NONSENSE as error:
         raise ValueError(f"its header makes no sense: {error}".rstrip(": ")) from error
+
+
+def _opened(path: Path) -> ImageFile.ImageFile:
+    if is_coded(path):
+        return CodedPicture(path)
+    return _dicom(path) if is_dicom(path) else Image.open(path)
 
 
 def _dicom(path: Path) -> ImageFile.ImageFile:

@@ -15,7 +15,9 @@ from PIL import ExifTags, Image, ImageFile, ImageOps, UnidentifiedImageError
 
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
+from renderer.pyav_presence import has_pyav
 from renderer.readers.byte_levels import in_bytes
+from renderer.readers.coded_picture import CODED
 from renderer.readers.dicom.header import Kind, dicom_kind
 from renderer.readers.dicom.opening import SUFFIXES as DICOM
 from renderer.readers.dicom.opening import has_pydicom
@@ -36,6 +38,9 @@ NAMED = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".
 SUFFIXES = NAMED | DICOM
 """Of DICOM, some are videos, too, and many have other names: see `is_frame`."""
 
+UNNAMED = frozenset({"PNG", "JPEG", "MPO", "BMP", "TIFF", "WEBP", "PPM"})
+"""Formats, as Pillow calls them, that count without a suffix as well."""
+
 VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
 
 SYSTEM_FILES = frozenset({"thumbs.db", "ehthumbs.db", "desktop.ini"})
@@ -50,13 +55,29 @@ def is_visible(path: Path) -> bool:
 
 
 def is_picture(path: Path) -> bool:
-    """Whether the name is one of a visible picture file."""
-    return path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
+    """Whether the name is one of a visible picture file that can be read here."""
+    suffix = path.suffix.lower()
+    is_named = suffix in SUFFIXES or (suffix in CODED and has_pyav())
+    return is_named and not path.name.startswith(".")
 
 
 def is_frame(path: Path) -> bool:
-    """Whether a file is one picture of its folder: by its name, or DICOM of any name but those of others."""
-    return is_picture(path) if path.suffix.lower() in NAMED else _kind(path) == "image"
+    """Whether a file is one picture of its folder: by its name, DICOM of any name but those of others, or an
+    image without a suffix."""
+    if path.suffix.lower() in NAMED | CODED:
+        return is_picture(path)
+    return _kind(path) == "image" or is_unnamed(path)
+
+
+def is_unnamed(path: Path) -> bool:
+    """Whether a visible file without a suffix holds one image, by its header."""
+    if path.suffix or not is_visible(path):
+        return False
+    try:
+        with opened(path) as picture:
+            return picture.format in UNNAMED and not getattr(picture, "is_animated", False)
+    except BROKEN:
+        return False
 
 
 def moves(path: Path) -> bool:
@@ -66,7 +87,7 @@ def moves(path: Path) -> bool:
 
 def _kind(path: Path) -> Kind | None:
     suffix = path.suffix.lower()
-    looked_at = suffix in DICOM or (suffix not in NAMED | VIDEOS and has_pydicom())
+    looked_at = suffix in DICOM or (suffix not in NAMED | CODED | VIDEOS and has_pydicom())
     return dicom_kind(path) if looked_at and is_visible(path) else None
 
 

@@ -13,20 +13,24 @@ from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.frames import without_depth
 from renderer.readers.listing import listed
+from renderer.readers.passed_over import NOT_READABLE, passed_over
 from renderer.readers.picture_kinds import PictureKinds, kinds_of
-from renderer.readers.pictures import is_frame, natural_key, read_rgb, upright_size
+from renderer.readers.pictures import is_frame, is_visible, natural_key, read_rgb, upright_size
 
-NOT_READABLE = "left out, not readable"
 NOT_ONE_SIZE = "the images differ in size, so they are no recording to reconstruct"
 
 
 def images_in(folder: Path) -> tuple[Path, ...]:
     """In natural order; maps and masks beside them are none. Raises OSError."""
-    return _kinds(folder).frames
+    return _kinds(_files(folder)).frames
 
 
-def _kinds(folder: Path) -> PictureKinds:
-    return kinds_of(filter(is_frame, sorted(files_in(folder), key=natural_key)))
+def _files(folder: Path) -> list[Path]:
+    return sorted(filter(is_visible, files_in(folder)), key=natural_key)
+
+
+def _kinds(files: list[Path]) -> PictureKinds:
+    return kinds_of(filter(is_frame, files))
 
 
 def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
@@ -34,7 +38,8 @@ def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
 
     Raises ClipError: none can be read.
     """
-    kinds, sizes, unreadable = _kinds(path), dict[Path, tuple[int, int]](), list[str]()
+    files, sizes, unreadable = _files(path), dict[Path, tuple[int, int]](), list[str]()
+    kinds = _kinds(files)
     for image in kinds.frames:
         try:
             sizes[image] = upright_size(image)
@@ -63,6 +68,7 @@ def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         notices=(
             *kinds.notices(),
             *((f"{NOT_READABLE}: {listed(unreadable)}",) if unreadable else ()),
+            *passed_over(files, {*kinds.frames, *kinds.others}),
         ),
     )
     return replace(clip, cameras=cameras, read_frame=read_frame, why_no_depth=NOT_ONE_SIZE)

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from app.commands.described.fact import Fact, next_steps, notices
-from app.files.image_files import frames_in, read_image
+from app.files.image_files import read_image
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.clip_depth import BY_BRIGHTNESS, BY_MAPS
@@ -25,7 +25,7 @@ from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.listing import count, listed
 from renderer.readers.pictures import SeveralSizes
 from renderer.readers.video_header import read_counted_header
-from renderer.sources import open_clip
+from renderer.sources import open_case, open_clip
 
 TITLES = {layout.name: layout.title for layout in LAYOUTS}
 UNCALIBRATED = ("images", "image", "video")
@@ -41,11 +41,13 @@ def of_clip(path: Path) -> tuple[Fact, ...]:
     except SeveralSizes as error:
         if layout_of(path).is_data_set:
             raise
-        found = len(frames_in(path).frames)
+        clip = open_case(path)
+        found = len(clip)
         return (
             Fact("what", "images of several sizes: not a clip to train on", {"kind": "pictures"}),
             Fact("frames", count(found, "image"), {"count": found}),
             Fact("missing", str(error), [str(error)]),
+            *notices(clip.notices),
             next_steps(path, ("enhance", "PATH", "OUT")),
         )
 

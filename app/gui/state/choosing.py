@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final, Literal
 
 from app.gui.session_file import SUFFIX
+from renderer.readers.coded_picture import CODED
 from renderer.readers.dicom.opening import SUFFIXES as DICOM
 from renderer.readers.pictures import SUFFIXES, VIDEOS
 from renderer.splat_files import SUFFIXES as SPLATS
@@ -58,12 +59,11 @@ class Question:
 
 
 ALSO_READ: Final = (
-    ".3gp", ".apng", ".asf", ".avif", ".flv", ".gif", ".heic", ".heif", ".jp2", ".m2ts", ".m2v", ".mxf",
-    ".ts", ".vob", ".y4m",
+    ".3gp", ".apng", ".asf", ".flv", ".gif", ".m2ts", ".m2v", ".mxf", ".ts", ".vob", ".y4m",
 )  # fmt: skip
 """Rarer names of what the reader of videos opens."""
 ALL: Final = Filter("All files")
-IMAGES: Final = Filter("Images", (*sorted(SUFFIXES), ".npy"))
+IMAGES: Final = Filter("Images", (*sorted(SUFFIXES | CODED), ".npy"))
 VIDEO: Final = Filter("Videos", tuple(sorted(VIDEOS | DICOM)))
 PICTURED: Final = Filter("Images and videos", (*IMAGES.suffixes, *sorted(VIDEOS)))
 MODELS: Final = Filter("Splat files", SPLATS)

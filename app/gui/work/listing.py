@@ -19,6 +19,7 @@ from app.files.legible import legible
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
 from renderer.pyav_presence import has_pyav
+from renderer.readers.coded_picture import CODED
 from renderer.readers.dicom.header import holds_stream
 from renderer.readers.picture_files import opened
 from renderer.readers.picture_kinds import kind_by_name
@@ -63,7 +64,7 @@ class Entry:
 
     @property
     def may_have_thumbnail(self) -> bool:
-        return self.kind == "folder" or is_picture(self.path) or self.path.suffix.lower() in MOVING
+        return self.kind == "folder" or self.path.suffix.lower() in MOVING | CODED or is_picture(self.path)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,92 @@
+"""HEIC, AVIF and JPEG 2000 as Pillow's readers see a picture: FFmpeg decodes them, through PyAV."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from PIL import Image, ImageFile
+
+from renderer.clip import ClipError
+from renderer.pyav_presence import has_pyav
+from renderer.readers.misnamed import BRANDS
+from renderer.regular_files import require_regular
+
+if TYPE_CHECKING:
+    from PIL._imaging import PixelAccess
+
+CODED: Final = frozenset({".avif", ".heic", ".heif", ".jp2"})
+"""Suffixes of such files; of those with several images the first counts among the images of a folder."""
+JPEG_2000: Final = b"\x00\x00\x00\x0cjP  "
+BOXES: Final = b"ftyp"
+BEFORE_PIXELS: Final = 1 << 16
+"""Bytes of a file within which it tells how its image is turned."""
+QUARTERS: Final = re.compile(rb"\x00\x00\x00\x09irot(.)", re.DOTALL)
+"""The turn of an image in HEIC and AVIF, in quarters. Source: ISO/IEC 23008-12, 6.5.10."""
+
+
+def is_coded(path: Path) -> bool:
+    """Whether a file of such a name is one by its first bytes, and PyAV is there: others are misnamed."""
+    head = _head(path, 12) if path.suffix.lower() in CODED else b""
+    return (head.startswith(JPEG_2000) or head[4:8] == BOXES) and has_pyav()
+
+
+def is_coded_still(path: Path) -> bool:
+    """Whether a file of any name holds one such image, by its first bytes: sequences have other ones."""
+    head = _head(path, 12)
+    return head.startswith(JPEG_2000) or (head[4:8] == BOXES and head[8:12] in BRANDS)
+
+
+def _head(path: Path, count: int) -> bytes:
+    """Empty of what cannot be read."""
+    try:
+        require_regular(path)
+        with path.open("rb") as file:
+            return file.read(count)
+    except OSError:
+        return b""
+
+
+class CodedPicture(ImageFile.ImageFile):
+    """Of several images the first; upright.
+
+    Raises:
+        ClipError: it is damaged, or has too many pixels; when its pixels are asked for, as PyAvVideo.
+    """
+
+    format = "HEIF"
+    format_description = "HEIC, AVIF or JPEG 2000"
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._is_loaded = path, False
+        super().__init__(path)
+
+    def _open(self) -> None:
+        from renderer.readers.video_index import decoded, open_container, video_stream
+        from renderer.readers.video_shape import lies_down
+
+        with open_container(self._path) as container:
+            stream = video_stream(container, self._path)
+            self._size = stream.codec_context.width, stream.codec_context.height
+            self.n_frames = max(stream.frames, 1)
+            if _may_lie_down(self._path):
+                first = next(decoded(container, stream), None)
+                if first is None:
+                    raise ClipError(f"expected an intact image, got one that does not decode: {self._path}")
+                self._size = self._size[::-1] if lies_down(first) else self._size
+        self._mode = "RGB"
+
+    def load(self) -> PixelAccess | None:
+        if not self._is_loaded:
+            from renderer.readers.pyav_video import PyAvVideo
+
+            self.im = Image.fromarray(PyAvVideo(self._path).read(0)).im
+            self._is_loaded = True
+        access: PixelAccess = self.im.pixel_access(self.readonly)
+        return access
+
+
+def _may_lie_down(path: Path) -> bool:
+    """Decoding tells whether it does; of most files that is spared."""
+    return any(turn[0] & 1 for turn in QUARTERS.findall(_head(path, BEFORE_PIXELS)))

@@ -1,0 +1,24 @@
+"""What is said of the files in a folder of images that are none of its frames."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator
+from pathlib import Path
+
+from renderer.pyav_presence import has_pyav
+from renderer.readers.coded_picture import CODED
+from renderer.readers.listing import listed
+
+NOT_READABLE = "left out, not readable"
+
+
+def passed_over(files: Iterable[Path], told: Container[Path], wanted: str = "images") -> Iterator[str]:
+    """Sentences about those that are not among the `told`, frames and what is told otherwise; frames are
+    `wanted`."""
+    left = sorted((path for path in files if path not in told), key=lambda path: path.name)
+    coded = [path.name for path in left if path.suffix.lower() in CODED and not has_pyav()]
+    others = [path.name for path in left if path.name not in coded]
+    if coded:
+        yield f"{NOT_READABLE} without PyAV: {listed(coded)}"
+    if others:
+        yield f"left out, not {wanted}: {listed(others)}"
