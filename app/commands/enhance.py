@@ -6,6 +6,7 @@ import argparse
 import sys
 import time
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -18,6 +19,7 @@ from app.enhancement.enhance_files import VIDEO, Setting, Stream, enhance_into
 from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
 from app.enhancement.settable import PIXELS
 from app.errors import UserError
+from app.exports.replay.enhanced_already import enhanced_already
 from app.files.codecs import WEBM, ending_of
 from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.image_files import is_image, is_still
@@ -108,7 +110,7 @@ def run(flags: argparse.Namespace) -> None:
         return
     (given,) = flags.inputs
     _require_heeded(flags, given)
-    series = open_series(given, reading)
+    series = _warned(open_series(given, reading))
     _check_output(given, flags.output, series, setting.dicom)
     started = time.perf_counter()
     written = run_to_end(enhance_into(flags.output, series, setting, _watched))
@@ -125,6 +127,17 @@ def run(flags: argparse.Namespace) -> None:
     if written.failed:
         said = _listed((one.name, one.reason) for one in written.failed)
         raise UserError(f"{len(written.failed)} of {len(series)} images could not be enhanced: {said}")
+
+
+def _warned(series: Series) -> Series:
+    """It is enhanced all the same where it is enhanced already; of many files the first tells."""
+    said = enhanced_already(series.sources[0])
+    return replace(series, notices=(said, *series.notices)) if said else series
+
+
+def _warned_item(item: Item) -> Item:
+    said = enhanced_already(item.source)
+    return replace(item, notices=(said, *item.notices)) if said else item
 
 
 def _require_heeded(flags: argparse.Namespace, given: Path) -> None:
@@ -233,7 +246,7 @@ def _run_batch(flags: argparse.Namespace, setting: Setting) -> None:
     output: Path = flags.output
     if (is_image(output) or output.suffix.lower() in VIDEOS | NOT_WRITTEN) and not output.is_dir():
         raise UserError(f"expected a folder for the results of several inputs, got {output}")
-    items = items_in(flags.inputs, output, below=flags.recursive)
+    items = [_warned_item(item) for item in items_in(flags.inputs, output, below=flags.recursive)]
     started = time.perf_counter()
     ended = list(_ended(items, setting, output))
     seconds = time.perf_counter() - started

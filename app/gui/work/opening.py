@@ -9,6 +9,7 @@ from typing import Final, Literal
 
 from app.enhancement.clip_statistics import IMAGES
 from app.errors import UserError
+from app.exports.replay.enhanced_already import enhanced_already
 from app.files.provenance import digests
 from app.gui.session_file import SUFFIX, Session, SessionSource, mended_session
 from app.gui.work.reported import Reported, read, read_sweep_report
@@ -184,7 +185,7 @@ def _open(request: OpenRequest) -> Iterator[Opened]:
     if series_files(request.path):
         yield _open_splats(series_scene(request.path))
         return
-    read = _calibrated(request) if request.calibration else _read_anyhow(request.path, request.options)
+    read = _warned((_calibrated if request.calibration else _read_anyhow)(request))
     # A folder that lists but does not decode is found out here, not in the middle of a session.
     read.bare.read_image(0)
     yield Opened(
@@ -207,8 +208,9 @@ def _calibrated(request: OpenRequest) -> _Read:
     return _read(request.path, replace(request.options, calibration=calibration))
 
 
-def _read_anyhow(path: Path, options: ClipOptions) -> _Read:
+def _read_anyhow(request: OpenRequest) -> _Read:
     """Without its calibration, where the clip does not open with that. Raises ClipError."""
+    path, options = request.path, request.options
     try:
         return _read(path, options)
     except ClipError as error:
@@ -231,6 +233,13 @@ def _read(path: Path, options: ClipOptions) -> _Read:
             raise
         plain = replace(options, depth="auto")
         return _Read(with_chosen_depth(bare, plain), bare, plain, f"opened without the chosen depth: {error}")
+
+
+def _warned(read: _Read) -> _Read:
+    """Of a file that is enhanced already, that is said as it is said what a video is read as."""
+    said = tuple(filter(None, (enhanced_already(read.bare.path),)))
+    clip, bare = (replace(each, notices=(*said, *each.notices)) for each in (read.clip, read.bare))
+    return replace(read, clip=clip, bare=bare)
 
 
 def _require_file_or_folder(path: Path) -> None:
