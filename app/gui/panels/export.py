@@ -76,6 +76,10 @@ NAME_TEXT = "Name of the file; an existing file is never replaced."
 FOLDER_TEXT = "Choose another folder; it is remembered."
 SHOW_TEXT = "Show the file in the system's file manager."
 REPLAY = "Each file records how it was made: vesselsplat replay FILE reproduces it."
+REPLAY_UNNAMED = (
+    "The file records how it was made, but not the name of its source: "
+    "vesselsplat replay FILE --source SOURCE reproduces it."
+)
 LIST = 11.5
 """Text heights across of the list of what can be exported."""
 
@@ -157,8 +161,14 @@ def _draw_chosen(state: AppState) -> None:
     imgui.spacing()
     _draw_progress(state)
     if offer.form != "cameras" and state.exports.what != "window":
-        note(REPLAY)
+        note(_replay_text(state, offer))
     _draw_last(state)
+
+
+def _replay_text(state: AppState, offer: Offer) -> str:
+    """Without patients, files that are named after them are not named in DICOM."""
+    is_unnamed = offer.form in DICOM and not state.exports.dicom.keep_identity
+    return REPLAY_UNNAMED if is_unnamed else REPLAY
 
 
 def _draw_name(state: AppState) -> None:

@@ -15,6 +15,9 @@ from app.exports.replay.again import replay
 from app.files.dicom.choices import DicomChoices
 from app.files.image_files import read_image, write_image
 from app.gui.actions import actions, export_actions
+from app.gui.actions.export_offers import DICOM, OFFERS
+from app.gui.panels import export
+from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.work.settings import Places
 from enhance import EnhanceParams
@@ -71,6 +74,14 @@ def test_a_clip_is_a_video_and_identity_is_kept_where_it_is_chosen(places: Place
     assert made.SOPClassUID.name == "Video Endoscopic Image Storage"
     assert (made.NumberOfFrames, str(made.PatientName), made.BurnedInAnnotation) == (4, "Müller^Hanna", "NO")
     assert replay(path, (source,), path.with_name("again.dcm")).difference.is_none
+
+
+def test_how_it_comes_again_is_true_of_a_file_that_names_no_source(places: Places) -> None:
+    state = AppState(places)
+    unnamed = [name for name, offer in OFFERS.items() if "--source" in export._replay_text(state, offer)]
+    assert {OFFERS[name].form for name in unnamed} == set(DICOM)
+    state.exports.dicom = DicomChoices(keep_identity=True)
+    assert all("--source" not in export._replay_text(state, offer) for offer in OFFERS.values())
 
 
 def test_another_setting_makes_another_file(places: Places, tmp_path: Path) -> None:
