@@ -58,7 +58,7 @@ def open_video(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     size = first.shape[1], first.shape[0]
     if layout is None:
         clip = _clip(path, options, video, video.read, size, video.pixel_aspect)
-        hint = _hint(first) if options.stereo == "auto" else ""
+        hint = eyes_hint(first) if options.stereo == "auto" else ""
         return replace(clip, notices=(*clip.notices, hint)) if hint else clip
     try:
         size = eye_size(size, layout)
@@ -75,7 +75,7 @@ def open_video(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     )
 
 
-def _hint(first: ByteImage) -> str:
+def eyes_hint(first: ByteImage) -> str:
     """What a person should decide whose frames look like those of two eyes; else nothing."""
     layout = likely_layout(first)
     if layout is None:

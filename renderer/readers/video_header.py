@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from renderer.clip import ClipError
+import numpy as np
+
+from renderer.clip import ByteImage, ClipError
 from renderer.pyav_presence import has_pyav
 from renderer.readers.clip_options import StereoLayout
 from renderer.readers.dicom.header import DicomHeader, read_header
@@ -73,6 +75,29 @@ def read_counted_header(path: Path) -> VideoHeader:
     frames, rate = len(index.stamps), float(index.frames_per_second)
     found = replace(header, frames=frames, frames_per_second=rate, seconds=frames / rate)
     return replace(found, is_steady=index.is_steady, is_announced=False, is_cut=index.is_cut)
+
+
+def first_frame(path: Path) -> ByteImage | None:
+    """(H, W, 3) RGB, as stored, of a video of any length at once; None where it does not decode.
+
+    Raises ClipError as `read_video_header`.
+    """
+    if is_dicom(path) and not read_header(path).is_stream:
+        from renderer.readers.dicom_video import DicomVideo
+
+        return DicomVideo(path).read(0)
+    if has_pyav():
+        from renderer.readers.video_index import decoded, open_container, video_stream
+
+        with open_container(path) as container:
+            first = next(decoded(container, video_stream(container, path)), None)
+            return None if first is None else np.asarray(first.to_ndarray(format="rgb24"), np.uint8)
+    import cv2
+
+    from renderer.readers.opencv_video import open_capture
+
+    there, frame = open_capture(path).read()
+    return np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8) if there else None
 
 
 def _counted(path: Path, told: DicomHeader) -> VideoHeader:

@@ -23,7 +23,7 @@ from app.runs.train_run import run_training
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from tests.app.conftest import CONFIG, Call, request_of, tissue
-from tests.renderer.eyes import write_eyes
+from tests.renderer.eyes import look, write_eyes
 from tests.renderer.readers.numbered import encoded, numbered_picture
 
 Cli = Callable[..., Call]
@@ -159,6 +159,18 @@ def test_a_video_has_the_rate_and_the_frames_that_the_window_tells(tmp_path: Pat
     said = vesselsplat("info", path).out
     assert "frame rate   varies, 4.118 a second on average\n" in said
     assert "frames       8, " in said
+
+
+def test_of_a_video_whose_halves_look_alike_it_is_said_as_the_window_says_it(
+    tmp_path: Path, vesselsplat: Cli
+) -> None:
+    pair = look(0, width=128, height=96, seed=41, noise=0.5, n_frames=1)
+    both = np.concatenate((pair.left.image, pair.right.image), axis=1)
+    alike, other = encoded(tmp_path / "a.mp4", 3 * [both]), encoded(tmp_path / "b.mp4", 3 * [pair.left.image])
+    (said,) = open_clip(alike).notices
+    assert "look alike" in said
+    assert json.loads(vesselsplat("info", alike, "--json").out)["notices"] == [said]
+    assert "notices" not in json.loads(vesselsplat("info", other, "--json").out)
 
 
 def test_of_a_video_that_is_cut_off_the_notice_is_that_of_other_commands(

@@ -24,7 +24,8 @@ from renderer.readers.clip_options import DEFAULTS, StereoLayout
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.listing import count, listed
 from renderer.readers.pictures import SeveralSizes
-from renderer.readers.video_header import read_counted_header
+from renderer.readers.video import eyes_hint
+from renderer.readers.video_header import VideoHeader, first_frame, read_counted_header
 from renderer.sources import open_case, open_clip
 
 TITLES = {layout.name: layout.title for layout in LAYOUTS}
@@ -100,13 +101,22 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         *_eyes(header.stereo),
         Fact("camera", _assumed(), {"field_of_view": DEFAULTS.view_angle, "assumed": True}),
         Fact("unit", "scene units"),
-        *notices([f"{CUT_OFF}: {frames} frames are whole"] if header.is_cut else []),
+        *notices(
+            [*([f"{CUT_OFF}: {frames} frames are whole"] if header.is_cut else []), *_alike(path, header)]
+        ),
         next_steps(
             path,
             ("enhance", "PATH", "OUT.mp4"),
             ("train", "PATH", "--run", "RUN", *(() if header.stereo else ("--depth", "brightness"))),
         ),
     )
+
+
+def _alike(path: Path, header: VideoHeader) -> Iterator[str]:
+    """What is to be decided of a video whose frames look like those of two eyes, and that does not say so."""
+    first = first_frame(path) if header.stereo is None else None
+    if first is not None and (said := eyes_hint(first)):
+        yield said
 
 
 def _eyes(stereo: StereoLayout | None) -> tuple[Fact, ...]:
