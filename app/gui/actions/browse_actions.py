@@ -39,8 +39,13 @@ def go_up(browsing: Browsing) -> None:
 
 
 def type_path(browsing: Browsing, text: str) -> None:
-    """What stands in the line now."""
+    """What stands in the line now; the folder of a path that ends as that of one is listed."""
     browsing.text, browsing.typed, browsing.marked = text, True, None
+    # What is typed from the folder on would mean something else in another one.
+    is_whole = Path(text).is_absolute() or text.startswith("~")
+    path = typed_path(browsing)
+    if is_whole and text.endswith(("/", os.sep)) and path != browsing.folder and is_folder(path):
+        browsing.folder, browsing.listing, browsing.came_from, browsing.in_sight = path, None, None, ()
 
 
 def type_name(browsing: Browsing, name: str) -> None:

@@ -86,6 +86,19 @@ def test_enter_opens_what_is_typed_but_not_what_the_dialog_begins_with(
     assert state.window.browsing is None
 
 
+def test_a_folder_whose_path_is_typed_to_its_end_is_listed(chooser: Chooser, folder: Path) -> None:
+    (folder / "A clip" / "1.png").touch()
+    chooser.ask("file", "file", folder / "b clip")
+    chooser.type(f"{folder}/A clip/")
+    assert chooser.browsing.folder == folder / "A clip"
+    assert "1.png" in chooser.names()
+    assert chooser.browsing.text == f"{folder}/A clip/"
+    # From the folder on: it stays the one that this begins with.
+    browse_actions.type_path(chooser.browsing, "../b clip/")
+    assert chooser.browsing.folder == folder / "A clip"
+    assert browse_actions.typed_path(chooser.browsing).resolve() == (folder / "b clip").resolve()
+
+
 def test_a_listing_in_the_place_in_memory_of_one_that_is_gone_is_listed_anew(
     chooser: Chooser, folder: Path
 ) -> None:
