@@ -111,7 +111,7 @@ def video_stream(container: InputContainer, path: Path, threads: Threads = "AUTO
     each time.
 
     Raises:
-        ClipError: there are none, or this FFmpeg cannot decode them.
+        ClipError: there are none, this FFmpeg cannot decode them, or they are the tiles of an image.
     """
     from av.stream import Disposition
 
@@ -119,6 +119,10 @@ def video_stream(container: InputContainer, path: Path, threads: Threads = "AUTO
     if not found:
         holds = "only sound" if container.streams.audio else "no video track"
         raise ClipError(f"expected a video, got a file with {holds}: {path}")
+    # FFmpeg gives the tiles of a HEIC or AVIF image one by one; a video has one such stream at most.
+    if (tiles := sum(bool(one.disposition & Disposition.dependent) for one in found)) > 1:
+        got = f"got one of {tiles} tiles: convert it to PNG or JPEG first"
+        raise ClipError(f"expected an image in one piece, {got}: {path}")
     best = container.streams.best("video")
     stream = next((one for one in found if one is best), found[0])
     if stream.codec_context is None and what_it_is(path) == JPEG_XL:

@@ -11,7 +11,9 @@ from PIL import Image
 from app.files.image_files import is_still, read_image
 from app.gui.views.clip_time import seconds_at
 from renderer.clip import ClipError
+from renderer.readers.pictures import upright_size
 from renderer.sources import open_clip
+from tests.renderer.readers.tiled_avif import tiled
 
 NEAR = 6
 """Grey levels that are lost on the way."""
@@ -42,3 +44,11 @@ def test_a_moving_avif_is_a_video_and_a_damaged_one_is_refused(tmp_path: Path) -
     (tmp_path / "cut.heic").write_bytes(b"\0\0\0\x18ftypheic" + bytes(100))
     with pytest.raises(ClipError, match="got a HEIC image"):
         open_clip(tmp_path / "cut.heic")
+
+
+def test_one_of_several_tiles_is_not_shown_for_the_whole(tmp_path: Path) -> None:
+    path = tiled(tmp_path / "tiles.avif", Image.fromarray(np.full((64, 64, 3), 90, np.uint8)))
+    with pytest.raises(ClipError, match="expected an image in one piece, got one of 2 tiles: convert it"):
+        open_clip(path)
+    with pytest.raises(ClipError, match="one of 2 tiles"):
+        upright_size(path)
