@@ -16,6 +16,7 @@ from app.console.progress import progress
 from app.enhancement.batch import Item, enhance_batch, items_in
 from app.enhancement.dicom_files import is_dicom_name, require_dicom
 from app.enhancement.enhance_files import VIDEO, Setting, Stream, enhance_into
+from app.enhancement.kept_inputs import homes, identities, require_other
 from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
 from app.enhancement.settable import PIXELS
 from app.errors import UserError
@@ -204,10 +205,11 @@ def _dicom(flags: argparse.Namespace) -> DicomChoices:
 
 def _check_output(given: Path, output: Path, series: Series, choices: DicomChoices) -> None:
     """Refuse what would overwrite the input, or has no place for what comes; a video holds one size."""
-    files = {path.resolve() for path in series.sources}
-    taken = {given.resolve(), *files, *((path.parent for path in files) if given.is_dir() else ())}
-    if output.resolve() in taken or (output.is_dir() and output.resolve() in {path.parent for path in files}):
-        raise UserError(f"expected OUTPUT other than INPUT, which is never overwritten: {output}")
+    files = tuple(dict.fromkeys(series.sources))
+    taken = identities((given, *files))
+    if given.is_dir() or output.is_dir():
+        taken |= homes(files)
+    require_other((output,), taken)
     if is_dicom_name(output):
         require_dicom(series.sources, choices)
     elif is_image(output) and len(series) > 1:
@@ -244,7 +246,8 @@ def _say(notices: tuple[str, ...]) -> None:
 def _run_batch(flags: argparse.Namespace, setting: Setting) -> None:
     """Each input or what lies below it, into a folder. Raises UserError at the end where some have failed."""
     output: Path = flags.output
-    if (is_image(output) or output.suffix.lower() in VIDEOS | NOT_WRITTEN) and not output.is_dir():
+    is_file = is_image(output) or is_dicom_name(output) or output.suffix.lower() in VIDEOS | NOT_WRITTEN
+    if is_file and not output.is_dir():
         raise UserError(f"expected a folder for the results of several inputs, got {output}")
     items = [_warned_item(item) for item in items_in(flags.inputs, output, below=flags.recursive)]
     started = time.perf_counter()

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from app.enhancement.batch_names import FILM, STILL, alike, free_folder, free_name
 from app.enhancement.enhance_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
+from app.enhancement.kept_inputs import files_of, homes, require_other, require_outside
 from app.errors import UserError, sentence
 from app.files.image_files import is_still
 from app.files.image_series import open_series
@@ -33,6 +35,12 @@ class Item:
     """What was passed over beside it."""
     called: str = ""
     """The name of a picture's output without suffix, where that of its file is taken; empty: as its file."""
+    is_video: bool = False
+
+    @property
+    def folder(self) -> Path:
+        """Where its results lie."""
+        return self.output.parent if self.is_video else self.output
 
 
 @dataclass(frozen=True)
@@ -72,39 +80,36 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
     One folder's structure is kept in `output` itself; of several inputs each has its own name there.
 
     Raises:
-        UserError: nothing there, or an output inside an input, which a second batch would take for one.
+        UserError: nothing there, an output inside an input, which a second batch would take for one, or in a
+            folder that holds a source, which it could overwrite.
     """
-    target = output.resolve()
     for given in inputs:
         if not given.exists():
             raise UserError(f"expected an image, a folder or a video, got no such file: {given}")
-        if given.is_dir() and target.is_relative_to(given.resolve()):
-            raise UserError(f"expected OUTPUT outside of the input folder {given}, got {output}")
-    taken = set[tuple[str, str]]()
+    require_outside(output, [given for given in inputs if given.is_dir()])
+    taken = set[str]()
     found: list[Item] = []
     for given in inputs:
-        # Inputs of one kind and name would write to one place.
-        kind = "folder" if given.is_dir() else "picture" if is_still(given) else "video"
-        stem = given.resolve().name if given.is_dir() else given.stem
-        free = (stem, *(f"{stem}-{number}" for number in range(2, len(inputs) + 1)))
-        own = next(name for name in free if (kind, name.casefold()) not in taken)
-        taken.add((kind, own.casefold()))
-        found += _items_of(given, output, own, alone=len(inputs) == 1, below=below)
+        found += _items_of(given, output, taken, alone=len(inputs) == 1, below=below)
     if not found:
         names = ", ".join(given.name for given in inputs)
         raise UserError(f"expected images or videos, found none in {names}")
+    kept = homes(path for item in found for path in files_of(item.source))
+    require_other((item.folder for item in found), kept)
     return found
 
 
-def _items_of(given: Path, output: Path, own: str, *, alone: bool, below: bool) -> Iterator[Item]:
+def _items_of(given: Path, output: Path, taken: set[str], *, alone: bool, below: bool) -> Iterator[Item]:
+    """With names that none of the outputs of other inputs have."""
     name = given.resolve().name
     if given.is_dir():
-        target = output if alone else output / own
+        target = output if alone else output / free_folder(name, taken)
         yield from _walk(given, target, name) if below else (Item(given, target, name),)
     elif is_still(given):
+        own = free_name(given.stem, STILL, taken)
         yield Item(given, output, name, called="" if own == given.stem else own)
     else:
-        yield Item(given, output / f"{own}{VIDEO}", name)
+        yield Item(given, output / f"{free_name(given.stem, FILM, taken)}{VIDEO}", name, is_video=True)
 
 
 def _walk(folder: Path, output: Path, name: str) -> Iterator[Item]:
@@ -130,14 +135,17 @@ def _inside(folder: Path, output: Path, name: str) -> Iterator[Item]:
     videos = [path for path in files if moves(path)]
     if any(is_frame(path) or path.suffix.lower() == ".npy" for path in files):
         yield Item(folder, output, name)
-    stems = Counter(path.stem for path in videos)
-    for path in videos:
-        kept = path.stem if stems[path.stem] == 1 else path.name
-        yield Item(path, output / f"{kept}{VIDEO}", f"{name}/{path.name}")
+    taken = {alike(f"{path.stem}{ending}") for path in files if path not in videos for ending in STILL}
     maps = map_folders(folder)
-    for path in inside:
-        if path.is_dir() and not path.is_symlink() and path not in maps:
-            yield from _walk(path, output / path.name, f"{name}/{path.name}")
+    folders = [path for path in inside if path.is_dir() and not path.is_symlink() and path not in maps]
+    outputs = [output / free_folder(path.name, taken) for path in folders]
+    stems = Counter(alike(path.stem) for path in videos)
+    for path in videos:
+        wanted = path.stem if stems[alike(path.stem)] == 1 else path.name
+        own = free_name(wanted, FILM, taken)
+        yield Item(path, output / f"{own}{VIDEO}", f"{name}/{path.name}", is_video=True)
+    for path, place in zip(folders, outputs, strict=True):
+        yield from _walk(path, place, f"{name}/{path.name}")
 
 
 def enhance_batch(

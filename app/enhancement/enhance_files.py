@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, replace
-from itertools import tee
+from itertools import chain, count, tee
 from pathlib import Path
 from typing import Any, Literal
 
@@ -268,12 +268,18 @@ def _write(
     with filled(output) as staging:
         for image, record in pictures:
             # PNG holds no floats.
-            name = f"{record.picture}" + (".tiff" if image.dtype.kind == "f" else ".png")
+            name = _free(staging, record.picture or "", ".tiff" if image.dtype.kind == "f" else ".png")
             profile = profile_of(files[record.picture or ""], image)
             write_image(staging / name, image, record.signed, profile=profile)
             written.append(replace(record, output=name))
             yield len(written)
     return tuple(written)
+
+
+def _free(folder: Path, stem: str, suffix: str) -> str:
+    """A name that is not there: of A.png and a.png, some disks keep one."""
+    names = chain((stem,), (f"{stem}-{number}" for number in count(2)))
+    return next(name for own in names if not (folder / (name := f"{own}{suffix}")).exists())
 
 
 def _write_dicom(

@@ -1,0 +1,125 @@
+"""No output of a batch lies where an input lies, and no two outputs share a path, on any disk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app.enhancement.batch import enhance_batch, items_in
+from app.enhancement.enhance_files import Setting
+from app.errors import UserError
+from enhance import EnhanceParams
+from tests.app.conftest import Call, tissue
+from tests.app.enhancement.test_batch import write_avi
+
+Cli = Callable[..., Call]
+
+
+def put(*paths: Path) -> None:
+    for number, path in enumerate(paths):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        assert cv2.imwrite(str(path), tissue(number))
+
+
+def contents(folder: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def refused(inputs: list[Path], output: Path, *, below: bool) -> None:
+    root = output.absolute().parents[0]
+    before = contents(root)
+    with pytest.raises(UserError, match="OUTPUT"):
+        items_in(inputs, output, below=below)
+    assert contents(root) == before
+
+
+@pytest.mark.parametrize("below", [False, True])
+def test_outputs_in_the_folder_of_an_input_are_refused(tmp_path: Path, below: bool) -> None:
+    put(tmp_path / "p.png", tmp_path / "q.png", tmp_path / "x/1.png", tmp_path / "y/1.png")
+    write_avi(tmp_path / "a.avi")
+    write_avi(tmp_path / "b.avi")
+    for names in (("p.png", "q.png"), ("x", "y"), ("a.avi", "b.avi"), ("x", "p.png"), ("y", "b.avi")):
+        refused([tmp_path / name for name in names], tmp_path, below=below)
+    (tmp_path / "other/x").mkdir(parents=True)
+    put(tmp_path / "other/x/1.png")
+    refused([tmp_path / "x", tmp_path / "other/x"], tmp_path / "other", below=below)
+
+
+def test_the_command_says_so_and_keeps_the_inputs(tmp_path: Path, vesselsplat: Cli) -> None:
+    put(tmp_path / "p.png", tmp_path / "q.png")
+    before = contents(tmp_path)
+    given = tmp_path / "p.png", tmp_path / "q.png"
+    for output, said in ((tmp_path, "never overwritten"), (tmp_path / "out.dcm", "expected a folder")):
+        call = vesselsplat("enhance", *given, output)
+        assert (call.code, call.error.count("\n")) == (2, 1)
+        assert said in call.error
+    assert contents(tmp_path) == before
+
+
+def test_links_do_not_hide_an_input(tmp_path: Path) -> None:
+    put(tmp_path / "in/sub/1.png", tmp_path / "out/2.png", tmp_path / "in/3.png")
+    (tmp_path / "out/sub").symlink_to(tmp_path / "in/sub")
+    refused([tmp_path / "in"], tmp_path / "out", below=True)
+    (tmp_path / "out/sub").unlink()
+    assert len(items_in([tmp_path / "in"], tmp_path / "out", below=True)) == 2
+    (tmp_path / "in/2.png").symlink_to(tmp_path / "out/2.png")
+    refused([tmp_path / "in"], tmp_path / "out", below=True)
+    refused([tmp_path / "in/2.png", tmp_path / "in/3.png"], tmp_path / "out", below=False)
+    (tmp_path / "same").symlink_to(tmp_path / "in")
+    refused([tmp_path / "in"], tmp_path / "same/new", below=True)
+
+
+def test_the_linked_folder_of_a_clip_is_not_written_into(tmp_path: Path) -> None:
+    put(tmp_path / "pool/images/1.png", tmp_path / "pool/images/2.png")
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in/images").symlink_to(tmp_path / "pool/images")
+    refused([tmp_path / "in"], tmp_path / "pool/images", below=False)
+
+
+def test_videos_and_folders_of_one_tree_do_not_share_an_output(tmp_path: Path) -> None:
+    root = tmp_path / "in"
+    put(root / "a.mp4/1.png", root / "b.png/1.png", root / "b.jpg", root / "Case/1.png", root / "case/1.png")
+    for name in ("a.mov.avi", "A.avi", "a.mkv", "a.mov.mp4.avi"):
+        write_avi(root / name)
+    write_avi(root / "a.mov")
+    out = tmp_path / "out"
+    items = items_in([root], out, below=True)
+    own = [str(item.output.relative_to(out)).casefold() for item in items]
+    assert len(set(own)) == len(items) == 10
+    steps = list(enhance_batch(items, Setting("paper", EnhanceParams(d_factor=0.5))))
+    broken = [step.name for step in steps if step.failed]
+    written = [step.written for step in steps if step.written]
+    assert (len(broken), len(written)) == (0, 10)
+    assert len(list(out.rglob("*.mp4")) + list(out.rglob("*.png"))) >= 10
+
+
+def test_inputs_of_several_kinds_do_not_share_an_output(tmp_path: Path) -> None:
+    put(tmp_path / "x.png/1.png", tmp_path / "p/x.png", tmp_path / "y.mp4/1.png")
+    write_avi(tmp_path / "y.avi")
+    inputs = [tmp_path / name for name in ("x.png", "p/x.png", "y.mp4", "y.avi")]
+    steps = list(enhance_batch(items_in(inputs, tmp_path / "out", below=False), Setting("clahe", None)))
+    assert not [step.failed for step in steps if step.failed]
+    found = {path.relative_to(tmp_path / "out").as_posix() for path in (tmp_path / "out").rglob("*.*")}
+    assert {"x.png-images/1.png", "x.png", "y.mp4-images/1.png", "y.mp4", "y.mp4.json"} <= found
+
+
+def test_images_that_a_disk_takes_for_one_keep_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    put(tmp_path / "in/A.png", tmp_path / "in/a.png")
+    exists = Path.exists
+
+    def in_any_case(path: Path) -> bool:
+        return exists(path) or any(
+            each.name.casefold() == path.name.casefold()
+            for each in (path.parent.iterdir() if path.parent.is_dir() else ())
+        )
+
+    monkeypatch.setattr(Path, "exists", in_any_case)
+    items = items_in([tmp_path / "in"], tmp_path / "out", below=True)
+    (written,) = (step.written for step in enhance_batch(items, Setting("clahe", None)) if step.written)
+    assert {one.output for one in written.pictures} == {"A.png", "a-2.png"}
+    images = [cv2.imread(str(path)) for path in sorted((tmp_path / "out").iterdir())]
+    assert not np.array_equal(images[0], images[1])
