@@ -75,6 +75,7 @@ class Recorder:
         self._segment: Segment | None = None
         self._stereo: StereoLayout | None = None
         self._start: float | None = None
+        self._files: list[dict[str, Any]] = []
         self._settings: list[dict[str, Any]] = []
         self._setting: LiveSetting | None = None
         self._thread = threading.Thread(target=self._run, name="vesselsplat-recorder", daemon=True)
@@ -112,7 +113,8 @@ class Recorder:
             self._has_made_it = True
             while (picture := self._next()) is not None:
                 self._write(picture)
-        except (OSError, UserError, ValueError) as error:
+        except Exception as error:
+            # Whatever it is, it is told, and the picture on the screen outlives it.
             log.info("a recording has ended early", exc_info=True)
             trouble = sentence(error)
         self._end(trouble)
@@ -136,12 +138,16 @@ class Recorder:
             self._start = picture.arrived
         seconds = picture.arrived - self._start
         stereo, aspect = layout_shown(picture, self._written.what)
-        if self._segment is None or self._segment.shape != (image.shape[1], image.shape[0], stereo, aspect):
+        shape = image.shape[1], image.shape[0], stereo, aspect
+        begins = self._segment is None or self._segment.shape != shape
+        if begins:
             self._begin(image, seconds, stereo, aspect)
         assert self._segment is not None
-        if picture.setting != self._setting:
-            self._note(picture.setting, seconds)
         self._segment.write(image, seconds)
+        if begins:
+            self._files.append({"name": self._written.path.name, "from_seconds": round(seconds, 3)})
+        if begins or picture.setting != self._setting:
+            self._note(picture.setting, seconds)
         self._written = replace(self._written, seconds=seconds, pictures=self._written.pictures + 1)
 
     def _begin(self, image: ByteImage, seconds: float, stereo: StereoLayout | None, aspect: float) -> None:
@@ -156,10 +162,11 @@ class Recorder:
         self._segment = Segment(self._written.path, size, seconds, self._facts(), stereo, aspect)
 
     def _note(self, setting: LiveSetting, seconds: float) -> None:
-        """From now on pictures are enhanced otherwise: said beside the file, which has a beginning only."""
-        self._setting = setting
-        said = {"from_seconds": round(seconds, 3), "params": setting.params, "pixels": setting.pixels}
-        self._settings.append(plain(said))
+        """From here on pictures are enhanced otherwise, or in another file: said beside the first."""
+        if setting != self._setting:
+            self._setting = setting
+            said = {"from_seconds": round(seconds, 3), "params": setting.params, "pixels": setting.pixels}
+            self._settings.append(plain(said))
         self._say()
 
     def _facts(self) -> dict[str, Any]:
@@ -167,20 +174,34 @@ class Recorder:
         return provenance(kind=RECORDING, **facts)
 
     def _say(self, **more: object) -> None:
-        write_sidecar(self._first, self._facts() | {"settings": self._settings} | plain(more))
+        write_sidecar(self._first, self._facts() | self._course() | plain(more))
+
+    def _course(self) -> dict[str, Any]:
+        """What changed when, in seconds from the first picture."""
+        return {"files": self._files, "settings": self._settings}
 
     def _end(self, trouble: str) -> None:
-        try:
-            if self._segment is not None:
-                self._segment.finish()
-            elif self._has_made_it:
-                self._first.unlink(missing_ok=True)
-        except (OSError, ValueError) as error:
-            trouble = trouble or sentence(error)
+        for step in (self._finish_segment, self._take_away_empty):
+            try:
+                step()
+            except Exception as error:
+                trouble = trouble or sentence(error)
         self._written = replace(self._written, is_over=True, trouble=trouble)
-        if self._segment is not None:
+        if self._files:
             with suppress(OSError, UserError):
                 self._say(recorded=_without_path(self.state))
+
+    def _finish_segment(self) -> None:
+        if self._segment is not None:
+            self._segment.finish()
+
+    def _take_away_empty(self) -> None:
+        """The file under way, where no picture came to be in it."""
+        path, names = self._written.path, [one["name"] for one in self._files]
+        if path.name not in names and self._has_made_it:
+            path.unlink(missing_ok=True)
+        if path.name not in names and names:
+            self._written = replace(self._written, path=path.with_name(names[-1]), files=len(names))
 
 
 def require_new(path: Path) -> None:

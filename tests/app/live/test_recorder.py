@@ -104,6 +104,31 @@ def test_another_size_goes_on_in_another_file(tmp_path: Path) -> None:
     done = recorded(tmp_path / "a.mp4", pictures)
     assert (done.files, done.path.name) == (2, "a-2.mp4")
     assert [open_clip(tmp_path / name).size for name in ("a.mp4", "a-2.mp4")] == [(128, 96), (64, 64)]
+    told = json.loads((tmp_path / "a.mp4.json").read_text())["files"]
+    assert told == [{"name": "a.mp4", "from_seconds": 0.0}, {"name": "a-2.mp4", "from_seconds": 0.2}]
+
+
+def test_what_the_encoder_cannot_hold_ends_it_in_a_line(tmp_path: Path) -> None:
+    wide = picture(1, 0.0, (16, 17000))
+    done = recorded(tmp_path / "a.mp4", [wide])
+    assert (done.is_over, done.pictures) == (True, 0)
+    assert done.trouble.startswith("H.264 cannot hold frames of 17000x16 (")
+    assert not list(tmp_path.iterdir())
+    done = recorded(tmp_path / "a.mp4", [picture(1, 0.0), picture(2, 0.1), replace(wide, number=3)])
+    assert (done.path.name, done.files, done.pictures) == ("a.mp4", 1, 2)
+    assert "cannot hold" in done.trouble
+    assert {path.name for path in tmp_path.iterdir()} == {"a.mp4", "a.mp4.json"}
+    assert len(open_clip(done.path)) == 2
+
+
+@pytest.mark.parametrize("fails", ["write", "finish"])
+def test_whatever_fails_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fails: str) -> None:
+    def failing(*given: object) -> None:
+        raise RuntimeError("of the driver")
+
+    monkeypatch.setattr(f"app.live.segment.Segment.{fails}", failing)
+    done = recorded(tmp_path / "a.mp4", [picture(1, 0.0)])
+    assert (done.is_over, done.trouble) == (True, "of the driver")
 
 
 def test_pixels_that_are_not_square_stay_so_and_play_so(tmp_path: Path) -> None:
