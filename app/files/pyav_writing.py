@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 import av
 from av.video.reformatter import Interpolation
 
+from app.errors import UserError
 from app.files.codecs import Codec
 from app.files.image_files import ArrayImage
 from app.files.sound import Sound, sound_of
@@ -45,6 +49,18 @@ class _Tags:
     pixel_aspect: Fraction | None = None
 
 
+@contextmanager
+def encoded(codec: str, size: tuple[int, int], instead: str = "") -> Iterator[None]:
+    """Raises UserError, with what to do `instead`: the encoder fails. OSError, as of a full disk, passes."""
+    try:
+        yield
+    except av.error.FFmpegError as error:
+        if isinstance(error, OSError):
+            raise
+        frames = f"frames of {size[0]}x{size[1]} ({error.strerror})"
+        raise UserError(f"{codec} cannot hold {frames}{instead}") from error
+
+
 class PyavWriter:
     """One frame after another, then the rest of the sound."""
 
@@ -61,6 +77,7 @@ class PyavWriter:
         self._matrix = MATRICES.get(tags.matrix) or usual_matrix(size[1])
         self._sound: Sound | None = sound_of(timing, self._container, within)
         self._count, self._end = 0, 0.0
+        self._encoded = partial(encoded, codec.name, size, f"; write to a folder instead: {path}")
         self.encoding = f"{codec.name}, colour tags {tags.primaries}/{tags.transfer}/{tags.matrix}"
 
     def _video_stream(self, size: tuple[int, int], tags: _Tags, made_by: Codec) -> VideoStream:
@@ -84,12 +101,14 @@ class PyavWriter:
         picture.time_base = self._unit
         self._count += 1
         self._end = start + float(1 / self._rate)
-        self._container.mux(self._stream.encode(picture))
+        with self._encoded():
+            self._container.mux(self._stream.encode(picture))
         if self._sound is not None:
             self._sound.write_until(start)
 
     def finish(self) -> None:
-        self._container.mux(self._stream.encode())
+        with self._encoded():
+            self._container.mux(self._stream.encode())
         if self._sound is not None:
             self._sound.write_until(self._end)
             self.notices += self._sound.finish(self._end)

@@ -57,8 +57,8 @@ def write_frames(path: Path, frames: Iterator[ArrayImage], timing: Timing) -> Ge
     cannot hold.
 
     Raises:
-        UserError: frames of another type, of different sizes or smaller than 2x2 pixels, a path that is not
-            UTF-8, or no encoder of its ending on this machine.
+        UserError: frames of another type, of different sizes, smaller than 2x2 pixels or of a size that the
+            codec cannot hold, a path that is not UTF-8, or no encoder of its ending on this machine.
     """
     require_utf8(path)
     stored = (_stored(frame, path) for frame in frames)

@@ -10,7 +10,7 @@ from typing import Any, Final
 import av
 
 from app.files.provenance import strict_json
-from app.files.pyav_writing import BT709, MATRICES, TICKS, encodable
+from app.files.pyav_writing import BT709, MATRICES, TICKS, encodable, encoded
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import StereoLayout
 
@@ -64,7 +64,7 @@ class Segment:
         self._last, self._key = -1, 0.0
 
     def write(self, image: ByteImage, seconds: float) -> None:
-        """Raises OSError: the disk is full, or gone."""
+        """Raises OSError: the disk is full, or gone; UserError: H.264 cannot hold such pictures."""
         frame = encodable(image, MATRICES[BT709])
         passed = seconds - self._start
         self._last = frame.pts = max(round(passed * TICKS), self._last + 1)
@@ -72,7 +72,8 @@ class Segment:
         if passed >= self._key:
             frame.pict_type = av.video.frame.PictureType.I
             self._key = passed + FRAGMENT
-        self._container.mux(self._stream.encode(frame))
+        with encoded("H.264", (image.shape[1], image.shape[0])):
+            self._container.mux(self._stream.encode(frame))
 
     def finish(self) -> None:
         """Raises OSError as `write`; the file is let go of in any case."""

@@ -316,6 +316,22 @@ def test_a_name_with_a_colon_is_a_file(tmp_path: Path, encoder: str) -> None:
     assert len(open_clip(path)) == 3
 
 
+@pytest.mark.parametrize(
+    ("name", "size", "codec"),
+    [("w.mp4", (30000, 20), "H.264"), ("w.hevc.mp4", (30000, 20), "HEVC"), ("s.hevc.mp4", (8, 8), "HEVC")],
+)
+def test_a_size_that_a_codec_cannot_hold_is_one_line(
+    tmp_path: Path, name: str, size: tuple[int, int], codec: str
+) -> None:
+    frame = np.full((size[1], size[0], 3), 90, np.uint8)
+    with pytest.raises(UserError) as told:
+        write_video(tmp_path / name, iter([frame] * 2), Timing(25.0))
+    said = str(told.value)
+    assert said.startswith(f"{codec} cannot hold frames of {size[0]}x{size[1]} (")
+    assert said.endswith(f"; write to a folder instead: {tmp_path / name}")
+    assert not list(tmp_path.iterdir())
+
+
 def test_interlaced_video_is_enhanced_and_made_again(tmp_path: Path, vesselsplat: Cli) -> None:
     """One picture a field when asked, and replayed the same."""
     given = encoded(
