@@ -76,8 +76,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--statistics",
         choices=("automatic", "image", "clip"),
         default="automatic",
-        help="take statistics of each image on its own, or of all together so that colours match and nothing "
-        "flickers (default: of a video, or of images that follow one another as in a video, all together)",
+        help="take statistics of each image on its own, or of 16 of them, evenly spread, for all, so that "
+        "colours match and nothing flickers (default: the latter of a video, or of images that follow one "
+        "another as in a video)",
     )
     parser.add_argument(
         "--pixels",
@@ -103,9 +104,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     reading = parameters(ClipOptions, flags)
-    setting = Setting(
-        flags.method, params_of(flags), flags.statistics, flags.pixels, None, reading, _dicom(flags)
-    )
+    setting = Setting(flags.method, params_of(flags), flags.statistics, flags.pixels, reading, _dicom(flags))
     if len(flags.inputs) > 1 or flags.recursive:
         _run_batch(flags, setting)
         return

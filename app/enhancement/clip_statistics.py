@@ -11,13 +11,12 @@ import numpy as np
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.recording import are_alike, likenesses
-from app.enhancement.settable import Pixels, Scope, drawn
+from app.enhancement.settable import POOLED_FRAMES, Pixels, Scope, drawn
+from app.files.evenly import evenly
 from enhance import EnhanceParams, Pool, Statistics
 from enhance.surround import inside
 from renderer.clip import BoolImage, ByteImage, Clip
 
-POOLED_FRAMES: Final = 16
-"""Frames, evenly spread, whose statistics stand for the whole clip."""
 IMAGES: Final = "images"
 """Format of a clip that is a folder of images, of one recording or not."""
 OfClip = Statistics | Literal["own", "later"] | None
@@ -110,8 +109,7 @@ def _pools(request: StatisticsRequest) -> Generator[None, None, bool]:
 
 def _indices(request: StatisticsRequest) -> list[int]:
     first, last = request.span or (0, len(request.clip) - 1)
-    places = np.linspace(first, last, min(last + 1 - first, POOLED_FRAMES)).round()
-    return [int(place) for place in places]
+    return evenly(first, last, POOLED_FRAMES)
 
 
 def read_frame(

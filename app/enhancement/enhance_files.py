@@ -17,7 +17,7 @@ from app.enhancement.dicom_files import (
 from app.enhancement.methods import MethodEnhancer, Params, by_baseline, measure_for
 from app.enhancement.recording import is_recording
 from app.enhancement.records import EnhancedPicture, EnhancedVideo
-from app.enhancement.settable import Pixels, drawn
+from app.enhancement.settable import POOLED_FRAMES, Pixels, drawn
 from app.errors import UserError, sentence
 from app.files.atomic import filled, together
 from app.files.codecs import MP4, ending_of
@@ -37,8 +37,6 @@ from renderer.clip import ClipError
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 VIDEO = MP4
-STEADY_FRAMES = 16
-"""Evenly spread pictures that tell the surround of all, or the statistics of a video."""
 
 Tissue = Callable[[ArrayImage], BoolImage | None]
 Stream = Generator[Any, None, None]
@@ -60,8 +58,6 @@ class Setting:
     statistics: Literal["automatic", "image", "clip"] = "automatic"
     """Of each picture, or pooled over the series. Automatic: pooled of a recording, against flicker."""
     pixels: Pixels = "automatic"
-    pooled: int | None = None
-    """Evenly spread pictures whose statistics stand for a series; None: all of them."""
     clip_options: ClipOptions = DEFAULTS
     """How videos are read."""
     dicom: DicomChoices = DEIDENTIFIED
@@ -124,7 +120,7 @@ def enhance_into(
         UserError, ClipError: nothing that can be read, or what cannot be enhanced or written.
     """
     notices, failed = list(series.notices), dict[int, Unreadable]()
-    pooled = pooled_statistics(series, setting, notices, watch) if setting.pools(series) else None
+    pooled = pooled_statistics(series, setting, watch) if setting.pools(series) else None
     images = _pictures(series, notices, failed=failed)
     pictures = watch("enhance", series, _enhanced(series, ahead(images), setting, pooled))
     try:
@@ -176,24 +172,20 @@ def _tissue(series: Series, setting: Setting) -> Tissue:
     if setting.pixels != "tissue":
         return lambda image: None
     _, first = next(_pictures(series, []))
-    size, spread = first.shape[:2], _pictures(series, [], series.spread(STEADY_FRAMES))
+    size, spread = first.shape[:2], _pictures(series, [], series.spread(POOLED_FRAMES))
     steady = inside(image for _, image in spread if image.shape[:2] == size)
     return lambda image: steady if image.shape[:2] == size else inside([image])
 
 
-def pooled_statistics(
-    series: Series, setting: Setting, notices: list[str], watch: Watch = unwatched
-) -> Statistics:
-    """Of all pictures, or of evenly spread ones, as the setting says. Raises UserError: one is unusable."""
-    look, count = setting.params, setting.pooled
+def pooled_statistics(series: Series, setting: Setting, watch: Watch = unwatched) -> Statistics:
+    """Of evenly spread pictures, the same as in the window. Raises UserError: one is unusable."""
+    look = setting.params
     assert look is not None
-    if count is None and setting.statistics == "automatic":
-        count = STEADY_FRAMES
-    indices = None if count is None else series.spread(count)
     try:
         tissue = _tissue(series, setting)
+        # What cannot be read is told where it is enhanced.
+        read = watch("measure", series, _pictures(series, [], series.spread(POOLED_FRAMES)))
         # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
-        read = watch("measure", series, _pictures(series, notices, indices))
         images, again = tee(image for _, image in read)
         return measure_for(look, images, map(tissue, again), drawn(setting.pixels))
     except ImageError as error:
@@ -208,7 +200,7 @@ def enhance_frame_into(output: Path, series: Series, index: int, setting: Settin
     """
     if not 0 <= index < len(series):
         raise UserError(f"expected one of {len(series)} frames, got {index}")
-    pooled = pooled_statistics(series, setting, []) if setting.pools(series) else None
+    pooled = pooled_statistics(series, setting) if setting.pools(series) else None
     record = _record(series, index, Source.of(series.sources[index]), setting, pooled)
     try:
         image, made = enhanced(record, series.read(index), MethodEnhancer())

@@ -31,6 +31,8 @@ with its own defaults, and the picture that the open reconstruction gives of the
 
 MIN_ZOOM, MAX_ZOOM = 0.05, 40.0
 """Pane pixels a picture pixel."""
+POOLED_FRAMES: Final = 16
+"""Frames, evenly spread, whose statistics stand for the whole clip."""
 MOST_VALUES: Final = 12
 """Of one parameter that is tuned."""
 MOST_FRAME: Final = 2**31 - 1

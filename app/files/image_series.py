@@ -9,6 +9,7 @@ from itertools import groupby
 from pathlib import Path
 
 from app.errors import UserError
+from app.files.evenly import evenly
 from app.files.image_files import ArrayImage, frames_in, is_still, read_image
 from app.files.records import Source
 from app.files.timing import Timing
@@ -62,9 +63,9 @@ class Series:
             origin = Source.of(path)
             yield from (origin for _ in pictures)
 
-    def spread(self, count: int) -> range:
-        """Numbers of `count` pictures or fewer, evenly spread, the first among them."""
-        return range(0, len(self), -(-len(self) // count))
+    def spread(self, count: int) -> list[int]:
+        """Numbers of `count` pictures or fewer, evenly spread, the first and the last among them."""
+        return evenly(0, len(self) - 1, count)
 
 
 def open_series(path: Path, options: ClipOptions = DEFAULTS, apart: Container[Path] = ()) -> Series:

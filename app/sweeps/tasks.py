@@ -64,7 +64,7 @@ def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Number
     """Means over evenly spread images; the middle one is written."""
     series = open_series(clip)
     setting = Setting(wanted.method, wanted.params, pixels=wanted.pixels)
-    pooled = pooled_statistics(series, setting, []) if setting.pools(series) else None
+    pooled = pooled_statistics(series, setting) if setting.pools(series) else None
     indices = series.spread(frames)
     kept, enhancer, found = indices[len(indices) // 2], MethodEnhancer(), list[Measures]()
     for index in indices:

@@ -11,8 +11,12 @@ import numpy as np
 import pytest
 
 from app.__main__ import main
+from app.enhancement.enhance_files import Setting, enhance_into
+from app.files.image_files import ArrayImage
 from app.files.image_series import Series
+from app.files.stepping import run_to_end
 from app.files.timing import Timing
+from enhance import EnhanceParams
 from renderer.clip import ClipError
 from renderer.sources import open_clip
 from tests.app.conftest import Call, tissue
@@ -111,3 +115,19 @@ def test_a_truncated_video_becomes_a_shorter_one(tmp_path: Path, vesselsplat: Cl
     assert call.error.count("\n") == 1
     assert "cut off" in call.error
     assert 2 <= len(open_clip(out)) < 40
+
+
+def test_a_video_that_stops_is_told_once(tmp_path: Path) -> None:
+    """Where its enhanced frames end, and not where those of its statistics do."""
+
+    def read(index: int) -> ArrayImage:
+        if index >= 20:
+            raise ClipError(f"another size in frame {index}")
+        return tissue(index)
+
+    names = tuple(f"frame-{index:06d}" for index in range(40))
+    (tmp_path / "in.ts").write_bytes(b"of the stream")
+    series = Series(names, (tmp_path / "in.ts",) * 40, read, is_video=True)
+    setting = Setting("paper", EnhanceParams(d_factor=0.5))
+    written = run_to_end(enhance_into(tmp_path / "out", series, setting))
+    assert written.notices == ("stopped after 20 of 40 frames: another size in frame 20",)

@@ -7,7 +7,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from app.enhancement.clip_statistics import POOLED_FRAMES
 from app.enhancement.enhance_files import Setting
 from app.enhancement.methods import preset_of
 from app.enhancement.settable import Pixels, Scope
@@ -74,8 +73,7 @@ def summary(state: AppState) -> str:
 def present_setting(state: AppState) -> Setting:
     """How files are enhanced: as the Enhancement panel says."""
     chosen = state.enhancement
-    pooled = POOLED_FRAMES if chosen.scope == "clip" else None
-    return Setting(preset_of(chosen.params), chosen.params, chosen.scope, chosen.pixels, pooled)
+    return Setting(preset_of(chosen.params), chosen.params, chosen.scope, chosen.pixels)
 
 
 def why_not_start(state: AppState) -> str:

@@ -130,8 +130,8 @@ def test_what_ends_early_leaves_whole_items_alone(cases: Path, tmp_path: Path) -
     assert files(out) == {"a/scope.mp4", "a/scope.mp4.json"}
 
 
-def test_pooled_statistics_may_be_of_some_frames(cases: Path, tmp_path: Path) -> None:
-    setting = Setting("vessel", VesselParams(), "clip", "tissue", pooled=2)
+def test_statistics_are_pooled_for_each_item(cases: Path, tmp_path: Path) -> None:
+    setting = Setting("vessel", VesselParams(), "clip", "tissue")
     items = items_in((cases / "a",), tmp_path / "out", below=True)
     steps = list(enhance_batch(items, setting))
     assert [step.failed for step in steps if step.failed] == []

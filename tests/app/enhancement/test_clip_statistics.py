@@ -9,10 +9,16 @@ import numpy as np
 import pytest
 
 from app.enhancement.clip_statistics import ClipMeasurer, ClipStatistics, StatisticsRequest, measured
+from app.enhancement.enhance_files import Setting, enhance_into
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.enhancement.recording import is_recording
+from app.enhancement.settable import Scope
+from app.files.evenly import evenly
+from app.files.image_files import read_image, write_image
+from app.files.image_series import open_series
 from enhance import EnhanceParams, Pool, enhance, measure
 from renderer.clip import ByteImage, Clip
+from renderer.sources import open_clip
 from tests.app.gui.conftest import make_clip
 from tests.enhance.pictures import vessels
 
@@ -60,6 +66,31 @@ def test_automatic_pools_a_folder_of_frames_and_no_other(clip: Clip, read: objec
     assert (measured(request) is not None) == pools
     assert measured(replace(request, scope="clip")) is not None
     assert measured(replace(request, scope="image")) is None
+
+
+@pytest.mark.parametrize("scope", ["automatic", "clip", "image"])
+def test_the_command_gives_what_the_window_shows(tmp_path: Path, scope: Scope) -> None:
+    """Of a light that fades, so that other frames would give other statistics."""
+    folder, params = tmp_path / "in", EnhanceParams(d_factor=0.5)
+    folder.mkdir()
+    for index in range(18):
+        faded = (vessels(64, 80) * (1 - 0.045 * index)).astype(np.uint8)
+        write_image(folder / f"{index:02d}.png", faded, {})
+    steps = enhance_into(tmp_path / "out", open_series(folder), Setting("paper", params, scope))
+    list(steps)
+    clip, maker = open_clip(folder), PictureMaker()
+    for index in range(18):
+        *_, shown = maker.make(PictureRequest(clip, index, params, scope, "automatic"))
+        np.testing.assert_array_equal(read_image(tmp_path / f"out/{index:02d}.png"), shown.enhanced)
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "count"), [(0, 0, 16), (0, 17, 16), (3, 90, 4), (5, 6, 2), (0, 9, 16)]
+)
+def test_frames_are_evenly_spread_from_the_first_to_the_last(first: int, last: int, count: int) -> None:
+    found = evenly(first, last, count)
+    assert (found[0], found[-1], len(found)) == (first, last, min(count, last + 1 - first))
+    assert max(np.diff(found), default=0) - min(np.diff(found), default=0) <= 1
 
 
 def test_a_clip_of_a_known_layout_is_pooled_without_a_look(clip: Clip) -> None:
