@@ -118,7 +118,7 @@ def run(flags: argparse.Namespace) -> None:
     session = LiveSession(partial(open_input, asked, wish), setting, recipients=recipients)
     try:
         with progress(f"live from {asked.name}", 0, every=2.0) as report, ended_by_ctrl_c() as is_ended:
-            _follow(session, sender, flags.seconds, is_ended, report)
+            _follow(session, recorder, sender, flags.seconds, is_ended, report)
     finally:
         session.close()
         recording = None if recorder is None else recorder.finish()
@@ -177,6 +177,7 @@ def _sender(endpoint: Endpoint) -> Sender:
 
 def _follow(
     session: LiveSession,
+    recorder: Recorder | None,
     sender: Sender | None,
     seconds: float | None,
     is_ended: Callable[[], bool],
@@ -186,7 +187,7 @@ def _follow(
 
     Raises UserError: it cannot come.
     """
-    began, is_awaited = time.perf_counter(), False
+    began, is_awaited, trouble = time.perf_counter(), False, ""
     while not session.is_over and not is_ended():
         time.sleep(LOOK)
         now, passed = session.status(), time.perf_counter() - began
@@ -196,6 +197,9 @@ def _follow(
             # It was never there, and so is not lost.
             is_awaited = True
             sys.stderr.write(f"live: waiting for the source: {now.reason}\n")
+        if recorder is not None and not trouble and (trouble := recorder.state.trouble):
+            # While there is time to begin another.
+            sys.stderr.write(f"live: the recording ended early ({trouble})\n")
         if seconds is not None and passed >= seconds:
             return
         if now.made == 0 and passed > PATIENCE:

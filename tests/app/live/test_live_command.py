@@ -101,6 +101,14 @@ def test_ctrl_c_ends_it_as_the_time_does(tmp_path: Path) -> None:
     assert len(open_clip(film)) == told["recording"]["pictures"] > 0
 
 
+def test_a_recording_that_ends_early_is_told_at_once(vesselsplat: Command, tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"no folder")
+    done = vesselsplat("live", phantom_path(), "--seconds", "1.5", "--record", tmp_path / "file" / "x.mp4")
+    assert done.code == 2
+    told = [line for line in done.error.splitlines() if "ended early" in line]
+    assert [line.split(":")[0] for line in told] == ["live", "vesselsplat"]
+
+
 def test_devices_are_listed(vesselsplat: Command) -> None:
     done = vesselsplat("live", "--list", "--json")
     assert done.code == 0
