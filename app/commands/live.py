@@ -146,8 +146,11 @@ def wish_of(flags: argparse.Namespace) -> Wish:
         raise UserError(f"--fps: expected more than 0 and less than 1000, got {flags.fps:g}")
     if flags.size is not None and min(flags.size) < 1:
         raise UserError(f"--size: expected two numbers from 1 on, got {flags.size[0]} {flags.size[1]}")
+    four = flags.pixel_format
+    if four is not None and not (len(four) == 4 and four.isascii() and four.isprintable()):
+        raise UserError(f"--pixel-format: expected four characters, such as MJPG, got {four}")
     size = None if flags.size is None else (flags.size[0], flags.size[1])
-    return Wish(size, flags.fps, flags.pixel_format, not flags.once)
+    return Wish(size, flags.fps, four, not flags.once)
 
 
 def _check_effect(flags: argparse.Namespace, asked: LiveInput) -> None:

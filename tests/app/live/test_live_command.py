@@ -55,6 +55,8 @@ def test_a_clip_as_if_live_is_enhanced_recorded_and_measured(vesselsplat: Comman
             "--size: expected a device as SOURCE, to which it applies",
         ),
         ((str(phantom_path()), "--pixel-format", "MJPG"), "--pixel-format: expected a device as SOURCE"),
+        (("tcp://127.0.0.1:9", "--pixel-format", "MJPEG"), "--pixel-format: expected four characters"),
+        (("tcp://127.0.0.1:9", "--pixel-format", "x"), "such as MJPG, got x"),
         (("tcp://127.0.0.1:9", "--fps", "25"), "--fps: expected a device or file as SOURCE"),
         (("tcp://127.0.0.1:9", "--once"), "--once: expected a file as SOURCE"),
         ((str(phantom_path()), "--coring", "1"), "--coring has no effect"),
