@@ -113,7 +113,15 @@ def _items_of(given: Path, output: Path, taken: set[str], *, alone: bool, below:
 
 
 def _walk(folder: Path, output: Path, name: str) -> Iterator[Item]:
-    """The folder's pictures, its videos, then the folders in it; a clip of many folders is one item."""
+    """The folder's pictures, its videos, then the folders in it; a clip of many folders is one item, and so
+    is a folder that cannot be read, of which `enhance_batch` says so."""
+    try:
+        yield from list(_found(folder, output, name))
+    except OSError:
+        yield Item(folder, output, name)
+
+
+def _found(folder: Path, output: Path, name: str) -> Iterator[Item]:
     if layout_of(folder).is_data_set:
         yield Item(folder, output, name)
         return

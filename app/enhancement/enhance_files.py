@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import chain, count, tee
 from pathlib import Path
 from typing import Any, Literal
@@ -143,14 +144,14 @@ def _pictures(
     """The pictures, all or some, each with its number. A video that cannot be decoded to its end stops there,
     with a notice; of a folder, those that cannot be read are passed over, and are `failed`.
 
-    Raises UserError or ClipError: none can be read.
+    Raises UserError, ClipError or OSError: none can be read.
     """
-    first: UserError | ClipError | None = None
+    first: Exception | None = None
     found = False
     for index in range(len(series)) if indices is None else indices:
         try:
             image = series.read(index)
-        except (UserError, ClipError) as error:
+        except (UserError, ClipError, OSError) as error:
             if series.is_video and found:
                 notice = f"stopped after {index} of {len(series)} frames: {error}"
                 notices.extend({notice}.difference(notices))
@@ -229,11 +230,11 @@ def _record(
 
 
 def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statistics | None) -> Stream:
-    origins, enhancer = enumerate(series.origins()), MethodEnhancer()
+    origin_of, enhancer = lru_cache(1)(Source.of), MethodEnhancer()
     try:
         for index, image in images:
-            origin = next(origin for number, origin in origins if number == index)
-            record = _record(series, index, origin, setting, pooled)
+            # Of a file that cannot be read there is no digest either.
+            record = _record(series, index, origin_of(series.sources[index]), setting, pooled)
             try:
                 made = enhanced(record, image, enhancer)
             except (ImageError, UserError) as error:

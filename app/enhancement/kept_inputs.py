@@ -47,8 +47,10 @@ def homes(files: Iterable[Path]) -> set[Identity]:
 
 
 def files_of(source: Path) -> tuple[Path, ...]:
-    """What is read of an image, a video, a folder of images or a clip. Raises OSError."""
+    """What is read of an image, a video, a folder of images or a clip; nothing where it cannot be."""
     if source.is_file():
         return (source,)
-    layout = layout_of(source)
-    return layout.files(source) if layout.is_data_set else tuple(frame_folder(source).iterdir())
+    with suppress(OSError):
+        layout = layout_of(source)
+        return layout.files(source) if layout.is_data_set else tuple(frame_folder(source).iterdir())
+    return ()

@@ -36,7 +36,7 @@ def likenesses(count: int, read: Callable[[int], ArrayImage]) -> Iterator[float]
     """Of neighbours, pair by pair, but for those that cannot be read; of fewer than two images none."""
     firsts = np.unique(np.linspace(0, count - 2, PAIRS).round().astype(int)) if count > 1 else ()
     for first in firsts:
-        with suppress(UserError, ClipError):
+        with suppress(UserError, ClipError, OSError):
             yield _likeness(read(int(first)), read(int(first) + 1))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import shutil
 from collections.abc import Callable
@@ -15,8 +16,10 @@ from app.enhancement.batch import enhance_batch, items_in
 from app.enhancement.enhance_files import Setting
 from app.errors import UserError
 from app.exports.replay.again import replay
+from app.files import image_series
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
+from app.files.records import Source
 from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams
 from renderer.phantom import PhantomParams, write_phantom
@@ -117,6 +120,29 @@ def test_one_bad_item_is_told_at_the_end_and_the_others_are_there(
     assert [("failure" in one) for one in found["items"]] == [True, False, False, False]
     (damaged,) = (image for one in found["items"] for image in one.get("failed", ()))
     assert damaged["name"] == "2.png"
+
+
+def test_what_may_not_be_read_is_passed_over(
+    cases: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As of files and folders of somebody else."""
+    denied = {cases / "a/stills/2.png", cases / "b"}
+
+    def asked(path: Path) -> None:
+        if path in denied:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    listed, of, read = Path.iterdir, Source.of, image_series.read_image
+    monkeypatch.setattr(Path, "iterdir", lambda path: (asked(path), listed(path))[1])
+    monkeypatch.setattr(Source, "of", lambda path: (asked(path), of(path))[1])
+    monkeypatch.setattr(image_series, "read_image", lambda path: (asked(path), read(path))[1])
+    steps = list(enhance_batch(items_in([cases], tmp_path / "out", below=True), SETTING))
+    failed = [(step.failed.name, step.failed.reason) for step in steps if step.failed]
+    passed = [(one.name, one.reason) for step in steps if step.written for one in step.written.failed]
+    assert failed == [("cases/b", "Permission denied: b")]
+    assert passed == [("2.png", "Permission denied: 2.png")]
+    monkeypatch.undo()
+    assert files(tmp_path / "out") == {"a/stills/1.png", "a/scope.mp4", "a/scope.mp4.json"}
 
 
 def test_what_ends_early_leaves_whole_items_alone(cases: Path, tmp_path: Path) -> None:
