@@ -122,7 +122,9 @@ def _told_as(place: Path, temporary: Path) -> Iterator[None]:
     except OSError as error:
         if error.errno in NO_SPACE and not error.filename:
             error.filename = str(place)
-        if isinstance(error.filename, str) and (named := Path(error.filename)).is_relative_to(temporary):
+        # FFmpeg gets its paths as addresses.
+        told = error.filename.removeprefix("file:") if isinstance(error.filename, str) else ""
+        if told and (named := Path(told)).is_relative_to(temporary):
             error.filename = str(place / named.relative_to(temporary))
         raise
 

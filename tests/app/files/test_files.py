@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 import tempfile
@@ -23,7 +24,7 @@ from app.enhancement.contact_sheet import (
     sheet,
 )
 from app.errors import UserError
-from app.files.atomic import filled, replaced, write_bytes
+from app.files.atomic import filled, replaced, together, write_bytes
 from app.files.image_files import read_image, write_image
 from app.files.timing import Timing
 from app.files.video import write_video
@@ -242,3 +243,15 @@ def test_a_link_under_the_temporary_name_is_not_followed(tmp_path: Path) -> None
     assert outside.read_bytes() == b"precious"
     assert [path.name for path in folder.iterdir()] == ["run.json"]
     assert not (folder / "run.json").is_symlink()
+
+
+def test_a_full_disk_is_told_of_the_file_that_was_asked_for(tmp_path: Path) -> None:
+    """FFmpeg names it as an address, in the temporary folder of all that appears at once."""
+    path = tmp_path / "film.mp4"
+    with (
+        pytest.raises(OSError, match="No space left") as told,
+        together(path) as place,
+        replaced(place) as new,
+    ):
+        raise OSError(errno.ENOSPC, "No space left on device", f"file:{new}")
+    assert told.value.filename == str(path)
