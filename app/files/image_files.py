@@ -51,6 +51,8 @@ TURNS: Mapping[int, Callable[[ArrayImage], ArrayImage]] = MappingProxyType(
     }
 )
 """What makes a picture upright, by its EXIF orientation."""
+PLAIN_NETPBM = (b"P1", b"P2", b"P3")
+"""How images of numbers in ASCII begin."""
 BROKEN = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)
 
 
@@ -182,6 +184,8 @@ def _decoded(path: Path) -> ArrayImage | None:
     It gets the bytes: names that are not ASCII or not UTF-8 fail or crash its own reader.
     """
     content = path.read_bytes()
+    if content.startswith(PLAIN_NETPBM):
+        content += b"\n"  # OpenCV takes a last number for a broken one where nothing ends it.
     # A JPEG may say by EXIF which way is up, which OpenCV passes over where it keeps an alpha channel.
     wanted = cv2.IMREAD_ANYCOLOR if content.startswith(JPEG) else cv2.IMREAD_UNCHANGED
     level = cv2.utils.logging.getLogLevel()

@@ -81,3 +81,16 @@ def test_cie_lab_of_more_bits_is_refused_in_a_line(tmp_path: Path, vesselsplat: 
     assert done.code == 2
     assert "got a TIFF of CIE Lab" in done.error
     assert not (tmp_path / "out.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("kind", "numbers", "shape"), [("P2", "10 250", (1, 2)), ("P3", "1 2 3 4 5 6", (1, 2, 3))]
+)
+@pytest.mark.parametrize("end", ["", "\n"])
+def test_plain_netpbm_is_read_with_and_without_a_last_line_end(
+    tmp_path: Path, kind: str, numbers: str, shape: tuple[int, ...], end: str
+) -> None:
+    path = tmp_path / "a.pnm"
+    path.write_text(f"{kind}\n2 1\n255\n{numbers}{end}", newline="")
+    expected = np.array([int(number) for number in numbers.split()], np.uint8).reshape(shape)
+    np.testing.assert_array_equal(read_image(path), expected)
