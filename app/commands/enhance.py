@@ -204,7 +204,7 @@ def _dicom(flags: argparse.Namespace) -> DicomChoices:
 
 def _check_output(given: Path, output: Path, series: Series, choices: DicomChoices) -> None:
     """Refuse what would overwrite the input, or has no place for what comes; a video holds one size."""
-    files = tuple(dict.fromkeys(series.sources))
+    files = tuple(dict.fromkeys((*series.sources, *series.files)))
     taken = identities((given, *files))
     if given.is_dir() or output.is_dir():
         taken |= homes(files)
@@ -216,7 +216,7 @@ def _check_output(given: Path, output: Path, series: Series, choices: DicomChoic
     if ending_of(output):
         codec_for(output)
     if (ending_of(output) or is_dicom_name(output)) and given.is_dir():
-        common_size(path for path in files if is_picture(path))
+        common_size(path for path in series.sources if is_picture(path))
     is_written = is_image(output) or is_dicom_name(output) or ending_of(output)
     # Of one file, letters alone are meant as a format; out.v1 and 2024.05.01 are folders.
     is_unknown = given.is_file() and output.suffix[1:].isalpha() and not is_written

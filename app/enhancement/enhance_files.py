@@ -254,10 +254,10 @@ def _write(
         return video.pictures
     if is_image(output) and not output.is_dir():
         ((image, record),) = pictures
-        write_image(output, image, record.signed, profile=profile_of(series.sources[0], image))
+        write_image(output, image, record.signed, profile=profile_of(series.files[0], image))
         yield 1
         return (replace(record, output=output.name),)
-    written, files = list[EnhancedPicture](), dict(zip(series.names, series.sources, strict=True))
+    written, files = list[EnhancedPicture](), dict(zip(series.names, series.files, strict=True))
     with filled(output) as staging:
         for image, record in pictures:
             # PNG holds no floats.

@@ -42,6 +42,8 @@ class Series:
     sources: tuple[Path, ...]
     """The file that each picture comes from."""
     read: Callable[[int], ArrayImage]
+    images: tuple[Path, ...] = ()
+    """The image file of each picture, where sources name the folder of them all."""
     notices: tuple[str, ...] = ()
     """One sentence for each oddity met while opening."""
 
@@ -52,6 +54,11 @@ class Series:
 
     def __len__(self) -> int:
         return len(self.names)
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The file that each picture's numbers lie in."""
+        return self.images or self.sources
 
     def frame(self, index: int) -> int | None:
         """The number of a picture in its source; None where each has a source of its own."""
@@ -123,7 +130,7 @@ def _of_files(paths: tuple[Path, ...]) -> Series:
         other = first.setdefault(name, path)
         if other != path:
             raise UserError(f"{other.name} and {path.name} would share one output name: {path.parent}")
-    return Series(names, paths, lambda index: read_image(paths[index]), tuple(left_pages(paths)))
+    return Series(names, paths, lambda index: read_image(paths[index]), notices=tuple(left_pages(paths)))
 
 
 def _of_clip(path: Path, options: ClipOptions) -> Series:
@@ -131,7 +138,18 @@ def _of_clip(path: Path, options: ClipOptions) -> Series:
     indices = range(len(clip))
     names = [f"frame-{index:06d}" if is_video else Path(clip.labels[index]).stem for index in indices]
     timing, files = timing_of(clip, indices), (path,) * len(clip)
-    return Series(tuple(names), files, clip.read_image, clip.notices, is_video=is_video, timing=timing)
+    images = () if is_video else _image_files(path, clip)
+    return Series(
+        tuple(names), files, clip.read_image, images, clip.notices, is_video=is_video, timing=timing
+    )
+
+
+def _image_files(path: Path, clip: Clip) -> tuple[Path, ...]:
+    """The files of a clip's frames; none where frames are made of other files."""
+    if not layout_of(path).frames_are_files:
+        return ()
+    files = tuple(frame_folder(path) / label for label in clip.labels)
+    return files if all(file.is_file() for file in files) else ()
 
 
 def timing_of(clip: Clip, frames: range) -> Timing:

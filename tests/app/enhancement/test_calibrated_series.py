@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageCms
 
 from app.enhancement.enhance_files import Setting, enhance_into
 from app.errors import UserError
@@ -62,3 +62,16 @@ def test_a_still_of_another_shape_is_refused(tmp_path: Path) -> None:
     Image.fromarray(np.zeros((100, 300, 3), np.uint8)).save(path)
     with pytest.raises(UserError, match="got one of 320x256, the images are 300x100"):
         open_series(path, ClipOptions(calibration=EYES)).read(0)
+
+
+def test_colours_stay_those_of_each_file(folder: Path, tmp_path: Path) -> None:
+    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    with Image.open(folder / "1.png") as image:
+        image.copy().save(folder / "1.png", icc_profile=profile)
+    series = open_series(folder, OPTIONS)
+    assert series.files == tuple(folder / f"{at}.png" for at in range(3))
+    list(enhance_into(tmp_path / "out", series, SETTING))
+    for name, expected in (("0.png", None), ("1.png", profile)):
+        with Image.open(tmp_path / "out" / name) as made:
+            assert made.info.get("icc_profile") == expected
+    assert replay(tmp_path / "out/1.png", (folder,), tmp_path / "again.png").difference.is_none
