@@ -12,7 +12,7 @@ from app.errors import UserError
 from app.live.sources.source import Arrived, SourceLost, Wish
 from renderer.clip import ByteImage
 from renderer.pyav_presence import has_pyav, why_not_pyav
-from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, usual_matrix
+from renderer.readers.video_shape import UNSPECIFIED, lies_down, pixel_aspect, upright, usual_matrix
 
 if TYPE_CHECKING:
     from av import Packet, VideoFrame
@@ -49,13 +49,15 @@ class StreamSource:
         self._stream = self._video()
         rate = self._stream.average_rate or self._stream.guessed_rate
         self.frames_per_second = float(rate) if rate and 0 < rate < 1000 else None
+        self._lies_down = False  # Frames tell.
         self._frames = self._decoded()
 
     @property
     def told(self) -> str:
         codec = self._stream.codec_context
         rate = "" if self.frames_per_second is None else f", {self.frames_per_second:.3g} frames/s"
-        return f"{codec.width} × {codec.height}{rate}, {codec.name}"
+        width, height = (codec.height, codec.width) if self._lies_down else (codec.width, codec.height)
+        return f"{width} × {height}{rate}, {codec.name}"
 
     def read(self) -> Arrived | None:
         try:
@@ -88,6 +90,7 @@ class StreamSource:
 
     def _arrived(self, frame: VideoFrame, at: float) -> Arrived:
         seconds = at if frame.pts is None else frame.time
+        self._lies_down = lies_down(frame)
         aspect = float(pixel_aspect(self._stream, frame))
         return Arrived(lambda: rgb(frame), at, seconds, pixel_aspect=aspect)
 
@@ -103,9 +106,10 @@ def _frames(packet: Packet[VideoStream]) -> list[VideoFrame]:
 
 
 def rgb(frame: VideoFrame) -> ByteImage:
-    """(H, W, 3) of a frame, quickly: within a grey level of the exact conversion that files get."""
+    """(H, W, 3) of a frame, upright, quickly: within a grey level of the exact conversion that files get."""
     matrix = usual_matrix(frame.height) if frame.colorspace == UNSPECIFIED else None
-    return np.ascontiguousarray(frame.reformat(format="rgb24", src_colorspace=matrix).to_ndarray())
+    stored = frame.reformat(format="rgb24", src_colorspace=matrix).to_ndarray()
+    return np.ascontiguousarray(upright(frame, stored))
 
 
 def _opened(address: str, name: str) -> InputContainer:

@@ -6,6 +6,7 @@ import socket
 import threading
 import time
 from fractions import Fraction
+from pathlib import Path
 
 import av
 import numpy as np
@@ -13,9 +14,11 @@ import pytest
 
 from app.errors import UserError
 from app.live.sources.source import SourceLost, Wish
-from app.live.sources.stream import StreamSource
+from app.live.sources.stream import StreamSource, rgb
+from renderer.sources import open_clip
 from tests.app.live.painted import painted
 from tests.ports import free_port
+from tests.renderer.readers.numbered import encoded, turned
 
 LEVELS = (60, 120, 180)
 ASPECT = Fraction(64, 45)
@@ -71,6 +74,17 @@ def test_frames_come_as_they_are_sent_and_silence_is_a_loss() -> None:
         all(iter(source.read, None))
     assert 1.5 < time.perf_counter() - began < 4
     source.close()
+
+
+def test_a_turned_frame_stands_as_in_its_file(tmp_path: Path) -> None:
+    image = painted(120, (96, 128))
+    image[:32, :32] = 220
+    path = turned(encoded(tmp_path / "turned.mp4", [image] * 3))
+    with av.open(str(path)) as container:
+        found = rgb(next(container.decode(video=0)))
+    expected = open_clip(path).read_image(0)
+    assert found.shape == expected.shape == (128, 96, 3)
+    assert np.abs(found.astype(int) - expected).mean() <= 1.5
 
 
 def test_what_does_not_answer_says_so_without_its_address() -> None:
