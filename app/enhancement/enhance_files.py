@@ -24,7 +24,7 @@ from app.files.atomic import filled, together
 from app.files.codecs import MP4, ending_of
 from app.files.color_profiles import profile_of
 from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
-from app.files.image_files import ArrayImage, is_image, write_image
+from app.files.image_files import JPEGS, ArrayImage, is_image, write_image
 from app.files.image_series import Series
 from app.files.provenance import write_sidecar
 from app.files.records import Source
@@ -124,12 +124,13 @@ def enhance_into(
     pooled = pooled_statistics(series, setting, watch) if setting.pools(series) else None
     images = _pictures(series, notices, failed=failed)
     pictures = watch("enhance", series, _enhanced(series, ahead(images), setting, pooled))
+    told = _told_of_alpha(output, pictures, notices)
     try:
         if is_dicom_name(output):
             notices.extend(require_dicom(series.sources, setting.dicom))
-            records = yield from _write_dicom(output, series, pictures, notices, setting.dicom)
+            records = yield from _write_dicom(output, series, told, notices, setting.dicom)
         else:
-            records = yield from _write(output, series, pictures, notices)
+            records = yield from _write(output, series, told, notices)
     finally:
         pictures.close()
     return Written(records, tuple(notices), tuple(failed.values()))
@@ -242,6 +243,16 @@ def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statisti
             yield made
     finally:
         images.close()
+
+
+def _told_of_alpha(output: Path, pictures: Iterable[Made], notices: list[str]) -> Iterator[Made]:
+    """The pictures, with a notice where their transparency is lost."""
+    is_opaque = output.suffix.lower() in JPEGS or ending_of(output) or is_dicom_name(output)
+    notice = f"transparency is left out, which {output.suffix} does not hold"
+    for image, record in pictures:
+        if is_opaque and not output.is_dir() and image.shape[2:] == (4,) and notice not in notices:
+            notices.append(notice)
+        yield image, record
 
 
 def _write(

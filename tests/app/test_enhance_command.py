@@ -370,3 +370,13 @@ def test_flags_of_videos_are_refused_for_one_image(
     assert (call.code, call.error.count("\n")) == (2, 1)
     assert f"{flags[0]} {flags[1]} has no effect on one image: " in call.error
     assert not (tmp_path / "b.png").exists()
+
+
+@pytest.mark.parametrize(("name", "is_lost"), [("a.jpg", True), ("a.mp4", True), ("a.png", False)])
+def test_transparency_that_is_lost_is_told(
+    tmp_path: Path, vesselsplat: Cli, name: str, is_lost: bool
+) -> None:
+    given = tmp_path / "in.png"
+    assert cv2.imwrite(str(given), np.dstack((tissue(1), np.full(tissue(1).shape[:2], 90, np.uint8))))
+    call = vesselsplat("enhance", given, tmp_path / name)
+    assert (call.code, "transparency is left out" in call.error) == (0, is_lost)
