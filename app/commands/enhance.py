@@ -141,14 +141,19 @@ def _warned_item(item: Item) -> Item:
 
 
 def _require_heeded(flags: argparse.Namespace, given: Path) -> None:
-    """Raises UserError: a flag of videos or of several images, for a still."""
-    if not given.is_file() or not is_still(given):
+    """Raises UserError: a flag of videos or of several images, for a still or a folder of them."""
+    if given.is_file() and not is_still(given):
         return
-    asked = {name: vars(flags)[name] for name in ("deinterlacing", "stereo") if name in flags}
-    if flags.statistics == "clip":
-        asked["statistics"] = "clip"
-    for name, value in asked.items():
-        raise UserError(f"--{name} {value} has no effect on one image: {given}")
+    _require_video(flags, f"images: {given}" if given.is_dir() else f"one image: {given}")
+    if given.is_file() and flags.statistics == "clip":
+        raise UserError(f"--statistics clip has no effect on one image: {given}")
+
+
+def _require_video(flags: argparse.Namespace, what: str) -> None:
+    """Raises UserError: a flag that says how videos are read, for what is none."""
+    for name in ("deinterlacing", "stereo"):
+        if name in flags:
+            raise UserError(f"--{name} {vars(flags)[name]} has no effect on {what}")
 
 
 def _listed(failed: Iterable[tuple[str, str]]) -> str:
@@ -249,6 +254,8 @@ def _run_batch(flags: argparse.Namespace, setting: Setting) -> None:
     if is_file and not output.is_dir():
         raise UserError(f"expected a folder for the results of several inputs, got {output}")
     items = [_warned_item(item) for item in items_in(flags.inputs, output, below=flags.recursive)]
+    if not any(item.is_video for item in items):
+        _require_video(flags, "images, and there is no video among what was given")
     started = time.perf_counter()
     ended = list(_ended(items, setting, output))
     seconds = time.perf_counter() - started

@@ -224,6 +224,11 @@ def test_what_cannot_be_is_one_line(cases: Path, tmp_path: Path, vesselsplat: Cl
         ((tmp_path / "empty", tmp_path / "out", "--recursive"), "found none"),
         ((cases / "a/stills", cases / "b/clip", tmp_path / "out.png"), "expected a folder"),
         ((cases / "a/stills", cases / "b/clip", tmp_path / "out.avi"), "expected a folder"),
+        ((cases / "a/stills", tmp_path / "out", "--stereo", "side-by-side"), "--stereo side-by-side has no"),
+        (
+            (cases / "b", tmp_path / "out", "--recursive", "--deinterlacing", "field"),
+            "has no effect on images",
+        ),
     ]
     for flags, said in wrong:
         call = vesselsplat("enhance", *flags)
