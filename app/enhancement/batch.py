@@ -18,6 +18,7 @@ from app.files.stepping import map_steps
 from enhance import ImageError
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
+from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import left_out, map_folders
 from renderer.readers.pictures import is_frame, moves, natural_key
 
@@ -131,7 +132,9 @@ def _found(folder: Path, output: Path, name: str) -> Iterator[Item]:
         for path in maps:
             yield from _walk(path, output / path.name, f"{name}/{path.name}")
         return
-    said = tuple(left_out(kind, [f"{path.name}/"]) for path, kind in maps.items())
+    said = [left_out(kind, [f"{path.name}/"]) for path, kind in maps.items()]
+    if linked := sorted(path.name for path in folder.iterdir() if path.is_dir() and path.is_symlink()):
+        said.append(f"left out, links to folders: {listed(linked)}")
     yield replace(found[0], notices=(*said, *found[0].notices))
     yield from found[1:]
 

@@ -180,6 +180,13 @@ def test_a_clip_of_many_folders_is_one_item(tmp_path: Path, vesselsplat: Cli) ->
     assert vesselsplat("replay", made, "--source", tmp_path / "cases").code == 0
 
 
+def test_a_linked_folder_is_left_out_with_a_word(cases: Path, tmp_path: Path) -> None:
+    (cases / "a/more").symlink_to(cases / "b/clip")
+    first, *others = items_in((cases / "a",), tmp_path / "out", below=True)
+    assert first.notices == ("left out, links to folders: more",)
+    assert not any(item.notices or "more" in item.name for item in others)
+
+
 def test_videos_of_one_name_do_not_share_a_file(cases: Path, tmp_path: Path) -> None:
     write_avi(cases / "a/scope.mkv.avi")
     (cases / "a/scope.mov").write_bytes(b"")
