@@ -108,7 +108,7 @@ def _frames(packet: Packet[VideoStream]) -> list[VideoFrame]:
 def rgb(frame: VideoFrame) -> ByteImage:
     """(H, W, 3) of a frame, upright, quickly: within a grey level of the exact conversion that files get."""
     matrix = usual_matrix(frame.height) if frame.colorspace == UNSPECIFIED else None
-    stored = frame.reformat(format="rgb24", src_colorspace=matrix).to_ndarray()
+    stored = np.asarray(frame.reformat(format="rgb24", src_colorspace=matrix).to_ndarray(), np.uint8)
     return np.ascontiguousarray(upright(frame, stored))
 
 
