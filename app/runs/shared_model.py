@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import os
 import secrets
+import sys
 import threading
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -59,26 +60,35 @@ class SlotWriter:
     _block: SharedMemory | None = None
 
     def write(self, model: DynamicGaussians) -> None:
-        """Put `model` in the slot; a larger block takes the place of one that is too small."""
+        """Put `model` in the slot; a larger block takes the place of one that is too small.
+
+        Raises OSError: shared memory has no room for it; the slot keeps what it has.
+        """
         content = save({name: np.ascontiguousarray(value) for name, value in model.arrays().items()})
         generation, _, sequence = self.slot.state[:]
-        self.slot.state[SEQUENCE] = sequence + 1
-        _order()
         block = self._block
         if block is None or block.size < len(content):
             generation += 1
-            block = self._grown(generation, 2 * len(content))
+            block = self._grown(generation, len(content))
+        else:
+            _reserve(block, len(content))
+        self.slot.state[SEQUENCE] = sequence + 1
+        _order()
         assert block.buf is not None
         block.buf[: len(content)] = content
         self.slot.state[:SEQUENCE] = [generation, len(content)]
         _order()
         self.slot.state[SEQUENCE] = sequence + 2
 
-    def _grown(self, generation: int, size: int) -> SharedMemory:
-        larger = SharedMemory(self.slot.block_name(generation), create=True, size=size)
+    def _grown(self, generation: int, needed: int) -> SharedMemory:
+        larger = SharedMemory(self.slot.block_name(generation), create=True, size=2 * needed)
+        try:
+            _reserve(larger, needed)
+        except OSError:
+            _remove(larger)
+            raise
         if self._block is not None:
-            self._block.close()
-            self._block.unlink()
+            _remove(self._block)
         self._block = larger
         return larger
 
@@ -130,9 +140,21 @@ class SlotReader:
         for number in range(max(generation - 1, 1), generation + 2):
             block = _open(self.slot.block_name(number))
             if block is not None:
-                block.close()
-                block.unlink()
+                _remove(block)
         self._block, self._generation = None, 0
+
+
+def _reserve(block: SharedMemory, size: int) -> None:
+    """Raises OSError: there is no room for so many bytes. Linux makes blocks larger than its room, and kills
+    who writes beyond that; other systems refuse to make them."""
+    if sys.platform == "linux":
+        with (SHARED / block.name).open("rb+") as opened:
+            os.posix_fallocate(opened.fileno(), 0, size)
+
+
+def _remove(block: SharedMemory) -> None:
+    block.close()
+    block.unlink()
 
 
 def _order() -> None:

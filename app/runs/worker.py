@@ -20,7 +20,7 @@ from app.runs.shared_model import Slot, SlotWriter
 from app.runs.train_run import TrainRequest
 from enhance import ImageError
 from renderer.clip import ClipError
-from renderer.train.events import Finished, Snapshot, TrainEvent
+from renderer.train.events import Finished, Snapshot, TrainEvent, Warned
 
 Steps = Callable[[TrainRequest], Generator[TrainEvent, None, None]]
 """`app.runs.train_run.run_training`, or what takes its place in tests: a function that can be imported."""
@@ -93,17 +93,31 @@ def work(pipe: Connection, slot: Slot, steps: Steps, request: TrainRequest) -> N
 def _run(
     pipe: Connection, models: SlotWriter, steps: Steps, request: TrainRequest
 ) -> Ended | Cancelled | Failed:
+    is_told = False
     with closing(steps(request)) as events:
         for event in events:
             if isinstance(event, Finished):
                 return Ended(event.iteration, event.seconds, event.wall_seconds)
             if isinstance(event, Snapshot):
-                models.write(event.model)
+                missing = _show(models, event)
+                if missing and not is_told:
+                    pipe.send(missing)
+                    is_told = True
             else:
                 pipe.send(event)
             if not _may_go_on(pipe):
                 return Cancelled()
     return Failed("the training process ended before training was finished")
+
+
+def _show(models: SlotWriter, snapshot: Snapshot) -> Warned | None:
+    """Put its model in the slot; says so where it cannot be: training does not need it."""
+    try:
+        models.write(snapshot.model)
+    except OSError as error:
+        why = error.strerror or type(error).__name__
+        return Warned(f"training goes on without a preview, for which shared memory has no room: {why}")
+    return None
 
 
 def _may_go_on(pipe: Connection) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import time
@@ -53,6 +54,23 @@ def growing(request: TrainRequest) -> Steps:
     """Snapshots of ever larger models, each followed by a Progress with its size; then the end."""
     yield Started(0, 4, 10, ())
     for count in (10, 11, 5000, 20):
+        yield Snapshot(count, model_of(count))
+        yield _progress(count)
+    request.run_path.mkdir(exist_ok=True)
+    RunFolder(request.run_path).save_model(model_of(7))
+    yield Finished(4, 1.5, model_of(7))
+
+
+def without_room(request: TrainRequest) -> Steps:
+    """Snapshots for which shared memory has no room, but for the second; then the end."""
+
+    def full(handle: int, offset: int, size: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    yield Started(0, 4, 10, ())
+    real = os.posix_fallocate
+    for count, reserve in ((10, full), (11, real), (5000, full), (6000, full)):
+        os.posix_fallocate = reserve
         yield Snapshot(count, model_of(count))
         yield _progress(count)
     request.run_path.mkdir(exist_ok=True)

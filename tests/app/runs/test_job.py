@@ -20,7 +20,7 @@ from app.runs.job import Cancelled, Failed, JobEvent, Paused, Resumed, TrainingJ
 from app.runs.train_run import TrainRequest
 from app.runs.worker import Steps
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished, Preparing, Progress, Started
+from renderer.train.events import Finished, Preparing, Progress, Started, Warned
 from tests.app import fake_steps
 
 PATIENCE = 30.0
@@ -81,6 +81,21 @@ def test_a_run_tells_its_events_in_order_and_ends_with_the_model(tmp_path: Path)
         expected = fake_steps.model_of(20).arrays()
         assert all(np.array_equal(newest.arrays()[name], array) for name, array in expected.items())
         assert job.latest_model() is newest
+        assert len(blocks_of(job)) == 1
+    assert blocks_of(job) == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere blocks that are made have their room")
+def test_training_goes_on_without_a_preview_that_has_no_room_and_says_so_once(tmp_path: Path) -> None:
+    with job_of(fake_steps.without_room, tmp_path) as job:
+        events = events_until(job, is_a(Finished, Failed))
+        assert [type(event) for event in events] == [Started, Warned, *[Progress] * 4, Finished]
+        assert (
+            "No space left on device" in next(event for event in events if isinstance(event, Warned)).message
+        )
+        newest = job.latest_model()
+        assert newest is not None
+        assert len(newest) == 11
         assert len(blocks_of(job)) == 1
     assert blocks_of(job) == []
 
