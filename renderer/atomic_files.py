@@ -6,22 +6,24 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Final
 
-PARTIAL: Final = ".partial"
-"""Ends the name of a file that is being written."""
+from renderer.leftovers import clear, sync_folder, temporary_name
 
 
 @contextmanager
 def written_atomically(path: Path) -> Iterator[Path]:
     """An empty file beside `path`; once it is written, `path` holds all of it, and its old content till then.
 
+    It is of this process: another that writes the same file has its own. What killed processes have left
+    beside `path` goes.
+
     Raises:
         OSError: it cannot be written; `path` is named, not the file beside it.
     """
-    partial = path.with_name(path.name + PARTIAL)
+    clear(path.parent)
+    partial = path.with_name(temporary_name(path.name))
     try:
-        # What lies there is a killed process's, or a link that somebody has laid: it is not followed.
+        # A link that somebody has laid under this name is not followed.
         partial.unlink(missing_ok=True)
         partial.open("xb").close()
         yield partial
@@ -43,14 +45,3 @@ def rename(partial: Path, path: Path) -> None:
     """Put a synced file into its place, for good."""
     partial.replace(path)
     sync_folder(path.parent)
-
-
-def sync_folder(folder: Path) -> None:
-    """What was renamed in it outlives a power cut; Windows has no such call, and needs none."""
-    if os.name == "nt":
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

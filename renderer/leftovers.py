@@ -17,8 +17,8 @@ from zlib import crc32
 
 import psutil
 
-from renderer.atomic_files import PARTIAL, sync_folder
-
+PARTIAL: Final = ".partial"
+"""Ends the name of a file that is being written."""
 COMMIT: Final = ".commit"
 LONGEST: Final = 120
 """Bytes of a name; systems allow 255 with all that is added."""
@@ -53,9 +53,10 @@ def clear(folder: Path) -> None:
     Those of living processes and of other machines stay, and so does what cannot be moved.
     """
     with suppress(OSError):
-        for item in sorted(folder.iterdir()):
-            found = _NAME.match(item.name)
-            if found and found[2] == machine() and not lives(int(found[1]), item):
+        # Of a folder of thousands of files the few with such names are sorted and looked at.
+        for found in sorted(filter(None, map(_NAME.match, os.listdir(folder))), key=lambda found: found[0]):
+            item = folder / found[0]
+            if found[2] == machine() and not lives(int(found[1]), item):
                 with suppress(OSError):
                     _settle(item, found[3])
 
@@ -88,3 +89,14 @@ def lives(process: int, item: Path) -> bool:
 def machine() -> str:
     """Folders may be shared: a process is one of the machine that it runs on."""
     return f"{crc32(platform.node().encode()):08x}"
+
+
+def sync_folder(folder: Path) -> None:
+    """What was renamed in it outlives a power cut; Windows has no such call, and needs none."""
+    if os.name == "nt":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from app.errors import UserError
-from renderer.atomic_files import rename, sync_folder
-from renderer.leftovers import clear, commit_name, put_into_place, temporary_name
+from renderer.atomic_files import rename
+from renderer.leftovers import clear, commit_name, put_into_place, sync_folder, temporary_name
 
 NO_SPACE = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
 """Of a write, which names no file: the system tells neither."""

@@ -15,6 +15,7 @@ from filelock import FileLock, Timeout
 from app.errors import UserError
 from app.files.atomic import write_bytes
 from renderer.json_files import read_json
+from renderer.leftovers import PARTIAL
 
 NAME, LOCK = ".training.json", ".training.lock"
 _PARTIAL: Final = re.compile(r"(checkpoint-\d+|model)\.safetensors\.partial")

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from renderer.atomic_files import written_atomically
+from renderer.leftovers import temporary_name
 
 
 def write(path: Path, content: bytes) -> None:
@@ -16,16 +19,38 @@ def write(path: Path, content: bytes) -> None:
 
 
 def test_a_file_is_whole_and_nothing_else_is_left(tmp_path: Path) -> None:
-    (tmp_path / "a.partial").write_bytes(b"of a killed process")
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    left = temporary_name("b").replace(f"-{os.getpid()}-", f"-{ended.pid}-")
+    (tmp_path / left).write_bytes(b"of a killed process")
     write(tmp_path / "a", b"new")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"new"}
+
+
+SECOND_WRITER = """
+import sys
+from pathlib import Path
+from renderer.atomic_files import written_atomically
+with written_atomically(Path(sys.argv[1])) as partial:
+    partial.write_bytes(b"second")
+"""
+
+
+def test_two_processes_that_write_one_file_leave_each_others_alone(tmp_path: Path) -> None:
+    with written_atomically(tmp_path / "a") as partial:
+        partial.write_bytes(b"fir")
+        subprocess.run([sys.executable, "-c", SECOND_WRITER, str(tmp_path / "a")], check=True)
+        assert (tmp_path / "a").read_bytes() == b"second"
+        with partial.open("ab") as file:
+            file.write(b"st")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"first"}
 
 
 def test_a_link_that_somebody_laid_is_not_followed(tmp_path: Path) -> None:
     outside, run = tmp_path / "outside", tmp_path / "run"
     run.mkdir()
     outside.write_bytes(b"precious")
-    (run / "a.partial").symlink_to(outside)
+    (run / temporary_name("a")).symlink_to(outside)
     write(run / "a", b"new")
     assert outside.read_bytes() == b"precious"
     assert not (run / "a").is_symlink()
@@ -55,4 +80,4 @@ def test_renames_are_synced_with_their_folder(tmp_path: Path, monkeypatch: pytes
         pytest.skip("tells files by /proc")
     monkeypatch.setattr(os, "fsync", fsync)
     write(tmp_path / "a", b"new")
-    assert synced == ["a.partial", tmp_path.name]
+    assert synced == [temporary_name("a"), tmp_path.name]

@@ -13,8 +13,7 @@ import pytest
 
 from app.files.atomic import filled, together, write_bytes
 from renderer import leftovers
-from renderer.atomic_files import PARTIAL
-from renderer.leftovers import COMMIT, clear, commit_name, temporary_name
+from renderer.leftovers import COMMIT, PARTIAL, clear, commit_name, temporary_name
 from tests.app.apart import called
 
 OLD, NEW = {"a.mp4": "old", "a.mp4.json": "old"}, {"a.mp4": "new", "a.mp4.json": "new"}

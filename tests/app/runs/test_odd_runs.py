@@ -11,6 +11,7 @@ import pytest
 from app.errors import UserError
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
+from renderer.leftovers import temporary_name
 from renderer.train.events import Finished
 from tests.app.conftest import CONFIG, request_of
 
@@ -31,7 +32,9 @@ def test_a_log_that_was_cut_off_behind_the_model_is_completed(
     assert [event["event"] for event in run.events()].count("Finished") == 1
 
 
-@pytest.mark.parametrize("linked", ["events.jsonl", "checkpoint-0000040.safetensors.partial"])
+@pytest.mark.parametrize(
+    "linked", ["events.jsonl", temporary_name("checkpoint-0000040.safetensors")], ids=["log", "checkpoint"]
+)
 def test_nothing_is_written_through_links_in_a_run(
     tmp_path: Path, runs: dict[str, Path], clip_path: Path, linked: str
 ) -> None:
