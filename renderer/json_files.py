@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,11 @@ def parsed(content: str | bytes) -> Any:
     """The value of a JSON text in UTF-8.
 
     Raises:
-        ValueError: it is none, is nested too deeply, or holds NaN or an infinity, which JSON has no word for.
+        ValueError: it is none, is nested too deeply, or holds NaN or an infinity, which JSON has no word for,
+            or a number too large for a float.
     """
     try:
-        value = json.loads(content, parse_constant=_refuse)
+        value = json.loads(content, parse_constant=_refuse, parse_float=_finite)
     except UnicodeDecodeError:
         raise ValueError("expected text in UTF-8, got other bytes") from None
     except RecursionError:
@@ -47,6 +49,14 @@ def read_text(path: Path) -> bytes:
 
 
 TOO_DEEP = f"expected at most {DEEPEST} lists and objects within one another, got more"
+
+
+def _finite(number: str) -> float:
+    """Numbers beyond what floats hold would be infinite."""
+    value = float(number)
+    if not math.isfinite(value):
+        _refuse(number)
+    return value
 
 
 def _refuse(constant: str) -> None:

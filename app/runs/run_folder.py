@@ -17,7 +17,7 @@ from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 from annotated_types import Interval
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import ConfigDict, FiniteFloat, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import problem
@@ -55,7 +55,7 @@ class PosesRecord:
     points: tuple[int, ...]
     lost: tuple[LostFrame, ...] = ()
     """Frames of what was asked for that have no pose of their own."""
-    structure: tuple[float, ...] = ()
+    structure: tuple[FiniteFloat, ...] = ()
     """Points of the tissue, where they were found with the poses, in lack of depth: x, y and z in turn."""
 
     def __post_init__(self) -> None:
@@ -68,7 +68,7 @@ class PosesRecord:
         return SparsePoints(np.reshape(self.structure, (-1, 3))) if self.structure else None
 
 
-@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
 class ClipRecord:
     """The clip that a run was trained on."""
 
@@ -138,7 +138,7 @@ class ClipRecord:
         return self.sha256 == next(known) or (self.files == "former" and self.sha256 in known)
 
 
-@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
+@dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
 class Enhancement:
     """What turned the clip's frames into the run's own."""
 
