@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import MISSING, dataclass, fields, replace
+from math import inf
 from typing import Any, Final, TypeVar
 
 from app.runs.run_folder import RunFolder, is_number, wall_seconds_of
@@ -32,12 +33,27 @@ EMPTY_LOG: Final = TrainingLog()
 def told(folder: RunFolder) -> TrainingLog:
     """Lines of other versions are taken where they have what is needed, else passed over.
 
+    Of steps that a run has done again, from a checkpoint, the last time counts.
+
     What came after the last step took its time, too: the last of the progress tells it.
     """
     events = folder.events()
-    progress = _of(Progress, events)
+    lasting = _lasting(events)
+    progress = _of(Progress, lasting)
     last = tuple(replace(one, wall_seconds=wall_seconds_of(events)) for one in progress[-1:])
-    return TrainingLog((*progress[:-1], *last), _of(Evaluated, events))
+    return TrainingLog((*progress[:-1], *last), _of(Evaluated, lasting))
+
+
+def _lasting(events: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Those of steps that a later start did not go back behind."""
+    kept, least = list[dict[str, Any]](), inf
+    for event in reversed(events):
+        iteration = event.get("iteration")
+        if not is_number(iteration) or iteration <= least:
+            kept.append(event)
+        if event["event"] == "Started" and is_number(iteration):
+            least = min(least, iteration)
+    return kept[::-1]
 
 
 def _of(kind: type[Event], events: list[dict[str, Any]]) -> tuple[Event, ...]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from app.runs.progress_log import told
 from app.runs.run_folder import RunFolder
-from renderer.train.events import Evaluated, Progress
+from renderer.train.events import Evaluated, Progress, Started
 
 STEP = Progress(10, 20, 0.5, 20.0, 1.0, 9.0, 30)
 
@@ -21,6 +21,19 @@ def test_events_come_back_as_they_were_logged(tmp_path: Path) -> None:
     assert said.progress == events[:1]
     assert said.evaluated == events[1:]
     assert said.until(10).evaluated == events[1:2]
+
+
+def test_steps_that_were_done_again_are_told_once(tmp_path: Path) -> None:
+    """Killed after step 500 and 450 with a checkpoint of 300, and after 430 with one of 400."""
+    run = RunFolder(tmp_path)
+    for start, steps in ((0, range(100, 501, 100)), (300, (350, 450)), (300, (330, 430)), (400, (401, 600))):
+        run.log(Started(start, 600, 30, ()))
+        for step in steps:
+            run.log(replace(STEP, iteration=step))
+            run.log(Evaluated(step, 20.0 + start))
+    said = told(run)
+    assert [event.iteration for event in said.progress] == [100, 200, 300, 330, 401, 600]
+    assert [event.psnr for event in said.evaluated] == [20.0, 20.0, 20.0, 320.0, 420.0, 420.0]
 
 
 def test_lines_of_older_and_newer_versions_and_broken_ones_load_as_far_as_they_go(tmp_path: Path) -> None:
