@@ -1,6 +1,7 @@
 """What killed processes of this machine have left: what was ready is put into place, the rest goes.
 
-Temporary names tell whose they are: `.NAME-PROCESS-MACHINE.partial`. A folder with `.commit` in its place
+Temporary names tell whose they are: `.NAME-PROCESS.MOMENT-MACHINE.partial`, of former versions without the
+moment when the process began. A folder with `.commit` in its place
 holds a set of files that was whole, of which none, some or all have been put where they belong.
 """
 
@@ -10,6 +11,7 @@ import os
 import platform
 import re
 import shutil
+import sys
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
@@ -22,7 +24,7 @@ PARTIAL: Final = ".partial"
 COMMIT: Final = ".commit"
 LONGEST: Final = 120
 """Bytes of a name; systems allow 255 with all that is added."""
-_NAME = re.compile(r"^\..*-(\d+)-([0-9a-f]{8})(\.partial|\.commit)(\.[^.]*)?$")
+_NAME = re.compile(r"^\..*-(\d+(?:\.\d+)?)-([0-9a-f]{8})(\.partial|\.commit)(\.[^.]*)?$")
 
 
 def temporary_name(name: str, suffix: str = "") -> str:
@@ -30,7 +32,7 @@ def temporary_name(name: str, suffix: str = "") -> str:
     whole = name.encode(errors="surrogateescape")
     if len(whole) > LONGEST:
         name = f"{whole[:LONGEST].decode(errors='ignore')}-{crc32(whole):08x}"
-    return f".{name}-{os.getpid()}-{machine()}{PARTIAL}{suffix}"
+    return f".{name}-{mark_of(os.getpid())}-{machine()}{PARTIAL}{suffix}"
 
 
 def commit_name(temporary: str) -> str:
@@ -56,7 +58,7 @@ def clear(folder: Path) -> None:
         # Of a folder of thousands of files the few with such names are sorted and looked at.
         for found in sorted(filter(None, map(_NAME.match, os.listdir(folder))), key=lambda found: found[0]):
             item = folder / found[0]
-            if found[2] == machine() and not lives(int(found[1]), item):
+            if found[2] == machine() and not lives(found[1]):
                 with suppress(OSError):
                     _settle(item, found[3])
 
@@ -71,19 +73,29 @@ def _settle(item: Path, kind: str) -> None:
         item.unlink()
 
 
-def lives(process: int, item: Path) -> bool:
-    """Whether the process of this machine that made a file runs.
+def mark_of(process: int) -> str:
+    """`PROCESS.MOMENT`, which no other process of this machine has: numbers are used again, by processes that
+    began later. Raises OSError or psutil.Error: there is no such process."""
+    return f"{process}.{_began(process)}"
 
-    Numbers are used again, by processes that began later.
-    """
-    if process == os.getpid():
-        return True
+
+def lives(mark: str) -> bool:
+    """Whether the process with this mark runs; of a number alone, whether any process has it."""
+    process, _, moment = mark.partition(".")
     try:
-        return float(psutil.Process(process).create_time()) <= item.lstat().st_mtime
-    except psutil.NoSuchProcess:
+        return moment in ("", _began(int(process)))
+    except (FileNotFoundError, ProcessLookupError, psutil.NoSuchProcess):
         return False
     except (psutil.Error, OSError, OverflowError):
         return True
+
+
+def _began(process: int) -> str:
+    """A number that stays the same, also when the clock is set."""
+    if sys.platform == "linux":
+        # The 22nd field, in ticks since the system started; the second, in brackets, may hold anything.
+        return Path(f"/proc/{process}/stat").read_bytes().rpartition(b")")[2].split()[19].decode()
+    return f"{100 * psutil.Process(process).create_time():.0f}"
 
 
 def machine() -> str:

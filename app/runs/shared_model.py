@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 import secrets
 import sys
 import threading
@@ -22,10 +23,10 @@ import numpy as np
 from safetensors.numpy import load, save
 
 from renderer.gaussians import DynamicGaussians
-from renderer.leftovers import lives
+from renderer.leftovers import lives, mark_of
 
 PREFIX: Final = "vs-"
-"""Of the names of blocks; the number of the window's process follows."""
+"""Of the names of blocks; the mark of the window's process follows."""
 SHARED: Final = Path("/dev/shm")
 """Where Linux keeps them."""
 SEQUENCE: Final = 2
@@ -46,7 +47,10 @@ class Slot:
     def make(cls, context: SpawnContext) -> Slot:
         """A new one; blocks of processes that are gone are removed."""
         clear_blocks()
-        return cls(f"{PREFIX}{os.getpid()}-{secrets.token_hex(4)}", context.RawArray(ctypes.c_longlong, 3))
+        # macOS allows blocks names of 30 characters.
+        return cls(
+            f"{PREFIX}{mark_of(os.getpid())}-{secrets.token_hex(2)}", context.RawArray(ctypes.c_longlong, 3)
+        )
 
     def block_name(self, generation: int) -> str:
         return f"{self.name}-{generation}"
@@ -167,8 +171,8 @@ def _order() -> None:
 def clear_blocks() -> None:
     """Blocks of windows that were killed together with their training. Only Linux lists them."""
     for block in SHARED.glob(f"{PREFIX}*-*"):
-        process = block.name.removeprefix(PREFIX).split("-")[0]
-        if process.isdigit() and not lives(int(process), block):
+        mark = block.name.removeprefix(PREFIX).split("-")[0]
+        if re.fullmatch(r"\d+(\.\d+)?", mark) and not lives(mark):
             with suppress(OSError):
                 block.unlink()
 

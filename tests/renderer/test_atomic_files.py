@@ -21,7 +21,7 @@ def write(path: Path, content: bytes) -> None:
 def test_a_file_is_whole_and_nothing_else_is_left(tmp_path: Path) -> None:
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
-    left = temporary_name("b").replace(f"-{os.getpid()}-", f"-{ended.pid}-")
+    left = temporary_name("b").replace(f"-{os.getpid()}.", f"-{ended.pid}.")
     (tmp_path / left).write_bytes(b"of a killed process")
     write(tmp_path / "a", b"new")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"new"}

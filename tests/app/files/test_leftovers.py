@@ -13,7 +13,7 @@ import pytest
 
 from app.files.atomic import filled, together, write_bytes
 from renderer import leftovers
-from renderer.leftovers import COMMIT, PARTIAL, clear, commit_name, temporary_name
+from renderer.leftovers import COMMIT, PARTIAL, clear, commit_name, machine, mark_of, temporary_name
 from tests.app.apart import called
 
 OLD, NEW = {"a.mp4": "old", "a.mp4.json": "old"}, {"a.mp4": "new", "a.mp4.json": "new"}
@@ -85,7 +85,7 @@ def test_the_next_writer_into_the_folder_completes_what_was_cut_off(tmp_path: Pa
 
 
 def name_of(process: int) -> str:
-    return temporary_name("run").replace(f"-{os.getpid()}-", f"-{process}-")
+    return temporary_name("run").replace(f"-{os.getpid()}.", f"-{process}.")
 
 
 def gone() -> int:
@@ -100,16 +100,34 @@ def test_only_what_processes_that_are_gone_left_is_cleared(tmp_path: Path) -> No
     elsewhere = f".run-{dead}-00000000{PARTIAL}"
     kept = [
         temporary_name("mine"),
-        name_of(os.getppid()),
+        temporary_name("run").replace(mark_of(os.getpid()), mark_of(os.getppid())),
         elsewhere,
         "own.partial",
         ".note",
         f".run{PARTIAL}",
     ]
-    for name in (*kept, name_of(dead), f"{name_of(dead)}.json"):
+    former = f".run-{dead}-{machine()}{PARTIAL}"
+    # The number of a process that lives, which another one had before it.
+    again = name_of(os.getppid())
+    for name in (*kept, name_of(dead), f"{name_of(dead)}.json", former, again):
         (tmp_path / name).write_text("half")
     clear(tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(kept)
+
+
+@pytest.mark.parametrize("seconds", [-1e6, 1e6])
+def test_what_a_living_process_writes_stays_whatever_the_clocks_say(tmp_path: Path, seconds: float) -> None:
+    """Of this machine, which may be set, and of the one that the disk belongs to."""
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as other:
+        name = temporary_name("run").replace(mark_of(os.getpid()), mark_of(other.pid))
+        (tmp_path / name).write_text("half")
+        moment = (tmp_path / name).stat().st_mtime + seconds
+        os.utime(tmp_path / name, (moment, moment))
+        clear(tmp_path)
+        assert (tmp_path / name).exists()
+        other.communicate(b"\n")
+    clear(tmp_path)
+    assert not (tmp_path / name).exists()
 
 
 def test_a_folder_that_was_being_filled_goes_and_a_link_of_that_name_is_not_followed(tmp_path: Path) -> None:
@@ -151,7 +169,7 @@ def test_a_set_whose_files_cannot_be_moved_now_is_completed_later(
         with pytest.raises(PermissionError):
             write_new(tmp_path)
     (commit,) = (path for path in tmp_path.iterdir() if path.name.endswith(COMMIT))
-    monkeypatch.setattr(leftovers, "lives", lambda process, item: False)
+    monkeypatch.setattr(leftovers, "lives", lambda mark: False)
     clear(tmp_path)
     assert contents(tmp_path) == NEW
     assert not commit.exists()

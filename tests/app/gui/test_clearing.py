@@ -50,7 +50,7 @@ def left(places: Places) -> list[str]:
 
 
 def name_of(process: int, name: str) -> str:
-    return temporary_name(name).replace(f"-{os.getpid()}-", f"-{process}-")
+    return temporary_name(name).replace(f"-{os.getpid()}.", f"-{process}.")
 
 
 def test_what_was_being_written_is_gone_and_what_was_whole_is_put_into_place(
