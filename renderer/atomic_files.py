@@ -15,13 +15,14 @@ def written_atomically(path: Path) -> Iterator[Path]:
     """An empty file beside `path`; once it is written, `path` holds all of it, and its old content till then.
 
     It is of this process: another that writes the same file has its own. What killed processes have left
-    beside `path` goes.
+    beside it goes. A link at `path` is followed.
 
     Raises:
         OSError: it cannot be written; `path` is named, not the file beside it.
     """
-    clear(path.parent)
-    partial = path.with_name(temporary_name(path.name))
+    target = followed(path)
+    clear(target.parent)
+    partial = target.with_name(temporary_name(target.name))
     try:
         # A link that somebody has laid under this name is not followed.
         partial.unlink(missing_ok=True)
@@ -30,7 +31,7 @@ def written_atomically(path: Path) -> Iterator[Path]:
         # Windows syncs no file that is open for reading alone.
         with partial.open("rb+") as file:
             os.fsync(file.fileno())
-        rename(partial, path)
+        rename(partial, target)
     except OSError as error:
         partial.unlink(missing_ok=True)
         if error.filename in (None, str(partial)):
@@ -39,6 +40,18 @@ def written_atomically(path: Path) -> Iterator[Path]:
     except BaseException:
         partial.unlink(missing_ok=True)
         raise
+
+
+def followed(path: Path) -> Path:
+    """Where the link at `path` leads, else `path`: what is renamed onto a link takes its place."""
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
+
+
+def unlinked(path: Path) -> Path:
+    """`path` without the link there, whose target stays: for files of runs, which may be a stranger's."""
+    if path.is_symlink():
+        path.unlink()
+    return path
 
 
 def rename(partial: Path, path: Path) -> None:

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from app.errors import UserError
-from renderer.atomic_files import rename
+from renderer.atomic_files import followed, rename
 from renderer.leftovers import clear, commit_name, put_into_place, sync_folder, temporary_name
 
 NO_SPACE = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
@@ -22,22 +22,24 @@ NO_SPACE = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
 def replaced(path: Path) -> Iterator[Path]:
     """A temporary path beside `path`; what is written there takes its place when the block ends well.
 
-    The suffix is kept, since writers choose their format by it. Parents of `path` are made.
+    The suffix is kept, since writers choose their format by it. Parents of `path` are made; a link there is
+    followed.
 
     Raises:
         UserError: `path` is a folder, or its parent is a file.
     """
     _require_file(path)
     make_folder(path.parent)
-    clear(path.parent)
-    temporary = path.with_name(temporary_name(path.stem, path.suffix))
+    target = followed(path)
+    clear(target.parent)
+    temporary = target.with_name(temporary_name(path.stem, path.suffix))
     try:
         with _told_as(path, temporary):
             # A link that somebody has laid under this name is not followed.
             temporary.unlink(missing_ok=True)
             yield temporary
             _sync(temporary)
-            rename(temporary, path)
+            rename(temporary, target)
     finally:
         temporary.unlink(missing_ok=True)
 
@@ -52,7 +54,8 @@ def write_bytes(path: Path, content: bytes) -> None:
 def filled(folder: Path) -> Iterator[Path]:
     """A temporary folder; its files move into `folder` when the block ends well, else they vanish.
 
-    It lies in `folder` where that exists, else in the nearest folder above, so on the same file system.
+    It lies in `folder` where that exists, else in the nearest folder above, so on the same file system: what
+    the files replace may be links, which are not followed.
 
     Raises:
         UserError: `folder` is a file or cannot be written, or a folder is where one of the files belongs.

@@ -21,6 +21,7 @@ from app.files.atomic import write_bytes
 from app.files.provenance import digest, strict_json, version
 from app.files.records import LENIENT, Record
 from app.runs.run_folder import RunFolder
+from renderer.atomic_files import unlinked
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
 from renderer.json_files import read_text
@@ -59,7 +60,7 @@ def save_edits(folder: RunFolder, edits: Edits) -> None:
     record = EditsRecord(
         version=version(), model_sha256=sha256, gaussians=edits.count, deleted=deleted, hidden=hidden
     )
-    write_bytes(folder.edits_path, strict_json(record, indent=1).encode())
+    write_bytes(unlinked(folder.edits_path), strict_json(record, indent=1).encode())
 
 
 def saved_since(folder: RunFolder, known: Edits) -> Edits | None:

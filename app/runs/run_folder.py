@@ -30,6 +30,7 @@ from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.device import Device
 from app.runs.run_lock import LOCK, NAME
 from enhance import Statistics
+from renderer.atomic_files import unlinked
 from renderer.budget import budget
 from renderer.camera import Camera
 from renderer.clip import Clip, SparsePoints, held_out_frames
@@ -313,7 +314,7 @@ class RunFolder:
 
     def save_model(self, model: DynamicGaussians) -> DynamicGaussians:
         """The same to go on with: one in windows reads them from its own file, and theirs are removed."""
-        with replaced(self.model_path) as temporary:
+        with replaced(unlinked(self.model_path)) as temporary:
             model.save(temporary)
         if isinstance(model.motion, WindowedMotion):
             model = DynamicGaussians.load(self.model_path)

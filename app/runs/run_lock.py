@@ -14,8 +14,8 @@ from filelock import FileLock, Timeout
 
 from app.errors import UserError
 from app.files.atomic import write_bytes
+from renderer.atomic_files import unlinked
 from renderer.json_files import read_json
-from renderer.leftovers import PARTIAL
 
 NAME, LOCK = ".training.json", ".training.lock"
 _PARTIAL: Final = re.compile(r"(checkpoint-\d+|model)\.safetensors\.partial")
@@ -39,7 +39,9 @@ def locked(run: Path) -> Iterator[None]:
         # What killed processes were writing: nobody else writes here now.
         for partial in _partial_files(run):
             partial.unlink()
-        write_bytes(file, json.dumps({"process": process.pid, "began": process.create_time()}).encode())
+        write_bytes(
+            unlinked(file), json.dumps({"process": process.pid, "began": process.create_time()}).encode()
+        )
         yield
     finally:
         file.unlink(missing_ok=True)

@@ -11,7 +11,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from renderer.atomic_files import written_atomically
+from renderer.atomic_files import unlinked, written_atomically
 from renderer.json_files import parsed
 from renderer.stored_arrays import LazyArrays, read_arrays, write_arrays
 
@@ -40,7 +40,7 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
         "fingerprint": checkpoint.fingerprint,
     }
     path = folder / f"checkpoint-{checkpoint.iteration:07d}.safetensors"
-    with written_atomically(path) as partial:
+    with written_atomically(unlinked(path)) as partial:
         arrays = LazyArrays(list(checkpoint.arrays), checkpoint.arrays.__getitem__)
         write_arrays(partial, arrays, {"state": json.dumps(state)})
     for old in checkpoint_paths(folder)[:-KEPT]:

@@ -56,6 +56,17 @@ def test_a_link_that_somebody_laid_is_not_followed(tmp_path: Path) -> None:
     assert not (run / "a").is_symlink()
 
 
+def test_a_link_at_the_target_is_followed(tmp_path: Path) -> None:
+    disk, folder = tmp_path / "disk", tmp_path / "folder"
+    for made in (disk, folder):
+        made.mkdir()
+    (disk / "b").write_bytes(b"old")
+    (folder / "a").symlink_to(disk / "b")
+    write(folder / "a", b"new")
+    assert (folder / "a").is_symlink()
+    assert {path.name: path.read_bytes() for path in disk.iterdir()} == {"b": b"new"}
+
+
 def test_what_fails_leaves_the_old_and_no_partial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(handle: int) -> None:
         raise OSError(28, "No space left on device")

@@ -255,3 +255,23 @@ def test_a_full_disk_is_told_of_the_file_that_was_asked_for(tmp_path: Path) -> N
     ):
         raise OSError(errno.ENOSPC, "No space left on device", f"file:{new}")
     assert told.value.filename == str(path)
+
+
+def test_a_link_at_the_target_is_followed(tmp_path: Path) -> None:
+    """As of settings that lie in a folder of such files."""
+    kept, folder = tmp_path / "kept", tmp_path / "config"
+    for made in (kept, folder):
+        made.mkdir()
+    (kept / "mine.json").write_bytes(b"old")
+    (folder / "settings.json").symlink_to(Path("..") / "kept" / "mine.json")
+    write_bytes(folder / "settings.json", b"new")
+    assert (folder / "settings.json").is_symlink()
+    assert (kept / "mine.json").read_bytes() == b"new"
+    assert [path.name for path in kept.iterdir()] == ["mine.json"]
+    assert [path.name for path in folder.iterdir()] == ["settings.json"]
+
+
+def test_a_link_that_leads_back_to_itself_is_replaced(tmp_path: Path) -> None:
+    (tmp_path / "a").symlink_to(tmp_path / "a")
+    write_bytes(tmp_path / "a", b"new")
+    assert (tmp_path / "a").read_bytes() == b"new"

@@ -10,6 +10,7 @@ import pytest
 
 from app.errors import UserError
 from app.runs.run_folder import RunFolder
+from app.runs.run_lock import NAME
 from app.runs.train_run import run_training
 from renderer.leftovers import temporary_name
 from renderer.train.events import Finished
@@ -49,3 +50,18 @@ def test_nothing_is_written_through_links_in_a_run(
     with suppress(UserError):
         list(run_training(request_of(clip_path, run.path, resume=True)))
     assert outside.read_bytes() == b"precious"
+
+
+@pytest.mark.parametrize("linked", ["model.safetensors", NAME])
+def test_links_in_a_run_make_no_files_elsewhere(
+    tmp_path: Path, runs: dict[str, Path], clip_path: Path, linked: str
+) -> None:
+    run = RunFolder(shutil.copytree(runs["original"], tmp_path / "run"))
+    run.model_path.unlink()
+    (run.path / "checkpoint-0000040.safetensors").unlink()
+    (run.path / linked).symlink_to(tmp_path / "outside")
+    events = list(run_training(request_of(clip_path, run.path, resume=True)))
+    assert isinstance(events[-1], Finished)
+    assert not (tmp_path / "outside").exists()
+    assert run.is_finished
+    assert not run.model_path.is_symlink()

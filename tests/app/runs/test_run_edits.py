@@ -55,6 +55,15 @@ def test_edits_come_back_and_the_model_stays_as_trained(run: RunFolder) -> None:
     assert not run.edits_path.exists()
 
 
+def test_edits_are_not_written_through_a_link_in_a_run(run: RunFolder, tmp_path: Path) -> None:
+    outside = tmp_path / "outside"
+    outside.write_bytes(b"precious")
+    run.edits_path.symlink_to(outside)
+    save_edits(run, half_gone(run))
+    assert outside.read_bytes() == b"precious"
+    assert not run.edits_path.is_symlink()
+
+
 def test_edits_of_another_model_are_refused_in_a_line(
     run: RunFolder, tmp_path: Path, vesselsplat: Cli
 ) -> None:
