@@ -54,6 +54,8 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
         PosesError: no part of SHORTEST frames.
         ClipError: a frame cannot be read.
     """
+    if len(clip) < SHORTEST:
+        raise PosesError(f"expected at least {SHORTEST} frames to follow the camera through, got {len(clip)}")
     lens = small_lens(clip.cameras[0])
     unit = _unit(clip)
     parts, lost = parts_of(pictures_of(clip, lens, unit, tell), partial(_begun, lens))

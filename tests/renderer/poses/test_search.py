@@ -158,6 +158,11 @@ def test_what_shows_nothing_has_no_poses_and_says_why(change, why):
         find_poses(clip_of(change).between(0, 9))
 
 
+def test_a_clip_of_too_few_frames_is_told_how_many_are_needed():
+    with pytest.raises(PosesError, match="expected at least 8 frames to follow the camera through, got 2"):
+        find_poses(clip_of().between(0, 1))
+
+
 def test_frames_that_have_nothing_in_common_are_named():
     def noise(frame):
         rng = np.random.default_rng(frame.index)
