@@ -17,7 +17,7 @@ from app.errors import UserError
 from renderer.clip import Clip
 from renderer.readers.listing import count
 from renderer.train.config import TrainConfig
-from renderer.train.demand import demand
+from renderer.train.demand import demand, most_gaussians
 from renderer.train.events import Planned
 from renderer.train.frame_store import nearest_folder
 
@@ -81,13 +81,14 @@ def planned_in(folder: Path, clip: Clip, config: TrainConfig) -> Planned:
         UserError: there is less free memory than that, or less room on the disk that `folder` will lie on.
     """
     planned, (width, height) = demand(clip, config), clip.size
-    frames, gaussians = count(len(clip.train_indices), "frame"), count(config.n_gaussians, "Gaussian")
-    what = f"{frames} of {width}x{height} and {gaussians}"
+    frames, gaussians = len(clip.train_indices), most_gaussians(clip, config)
+    what = f"{count(frames, 'frame')} of {width}x{height} and {count(gaussians, 'Gaussian')}"
     disk = shutil.disk_usage(nearest_folder(folder)).free
     for needed, free, where in ((planned.memory, free_memory(), "memory"), (planned.disk, disk, "disk")):
         if needed > free:
             expected = f"expected {amount(needed)} of free {where} to train on {what}"
-            way = "trim the clip to fewer frames (in the window by In and Out, else by --frames)"
+            trimming = "trim the clip to fewer frames (in the window by In and Out, else by --frames)"
+            way = trimming if frames > 1 else "make the frame smaller"
             raise UserError(f"{expected}, got {amount(free)} ({way}): {folder}")
     return planned
 

@@ -41,11 +41,18 @@ def demand(clip: Clip, config: TrainConfig) -> Planned:
     reading, training = FRAME * pixels * fit, (READY + HALF) * pixels * fit
     held = min(reading, MOST_BYTES) + min(training, 2 * MOST_BYTES)
     spilled = max(reading - MOST_BYTES, 0) + max(READY * pixels * fit - MOST_BYTES, 0)
-    model = 4 * _numbers(config.method, config.n_gaussians, _controls(longest, config))
+    gaussians = most_gaussians(longest, config)
+    model = 4 * _numbers(config.method, gaussians, _controls(longest, config))
     others = len(windows) - 1
-    joined = 4 * PLAIN * config.n_gaussians * others
+    joined = 4 * PLAIN * gaussians * others
     memory = PROGRAM + held + WORK * pixels + COPIES * model + joined
     return Planned(memory, spilled + STORED * model + KEPT * model * others)
+
+
+def most_gaussians(clip: Clip, config: TrainConfig) -> int:
+    """That a training begins with: no more than pixels are trained on."""
+    width, height = clip.size
+    return min(config.n_gaussians, width * height * len(clip.train_indices))
 
 
 def _controls(clip: Clip, config: TrainConfig) -> int:

@@ -51,7 +51,7 @@ def test_a_full_disk_is_told_before_training(
 
 def test_the_need_is_said(clip_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert train(clip_path, tmp_path / "run", "--method", "static") == 0
-    assert "needs up to 493 MB of memory and 71 MB of disk" in capsys.readouterr().err
+    assert "needs up to 486 MB of memory and 58 MB of disk" in capsys.readouterr().err
 
 
 def test_frames_beyond_the_bound_cost_disk_and_no_memory(clip_path: Path) -> None:
@@ -65,6 +65,25 @@ def test_frames_beyond_the_bound_cost_disk_and_no_memory(clip_path: Path) -> Non
     assert curves[2].memory > 2 * curves[1].memory
     windows = [demand(replace(clip, cameras=(camera,) * count), TrainConfig()) for count in (1000, 10_000)]
     assert windows[0].memory < windows[1].memory < min(1.2 * windows[0].memory, 2e9)
+
+
+def test_small_tissue_needs_no_more_gaussians_than_it_has_pixels(clip_path: Path) -> None:
+    """And small machines are not refused for others."""
+    clip = open_clip(clip_path)
+    tiny = replace(clip, cameras=(replace(clip.cameras[0], width=8, height=6),) * len(clip))
+    for method in ("vesselsplat", "deform3dgs"):
+        need = demand(tiny, TrainConfig(method=method))
+        assert need.memory < 500_000_000
+        assert need.disk < 100_000_000
+
+
+def test_one_frame_is_not_to_be_trimmed(
+    poor: None, clip_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert train(clip_path, tmp_path / "run", "--frames", "0:1") == 2
+    said = capsys.readouterr().err
+    assert "to train on 1 frame of" in said
+    assert "trim" not in said
 
 
 def test_free_memory_is_what_a_container_leaves(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
