@@ -60,7 +60,9 @@ def scene_size(frames: Iterable[Frame]) -> float:
         if _has_depth(frame):
             medians.append(float(np.median(frame.depth[frame.depth_mask])))  # type: ignore[index]
         else:
-            is_masked |= frame.depth is not None and bool((frame.depth > 0).any())
+            # Readers may leave no depth where they leave no tissue.
+            left_out = not frame.tissue_mask.any()
+            is_masked |= frame.depth is not None and (left_out or bool((frame.depth > 0).any()))
     if not medians:
         got = "its masks leave out all of it" if is_masked else "this clip has none"
         raise ClipError(f"reconstruction expects measured depth on the tissue, and {got}")

@@ -90,5 +90,10 @@ def test_masks_that_leave_out_all_depth_are_named() -> None:
     given = frames(shown=COUNT)
     with pytest.raises(ClipError, match="and its masks leave out all of it"):
         scene_size(replace(frame, tissue_mask=np.zeros((HEIGHT, WIDTH), bool)) for frame in given)
+    nothing = np.zeros((HEIGHT, WIDTH), np.float32)
+    with pytest.raises(ClipError, match="and its masks leave out all of it"):
+        scene_size(replace(frame, tissue_mask=nothing > 0, depth=nothing) for frame in given)
+    with pytest.raises(ClipError, match="and this clip has none"):
+        scene_size(replace(frame, depth=nothing) for frame in given)
     with pytest.raises(ClipError, match="and this clip has none"):
         scene_size(replace(frame, depth=None) for frame in given)
