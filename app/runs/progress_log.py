@@ -19,6 +19,11 @@ class TrainingLog:
     progress: tuple[Progress, ...] = ()
     evaluated: tuple[Evaluated, ...] = ()
 
+    def steps(self, asked: int) -> int:
+        """That the run takes: methods with a stage of their own before, and windows, take more than `asked`,
+        which is the answer where nothing was said."""
+        return self.progress[-1].iterations if self.progress else asked
+
     def until(self, iteration: int) -> TrainingLog:
         """Without what is done again by a run that goes on from there."""
         return TrainingLog(

@@ -64,7 +64,8 @@ class TrainConfig:
     """vesselsplat: tissue moves by a shared-knot B-spline in time; deform3dgs: by bumps in time;
     endogaussian: by a HexPlane over space and time; static: nothing moves."""
     iterations: Annotated[int, Interval(ge=1, le=100_000)] = 3000
-    """Training iterations, each on one frame."""
+    """Training iterations, each on one frame, for each window of a long clip; endogaussian takes a third as
+    many more before them, in which nothing moves, and counts them too."""
     seed: Annotated[int, Interval(ge=0, le=2**31 - 1)] = 0
     """Random seed of the sampled points and the order of the frames."""
     n_gaussians: Annotated[int, Interval(ge=1, le=1_000_000)] = 30_000

@@ -366,9 +366,7 @@ def last_checkpoint(folder: RunFolder, record: RunRecord, said: TrainingLog) -> 
         return None
     if left is None:
         return None
-    # Methods with a stage of their own before take more steps than they are asked for.
-    steps = said.progress[-1].iterations if said.progress else record.config.iterations
-    done = Training(left.iteration, steps, live=True)
+    done = Training(left.iteration, said.steps(record.config.iterations), live=True)
     return run_scene(folder, left.model, record, record.config, record.clip.part, done)
 
 

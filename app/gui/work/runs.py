@@ -45,21 +45,18 @@ class ListedRun:
     made: Made
     """"training": some process trains it at this moment."""
     has_checkpoint: bool
+    iterations: int
+    """That it takes in all, so far as it has said so; else that it was asked for."""
     psnr: float | None
     """dB: of held-out frames where that was measured, else the newest of the training frames."""
     told: TrainingLog
     """Of an unfinished run: what it has said so far."""
 
     @property
-    def iterations(self) -> int:
-        """Steps of all of its windows, of an unfinished run that has said so; else of each."""
-        return self.told.progress[-1].iterations if self.told.progress else self.request.config.iterations
-
-    @property
     def iteration(self) -> int:
         """Steps that are known to be done."""
         if self.made == "finished":
-            return self.request.config.iterations
+            return self.iterations
         return self.told.progress[-1].iteration if self.told.progress else 0
 
 
@@ -138,6 +135,7 @@ def _listed(run: RunFolder) -> tuple[RunRecord, ListedRun]:
         request=request_of(run, record),
         made=_made(run),
         has_checkpoint=run.has_checkpoint,
+        iterations=said.steps(record.config.iterations),
         psnr=newest[0].psnr if newest else None,
         told=EMPTY_LOG if run.is_finished else said,
     )

@@ -32,6 +32,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
+from renderer.train.events import Finished
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.settling import follow_run, show_live
 from tests.app.gui.ui import Ui
@@ -95,6 +96,17 @@ def test_what_is_on_disk_is_found_again_wherever_the_clip_lies_now(opened: AppSt
     assert short.request.clip_path == opened.source.clip.path  # It was begun elsewhere, with the same bytes.
     logged = [event for event in RunFolder(whole.path).events() if event["event"] == "Evaluated"]
     assert whole.psnr == pytest.approx(logged[-1]["psnr"])
+
+
+def test_a_finished_run_tells_as_many_iterations_as_it_took(opened: AppState, folder: Path) -> None:
+    """One method has a stage of its own before."""
+    config = replace(CONFIG, method="endogaussian")
+    path = folder / "runs" / "staged"
+    *_, last = run_training(TrainRequest(clip_path=folder / "clip", run_path=path, config=config))
+    assert isinstance(last, Finished)
+    listed = named(opened, "staged")
+    assert (listed.made, listed.iteration, listed.iterations) == ("finished", 16, 16)
+    assert last.iteration == 16
 
 
 def test_a_run_that_is_opened_through_a_link_is_the_one_that_is_listed(
