@@ -1,7 +1,8 @@
 """A camera that goes smoothly through keyframes of pose, lens and time of the clip.
 
 Each segment is a cubic Hermite curve whose ends have the same velocity as their neighbours', so that motion
-has no corners (C1); velocities are finite differences over uneven knots (Catmull-Rom).
+has no corners (C1); velocities are finite differences over uneven knots (Catmull-Rom), bounded by the slower
+of the two segments, so that the camera stays near its keyframes however uneven their seconds are.
 """
 
 from __future__ import annotations
@@ -26,6 +27,11 @@ LATEST: Final = 1e6
 
 SOONEST: Final = 1e-6
 """Seconds from one keyframe to the next."""
+
+MOST: Final = 3.0
+"""Times the mean velocity of the slower segment at a keyframe: up to here a cubic along a line never leaves
+its two ends (F. N. Fritsch, R. E. Carlson, "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal.
+17, 1980)."""
 
 TRACK: Final = 24
 """Points of a track from one keyframe to the next."""
@@ -125,7 +131,10 @@ class _Curve:
         closed = len(steps) > 1 and self._is_closed(size)
         self._point_speeds = velocities(np.diff(self._points, axis=0), steps, SAME * size, closed=closed)
         self._turn_speeds = velocities(between, steps, SAME, closed=closed)
-        self._lens_speeds = velocities(np.diff(self._lenses, axis=0), steps, SAME, closed=closed)
+        lenses = np.diff(self._lenses, axis=0)
+        # Each number for itself: a pixel of the centre is no measure of the focal length.
+        columns = [velocities(lenses[:, [one]], steps, SAME, closed=closed) for one in range(lenses.shape[1])]
+        self._lens_speeds = np.hstack(columns)
         self._time_speeds = monotone(np.diff(self._times), steps)
 
     def _is_closed(self, size: float) -> bool:
@@ -171,8 +180,9 @@ def _lens(camera: Camera) -> list[float]:
 def velocities(differences: FloatArray, steps: FloatArray, same: float, *, closed: bool) -> FloatArray:
     """(K, D) at K knots, from the (K-1, D) differences over (K-1,) seconds between them.
 
-    That of the parabola through three knots; 0 at both ends of a difference of at most `same`, since the
-    camera rests there; at the ends of an open path that of its first and last segment.
+    That of the parabola through three knots, at most MOST times as fast as the slower segment there; 0 at
+    both ends of a difference of at most `same`, since the camera rests there; at the ends of an open path
+    that of its first and last segment.
     """
     if not len(steps):
         return np.zeros((1, differences.shape[1]))
@@ -182,6 +192,9 @@ def velocities(differences: FloatArray, steps: FloatArray, same: float, *, close
     earlier, later = np.r_[steps[-1:], steps], np.r_[steps, steps[:1]]
     rests = np.r_[still[-1:], still] | np.r_[still, still[:1]]
     found = (later[:, None] * before + earlier[:, None] * after) / (earlier + later)[:, None]
+    speeds = np.linalg.norm(found, axis=1)
+    most = MOST * np.minimum(np.linalg.norm(before, axis=1), np.linalg.norm(after, axis=1))
+    found *= np.divide(most, speeds, out=np.ones_like(speeds), where=speeds > most)[:, None]
     if not closed:
         found[0], found[-1] = slopes[0], slopes[-1]
         rests[0], rests[-1] = still[0], still[-1]

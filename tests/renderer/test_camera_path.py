@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from renderer.camera import Camera
-from renderer.camera_path import TRACK, CameraPath, Keyframe
+from renderer.camera_path import TRACK, CameraPath, Keyframe, velocities
 from renderer.rotations import conjugate, exponential, logarithm, matrix, product, quaternion
 
 LENS = Camera(500.0, 480.0, 310.0, 250.0, 640, 512)
@@ -120,6 +120,33 @@ def test_a_turn_on_and_on_never_flips() -> None:
     at = [quaternion(path.at(t).camera.world_from_camera[:3, :3]) for t in np.linspace(0, 13, 261)]
     steps = [np.linalg.norm(logarithm(product(conjugate(a), b))) for a, b in pairwise(at)]
     assert max(steps) == pytest.approx(min(steps), rel=0.01)
+
+
+@pytest.mark.parametrize("second", [0.1, 0.2, 1.0, 9.0])
+def test_however_uneven_the_seconds_it_stays_between_its_keyframes_and_turns_the_short_way(
+    second: float,
+) -> None:
+    places, zooms = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (2.0, 0.0, 0.0)), (1.0, 4.0, 4.1)
+    keys = [
+        Keyframe(seconds, 0.0, replace(posed((0, yaw, 0), place, zoom), cx=center))
+        for seconds, yaw, place, zoom, center in zip(
+            (0.0, second, 10.0), (0.0, 1.5, 3.0), places, zooms, (310.0, 310.0, 400.0), strict=True
+        )
+    ]
+    path = CameraPath(tuple(keys))
+    for first, last in pairwise(keys):
+        cameras = [path.at(t).camera for t in np.linspace(first.seconds, last.seconds, 101)]
+        turns = [quaternion(camera.world_from_camera[:3, :3]) for camera in cameras]
+        turned = [np.linalg.norm(logarithm(product(conjugate(a), b))) for a, b in pairwise(turns)]
+        assert sum(turned) == pytest.approx(1.5, rel=1e-6)
+        for numbers in ([camera.position[0] for camera in cameras], [camera.fx for camera in cameras]):
+            assert (np.diff(numbers) >= -1e-9).all()
+
+
+def test_between_like_segments_the_velocity_is_the_mean_of_both_to_the_bit() -> None:
+    differences = np.array([[1.0, 0.1, 0.0], [0.7, 0.9, -0.3], [0.2, 1.1, 0.4]])
+    found = velocities(differences, np.full(3, 1.0), 1e-9, closed=False)
+    np.testing.assert_array_equal(found[1:-1], (differences[:-1] + differences[1:]) / 2)
 
 
 def test_a_closed_path_goes_through_its_seam_without_a_corner() -> None:
