@@ -14,6 +14,8 @@ from renderer.splats import Float32Array
 Faces = NDArray[np.int32]
 LEAST_PIECE: Final = 0.01
 """Of all faces: smaller pieces that hang together with nothing else are floating Gaussians."""
+LIKE: Final = 0.1
+"""Of the faces of the largest piece: one with so many is no speck beside it, however many there are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +67,8 @@ class Mesh:
             return self
         pieces = _pieces(self.faces, len(self.vertices))[self.faces[:, 0]]
         sizes = np.bincount(pieces)
-        return self.of_faces(sizes[pieces] >= LEAST_PIECE * len(self.faces))
+        least = min(LEAST_PIECE * len(self.faces), LIKE * sizes.max())
+        return self.of_faces(sizes[pieces] >= least)
 
 
 def vertex_normals(vertices: Float32Array, faces: Faces) -> Float32Array:

@@ -76,6 +76,13 @@ def test_a_step_in_depth_is_cut_and_specks_are_left_out() -> None:
     assert len(mesh.faces) == 2 * 71 * (29 + 7 + 47)
 
 
+def test_of_many_like_pieces_none_is_a_speck() -> None:
+    corners = np.arange(3 * 144, dtype=np.int32).reshape(144, 3)
+    vertices = np.random.default_rng(0).normal(size=(corners.size, 3)).astype(np.float32)
+    mesh = Mesh(vertices, corners, np.zeros_like(vertices))
+    assert len(mesh.without_specks().faces) == 144
+
+
 def test_maps_are_read_between_pixels() -> None:
     ramp = np.add.outer(10 * np.arange(4.0), np.arange(5.0)).astype(np.float32)
     places = np.array([[0.5, 0.5], [2.25, 1.5], [2.5, 2.75], [99.0, -5.0]])
