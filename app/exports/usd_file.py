@@ -83,11 +83,11 @@ def _save(layer: Any, path: Path) -> None:
 
 
 def defined(stage: Any, schema: Any, root: str, shown: Sequence[range], index: int) -> Any:
-    """A prim at `root`, which is the default one; where several are `shown`, each at its frames, the prim
-    of that index below it, visible at its own."""
+    """A prim at `root`, which is the default one; where those that are `shown` are not one that is there
+    at all times, the prim of that index below it, visible at its own frames."""
     from pxr import UsdGeom
 
-    if len(shown) == 1:
+    if list(shown) == [range(round(stage.GetEndTimeCode()) + 1)]:
         prim = schema.Define(stage, root)
         stage.SetDefaultPrim(prim.GetPrim())
         return prim

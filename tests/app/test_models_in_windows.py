@@ -11,6 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from pxr import Usd, UsdGeom
 
 from app.errors import UserError
 from app.exports.records import Tracks
@@ -30,6 +31,7 @@ from renderer.editing.mask import Mask
 from renderer.gaussians import DynamicGaussians
 from renderer.model_windows import windows_of
 from tests.app.conftest import Call
+from tests.app.exports.test_meshes import parts
 from tests.app.exports.test_research import Drift, slope
 from tests.renderer.windowed import windowed
 
@@ -234,3 +236,29 @@ def test_a_mesh_file_leaves_out_a_window_whose_gaussians_are_removed(
     save_edits(RunFolder(run), Edits.none(len(scene.model)).selecting(first, "replace").deleting())
     done = vesselsplat("export", run, "--mesh", tmp_path / "a.glb", "--vertices", 500)
     assert (done.code, f"{len(windows) - 1} meshes, one after the other" in done.out) == (0, True), done.error
+
+
+def test_the_mesh_of_the_only_window_that_is_left_is_shown_at_its_frames_alone(
+    run: Path, vesselsplat: Cli, tmp_path: Path
+) -> None:
+    scene = open_scene(run)
+    rows = np.arange(len(scene.model))
+    middle = windows_of(scene.model)[1].rows
+    others = Mask.of((rows < middle.start) | (rows >= middle.stop))
+    save_edits(RunFolder(run), Edits.none(len(rows)).selecting(others, "replace").deleting())
+    for name in ("a.glb", "a.usdc"):
+        assert vesselsplat("export", run, "--mesh", tmp_path / name, "--vertices", 500).code == 0
+    document, arrays = parts(tmp_path / "a.glb")
+    (animation,) = document["animations"]
+    (scale,) = (one for one in animation["channels"] if one["target"]["path"] == "scale")
+    sampler = animation["samplers"][scale["sampler"]]
+    moments, sizes = arrays[sampler["input"]], arrays[sampler["output"]]
+    np.testing.assert_allclose(moments[:, 0] * 15, [0, 40, 72], atol=1e-4)
+    assert sizes[:, 0].tolist() == [0, 1, 0]
+    stage = Usd.Stage.Open(str(tmp_path / "a.usdc"))
+    (mesh,) = stage.GetDefaultPrim().GetChildren()
+    invisible = [
+        frame for frame in range(112) if UsdGeom.Imageable(mesh).ComputeVisibility(frame) != "inherited"
+    ]
+    assert invisible == [*range(40), *range(72, 112)]
+    del stage, mesh

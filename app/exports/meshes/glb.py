@@ -24,8 +24,8 @@ def glb_bytes(
     buffer, document = Buffer(), _Document()
     for film in films:
         _add(document, buffer, film, film.positions * TO_GLTF * scale, name, seconds)
-    if len(films) > 1:
-        for node, film in enumerate(films):
+    for node, film in enumerate(films):
+        if film.frames != range(frames):
             _show(document, buffer, node, film.frames, frames, seconds)
     parts = {
         "asset": asset(unit, facts),
