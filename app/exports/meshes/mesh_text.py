@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -60,10 +60,14 @@ def obj_comments(content: bytes) -> tuple[str, ...]:
     return tuple(line[2:] for line in head.splitlines() if line.startswith("# "))
 
 
-def obj_rows(content: bytes) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-    """(V, 6) of the vertices. Raises ValueError for others than these."""
-    lines = [line[2:] for line in content.decode("ascii", "replace").splitlines() if line.startswith("v ")]
-    return np.array([line.split() for line in lines], np.float64).reshape(len(lines), 6)
+def obj_rows(content: bytes) -> Iterator[np.ndarray[tuple[int, int], np.dtype[np.float64]]]:
+    """(V, 6) vertices with their colours, (V, 3) normals and (F, 6) corners, each a vertex and its normal.
+    Raises ValueError for others than these."""
+    lines = content.decode("ascii", "replace").splitlines()
+    for kind, columns in (("v", 6), ("vn", 3), ("f", 6)):
+        start = f"{kind} "
+        rows = [line[len(start) :].replace("//", " ").split() for line in lines if line.startswith(start)]
+        yield np.array(rows, np.float64).reshape(len(rows), columns)
 
 
 MOMENTS: Final[Mapping[str, Callable[[Mesh, str, Mapping[str, Any]], bytes]]] = {

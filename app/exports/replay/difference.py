@@ -92,7 +92,7 @@ def arrays(path: Path) -> Iterator[Array]:
     if suffix == fourdgs.SUFFIX:
         return fourdgs.read_fourdgs(path)
     if suffix == ".obj":
-        return iter((obj_rows(read_whole(path)),))
+        return _of_obj(path)
     if suffix in (".spz", ".sog"):
         return iter(read_splats(path).raw.arrays().values())
     if suffix == ".npz":
@@ -111,6 +111,14 @@ def _elements(content: bytes) -> Iterator[Array]:
     rows = sum(element.rows.nbytes for element in ply.elements)
     if lists := content[content.find(END) + len(END) + rows :]:
         yield np.frombuffer(lists, np.uint8)
+
+
+def _of_obj(path: Path) -> Iterator[Array]:
+    """Raises UserError: rows of other kinds than ours."""
+    try:
+        yield from obj_rows(read_whole(path))
+    except ValueError as error:
+        raise UserError(f"expected an OBJ mesh written by VesselSplat ({error}): {path}") from error
 
 
 def _of_page(path: Path) -> Iterator[Array]:

@@ -174,6 +174,22 @@ def test_a_mesh_per_frame_is_read_by_trimesh_and_reproduced(
     assert "surface mesh" in vesselsplat("info", folder / f"frame-000007.{form}").out
 
 
+@pytest.mark.parametrize("start", ["v ", "vn ", "f "])
+def test_a_changed_line_of_an_obj_is_found_out(
+    start: str, runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path
+) -> None:
+    flags = ("--mesh-format", "obj", "--vertices", 500, "--frames", 0)
+    assert vesselsplat("export", runs["original"], "--mesh", tmp_path / "meshes", *flags).code == 0
+    path = tmp_path / "meshes" / "frame-000000.obj"
+    lines = path.read_text().splitlines()
+    first, second = [place for place, line in enumerate(lines) if line.startswith(start)][:2]
+    for changed, said in ((lines[second], " differs in "), (f"{start}1 2", "expected an OBJ mesh")):
+        path.write_text("\n".join([*lines[:first], changed, *lines[first + 1 :], ""]))
+        again = vesselsplat("replay", path, "--source", runs["original"])
+        assert said in again.out + again.error
+        assert again.code == 2
+
+
 def test_the_file_says_what_it_is_of_and_comes_again(
     written: Path, runs: dict[str, Path], vesselsplat: Callable[..., Call]
 ) -> None:
