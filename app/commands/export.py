@@ -136,6 +136,7 @@ def run(flags: argparse.Namespace) -> None:
     pen = Drawer(*drawer(flags.renderer))
     views = view_flags.asked_for(flags, scene, wanted) if flags.video else []
     speed = _speed(flags, scene, wanted)
+    mesh_export.require(flags, scene, wanted)
     research_export.write(flags, scene, wanted, pen)
     for suffix, folder in splats.items():
         if folder:

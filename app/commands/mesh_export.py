@@ -11,6 +11,7 @@ from app.console.older_files import say_older
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.make import make
+from app.exports.meshes.film import windows_left
 from app.exports.meshes.mesh_text import MOMENTS
 from app.exports.meshes.of_scene import surface_mesh
 from app.exports.meshes.writing import CLIPS
@@ -20,9 +21,9 @@ from app.exports.usd_file import require_usd
 from app.files.atomic import filled
 from app.files.stepping import run_to_end
 from app.scenes.scene import Scene
-from app.scenes.surfaces import surface_of_window, window_surface
+from app.scenes.surfaces import surface_of_window
 from app.scenes.view_selection import Moment
-from renderer.model_windows import windows_of
+from renderer.model_windows import ModelWindow, window_at
 from renderer.surface.fineness import VERTICES, Fineness
 from renderer.surface.mesh import Mesh
 
@@ -70,19 +71,35 @@ def check(flags: argparse.Namespace) -> None:
         raise UserError(f"--faces: expected at least {LEAST_FACES}, got {flags.faces}")
 
 
+def require(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
+    """Raises UserError: there is no surface at one of the moments, or in one of the windows, that are asked
+    for. They are worked out for it, and remembered."""
+    if flags.mesh is None:
+        return
+    scene.require_same_tissue()
+    for window in _windows(flags, scene, wanted):
+        surface_of_window(scene, window, Fineness(flags.vertices, flags.faces))
+
+
+def _windows(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> tuple[ModelWindow, ...]:
+    """Those whose surface goes into the file or the folder, in the order in which they do."""
+    if flags.mesh.suffix.lower() in CLIPS:
+        return windows_left(scene.model)
+    asked = (window_at(scene.model, one.time) for one in wanted)
+    return tuple({window.index: window for window in asked}.values())
+
+
 def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment], speed: float) -> None:
     """A folder has the moments that are asked for, a file all of the clip."""
     path: Path = flags.mesh
-    fineness = Fineness(flags.vertices, flags.faces)
+    windows = _windows(flags, scene, wanted)
+    said = _size(surface_of_window(scene, windows[0], Fineness(flags.vertices, flags.faces)).mesh)
     if path.suffix.lower() in CLIPS:
-        windows = windows_of(scene.model)
-        left = [window for window in windows if len(window)]
-        said = _size(surface_of_window(scene, (*left, windows[0])[0], fineness).mesh)
         _write_file(flags, scene, speed)
-        meshes = f"{len(left)} meshes, one after the other, the first of {said}" if len(left) > 1 else said
+        several = f"{len(windows)} meshes, one after the other, the first of {said}"
+        meshes = several if len(windows) > 1 else said
         sys.stdout.write(f"{path}: {meshes}, {path.stat().st_size / 1e6:.1f} MB\n")
     else:
-        said = _size(window_surface(scene, wanted[0].time, fineness).mesh)
         _write_folder(flags, scene, wanted, speed)
         others = ", the first" if scene.split_by_time else ""
         sys.stdout.write(f"{path}: {len(wanted)} meshes{others} of {said}\n")

@@ -10,7 +10,7 @@ from app.errors import UserError
 from app.scenes.cpu_rendering import Draw, Drawn
 from app.scenes.scene import Scene
 from renderer.camera import Camera
-from renderer.model_windows import ModelWindow, window_at
+from renderer.model_windows import ModelWindow, window_at, windows_of
 from renderer.splats import RenderMode, Shape, Splats
 from renderer.surface.fineness import AS_IT_COMES, Fineness
 from renderer.surface.mesh import Mesh
@@ -58,7 +58,10 @@ def window_surface(scene: Scene, time: float, fineness: Fineness = AS_IT_COMES) 
 
 def surface_of_window(scene: Scene, window: ModelWindow, fineness: Fineness) -> Follower:
     """The same of a window of the scene's model. Raises UserError as `window_surface`."""
-    return _required(scene, _follower(scene, fineness, window))
+    follower = _follower(scene, fineness, window)
+    if not len(follower.mesh.faces):
+        raise UserError(_missing(scene, window))
+    return follower
 
 
 def moment_of_surface(scene: Scene, time: float, fineness: Fineness) -> Mesh:
@@ -80,10 +83,15 @@ def surface_at(scene: Scene, time: float) -> Mesh:
     return meshes[time]
 
 
-def _required(scene: Scene, follower: Follower) -> Follower:
-    if not len(follower.mesh.faces):
-        raise UserError(f"expected a surface, got none: {scene.name} covers nothing of what its cameras see")
-    return follower
+def _missing(scene: Scene, window: ModelWindow) -> str:
+    """Why there is no surface, and in a model in windows at which frames."""
+    name, where, why = scene.name, "", "covers nothing of what its cameras see"
+    if len(windows_of(scene.model)) > 1:
+        frames = window.frames(len(scene.cameras))
+        where = f" in window {window.index + 1}, frames {frames[0]} to {frames[-1]}"
+        if not len(window):
+            return f"expected a surface{where}, got none: all of that window is removed: {name}"
+    return f"expected a surface{where}, got none: {name} {why}"
 
 
 def _follower(scene: Scene, fineness: Fineness, window: ModelWindow) -> Follower:

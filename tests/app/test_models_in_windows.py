@@ -262,3 +262,22 @@ def test_the_mesh_of_the_only_window_that_is_left_is_shown_at_its_frames_alone(
     ]
     assert invisible == [*range(40), *range(72, 112)]
     del stage, mesh
+
+
+def test_a_missing_surface_is_told_with_its_window_before_any_file_is_written(
+    run: Path, vesselsplat: Cli, tmp_path: Path
+) -> None:
+    scene, out = open_scene(run), tmp_path / "out"
+    last = Mask.of(np.arange(len(scene.model)) >= windows_of(scene.model)[2].rows.start)
+    save_edits(RunFolder(run), Edits.none(len(scene.model)).selecting(last, "replace").deleting())
+    flags = ("--frames", 2, 100, "--npz", out / "a.npz", "--ply", out / "ply", "--vertices", 500)
+    done = vesselsplat("export", run, *flags, "--mesh", out / "meshes")
+    assert done.code == 2
+    assert "expected a surface in window 3, frames 64 to 111, got none" in done.error
+    assert "all of that window is removed" in done.error
+    assert not out.exists()
+    every = Edits.none(len(scene.model)).selecting(Mask.of(np.ones(len(scene.model), bool)), "replace")
+    save_edits(RunFolder(run), every.deleting())
+    done = vesselsplat("export", run, "--cameras", out / "a.json", "--mesh", out / "a.glb")
+    assert (done.code, "expected a surface in window 1, frames 0 to " in done.error) == (2, True)
+    assert not out.exists()

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from app.scenes.scene import Scene
 from app.scenes.surfaces import surface_of_window
+from renderer.gaussians import DynamicGaussians
 from renderer.model_windows import ModelWindow, window_at, windows_of
 from renderer.splats import Float32Array
 from renderer.surface.fineness import Fineness
@@ -53,13 +54,19 @@ def filmed(scene: Scene, fineness: Fineness) -> Generator[int, None, tuple[Film,
     return tuple(films)
 
 
+def windows_left(model: DynamicGaussians) -> tuple[ModelWindow, ...]:
+    """Those that have Gaussians; of a model that has none, all of them."""
+    windows = windows_of(model)
+    return tuple(window for window in windows if len(window)) or windows
+
+
 def _shares(scene: Scene) -> Iterator[tuple[ModelWindow, range]]:
-    """Each window with the frames at which it shows most, in the order of time; one without Gaussians is left
-    out."""
+    """Each window that is left with the frames at which it shows most, in the order of time."""
     frames, windows = range(len(scene.cameras)), windows_of(scene.model)
+    left = {window.index for window in windows_left(scene.model)}
     for index, group in groupby(frames, key=lambda frame: window_at(scene.model, scene.time(frame)).index):
         share = list(group)
-        if len(windows[index]):
+        if index in left:
             yield windows[index], range(share[0], share[-1] + 1)
 
 
