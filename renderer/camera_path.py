@@ -100,8 +100,8 @@ class CameraPath:
         return self._curve.track() if self.keyframes else np.zeros((0, 3))
 
     def moments(self, per_second: float) -> tuple[Keyframe, ...]:
-        """So many views a second, evenly, from the first keyframe on to the end."""
-        count = math.floor((self.end - self.start) * per_second + 1e-9) + 1
+        """So many views a second, evenly, from the first keyframe on; the last one is the last keyframe's."""
+        count = math.ceil((self.end - self.start) * per_second - 1e-9) + 1
         return tuple(self.at(self.start + index / per_second) for index in range(count))
 
 

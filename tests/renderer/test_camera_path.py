@@ -176,6 +176,9 @@ def test_moments_are_even_and_reach_the_end() -> None:
     assert [key.seconds for key in moments] == pytest.approx([n / 10 for n in range(41)])
     assert moments[-1] == PATH.keyframes[-1]
     assert len(CameraPath(PATH.keyframes[:1]).moments(15.0)) == 1
+    odd = PATH.moments(2.9)
+    assert [key.seconds for key in odd[:-1]] == pytest.approx([n / 2.9 for n in range(12)])
+    assert odd[-1] == PATH.keyframes[-1]
 
 
 def test_outside_it_stands_still() -> None:
