@@ -185,10 +185,13 @@ def advance_path(state: AppState, elapsed: float) -> None:
 
 
 def add_views(state: AppState, read: Views, path: Path) -> None:
-    """Add the named views of a file, ours or another program's, and take over its path if it has one."""
-    now = state.scene.cameras.views
+    """Add the named views of a file, ours or another program's, and take over its path if it has one. They
+    are in the scene's unit, of which a file of another program says nothing."""
+    now, model = state.scene.cameras.views, state.scene.model
     try:
-        added = replace(read, named=(*now.named, *read.named))
+        added = replace(
+            read, named=(*now.named, *read.named), unit=read.unit if model is None else model.unit
+        )
     except ValueError as error:
         actions.fail(state, f"{error}: {path}")
         return
@@ -197,8 +200,8 @@ def add_views(state: AppState, read: Views, path: Path) -> None:
     state.scene.cameras.views = added
     keys = f" and a path of {len(read.path.keyframes)} keyframes" if read.path.keyframes else ""
     actions.announce(state, f"{len(read.named)} views{keys} from {path.name}")
-    if state.scene.model is not None and read.unit not in (Views().unit, state.scene.model.unit):
-        actions.say(state, f"{path.name} is in {read.unit}, this scene in {state.scene.model.unit}")
+    if model is not None and read.unit not in (Views().unit, model.unit):
+        actions.say(state, f"{path.name} is in {read.unit}, this scene in {model.unit}")
 
 
 def save_views(state: AppState) -> None:

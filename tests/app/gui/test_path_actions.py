@@ -177,6 +177,7 @@ def test_cameras_of_other_programs_are_named_views(seen: AppState, tmp_path: Pat
     (one,) = seen.scene.cameras.views.named
     assert one.name == "photo 7"
     assert one.camera.camera_from_world == pytest.approx(turned.camera_from_world, abs=1e-6)
+    assert seen.scene.cameras.views.unit == "mm"
     assert seen.scene.cameras.views.path == path
 
 
