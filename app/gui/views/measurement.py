@@ -12,6 +12,8 @@ from app.scenes.view_kinds import SCENE_UNITS
 from renderer.camera import FloatArray
 
 LEAST_CORNERS = 3
+EXACT = 1e-9
+"""Share of a length or an area below which its error is none."""
 
 
 @dataclass(frozen=True)
@@ -125,8 +127,8 @@ class Measurement:
 def _text(value: float, error: float, unit: str, power: str) -> str:
     if unit == SCENE_UNITS:
         return f"{value:.3g} units{power} (no scale)"
-    if error == 0:
+    if error <= EXACT * value:
         return f"{value:.3g} {unit}{power}"
     # Two digits of the error, as many decimals of the value.
-    places = max(0, min(3, 1 - math.floor(math.log10(error))))
+    places = max(0, 1 - math.floor(math.log10(error)))
     return f"{value:.{places}f} ± {error:.{places}f} {unit}{power}"

@@ -48,9 +48,10 @@ def test_the_error_is_that_of_depths_which_err_by_themselves() -> None:
 
 
 @pytest.mark.parametrize(
-    ("error", "text"), [(0.004, "0.004"), (0.034, "0.034"), (0.34, "0.34"), (3.4, "3.4"), (34, "34")]
+    ("error", "text"),
+    [(0.00004, "0.000040"), (0.004, "0.0040"), (0.034, "0.034"), (0.34, "0.34"), (3.4, "3.4"), (34, "34")],
 )
-def test_the_error_has_two_digits_and_at_most_three_decimals(error: float, text: str) -> None:
+def test_the_error_has_two_digits(error: float, text: str) -> None:
     near, far = Located((0, 0, 50.0), (0, 0, 1.0), error), Located((0, 0, 150.0))
     assert f"± {text} mm" in Measurement((near, far)).text("mm")
 
