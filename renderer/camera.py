@@ -191,9 +191,8 @@ class Camera:
         try:
             numbers = {name: float(values[name]) for name in ("fx", "fy", "cx", "cy")}
             matrix = np.array(values["camera_from_world"], dtype=np.float64)
-            return cls(
-                **numbers, width=int(values["width"]), height=int(values["height"]), camera_from_world=matrix
-            )
+            width, height = (whole_pixels(values[name], name) for name in ("width", "height"))
+            return cls(**numbers, width=width, height=height, camera_from_world=matrix)
         except (KeyError, TypeError, OverflowError) as error:
             raise CameraError(
                 f"expected fx fy cx cy width height camera_from_world, got {error!r}"
@@ -208,6 +207,15 @@ class Camera:
 
     def __hash__(self) -> int:
         return hash(self._key())
+
+
+def whole_pixels(value: object, name: str) -> int:
+    """A number of a JSON file. Raises CameraError: it is not whole."""
+    if isinstance(value, float) and value.is_integer():
+        return int(value)
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise CameraError(f"expected a whole number of pixels as {name}, got {repr(value)[:40]}")
+    return value
 
 
 def _require_pose(matrix: FloatArray) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.camera import Camera
+from renderer.camera import Camera, whole_pixels
 from renderer.json_files import read_json, read_text
 from renderer.readers.poses import pose_matrix
 
@@ -53,8 +53,15 @@ def read_cameras(path: Path) -> tuple[NamedCamera, ...]:
     except OSError as error:
         raise CameraFileError(f"expected a camera file, got {error.strerror}: {path}") from error
     except (ValueError, LookupError, TypeError, ArithmeticError, AttributeError) as error:
-        text = f"no {error}" if isinstance(error, KeyError) else str(error)
-        raise CameraFileError(f"expected a camera or several, got {text}: {path}") from error
+        text = _told(error)
+        said = text if text.startswith("expected") else f"expected a camera or several, got {text}"
+        raise CameraFileError(f"{said}: {path}") from error
+
+
+def _told(error: Exception) -> str:
+    if isinstance(error, KeyError):
+        return f"no {error}"
+    return "too few words in a line" if isinstance(error, IndexError) else str(error)
 
 
 def splatting_json(cameras: Sequence[NamedCamera]) -> bytes:
@@ -120,9 +127,13 @@ def _transforms(one: NamedCamera, time: float) -> dict[str, Any]:
 
 def _of_json(content: Any, name: str) -> tuple[NamedCamera, ...]:
     if isinstance(content, list):
-        found = tuple(_of_splatting(entry) for entry in content)
+        found = _each(content, _of_splatting)
     elif isinstance(content, dict) and "frames" in content:
-        found = tuple(_of_transforms(content | frame) for frame in content["frames"])
+        if not isinstance(content["frames"], list):
+            raise ValueError(f"{_short(content['frames'])} as frames, where a list is needed")
+        found = _each(content["frames"], lambda frame: _of_transforms(content | frame))
+    elif not isinstance(content, dict):
+        raise ValueError(_short(content))
     else:
         found = (NamedCamera(name, Camera.from_json(content)),)
     if not found:
@@ -130,13 +141,48 @@ def _of_json(content: Any, name: str) -> tuple[NamedCamera, ...]:
     return found
 
 
+def _each(entries: Sequence[Any], read: Callable[[Any], NamedCamera]) -> tuple[NamedCamera, ...]:
+    """Raises ValueError: one cannot be read; says which, counted from 0."""
+    found = []
+    for place, entry in enumerate(entries):
+        try:
+            if not isinstance(entry, dict | list):
+                raise ValueError(_short(entry))
+            found.append(read(entry))
+        except (ValueError, LookupError, TypeError, ArithmeticError, AttributeError) as error:
+            raise ValueError(f"{_told(error)} in camera {place}") from error
+    return tuple(found)
+
+
+def _number(entry: dict[str, Any], name: str, otherwise: float | None = None) -> float:
+    """Raises KeyError or ValueError: it is not there, or none."""
+    value = entry[name] if otherwise is None else entry.get(name, otherwise)
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{_short(value)} as {name}, where a number is needed") from error
+
+
+def _numbers(entry: dict[str, Any], name: str, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Raises KeyError or ValueError: it is not there, or of another shape."""
+    try:
+        return np.array(entry[name], float).reshape(shape)
+    except (TypeError, ValueError) as error:
+        size = " times ".join(map(str, shape))
+        raise ValueError(f"{_short(entry[name])} as {name}, where {size} numbers are needed") from error
+
+
+def _short(value: object) -> str:
+    return json.dumps(value)[:40]
+
+
 def _of_splatting(entry: dict[str, Any]) -> NamedCamera:
     """Where no principal point is given, it is the middle."""
-    width, height = int(entry["width"]), int(entry["height"])
+    width, height = (whole_pixels(entry[name], name) for name in ("width", "height"))
     pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = np.array(entry["rotation"], float), np.array(entry["position"], float)
-    cx, cy = float(entry.get("cx", width / 2)), float(entry.get("cy", height / 2))
-    lens = Camera(float(entry["fx"]), float(entry["fy"]), cx, cy, width, height)
+    pose[:3, :3], pose[:3, 3] = _numbers(entry, "rotation", (3, 3)), _numbers(entry, "position", (3,))
+    cx, cy = _number(entry, "cx", width / 2), _number(entry, "cy", height / 2)
+    lens = Camera(_number(entry, "fx"), _number(entry, "fy"), cx, cy, width, height)
     return NamedCamera(str(entry["img_name"]), lens.moved(_inverse(pose)))
 
 
@@ -148,25 +194,30 @@ def _of_transforms(entry: dict[str, Any]) -> NamedCamera:
     if model.upper() not in STRAIGHT or entry.get("is_fisheye"):
         got = "fisheye" if entry.get("is_fisheye") else model
         raise ValueError(f"a lens of the model {got[:40]}, where {STRAIGHT[0]} is needed")
-    width, height = int(entry["w"]), int(entry["h"])
+    width, height = (whole_pixels(entry[name], name) for name in ("w", "h"))
     focals = _focal(entry, "x", width), _focal(entry, "y", height)
     known = [focal for focal in focals if focal is not None]
     if not known:
         raise KeyError("fl_x")
     # Pixels are square where one of the two is not given.
     fx, fy = (known[0] if focal is None else focal for focal in focals)
-    cx, cy = float(entry.get("cx", width / 2)), float(entry.get("cy", height / 2))
+    cx, cy = _number(entry, "cx", width / 2), _number(entry, "cy", height / 2)
     lens = Camera(fx, fy, cx, cy, width, height)
-    pose = np.array(entry["transform_matrix"], float)[:4, :4] @ FROM_OPENGL
+    pose = _numbers(entry, "transform_matrix", (4, 4)) @ FROM_OPENGL
     return NamedCamera(Path(str(entry["file_path"])).stem, lens.moved(_inverse(pose)))
 
 
 def _focal(entry: dict[str, Any], axis: str, pixels: int) -> float | None:
     """In pixels, as it is, or of the field of view in radians along an axis of so many; None: not given."""
     if f"fl_{axis}" in entry:
-        return float(entry[f"fl_{axis}"])
-    angle = entry.get(f"camera_angle_{axis}")
-    return None if angle is None else pixels / 2 / math.tan(float(angle) / 2)
+        return _number(entry, f"fl_{axis}")
+    name = f"camera_angle_{axis}"
+    if entry.get(name) is None:
+        return None
+    angle = _number(entry, name)
+    if not 0 < angle < math.pi:
+        raise ValueError(f"{angle:g} as {name}, where radians between 0 and pi are needed")
+    return pixels / 2 / math.tan(angle / 2)
 
 
 def _of_colmap(folder: Path) -> tuple[NamedCamera, ...]:
@@ -174,7 +225,7 @@ def _of_colmap(folder: Path) -> tuple[NamedCamera, ...]:
     poses = _lines(folder / "images.txt", every=2)
     if not poses:
         raise ValueError("no image in images.txt")
-    return tuple(_of_image(words, lenses) for words in poses)
+    return _each(poses, lambda words: _of_image(words, lenses))
 
 
 def _lines(path: Path, every: int = 1) -> list[list[str]]:

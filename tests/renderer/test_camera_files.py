@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -199,6 +200,34 @@ def test_what_is_none_is_one_line(tmp_path: Path, text: str) -> None:
         read_cameras(path)
     assert "\n" not in str(caught.value)
     assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (
+            [splatting()[0] | {"width": 127.9}],
+            "expected a whole number of pixels as width, got 127.9 in camera 0",
+        ),
+        ([splatting()[0] | {"width": "128"}], "expected a whole number of pixels as width, got '128'"),
+        (CAMERAS[0].to_json() | {"height": True}, "expected a whole number of pixels as height, got True: "),
+        ([splatting()[0], 3], "expected a camera or several, got 3 in camera 1: "),
+        ([splatting()[0], splatting()[0] | {"fx": None}], "null as fx, where a number is needed in camera 1"),
+        ([splatting()[0] | {"rotation": [[1, 0], [0]]}], "as rotation, where 3 times 3 numbers are needed"),
+        ({"frames": 3}, "got 3 as frames, where a list is needed"),
+        ({"frames": [3]}, "got 3 in camera 0"),
+        (None, "expected a camera or several, got null: "),
+        (
+            {"camera_angle_x": 0, "w": 64, "h": 48, "frames": [{"file_path": "a"}]},
+            "got 0 as camera_angle_x, where radians between 0 and pi are needed in camera 0",
+        ),
+    ],
+)
+def test_what_is_wrong_is_told_in_words_with_its_camera(tmp_path: Path, content: Any, said: str) -> None:
+    path = tmp_path / "cameras.json"
+    path.write_text(json.dumps(content))
+    with pytest.raises(CameraFileError, match=re.escape(said)):
+        read_cameras(path)
 
 
 def test_distorted_or_missing_colmap_cameras_are_refused(tmp_path: Path) -> None:
