@@ -19,6 +19,8 @@ from renderer.camera import Camera
 from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
 from renderer.view_files import read_views
 
+LONGEST = 60
+"""Characters of a camera's name in those of its files, which hold 255 bytes."""
 MOST_PIXELS = 16384
 """Each way: the largest framebuffer of common graphics cards."""
 LEAST_RATE, MOST_RATE = 1 / 3600, 1000
@@ -158,7 +160,8 @@ def _views(given: Sequence[NamedCamera], flags: argparse.Namespace) -> Iterator[
     if flags.frames:
         raise UserError(f"expected --time with {len(given)} cameras, got --frames {' '.join(flags.frames)}")
     for place, one in enumerate(given):
-        name = re.sub(r"[^\w.-]+", "-", one.name) or "camera"
+        # The end of a name that is a long path tells most.
+        name = re.sub(r"[^\w.-]+", "-", one.name)[-LONGEST:] or "camera"
         yield Moment(f"{place:04d}-{name}", None, flags.time or 0.0, one.camera)
 
 

@@ -240,6 +240,12 @@ def test_cameras_come_back_as_they_went(runs: dict[str, Path], tmp_path: Path, v
     assert vesselsplat("render", runs["original"], *flags).code == 0
     names = sorted(path.name for path in (tmp_path / "out").iterdir())
     assert names == ["0000-frame-000000.png", "0001-frame-000005.png"]
+    long = tmp_path / "long.json"
+    long.write_text(file.read_text().replace("frame-000000", f"{'far/' * 80}a").replace("frame-000005", "b"))
+    flags = ("--camera", long, "--time", 0.5, "--out", tmp_path / "long")
+    assert vesselsplat("render", runs["original"], *flags).code == 0
+    first, second = sorted(path.name for path in (tmp_path / "long").iterdir())
+    assert (len(first), first[-10:], second) == (5 + 60 + 4, "-far-a.png", "0001-b.png")
     call = vesselsplat("render", runs["original"], "--camera", file, "--frames", 1, "--out", tmp_path / "no")
     assert call.code == 2
     assert "--frames" in call.error
