@@ -22,6 +22,7 @@ from renderer.readers.listing import listed
 from renderer.sources import open_bare
 from renderer.tools.mask_files import NONE, MaskFiles, mask_names, masks_in, origin_of, own_masks
 from renderer.tools.onnx_model import VALUES, OnnxError, OnnxTools
+from renderer.tools.polarity import with_doubt
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -69,7 +70,7 @@ def run(flags: argparse.Namespace) -> None:
     _check_out(flags)
     _check_onnx(flags)
     clip = open_bare(flags.clip, parameters(ClipOptions, flags))
-    by_hand = NONE if flags.given is None else masks_in(flags.given, clip.labels)
+    by_hand = NONE if flags.given is None else with_doubt(masks_in(flags.given, clip.labels), clip)
     try:
         model = _network(flags) if flags.onnx else None
         told = _made(flags.out, clip, by_hand, model)

@@ -44,7 +44,7 @@ class MaskReport:
     weak: tuple[int, ...] = ()
     """Frames where that is low: they should be looked at, the worst first."""
     notices: tuple[str, ...] = ()
-    """How masks by hand were paired with frames, as `MaskFiles` has it."""
+    """How masks by hand were paired with frames, as `MaskFiles` has it, and whether they look inverted."""
 
 
 def make_masks(

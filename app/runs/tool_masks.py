@@ -15,6 +15,7 @@ from app.enhancement.settable import PathText, at_most
 from app.files.atomic import filled
 from renderer.clip import Clip, ClipError
 from renderer.tools.mask_files import MaskFiles, digest_of, masks_in, read_all, save_mask, with_tool_masks
+from renderer.tools.polarity import with_doubt
 
 FOLDER: Final = "tool-masks"
 """Of a run's own copies, in its folder."""
@@ -40,8 +41,9 @@ class ToolMasks:
         return MaskFiles(folder, numbered)
 
     def told(self, clip: Clip) -> Clip:
-        """The whole clip, whose notices say how a person's masks were paired with it. Raises ClipError."""
-        return replace(clip, notices=(*clip.notices, *self.files(clip).notices))
+        """The whole clip, whose notices say how a person's masks were paired with it, and whether they look
+        inverted. Raises ClipError."""
+        return replace(clip, notices=(*clip.notices, *with_doubt(self.files(clip), clip).notices))
 
     def of(self, clip: Clip) -> Clip:
         """The whole clip without these tools; their files are looked for when a frame is read, which raises

@@ -36,7 +36,7 @@ class MaskFiles:
     files: Mapping[int, Path]
     """By frame."""
     notices: tuple[str, ...] = ()
-    """How they were paired with the frames, where that is not by equal names or numbers alone."""
+    """How they were paired with the frames, where that is not by equal names or numbers alone; and doubts."""
 
     def read(self, index: int, size: tuple[int, int]) -> BoolImage | None:
         """(H, W) for `size` (width, height), True = tool; None: the folder holds none of this frame.

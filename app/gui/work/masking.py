@@ -26,6 +26,7 @@ from renderer.tools.mask_files import (
     write_mask,
 )
 from renderer.tools.onnx_model import OnnxTools, Values
+from renderer.tools.polarity import with_doubt
 from renderer.tools.search import find_tools
 
 BY_HAND: MaskOrigin = "by hand"
@@ -186,7 +187,9 @@ class MakingRequest:
 def make_all(request: MakingRequest) -> Iterator[MaskReport]:
     """Raises ClipError, OnnxError or OSError."""
     clip, folder, source = request.clip, request.folder, request.source
-    taken = masks_in(source, clip.labels) if source is not None and source.is_dir() else None
+    taken = None
+    if source is not None and source.is_dir():
+        taken = with_doubt(masks_in(source, clip.labels), clip)
     model = None
     if source is not None and taken is None:
         model = OnnxTools.open(source, request.values, request.tools)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from app.__main__ import main
 from app.errors import UserError
 from app.evaluation.evaluate import open_evaluation
 from app.runs.clip_selection import ClipPart
@@ -82,6 +83,18 @@ def test_it_is_said_where_masks_are_paired_in_order(unmasked: Path, tmp_path: Pa
     assert any(
         "masks/ are paired with the frames in order, not by name: 20.png with" in text for text in said
     )
+
+
+def test_it_is_said_where_masks_mark_the_tissue(
+    clip_path: Path, unmasked: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    masks, whole = masks_for(unmasked, tmp_path / "masks", range(0)), open_clip(clip_path)
+    for index, label in enumerate(whole.labels):
+        write_mask(masks / f"{Path(label).stem}.png", whole.read_frame(index).tissue_mask, "by hand")
+    told = ToolMasks(folder=str(masks)).told(open_clip(unmasked))
+    assert told.notices[-1].startswith("masks in masks/ look inverted")
+    assert main(["masks", str(unmasked), "--out", str(tmp_path / "out"), "--given", str(masks)]) == 0
+    assert "masks in masks/ look inverted" in capsys.readouterr().out
 
 
 def test_frames_without_a_mask_are_searched_and_trimming_mixes_none_up(

@@ -1,0 +1,41 @@
+"""Whether masks of tools look as if they marked the tissue."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from renderer.clip import Clip
+from renderer.readers.tool_masks import Sample, marks_tissue
+from renderer.tools.mask_files import MaskFiles
+
+_SAMPLES: Final = 4
+
+
+def with_doubt(masks: MaskFiles, clip: Clip) -> MaskFiles:
+    """The same masks of the frames of the clip, with a notice where `marks_tissue` holds for a few of them,
+    spread evenly. No more than a notice: tools may fill the view, or a mask keep a small part of it.
+
+    Raises:
+        ClipError: a frame or a mask cannot be read.
+    """
+    indices = sorted(masks.files)
+    places = np.unique(np.linspace(0, len(indices) - 1, min(_SAMPLES, len(indices))).round().astype(int))
+    samples = [_sample(masks, clip, indices[place]) for place in places]
+    if not samples or not marks_tissue(samples):
+        return masks
+    share = float(np.mean([sample.marked.mean() for sample in samples]))
+    said = (
+        f"masks in {masks.folder.name}/ look inverted: not black = tool is expected, and {share:.0%} of the "
+        "pixels are not black, on what looks like tissue"
+    )
+    return replace(masks, notices=(*masks.notices, said))
+
+
+def _sample(masks: MaskFiles, clip: Clip, index: int) -> Sample:
+    frame = clip.read_frame(index)
+    mask = masks.read(index, (frame.image.shape[1], frame.image.shape[0]))
+    assert mask is not None
+    return Sample(frame.image, mask, frame.measured_depth)
