@@ -11,6 +11,7 @@ from app.runs.preparing import told_meanwhile
 from app.runs.run_folder import PosesRecord
 from renderer.camera_motion import POSES_MISSING, camera_motion, contradicted
 from renderer.clip import Clip
+from renderer.poses.bridged import without_bridged
 from renderer.poses.search import FoundPoses, PosesError, find_poses
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, Preparing
@@ -75,11 +76,13 @@ def _may_be_posed(clip: Clip) -> bool:
 
 def through_found(clip: Clip, found: FoundPoses, start: int = 0) -> Posed:
     """The part of the clip that has poses, as seen from these; `start`: see `posed`."""
-    record = PosesRecord(residuals=found.residuals, points=found.points, lost=found.lost)
+    bridged = tuple(at for at, residual in enumerate(found.residuals) if residual is None)
+    record = PosesRecord(residuals=found.residuals, points=found.points, lost=found.lost, bridged=bridged)
     whole = (found.first, found.last) == (0, len(clip) - 1)
     held = clip if whole else clip.between(found.first, found.last)
     part = None if whole else (found.first, found.last)
-    return Posed(held.through(found.cameras), record, part, tuple(_notices(clip, found, start)))
+    seen = without_bridged(held.through(found.cameras), bridged)
+    return Posed(seen, record, part, tuple(_notices(clip, found, start)))
 
 
 def _notices(clip: Clip, found: FoundPoses, start: int) -> list[str]:
@@ -95,7 +98,9 @@ def _notices(clip: Clip, found: FoundPoses, start: int) -> list[str]:
     if found.lost:
         named = "; ".join(f"{clip.labels[each.frame]} ({each.why})" for each in found.lost[:_NAMED])
         more = f" and {len(found.lost) - _NAMED} more" if len(found.lost) > _NAMED else ""
-        said.append(f"frames without a camera pose of their own: {named}{more}")
+        said.append(
+            f"frames without a camera pose of their own are neither trained on nor measured: {named}{more}"
+        )
     return said
 
 

@@ -37,6 +37,7 @@ from renderer.clip import Clip, SparsePoints, held_out_frames
 from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed, read_text
+from renderer.poses.bridged import without_bridged
 from renderer.poses.lost_frame import LostFrame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
@@ -56,6 +57,8 @@ class PosesRecord:
     points: tuple[int, ...]
     lost: tuple[LostFrame, ...] = ()
     """Frames of what was asked for that have no pose of their own."""
+    bridged: tuple[FrameNumber, ...] = ()
+    """Those of the part that are neither trained on nor measured; none where the record does not say."""
     structure: tuple[FiniteFloat, ...] = ()
     """Points of the tissue, where they were found with the poses, in lack of depth: x, y and z in turn."""
 
@@ -115,7 +118,8 @@ class ClipRecord:
         if self.poses is None:
             return part
         seen = part.through(tuple(Camera.from_json(each) for each in self._one_each()))
-        return replace(seen, points=self.poses.sparse_points or part.points)
+        known = without_bridged(seen, self.poses.bridged)
+        return replace(known, points=self.poses.sparse_points or part.points)
 
     def as_trained(self, whole: Clip) -> Clip:
         """The part of the whole clip that was trained on, without what was left out of its frames."""

@@ -16,6 +16,7 @@ from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
 from app.runs.trained_clip import run_clip
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, Warned
 
@@ -102,3 +103,28 @@ def test_the_part_that_holds_is_what_is_trained_on(moving, tmp_path):
     assert RunFolder(trimmed.run_path).record().clip.part.trim == (2, 11)
     assert "only frames 3 to 12 are reconstructed, the longest part with camera poses" in said
     list(run_training(replace(request, resume=True)))
+
+
+def test_frames_that_are_bridged_are_neither_trained_on_nor_measured(moving, tmp_path):
+    clip = tmp_path / "clip"
+    shutil.copytree(moving, clip)
+    for image in sorted((clip / "images").iterdir())[8:10]:
+        Image.fromarray(np.zeros((128, 160, 3), np.uint8)).save(image)
+    config = replace(CONFIG, keep=("poses",))
+    request = TrainRequest(clip_path=clip, run_path=tmp_path / "run", config=config)
+    said = [event.message for event in run_training(request) if isinstance(event, Warned)]
+    assert any("of their own are neither trained on nor measured: " in message for message in said)
+    record = RunFolder(request.run_path).record()
+    assert record.clip.poses.bridged == (8, 9)
+    assert record.clip.part.tools is None
+    seen = run_clip(record)
+    for index in range(12):
+        frame = seen.read_frame(index)
+        assert frame.tissue_mask.any() == frame.evaluation_mask.any() == (index not in (8, 9))
+    one, nine = open_evaluation(request.run_path).frames()
+    assert one.psnr > 10
+    assert nine.evaluated_share == 0
+    assert np.isnan(nine.psnr)
+    list(run_training(replace(request, resume=True)))
+    before = replace(record.clip, poses=replace(record.clip.poses, bridged=()))
+    assert replace(record, clip=before).clip.as_trained(open_clip(clip)).read_frame(9).tissue_mask.any()
