@@ -129,6 +129,38 @@ def test_a_view_that_slides_is_noticed_without_depth():
     assert "14 % of the image width" in notice
 
 
+def moved_at(clip: Clip, frames: range) -> Clip:
+    """With another view in these frames."""
+
+    def read_frame(index: int) -> Frame:
+        frame = clip.read_frame(0)
+        turned = np.ascontiguousarray(frame.image[::-1, ::-1])
+        return replace(frame, index=index, image=turned if index in frames else frame.image)
+
+    return replace(clip, read_frame=read_frame)
+
+
+@pytest.mark.parametrize("frames", [range(8, 12), range(5, 9)])
+def test_a_view_that_jumps_is_noticed(frames):
+    clip = clip_of(phantom("fixed", "static"), has_depth=False)
+    before = max(index for index in clip.train_indices if index < frames.start)
+    wanted = f"the view jumps between the frames {before} and {frames.start}"
+    assert camera_motion(moved_at(clip, frames)) == wanted
+    assert camera_motion(moved_at(clip, range(0))) is None
+
+
+def test_short_blackouts_hide_no_motion_and_are_none():
+    def blinking(clip: Clip) -> Clip:
+        def read_frame(index: int) -> Frame:
+            frame = clip.read_frame(index)
+            return replace(frame, image=frame.image * np.uint8(index not in (0, 5, 6)))
+
+        return replace(clip, read_frame=read_frame)
+
+    assert camera_notice(blinking(clip_of(phantom("moving", "static")))) is not None
+    assert camera_notice(blinking(clip_of(phantom("fixed", "moving")))) is None
+
+
 @pytest.mark.data
 @pytest.mark.skipif(not DATA.is_dir(), reason="the real clips are not there")
 def test_real_clips():
