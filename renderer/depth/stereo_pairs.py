@@ -171,7 +171,7 @@ def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Cl
 
     Depth is focal length * baseline / disparity: without a calibration, as if the eyes looked in parallel,
     with the principal points of both in the middle, which a notice says. The baseline is `baseline` in mm,
-    else that of the clip, else 1: then lengths are in units of it. The first pair is looked at to see that
+    else that of the clip, else 1: then lengths are in units of it. A few pairs are looked at to see that
     its pictures are of one scene and rectified.
 
     Raises:
@@ -250,17 +250,16 @@ def _show_one_scene(left: Path, right: Path, changed: tuple[int, int]) -> bool:
 
 
 def _judged(clip: Clip, right: RightEye) -> _Rows:
-    """How far rows are apart; not at all where the first pair looks rectified, or, where that shows too
-    little, the one of a few that shows most.
+    """How far rows are apart; not at all where all of a few pairs look rectified. Whether they show one scene
+    is judged by the first, or, where that shows too little, by the one that shows most.
 
     Raises ClipError: they look like no rectified pair, or like one that is swapped or is one image twice.
     """
-    first, *rest = places(len(clip))
-    every = _shifts(clip, right, (first,))
+    every = _shifts(clip, right, places(len(clip)))
     where = f"{right.names}: {clip.path}"
     if len(every[0]) < _FEWEST_FEATURES:
         # One frame may be blurred or dark; the pair that shows most stands for all.
-        every = sorted(every + _shifts(clip, right, rest), key=len, reverse=True)
+        every = sorted(every, key=len, reverse=True)
     shifts = every[0]
     if len(shifts) < _FEWEST_FEATURES:
         found = f"{len(shifts)} features in common in the best of {count(len(every), 'pair')} looked at"
@@ -268,11 +267,10 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
     if np.median(np.abs(shifts[:, :2])) < _SAME:
         raise ClipError(f"expected a left and a right image, got the same image twice, {where}")
     across, rows = np.median(shifts[:, 0]), _Rows()
-    if np.median(np.abs(shifts[:, 1])) > LARGEST_VERTICAL_OFFSET:
-        if len(every) == 1:
-            every += _shifts(clip, right, rest)
+    own = own_offsets(every)
+    apart = float(np.median(np.abs(shifts[:, 1])))
+    if max(apart, np.nanmax(np.abs(own))) > LARGEST_VERTICAL_OFFSET:
         usual, down = row_offset(every)
-        own = own_offsets(every)
         rows = _Rows(usual, bool(np.nanmax(own) - np.nanmin(own) > VARYING))
         if rows.vary:
             down = float(np.median(np.abs(shifts[:, 1] - own[0])))

@@ -258,6 +258,17 @@ def test_rows_that_are_apart_by_another_distance_in_each_frame_are_brought_toget
         assert np.median(np.abs(found / np.where(both, wanted, 1) - 1)[both]) < 0.01
 
 
+def test_rows_that_come_apart_later_are_brought_together(written, tmp_path):
+    folder = copied(written, tmp_path)
+    change(folder / "right/000001.png", lambda pixels: np.roll(pixels, 5, axis=0))
+    clip, straight = opened(folder), opened(written[0])
+    assert "a distance that varies" in clip.notices[-2]
+    found, wanted = clip.read_frame(1).depth, straight.read_frame(1).depth
+    both = (found > 0) & (wanted > 0)
+    assert both.mean() > 0.85 * (wanted > 0).mean()
+    assert np.median(np.abs(found / np.where(both, wanted, 1) - 1)[both]) < 0.01
+
+
 def test_maps_of_both_eyes_are_no_eyes(written, tmp_path):
     """depth_left/ sorts before left/."""
     folder = copied(written, tmp_path)
