@@ -15,6 +15,7 @@ WEAK: Final = 0.6
 """IoU with the frame before, below which a mask should be looked at."""
 _LEAST = 0.002
 """Of the image: less, in both frames, is nothing."""
+_THINNEST = 12  # px: the flow takes no image that is narrower or lower.
 
 
 class Agreement:
@@ -28,12 +29,12 @@ class Agreement:
         self._before: tuple[ByteImage, BoolImage] | None = None
 
     def with_next(self, image: ByteImage, mask: BoolImage) -> float | None:
-        """Of the next frame, RGB (H, W, 3), and its mask (H, W); None for the first, and where neither shows
-        a tool."""
+        """Of the next frame, RGB (H, W, 3), and its mask (H, W); None for the first, where neither shows a
+        tool, and where the small image is too thin for the flow."""
         grey = cv2.cvtColor(shrunk(image), cv2.COLOR_RGB2GRAY)
         tool = shrunk(mask.astype(np.uint8) * 255) > 127
         before, self._before = self._before, (np.asarray(grey, dtype=np.uint8), tool)
-        if before is None or before[0].shape != grey.shape:
+        if before is None or before[0].shape != grey.shape or min(grey.shape) < _THINNEST:
             return None
         moved = self._moved(*before, np.asarray(grey, dtype=np.uint8))
         if max(moved.mean(), tool.mean()) < _LEAST:

@@ -90,11 +90,22 @@ def masks_in(folder: Path, labels: Sequence[str]) -> MaskFiles:
         files = dict(enumerate(found))
         same = numbers_of(labels) == numbers_of([path.name for path in found]) is not None
         return MaskFiles(folder, files, () if same else (_in_order(folder, files, labels),))
+    files = files or dict(_by_last_number(found, labels))
     if not files:
         example, count = mask_names(labels)[0], len(found)
         wanted = f"masks named as the frames, such as {example}, or one for each of {len(labels)} frames"
         raise ClipError(f"expected {wanted}, got {count} images of other names: {folder}")
     return _renumbered(MaskFiles(folder, files), found, labels)
+
+
+def _by_last_number(found: Sequence[Path], labels: Sequence[str]) -> Mapping[int, Path]:
+    """Masks named alike but for their number, as frame-000012.mask.png of frame-000012.color.png; none where
+    their numbers do not tell."""
+    frames, files = numbers_of(labels), numbers_of([path.name for path in found])
+    if frames is None or files is None or len({_words(path.stem) for path in found}) > 1:
+        return {}
+    pairs = number_pairs(frames, files)
+    return {} if pairs is None else {frame: found[file] for frame, file in pairs.files.items()}
 
 
 def _renumbered(masks: MaskFiles, found: Sequence[Path], labels: Sequence[str]) -> MaskFiles:

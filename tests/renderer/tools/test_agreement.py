@@ -38,3 +38,10 @@ def test_frames_without_tools_and_of_another_size_say_nothing() -> None:
     agreement.with_next(image, none)
     assert agreement.with_next(image, none) is None
     assert agreement.with_next(image[:, :200], tool[:, :200]) is None
+
+
+def test_frames_too_thin_for_the_flow_say_nothing() -> None:
+    agreement = Agreement()
+    image, tool = frame(100)
+    for _ in range(2):
+        assert agreement.with_next(np.tile(image[100:104], (1, 2, 1)), np.tile(tool[100:104], (1, 2))) is None

@@ -52,6 +52,7 @@ def save(folder: Path, *names: str, size: tuple[int, int] = SIZE) -> None:
         (("a.jpg", "b.jpg", "c.jpg"), ("b.png",), {1}),
         (("0", "1", "12"), ("00012.png", "1.bmp"), {1, 2}),
         (("frame-1.png", "frame-2.png"), ("frame-1-mask.png", "frame-2-mask.png"), {0, 1}),
+        (("f-0.color.png", "f-1.color.png", "f-2.color.png"), ("f-0.mask.png", "f-2.mask.png"), {0, 2}),
         (("a.png", "a.jpg"), ("a.jpg.png",), {1}),
         (("0", "1"), ("1.png", "notes.txt.png", "unrelated.png"), {1}),
     ],
