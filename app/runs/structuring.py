@@ -10,6 +10,7 @@ from app.runs.dark_surround import lit_part
 from app.runs.posing import Posed, through_found
 from app.runs.preparing import told_meanwhile
 from renderer.camera import Camera
+from renderer.camera_motion import camera_motion
 from renderer.clip import Clip, ClipError
 from renderer.poses.from_motion import FoundStructure, followed_features, structure_of
 from renderer.poses.search import PosesError
@@ -36,6 +37,7 @@ def structured(
     """
     if "poses" in config.leave_out:
         raise ClipError(f"expected poses to be found for depth from motion, got them left out: {clip.path}")
+    moves = yield from told_meanwhile("checking for camera motion", lambda _: camera_motion(clip))
     is_known = not is_seen_by_assumption(clip) or options.field_of_view is not None
     features = yield from told_meanwhile(FOLLOWING, lambda tell: followed_features(lit_part(clip), tell))
     place = partial(structure_of, clip, features, focal_is_known=is_known)
@@ -48,7 +50,11 @@ def structured(
     assert through.poses is not None
     structure = tuple(found.points.positions.round(DIGITS).ravel().tolist())
     poses = replace(through.poses, structure=structure)
-    said = (*through.notices, *_doubts(found), *(() if is_known else (_focal(clip.cameras[0], found),)))
+    said = (
+        *through.notices,
+        *_doubts(found, moves),
+        *(() if is_known else (_focal(clip.cameras[0], found),)),
+    )
     return replace(
         through,
         clip=replace(through.clip, points=poses.sparse_points),
@@ -57,9 +63,14 @@ def structured(
     )
 
 
-def _doubts(found: FoundStructure) -> tuple[str, ...]:
-    """That shapes are not to be relied on, where that is so."""
+def _doubts(found: FoundStructure, moves: str | None) -> tuple[str, ...]:
+    """That shapes are not to be relied on, where that is so; `moves`: by `camera_motion`."""
     said = []
+    if moves is None:
+        said.append(
+            "the images hardly shift: the camera may be fixed and the tissue alone may move; then shapes "
+            "along the view are wrong"
+        )
     if found.depth_error > DOUBTFUL:
         said.append(
             f"distances are uncertain: a point's depth may be off by some {found.depth_error:.0%}, as the "

@@ -68,7 +68,7 @@ def test_poses_shape_and_what_is_guessed_are_recorded_and_a_run_resumes_with_the
 ) -> None:
     events = run_training(request_of(images, tmp_path / "run"))
     said = [next(event for event in events if isinstance(event, Started))]
-    said += [next(events), next(events), next(events)]
+    said += [next(events) for _ in range(4)]
     events.close()
     told = [event.message for event in said if isinstance(event, Warned)]
     assert any("lengths have no scale" in message for message in told)
@@ -120,6 +120,15 @@ def test_uncertain_distances_are_said(images: Path, tmp_path: Path, monkeypatch:
     told = next(event for event in events if isinstance(event, Warned) and "uncertain" in event.message)
     events.close()
     assert "a point's depth may be off by some 12%" in told.message
+
+
+@pytest.mark.parametrize("moves", [None, "the background moves by 9 % of the image width"])
+def test_images_that_hardly_shift_are_said_to(
+    images: Path, moves: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(structuring, "camera_motion", lambda _: moves)
+    said = told(open_clip(images, MOTION), MOTION).notices
+    assert any("the camera may be fixed" in each for each in said) == (moves is None)
 
 
 def test_a_field_of_view_that_is_not_settled_is_said(images: Path, monkeypatch: pytest.MonkeyPatch) -> None:
