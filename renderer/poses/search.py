@@ -48,7 +48,8 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
 
     The world is the first camera of the part, in the clip's unit. What moves with the tissue as a
     whole, such as breathing that all of the view follows, is in the poses: nothing tells it apart.
-    `tell` is called with how many frames are done, and of how many.
+    `tell` is called with how many frames are done, of twice as many: what is found takes about as long to
+    settle.
 
     Raises:
         PosesError: no part of SHORTEST frames.
@@ -58,12 +59,16 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
         raise PosesError(f"expected at least {SHORTEST} frames to follow the camera through, got {len(clip)}")
     lens = small_lens(clip.cameras[0])
     unit = _unit(clip)
-    parts, lost = parts_of(pictures_of(clip, lens, unit, tell), partial(_begun, lens))
+    parts, lost = parts_of(pictures_of(clip, lens, unit, partial(_told_half, tell)), partial(_begun, lens))
     whole = max(parts, key=lambda part: part.views[-1].frame - part.views[0].frame, default=None)
     if whole is None or whole.views[-1].frame - whole.views[0].frame + 1 < SHORTEST:
         why = commonest([each.why for each in lost])
         raise PosesError(f"the camera could not be followed through {SHORTEST} frames{why and ': ' + why}")
     return found_poses(clip, settled(whole.rough), unit, lost)
+
+
+def _told_half(tell: Callable[[int, int], None], done: int, total: int) -> None:
+    tell(done, 2 * total)
 
 
 def found_poses(clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame]) -> FoundPoses:

@@ -178,3 +178,10 @@ def test_a_camera_that_does_not_move_keeps_its_place():
     found = find_poses(replace(still, read_frame=lambda index: replace(first, index=index)))
     distance = float(np.median(first.depth[first.depth > 0]))
     assert max(np.linalg.norm(camera.position) for camera in found.cameras) < 1e-4 * distance
+
+
+def test_following_is_told_as_half_of_the_work():
+    told = []
+    with pytest.raises(PosesError):
+        find_poses(blackened(*range(COUNT)), lambda *now: told.append(now))
+    assert told == [(index, 2 * COUNT) for index in range(COUNT)]
