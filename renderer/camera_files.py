@@ -141,12 +141,14 @@ def _of_json(content: Any, name: str) -> tuple[NamedCamera, ...]:
     return found
 
 
-def _each(entries: Sequence[Any], read: Callable[[Any], NamedCamera]) -> tuple[NamedCamera, ...]:
-    """Raises ValueError: one cannot be read; says which, counted from 0."""
+def _each(
+    entries: Sequence[Any], read: Callable[[Any], NamedCamera], kind: type = dict
+) -> tuple[NamedCamera, ...]:
+    """Of entries of one kind. Raises ValueError: one cannot be read; says which, counted from 0."""
     found = []
     for place, entry in enumerate(entries):
         try:
-            if not isinstance(entry, dict | list):
+            if not isinstance(entry, kind):
                 raise ValueError(_short(entry))
             found.append(read(entry))
         except (ValueError, LookupError, TypeError, ArithmeticError, AttributeError) as error:
@@ -225,7 +227,7 @@ def _of_colmap(folder: Path) -> tuple[NamedCamera, ...]:
     poses = _lines(folder / "images.txt", every=2)
     if not poses:
         raise ValueError("no image in images.txt")
-    return _each(poses, lambda words: _of_image(words, lenses))
+    return _each(poses, lambda words: _of_image(words, lenses), list)
 
 
 def _lines(path: Path, every: int = 1) -> list[list[str]]:

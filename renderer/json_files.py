@@ -20,7 +20,7 @@ def parsed(content: str | bytes) -> Any:
 
     Raises:
         ValueError: it is none, is nested too deeply, or holds NaN or an infinity, which JSON has no word for,
-            or a number too large for a float.
+            or a number with a fraction or an exponent that is too large for a float.
     """
     try:
         value = json.loads(content, parse_constant=_refuse, parse_float=_finite)

@@ -18,6 +18,9 @@ from app.runs.run_lock import LOCK, NAME, locked
 from app.runs.shared_model import PREFIX
 from renderer.leftovers import COMMIT, temporary_name
 
+ELSEWHERE = ".model.safetensors-41.977-0badcafe.partial"
+"""Of a training that another machine had begun."""
+
 
 @pytest.fixture
 def dead() -> int:
@@ -74,7 +77,7 @@ def test_what_was_being_written_is_gone_and_what_was_whole_is_put_into_place(
 def test_a_run_whose_training_was_killed_is_nobodys(places: Places) -> None:
     run = places.runs / "first"
     run.mkdir(parents=True)
-    for name in (NAME, LOCK, "checkpoint-00000010.safetensors.partial"):
+    for name in (NAME, LOCK, "checkpoint-00000010.safetensors.partial", ELSEWHERE):
         (run / name).write_text("")
     (run / "run.json").write_text("{}")
     start(places)
