@@ -21,7 +21,6 @@ from app.gui.session_file import (
 )
 from app.runs.queue_file import keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
-from renderer import leftovers
 from renderer.train.config import TrainConfig
 
 LONG = 1e6
@@ -69,11 +68,18 @@ def test_another_machines_file_stays_till_it_is_forgotten(
         path = own_file(tmp_path, "kept", ".json")
         path = kept(tmp_path, 0, path.name.replace(f"-{os.getpid()}-", f"-{number}-"))
         with monkeypatch.context() as patch:
-            patch.setattr(leftovers.platform, "node", lambda: "elsewhere")
+            patch.setattr(process_files, "machine", lambda: "0badcafe")
             assert not is_left(tmp_path)
             os.utime(path, (time.time() - FORGOTTEN - 60,) * 2)
             assert is_left(tmp_path)
         path.unlink()
+
+
+def test_a_machine_stays_the_same_under_another_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = process_files.machine()
+    process_files.machine.cache_clear()
+    monkeypatch.setattr(process_files.platform, "node", lambda: "laptop.elsewhere")
+    assert process_files.machine() == before
 
 
 def test_names_of_former_versions_are_found(tmp_path: Path) -> None:
