@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from renderer.readers.picture_files import opened
-from renderer.readers.pictures import is_picture
+from renderer.readers.pictures import is_frame
 
 BROKEN: Final = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)
 KINDS: Final = {b"GRAY": (1,), b"RGB ": (3, 4)}
@@ -22,7 +22,7 @@ LARGEST: Final = 1 << 22
 def profile_of(path: Path, image: NDArray[Any]) -> bytes:
     """The profile in a file, for an `image` made of its numbers; empty without one, or where it is of other
     numbers, as of the inks of a print."""
-    if not path.is_file() or not is_picture(path):
+    if not path.is_file() or not is_frame(path):
         return b""
     try:
         with opened(path) as picture:

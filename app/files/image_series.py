@@ -116,7 +116,7 @@ def _left_out(path: Path) -> Iterator[str]:
 
 
 def _passed_over(path: Path, kinds: PictureKinds, apart: Container[Path]) -> Iterator[str]:
-    told = {*kinds.frames, *kinds.others}
+    told = {*kinds.frames, *kinds.told}
     files = filter(is_visible, files_in(frame_folder(path)))
     yield from passed_over((each for each in files if each not in told), apart)
 

@@ -31,7 +31,7 @@ from renderer.readers.picture_kinds import (
     left_out,
     map_folders,
 )
-from renderer.readers.pictures import is_picture, is_visible, natural_key, read_stored, stored_kind
+from renderer.readers.pictures import is_frame, is_picture, is_visible, natural_key, read_stored, stored_kind
 from renderer.readers.tool_masks import marked_pixels
 
 USES_MASKS: Final = "--mask-polarity tool or tissue says what they mark, and uses them"
@@ -132,7 +132,7 @@ def _offers(path: Path, frames: Path, labels: Sequence[str]) -> Iterator[_Offer]
     files = [
         entry for entry in sorted(frames.iterdir(), key=natural_key) if entry.is_file() and is_visible(entry)
     ]
-    kinds = kinds_of(entry for entry in files if is_picture(entry) or is_named_array(entry))
+    kinds = kinds_of(entry for entry in files if is_frame(entry) or is_named_array(entry))
     groups: dict[tuple[str, Kind], list[Path]] = defaultdict(list)
     for each, kind in kinds.others.items():
         groups[re.sub(r"\d+", "#", each.name), kind].append(each)

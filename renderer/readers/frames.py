@@ -45,7 +45,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     if not paths:
         raise ClipError(f"expected images in the folder, got none{_instead(visible, files)}: {path}")
     _check_names(paths, path)
-    told = {*paths, *kinds.others}
+    told = {*paths, *kinds.told}
     lost = sorted(entry.name for entry in visible if not entry.exists())
     said = (
         *passed_over(files, told, "numbered images"),

@@ -8,16 +8,18 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Literal, get_args
 
 import numpy as np
 
+from renderer.readers.coded_picture import CODED
 from renderer.readers.listing import listed
+from renderer.readers.passed_over import NOT_READABLE
 from renderer.readers.picture_files import opened
-from renderer.readers.pictures import BROKEN, is_frame, is_visible, read_stored
+from renderer.readers.pictures import BROKEN, is_frame, is_visible, opens, read_stored
 
 Kind = Literal["depth", "disparity", "mask", "map"]
 """A "map" is a picture of numbers that nothing tells more about."""
@@ -62,14 +64,23 @@ class PictureKinds:
     frames: tuple[Path, ...]
     others: dict[Path, Kind] = field(default_factory=dict)
     """What lies beside the frames."""
+    unreadable: tuple[Path, ...] = ()
+    """Of CODED, beside frames."""
+
+    @property
+    def told(self) -> frozenset[Path]:
+        """Those that `notices` name."""
+        return frozenset((*self.others, *self.unreadable))
 
     def notices(self) -> tuple[str, ...]:
         """One sentence for each kind that is not a frame."""
-        return tuple(
+        of_kinds = (
             left_out(kind, [path.name for path in paths])
             for kind in KINDS
             if (paths := [path for path, own in self.others.items() if own == kind])
         )
+        unread = [path.name for path in self.unreadable]
+        return (*of_kinds, *((f"{NOT_READABLE}: {listed(unread)}",) if unread else ()))
 
 
 def left_out(kind: Kind, names: Sequence[str], why: str = "") -> str:
@@ -84,8 +95,17 @@ def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
     frames in colour: 16 bits or floats in one channel are a map of numbers, two values a mask; and so
     are a few grey levels where the name goes on from that of a frame. Files whose names differ in
     numbers alone are of one kind: the header of the first tells. Where no frame would be left, all are.
+    Beside others, those of CODED whose header does not open are passed over.
     """
     pictures = tuple(pictures)
+    unreadable = tuple(path for path in pictures if path.suffix.lower() in CODED and not opens(path))
+    others = tuple(path for path in pictures if path not in unreadable)
+    if unreadable and any(map(is_frame, others)):
+        return replace(_readable_kinds(others), unreadable=unreadable)
+    return _readable_kinds(pictures)
+
+
+def _readable_kinds(pictures: tuple[Path, ...]) -> PictureKinds:
     groups: dict[str, list[Path]] = defaultdict(list)
     for path in pictures:
         groups[re.sub(r"\d+", "#", path.stem) + path.suffix.lower()].append(path)

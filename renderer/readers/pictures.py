@@ -55,16 +55,17 @@ def is_visible(path: Path) -> bool:
 
 
 def is_picture(path: Path) -> bool:
-    """Whether the name is one of a visible picture file that can be read here."""
-    suffix = path.suffix.lower()
-    is_named = suffix in SUFFIXES or (suffix in CODED and has_pyav())
-    return is_named and not path.name.startswith(".")
+    """Whether the name is one of a visible picture file. Those of CODED are frames alone: see `is_frame`."""
+    return path.suffix.lower() in SUFFIXES and not path.name.startswith(".")
 
 
 def is_frame(path: Path) -> bool:
-    """Whether a file is one picture of its folder: by its name, DICOM of any name but those of others, or an
-    image without a suffix."""
-    if path.suffix.lower() in NAMED | CODED:
+    """Whether a file is one picture of its folder: by its name, of CODED where PyAV is there to read it;
+    DICOM of any name but those of others; or an image without a suffix."""
+    suffix = path.suffix.lower()
+    if suffix in CODED:
+        return is_visible(path) and has_pyav()
+    if suffix in NAMED:
         return is_picture(path)
     return _kind(path) == "image" or is_unnamed(path)
 
@@ -76,6 +77,15 @@ def is_unnamed(path: Path) -> bool:
     try:
         with opened(path) as picture:
             return picture.format in UNNAMED and not getattr(picture, "is_animated", False)
+    except BROKEN:
+        return False
+
+
+def opens(path: Path) -> bool:
+    """Whether a file is a picture by its header."""
+    try:
+        with opened(path):
+            return True
     except BROKEN:
         return False
 

@@ -68,7 +68,7 @@ def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         notices=(
             *kinds.notices(),
             *((f"{NOT_READABLE}: {listed(unreadable)}",) if unreadable else ()),
-            *passed_over(files, {*kinds.frames, *kinds.others}),
+            *passed_over(files, {*kinds.frames, *kinds.told}),
         ),
     )
     return replace(clip, cameras=cameras, read_frame=read_frame, why_no_depth=NOT_ONE_SIZE)

@@ -156,7 +156,9 @@ def _inside(folder: Path) -> tuple[list[Path], list[Path]]:
     except OSError:
         return [], []
     shown = [(path, is_dir) for path, is_dir in found if kind_by_name(path.stem) is None and is_visible(path)]
-    images = [path for path, is_dir in shown if not is_dir and is_picture(path)]
+    images = [
+        path for path, is_dir in shown if not is_dir and (is_picture(path) or path.suffix.lower() in CODED)
+    ]
     return images, [path for path, is_dir in shown if is_dir]
 
 

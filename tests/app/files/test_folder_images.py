@@ -15,13 +15,14 @@ from app.enhancement.enhance_files import Setting
 from app.files.image_series import open_series
 from app.files.provenance import digest
 from enhance import EnhanceParams
-from renderer.clip import ByteImage
+from renderer.clip import ByteImage, ClipError
 from renderer.readers import passed_over, pictures
 from renderer.readers.coded_picture import CodedPicture
 from renderer.readers.pictures import read_rgb, upright_size
 from renderer.readers.stills import images_in
 from renderer.sources import open_case, open_clip
 from tests.renderer.readers.numbered import encoded
+from tests.renderer.readers.tiled_avif import tiled
 
 SIZE = 64, 48
 SETTING = Setting("paper", EnhanceParams(d_factor=0.5))
@@ -121,3 +122,23 @@ def test_a_misnamed_one_is_what_it_is(tmp_path: Path) -> None:
     _image(90).save(tmp_path / "a.heic", "JPEG", exif=exif)
     assert open_clip(tmp_path).size == SIZE[::-1]
     assert np.array_equal(open_series(tmp_path).read(0), open_clip(tmp_path).read_image(0))
+
+
+def _cut(path: Path) -> None:
+    path.write_bytes(b"\0\0\0\x18ftypheic" + bytes(100))
+
+
+def test_one_that_does_not_open_is_named_beside_others(folder: Path, tmp_path: Path) -> None:
+    known = digest(folder)
+    _cut(folder / "e.heic")
+    tiled(folder / "f.avif", _image(90))
+    said = "left out, not readable: e.heic, f.avif"
+    assert open_clip(folder).labels == NAMES
+    assert open_clip(folder).notices == (said,)
+    assert open_series(folder).names == ("a", "b", "c", "d")
+    assert open_series(folder).notices == (said,)
+    assert digest(folder) == known
+    (tmp_path / "alone").mkdir()
+    _cut(tmp_path / "alone/e.heic")
+    with pytest.raises(ClipError, match="got a HEIC image: convert it"):
+        open_clip(tmp_path / "alone")
