@@ -31,7 +31,8 @@ from app.files.video_encoder import codec_for
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.pictures import VIDEOS, common_size, is_picture
+from renderer.readers.coded_picture import CODED
+from renderer.readers.pictures import VIDEOS, common_size
 
 FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below", "strength")
 VESSEL_FIELDS = ("radius", "shading", "coring", "lift", "gamma", "most_color")
@@ -41,8 +42,8 @@ MOST = {
     VESSEL: highest(VesselParams, "strength"),
 }
 """Of the strength, by the method."""
-PICTURES = frozenset({".avif", ".exr", ".gif", ".heic", ".jp2", ".jxl", ".psd", ".svg"})
-NOT_WRITTEN = (VIDEOS | PICTURES) - {VIDEO, WEBM}
+PICTURES = frozenset({".exr", ".gif", ".jxl", ".psd", ".svg"})
+NOT_WRITTEN = (VIDEOS | CODED | PICTURES) - {VIDEO, WEBM}
 """Formats that are not written; see `_check_output` for other names."""
 
 
@@ -221,7 +222,7 @@ def _check_output(given: Path, output: Path, series: Series, choices: DicomChoic
     if ending_of(output):
         codec_for(output)
     if (ending_of(output) or is_dicom_name(output)) and given.is_dir():
-        common_size(path for path in series.sources if is_picture(path))
+        common_size(path for path in series.sources if path.is_file() and path.suffix.lower() != ".npy")
     is_written = is_image(output) or is_dicom_name(output) or ending_of(output)
     # Of one file, letters alone are meant as a format; out.v1 and 2024.05.01 are folders.
     is_unknown = given.is_file() and output.suffix[1:].isalpha() and not is_written

@@ -380,3 +380,13 @@ def test_transparency_that_is_lost_is_told(
     assert cv2.imwrite(str(given), np.dstack((tissue(1), np.full(tissue(1).shape[:2], 90, np.uint8))))
     call = vesselsplat("enhance", given, tmp_path / name)
     assert (call.code, "transparency is left out" in call.error) == (0, is_lost)
+
+
+@pytest.mark.parametrize("name", ["out.heif", "out.heic", "out.avif"])
+def test_an_output_that_cannot_be_written_is_refused_before_it_is_made(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, name: str
+) -> None:
+    for given in (folder / "1.png", folder):
+        call = vesselsplat("enhance", given, tmp_path / name)
+        assert (call.code, (tmp_path / name).exists()) == (2, False)
+        assert "a folder, .mp4, .webm or .dcm to write, got" in call.error

@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from app.__main__ import main
 from app.enhancement.enhance_files import Setting, enhance_into
@@ -131,3 +132,13 @@ def test_a_video_that_stops_is_told_once(tmp_path: Path) -> None:
     setting = Setting("paper", EnhanceParams(d_factor=0.5))
     written = run_to_end(enhance_into(tmp_path / "out", series, setting))
     assert written.notices == ("stopped after 20 of 40 frames: another size in frame 20",)
+
+
+def test_a_video_holds_one_size_of_images_without_suffix_too(tmp_path: Path, vesselsplat: Cli) -> None:
+    given = tmp_path / "given"
+    given.mkdir()
+    for name, width in (("a.png", 64), ("b", 48)):
+        Image.new("RGB", (width, 48), "red").save(given / name, "PNG")
+    call = vesselsplat("enhance", given, tmp_path / "out.mp4")
+    assert (call.code, (tmp_path / "out.mp4").exists()) == (2, False)
+    assert "expected one size, 64x48 as a.png, got 48x48" in call.error
