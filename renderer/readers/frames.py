@@ -13,6 +13,7 @@ from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
+from renderer.readers.coded_picture import CODED
 from renderer.readers.listing import listed
 from renderer.readers.pages import left_pages
 from renderer.readers.passed_over import passed_over
@@ -102,7 +103,7 @@ def _check_names(paths: tuple[Path, ...], folder: Path) -> None:
     first: dict[str, Path] = {}
     for path in paths:
         # What follows the last point of another name is a part of it, as of DICOM's numbers.
-        name = path.stem if path.suffix.lower() in SUFFIXES else path.name
+        name = path.stem if path.suffix.lower() in SUFFIXES | CODED else path.name
         other = first.setdefault(name, path)
         if other != path:
             both = f"{other.name} and {path.name}"

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Final
 
 from renderer.readers.listing import listed
 from renderer.readers.picture_files import opened
 from renderer.readers.pictures import BROKEN
 
-PAGED = frozenset({".tif", ".tiff", ".webp", ".png", ".dcm", ".dicom", ".avif"})
+PAGED = frozenset({".tif", ".tiff", ".webp", ".png", ".dcm", ".dicom", ".avif", ""})
+BESIDE: Final = "MPO"
+"""The format of a JPEG with previews, which are no further images."""
 
 
 def left_pages(paths: Iterable[Path]) -> Iterator[str]:
@@ -24,6 +27,6 @@ def _pages(path: Path) -> int:
         return 1
     try:
         with opened(path) as picture:
-            return int(getattr(picture, "n_frames", 1))
+            return 1 if picture.format == BESIDE else int(getattr(picture, "n_frames", 1))
     except BROKEN:
         return 1

@@ -19,7 +19,7 @@ from renderer.readers.coded_picture import CODED
 from renderer.readers.listing import listed
 from renderer.readers.passed_over import NOT_READABLE
 from renderer.readers.picture_files import opened
-from renderer.readers.pictures import BROKEN, is_frame, is_visible, opens, read_stored
+from renderer.readers.pictures import BROKEN, SUFFIXES, is_frame, is_unnamed, is_visible, opens, read_stored
 
 Kind = Literal["depth", "disparity", "mask", "map"]
 """A "map" is a picture of numbers that nothing tells more about."""
@@ -39,6 +39,7 @@ PLURAL: Final[Mapping[Kind, str]] = MappingProxyType(
     {"depth": "depth maps", "disparity": "disparity maps", "mask": "masks", "map": "maps of numbers"}
 )
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
+TWINS: Final = "left out, beside an image of the same name"
 FEW_VALUES = 16
 """Of a mask of several labels."""
 
@@ -66,11 +67,13 @@ class PictureKinds:
     """What lies beside the frames."""
     unreadable: tuple[Path, ...] = ()
     """Of CODED, beside frames."""
+    twins: tuple[Path, ...] = ()
+    """Of CODED or without a suffix, beside a frame of the same name with a plainer one."""
 
     @property
     def told(self) -> frozenset[Path]:
         """Those that `notices` name."""
-        return frozenset((*self.others, *self.unreadable))
+        return frozenset((*self.others, *self.unreadable, *self.twins))
 
     def notices(self) -> tuple[str, ...]:
         """One sentence for each kind that is not a frame."""
@@ -79,8 +82,11 @@ class PictureKinds:
             for kind in KINDS
             if (paths := [path for path, own in self.others.items() if own == kind])
         )
-        unread = [path.name for path in self.unreadable]
-        return (*of_kinds, *((f"{NOT_READABLE}: {listed(unread)}",) if unread else ()))
+        further = ((NOT_READABLE, self.unreadable), (TWINS, self.twins))
+        return (
+            *of_kinds,
+            *(f"{why}: {listed([path.name for path in paths])}" for why, paths in further if paths),
+        )
 
 
 def left_out(kind: Kind, names: Sequence[str], why: str = "") -> str:
@@ -95,14 +101,26 @@ def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
     frames in colour: 16 bits or floats in one channel are a map of numbers, two values a mask; and so
     are a few grey levels where the name goes on from that of a frame. Files whose names differ in
     numbers alone are of one kind: the header of the first tells. Where no frame would be left, all are.
-    Beside others, those of CODED whose header does not open are passed over.
+    Beside others, those of CODED whose header does not open are passed over, and so is a frame of CODED or
+    without a suffix where one has the same name and a plainer suffix: a camera keeps both of one moment.
     """
     pictures = tuple(pictures)
-    unreadable = tuple(path for path in pictures if path.suffix.lower() in CODED and not opens(path))
+    unreadable = {path: None for path in pictures if path.suffix.lower() in CODED and not opens(path)}
     others = tuple(path for path in pictures if path not in unreadable)
     if unreadable and any(map(is_frame, others)):
-        return replace(_readable_kinds(others), unreadable=unreadable)
-    return _readable_kinds(pictures)
+        return replace(_without_twins(_readable_kinds(others)), unreadable=tuple(unreadable))
+    return _without_twins(_readable_kinds(pictures))
+
+
+def _without_twins(kinds: PictureKinds) -> PictureKinds:
+    named = {path.stem for path in kinds.frames if path.suffix.lower() in SUFFIXES}
+    twins = {path: None for path in kinds.frames if path.stem in named and _may_be_twin(path)}
+    frames = tuple(path for path in kinds.frames if path not in twins)
+    return replace(kinds, frames=frames, twins=tuple(twins))
+
+
+def _may_be_twin(path: Path) -> bool:
+    return path.suffix.lower() in CODED or is_unnamed(path)
 
 
 def _readable_kinds(pictures: tuple[Path, ...]) -> PictureKinds:

@@ -41,6 +41,9 @@ SUFFIXES = NAMED | DICOM
 UNNAMED = frozenset({"PNG", "JPEG", "MPO", "BMP", "TIFF", "WEBP", "PPM"})
 """Formats, as Pillow calls them, that count without a suffix as well."""
 
+ANIMATED = frozenset({"PNG", "WEBP"})
+"""Of these, several images are a film; of a TIFF they are pages, and of an MPO, previews."""
+
 VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
 
 SYSTEM_FILES = frozenset({"thumbs.db", "ehthumbs.db", "desktop.ini"})
@@ -76,7 +79,8 @@ def is_unnamed(path: Path) -> bool:
         return False
     try:
         with opened(path) as picture:
-            return picture.format in UNNAMED and not getattr(picture, "is_animated", False)
+            is_film = picture.format in ANIMATED and getattr(picture, "is_animated", False)
+            return picture.format in UNNAMED and not is_film
     except BROKEN:
         return False
 

@@ -142,3 +142,28 @@ def test_one_that_does_not_open_is_named_beside_others(folder: Path, tmp_path: P
     _cut(tmp_path / "alone/e.heic")
     with pytest.raises(ClipError, match="got a HEIC image: convert it"):
         open_clip(tmp_path / "alone")
+
+
+def test_of_one_name_the_plainer_suffix_counts(folder: Path) -> None:
+    known = digest(folder)
+    _image(90).save(folder / "a.avif")
+    _image(90).save(folder / "a", "JPEG")
+    said = "left out, beside an image of the same name: a, a.avif"
+    assert open_clip(folder).labels == NAMES
+    assert open_clip(folder).notices == (said,)
+    assert open_series(folder).names == ("a", "b", "c", "d")
+    assert open_series(folder).notices == (said,)
+    assert digest(folder) == known
+    _image(90).save(folder / "b.jp2")
+    with pytest.raises(ClipError, match=r"one image per name, got b\.avif and b\.jp2"):
+        open_clip(folder)
+
+
+@pytest.mark.parametrize(("kind", "counts"), [("MPO", True), ("TIFF", True), ("PNG", False), ("WEBP", False)])
+def test_without_a_suffix_pages_are_images_and_films_are_not(tmp_path: Path, kind: str, counts: bool) -> None:
+    _image(60).save(tmp_path / "a.png")
+    _image(90).save(tmp_path / "b", kind, save_all=True, append_images=[_image(120)])
+    clip = open_clip(tmp_path)
+    assert clip.labels == (("a.png", "b") if counts else ("a.png",))
+    paged = "of a file with several images only the first is read: b of 2"
+    assert (paged in clip.notices) == (kind == "TIFF")
