@@ -88,14 +88,16 @@ def remember_recent(state: AppState, remember: bool) -> None:
 def save_settings(state: AppState) -> None:
     """For the next start."""
     state.window.wishes += (KeepSettings(state.places.settings_file, state.settings, state.saved_settings),)
+    state.saved_settings = state.settings
 
 
 def take_settings(state: AppState, request: KeepSettings, kept: Settings) -> None:
-    """They are on disk. That another window remembers no paths is for this one, too."""
-    state.saved_settings = request.settings
-    if state.settings.remember_recent and not kept.remember_recent:
+    """They are on disk. That another window remembers no paths is for this one, too, unless it has asked for
+    more since."""
+    is_newest = request.settings is state.saved_settings
+    if is_newest and request.settings.remember_recent and not kept.remember_recent:
         state.settings = state.settings.remembering(False)
-        state.saved_settings = request.settings.remembering(False)
+        state.saved_settings = state.saved_settings.remembering(False)
         say(state, "another window has switched off the list of recent files: it is empty here, too")
 
 

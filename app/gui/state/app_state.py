@@ -55,7 +55,7 @@ class AppState:
     places: Places
     settings: Settings = field(default_factory=Settings)
     saved_settings: Settings = field(init=False)
-    """As this window last read or wrote them."""
+    """As this window last asked for them to be written, or as it read them."""
     source: Source = field(default_factory=Source)
     timeline: Timeline = field(default_factory=Timeline)
     live: Live = field(default_factory=Live)

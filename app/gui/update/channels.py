@@ -50,7 +50,7 @@ from app.gui.work.beside import find_models
 from app.gui.work.changing_runs import ChangeRequest, change_run, measure_folder
 from app.gui.work.clip_scale import find_scale
 from app.gui.work.depths import find_ways, read_depth
-from app.gui.work.keeping import KeepClip, KeepSettings, keep_clip, keep_settings
+from app.gui.work.keeping import KeepClip, KeepSettings, SettingsKeeper, keep_clip
 from app.gui.work.kept_layout import seal_anew
 from app.gui.work.listing import list_folder, thumbnail_of
 from app.gui.work.live_devices import find_devices
@@ -159,7 +159,7 @@ class Channels:
         self.runs, self.beside = Channel(RunFinder().find), Channel(find_models)
         self.changes, self.footprints = Channel(change_run, depth=8), Channel(measure_folder)
         self.files = Channel(write_file, depth=256)
-        self.settings, self.known = Channel(keep_settings, depth=64), Channel(keep_clip, depth=256)
+        self.settings, self.known = Channel(SettingsKeeper().keep, depth=64), Channel(keep_clip, depth=256)
         self.presets = Channel(keep_presets, depth=64)
         self.edits = Channel(keep_edits)
         self.kept, self.layouts = Channel(keep), Channel(seal_anew)

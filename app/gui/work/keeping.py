@@ -23,20 +23,29 @@ from app.gui.work.settings import (
 
 @dataclass(frozen=True, eq=False)
 class KeepSettings:
-    """The settings of this window, and `before`: those that it last read from the file or wrote to it."""
+    """The settings of this window, and `before`: those of its request before this one, or as it read them."""
 
     file: Path
     settings: Settings
     before: Settings
 
 
-def keep_settings(request: KeepSettings) -> Iterator[Settings]:
-    """What the file holds now. Raises OSError or UserError."""
-    # Of a file that is gone or damaged others have nothing to keep.
-    found = mended_file(SETTINGS, request.file) or request.before
-    settings = merged(request.settings, request.before, found)
-    write_bytes(request.file, settings_content(settings))
-    yield settings
+class SettingsKeeper:
+    """Writes the settings of one window; what a write that failed was to bring, the next one brings."""
+
+    def __init__(self) -> None:
+        self._owed: Settings | None = None
+        """Those before the first write that has failed since the last one that went well."""
+
+    def keep(self, request: KeepSettings) -> Iterator[Settings]:
+        """What the file holds now. Raises OSError or UserError."""
+        self._owed = before = self._owed or request.before
+        # Of a file that is gone or damaged others have nothing to keep.
+        found = mended_file(SETTINGS, request.file) or before
+        settings = merged(request.settings, before, found)
+        write_bytes(request.file, settings_content(settings))
+        self._owed = None
+        yield settings
 
 
 def merged(mine: Settings, before: Settings, found: Settings) -> Settings:

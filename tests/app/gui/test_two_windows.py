@@ -9,6 +9,7 @@ import pytest
 from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
+from app.gui.update.channels import Channels
 from app.gui.work.settings import RECENT_LIMIT, Places, Settings, load_clips, load_settings
 from app.runs.clip_selection import ClipPart
 from renderer.clip import Clip
@@ -73,6 +74,27 @@ def test_what_one_has_forgotten_the_other_does_not_bring_back(
     assert load_settings(places.settings_file).recent == ("/phantom",)
 
 
+def test_a_list_that_is_switched_off_and_on_before_an_answer_is_on(
+    windows: tuple[AppState, AppState], places: Places
+) -> None:
+    state = windows[0]
+    for remember in (False, True):
+        actions.remember_recent(state, remember)
+    keep_all(state)
+    assert load_settings(places.settings_file).remember_recent
+    assert state.settings.remember_recent
+    assert not state.window.log
+    # Nor does an answer to what was asked for before count.
+    actions.remember_recent(windows[1], False)
+    keep_all(windows[1])
+    actions.choose_theme(state, "light")
+    for remember in (False, True):
+        actions.remember_recent(state, remember)
+    keep_all(state)
+    assert load_settings(places.settings_file).remember_recent
+    assert state.settings.remember_recent
+
+
 def test_a_file_that_was_removed_is_written_whole(windows: tuple[AppState, AppState], places: Places) -> None:
     places.settings_file.unlink()
     opens(windows[0], "/new")
@@ -83,12 +105,31 @@ def test_a_write_that_failed_is_made_up_for(windows: tuple[AppState, AppState], 
     state, kept = windows[0], places.settings_file.read_bytes()
     places.settings_file.unlink()
     places.settings_file.mkdir()
+    channels = Channels()
     actions.choose_theme(state, "light")
-    keep_all(state)
+    actions.choose_background(state, "black")
+    channels.finish(state)
     places.settings_file.rmdir()
     places.settings_file.write_bytes(kept)
-    opens(state, "/new")
-    assert load_settings(places.settings_file).theme == "light"
+    actions.resize_text(state, 1)
+    channels.finish(state)
+    assert load_settings(places.settings_file) == state.settings
+    assert (state.settings.theme, state.settings.background) == ("light", "black")
+
+
+def test_changes_are_kept_that_come_before_an_answer(
+    windows: tuple[AppState, AppState], places: Places
+) -> None:
+    state = windows[0]
+    actions.choose_theme(state, "light")
+    actions.choose_theme(state, "dark")
+    state.settings = state.settings.opened(Path("/a"))
+    actions.save_settings(state)
+    state.settings = state.settings.moved(Path("/a"), None)
+    actions.save_settings(state)
+    keep_all(state)
+    assert load_settings(places.settings_file) == state.settings == state.saved_settings
+    assert (state.settings.theme, state.settings.recent) == ("dark", ("/old",))
 
 
 def test_settings_of_both_clips_are_kept(
