@@ -13,10 +13,12 @@ from app.gui.work.settings import (
     FILE,
     RECENT_LIMIT,
     SETTINGS,
+    SETTINGS_FILE,
     KnownClip,
     Settings,
     clips_content,
     load_clips,
+    load_settings,
     settings_content,
 )
 
@@ -74,7 +76,13 @@ class KeepClip:
 
 
 def keep_clip(request: KeepClip) -> Iterator[None]:
-    """Answers with nothing. Raises OSError or UserError."""
+    """Answers with nothing. Raises OSError or UserError.
+
+    Where another window has switched off that paths are remembered, nothing is written.
+    """
+    if not load_settings(request.folder / SETTINGS_FILE).remember_recent:
+        yield None
+        return
     others = {path: known for path, known in load_clips(request.folder).items() if path != request.path}
     write_bytes(request.folder / FILE, clips_content({**others, request.path: request.known}))
     yield None

@@ -28,6 +28,7 @@ from renderer.readers.clip_options import FIELD_OF_VIEW, DepthSource, Stereo
 
 RECENT_LIMIT = 8
 MOST_FOLDERS = 32
+SETTINGS_FILE = "settings.json"
 Theme = Literal["dark", "light"]
 TEXT_PERCENTS = (80, 90, 100, 110, 125, 150, 175, 200)
 """Sizes of all text, of what the theme says."""
@@ -52,7 +53,7 @@ class Places:
 
     @property
     def settings_file(self) -> Path:
-        return self.config / "settings.json"
+        return self.config / SETTINGS_FILE
 
     @property
     def thumbnails(self) -> Path:

@@ -142,6 +142,21 @@ def test_settings_of_both_clips_are_kept(
     assert parts == {str(clip.path): ClipPart(trim=(1, 2)) for clip in clips}
 
 
+def test_no_clip_is_kept_once_the_other_window_remembers_none(
+    windows: tuple[AppState, AppState], places: Places, tmp_path: Path
+) -> None:
+    one, other = windows
+    actions.remember_recent(one, False)
+    keep_all(one)
+    assert other.settings.remember_recent
+    trims(other, make_clip(tmp_path / "clip"))
+    assert not load_clips(places.config)
+    actions.remember_recent(other, False)
+    actions.remember_recent(other, True)
+    trims(other, make_clip(tmp_path / "clip"))
+    assert load_clips(places.config)
+
+
 def trims(state: AppState, clip: Clip) -> None:
     state.source = Source(path=clip.path, clip=clip)
     state.source.part = ClipPart(trim=(1, 2))
