@@ -110,7 +110,7 @@ def take_progress(state: AppState, request: BatchRequest, answer: Progressed | F
 
 def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
     count, folder = answer.step.count, located(request.output)
-    done = count - sum(not one.image for one in answer.failed)
+    done = _written(answer)
     state.batches.written = request.output if done else None
     if not answer.failed:
         actions.announce(state, f"{count} of {count} enhanced into {folder}")
@@ -121,11 +121,16 @@ def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
     actions.fail(state, f"{done} of {count} enhanced into {folder}; see the list for what failed")
 
 
+def _written(answer: Progressed) -> int:
+    """Items of which there is something."""
+    return answer.step.place - sum(not one.image for one in answer.failed)
+
+
 def cancelled(state: AppState) -> None:
     """What is whole stays; of the one under way nothing does."""
     batches, request = state.batches, state.batches.under_way
     batches.under_way = None
-    if request is not None and batches.progressed is not None and batches.progressed.step.place:
+    if request is not None and batches.progressed is not None and _written(batches.progressed):
         batches.written = request.output
     actions.announce(state, "batch cancelled; finished files are kept")
 

@@ -132,6 +132,23 @@ def test_pictures_are_served_meanwhile_and_cancel_keeps_what_is_whole(places: Pl
     assert not list(output.rglob("*.partial"))
 
 
+def test_a_folder_is_named_only_with_something_in_it(places: Places, case: Path) -> None:
+    person = Person(places)
+    (case / "broken.mp4").write_bytes(b"no video")
+    output = person.begin(case / "broken.mp4", case / "stills")
+    for _ in range(50):
+        person.turn()
+        now = person.state.batches.progressed
+        if now is not None and now.failed:
+            break
+    assert person.state.batches.under_way is not None
+    person.channels.batches.cancel()
+    batch_actions.cancelled(person.state)
+    person.turn(2)
+    assert not output.exists()
+    assert person.state.batches.written is None
+
+
 def test_closing_meanwhile_is_asked_about(places: Places, case: Path) -> None:
     person = Person(places)
     assert queue_actions.may_close(person.state)
