@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Final
 
-from app.exports.splats.writing import clipped
+from app.exports.splats.writing import COMPRESSED, clipped
 from app.gui.actions.export_actions import suffix_of
 from app.gui.actions.export_offers import OFFERS, ONE_COLOR, THROUGH_TIME
 from app.gui.state.app_state import AppState
 from app.scenes.clip_speed import FRAMES_PER_SECOND
 from renderer.raw_gaussians import RawGaussians
+
+MOST_ORDERED: Final = 20_000
+"""Gaussians that are put in the order of a compressed PLY within a frame of the window, in about 50 ms."""
 
 
 def doubts(state: AppState) -> str:
@@ -38,5 +42,7 @@ def _assumes_speed(state: AppState) -> bool:
 
 @lru_cache(maxsize=1)
 def _clipped(ending: str, raw: RawGaussians) -> tuple[str, ...]:
-    """Asked at every frame of the panel, and counted once."""
+    """Asked at every frame of the panel, and counted once; what takes too long, the record alone tells."""
+    if ending.endswith(COMPRESSED) and len(raw) > MOST_ORDERED:
+        return ()
     return clipped(ending, raw)

@@ -14,7 +14,7 @@ from app.exports.browser.page import read_page
 from app.exports.browser.tracks import tracks_of
 from app.exports.replay.again import replay
 from app.gui.actions import actions, export_actions
-from app.gui.actions.export_doubts import doubts
+from app.gui.actions.export_doubts import MOST_ORDERED, doubts
 from app.gui.actions.export_offers import OFFERS
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
@@ -85,6 +85,21 @@ def test_what_is_beyond_spz_is_said(run: Exporter) -> None:
     assert not doubts(state)
     export_actions.choose_format(state, "splats", ".spz")
     assert doubts(state).endswith("which SPZ does not hold: they are clipped.")
+
+
+@pytest.mark.parametrize(("suffix", "told"), [(".compressed.ply", False), (".spz", True)])
+def test_only_what_is_soon_counted_is_told_of_a_large_model(run: Exporter, suffix: str, told: bool) -> None:
+    state = run.state
+    assert state.scene.model is not None
+    raw = state.scene.model.model.raw
+    many = raw.rows(np.arange(MOST_ORDERED + 1) % len(raw))
+    for count in (len(raw), MOST_ORDERED + 1):
+        beyond = replace(many.rows(np.arange(count)), harmonics=np.full((count, 3, 3), 9.0, np.float32))
+        model = replace(state.scene.model.model, raw=beyond)
+        state.scene.model = replace(state.scene.model, model=model)
+        export_actions.choose_what(state, "splats of this moment")
+        export_actions.choose_format(state, "splats", suffix)
+        assert ("they are clipped" in doubts(state)) is (told or count == len(raw))
 
 
 @pytest.mark.parametrize("suffix", [".compressed.ply", ".spz", ".sog", ".glb"])
