@@ -14,11 +14,16 @@ NOT_READABLE = "left out, not readable"
 
 def passed_over(files: Iterable[Path], told: Container[Path], wanted: str = "images") -> Iterator[str]:
     """Sentences about those that are not among the `told`, frames and what is told otherwise; frames are
-    `wanted`."""
-    left = sorted((path for path in files if path not in told), key=lambda path: path.name)
+    `wanted`. A record that lies beside the file that it tells of goes without a word."""
+    strays = (path for path in files if path not in told and not _is_record(path))
+    left = sorted(strays, key=lambda path: path.name)
     coded = [path.name for path in left if path.suffix.lower() in CODED and not has_pyav()]
     others = [path.name for path in left if path.name not in coded]
     if coded:
         yield f"{NOT_READABLE} without PyAV: {listed(coded)}"
     if others:
         yield f"left out, not {wanted}: {listed(others)}"
+
+
+def _is_record(path: Path) -> bool:
+    return path.suffix == ".json" and path.with_suffix("").is_file()

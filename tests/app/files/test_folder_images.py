@@ -92,6 +92,12 @@ def test_a_video_beside_the_images_is_named_where_it_is_not_enhanced_too(
     assert said not in notices("all", below=True)
 
 
+def test_a_record_is_no_stray_beside_the_file_that_it_tells_of(folder: Path) -> None:
+    for name in ("a.png.json", "scope.mp4", "scope.mp4.json", "gone.mp4.json", "a.json"):
+        (folder / name).write_text("{}")
+    assert open_series(folder).notices == ("left out, not images: a.json, gone.mp4.json, scope.mp4",)
+
+
 def test_without_pyav_they_are_named(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nowhere: Callable[[], bool] = lambda: False  # noqa: E731
     monkeypatch.setattr(pictures, "has_pyav", nowhere)
