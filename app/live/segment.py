@@ -76,8 +76,9 @@ class Segment:
             self._container.mux(self._stream.encode(frame))
 
     def finish(self) -> None:
-        """Raises OSError as `write`; the file is let go of in any case."""
-        try:
-            self._container.mux(self._stream.encode())
-        finally:
-            self._container.close()
+        """Raises as `write`; the file is let go of in any case."""
+        with encoded("H.264", self.shape[:2]):
+            try:
+                self._container.mux(self._stream.encode())
+            finally:
+                self._container.close()

@@ -10,13 +10,16 @@ import sys
 import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
+import av
 import numpy as np
 import pytest
 
 from app.errors import UserError
 from app.live.picture import LivePicture, LiveSetting
 from app.live.recorder import WHATS, Recorder, Recording, require_new, shown
+from app.live.segment import Segment
 from app.live.sources.played import PlayedSource
 from app.live.sources.source import Wish
 from enhance import EnhanceParams
@@ -129,6 +132,18 @@ def test_whatever_fails_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr(f"app.live.segment.Segment.{fails}", failing)
     done = recorded(tmp_path / "a.mp4", [picture(1, 0.0)])
     assert (done.is_over, done.trouble) == (True, "of the driver")
+
+
+def test_what_the_encoder_refuses_at_the_end_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def failing(*given: object) -> None:
+        raise av.error.InvalidDataError(1, "no more")
+
+    segment = Segment(tmp_path / "a.mp4", (64, 48), 0.0, {})
+    monkeypatch.setattr(segment, "_stream", SimpleNamespace(encode=failing))
+    with pytest.raises(UserError, match=r"H.264 cannot hold frames of 64x48 \(no more\)"):
+        segment.finish()
 
 
 def test_pixels_that_are_not_square_stay_so_and_play_so(tmp_path: Path) -> None:
