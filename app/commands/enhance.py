@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -143,7 +143,7 @@ def _warned_item(item: Item) -> Item:
 
 def _require_heeded(flags: argparse.Namespace, given: Path) -> None:
     """Raises UserError: a flag of videos or of several images, for a still or a folder of them."""
-    if given.is_file() and not is_still(given):
+    if not given.exists() or (given.is_file() and not is_still(given)):
         return
     _require_video(flags, f"images: {given}" if given.is_dir() else f"one image: {given}")
     if given.is_file() and flags.statistics == "clip":
@@ -231,14 +231,14 @@ def _check_output(given: Path, output: Path, series: Series, choices: DicomChoic
         raise UserError(f"expected {wanted}, got {output}")
 
 
-def _watched(stage: str, series: Series, items: Stream) -> Stream:
+def _watched(stage: str, names: Sequence[str], items: Stream) -> Stream:
     """The items, made in advance, with progress: reading, enhancing and writing overlap."""
     items = ahead(items)
     try:
-        with progress(stage, len(series)) as report:
+        with progress(stage, len(names)) as report:
             for index, item in enumerate(items):
                 yield item
-                report(index + 1, series.names[index])
+                report(index + 1, names[index])
     finally:
         items.close()
 

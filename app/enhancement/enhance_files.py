@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import chain, count, tee
 from pathlib import Path
 from typing import Any, Literal
+
+import numpy as np
 
 from app.enhancement.dicom_files import (
     is_dicom_name,
@@ -41,12 +43,12 @@ VIDEO = MP4
 
 Tissue = Callable[[ArrayImage], BoolImage | None]
 Stream = Generator[Any, None, None]
-Watch = Callable[[str, Series, Stream], Stream]
-"""Passes the pictures of a stage on, "measure" or "enhance": where it is told how far that is, or where they
-are made in advance."""
+Watch = Callable[[str, Sequence[str], Stream], Stream]
+"""Passes the pictures of a stage on, "measure" or "enhance", of these names: where it is told how far that
+is, or where they are made in advance."""
 
 
-def unwatched(stage: str, series: Series, items: Stream) -> Stream:
+def unwatched(stage: str, names: Sequence[str], items: Stream) -> Stream:
     return items
 
 
@@ -123,7 +125,7 @@ def enhance_into(
     notices, failed = list(series.notices), dict[int, Unreadable]()
     pooled = pooled_statistics(series, setting, watch) if setting.pools(series) else None
     images = _pictures(series, notices, failed=failed)
-    pictures = watch("enhance", series, _enhanced(series, ahead(images), setting, pooled))
+    pictures = watch("enhance", series.names, _enhanced(series, ahead(images), setting, pooled))
     told = _told_of_alpha(output, pictures, notices)
     try:
         if is_dicom_name(output):
@@ -186,7 +188,9 @@ def pooled_statistics(series: Series, setting: Setting, watch: Watch = unwatched
     try:
         tissue = _tissue(series, setting)
         # What cannot be read is told where it is enhanced.
-        read = watch("measure", series, _pictures(series, [], series.spread(POOLED_FRAMES)))
+        measured = series.spread(POOLED_FRAMES)
+        names = [series.names[index] for index in measured]
+        read = watch("measure", names, _pictures(series, [], measured))
         # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
         images, again = tee(image for _, image in read)
         return measure_for(look, images, map(tissue, again), drawn(setting.pixels))
@@ -250,9 +254,15 @@ def _told_of_alpha(output: Path, pictures: Iterable[Made], notices: list[str]) -
     is_opaque = output.suffix.lower() in JPEGS or ending_of(output) or is_dicom_name(output)
     notice = f"transparency is left out, which {output.suffix} does not hold"
     for image, record in pictures:
-        if is_opaque and not output.is_dir() and image.shape[2:] == (4,) and notice not in notices:
+        if is_opaque and not output.is_dir() and notice not in notices and _shows_through(image):
             notices.append(notice)
         yield image, record
+
+
+def _shows_through(image: ArrayImage) -> bool:
+    """Whether some alpha is below full, as is none of a screenshot's."""
+    full = 1 if image.dtype.kind == "f" else np.iinfo(image.dtype).max
+    return image.shape[2:] == (4,) and bool((image[..., 3] < full).any())
 
 
 def _write(

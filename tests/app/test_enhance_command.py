@@ -370,14 +370,18 @@ def test_flags_of_videos_are_refused_for_one_image(
     assert (call.code, call.error.count("\n")) == (2, 1)
     assert f"{flags[0]} {flags[1]} has no effect on one image: " in call.error
     assert not (tmp_path / "b.png").exists()
+    assert "no such file" in vesselsplat("enhance", tmp_path / "typo.mp4", tmp_path / "b.mp4", *flags).error
 
 
-@pytest.mark.parametrize(("name", "is_lost"), [("a.jpg", True), ("a.mp4", True), ("a.png", False)])
+@pytest.mark.parametrize(
+    ("name", "alpha", "is_lost"),
+    [("a.jpg", 90, True), ("a.mp4", 90, True), ("a.png", 90, False), ("a.jpg", 255, False)],
+)
 def test_transparency_that_is_lost_is_told(
-    tmp_path: Path, vesselsplat: Cli, name: str, is_lost: bool
+    tmp_path: Path, vesselsplat: Cli, name: str, alpha: int, is_lost: bool
 ) -> None:
     given = tmp_path / "in.png"
-    assert cv2.imwrite(str(given), np.dstack((tissue(1), np.full(tissue(1).shape[:2], 90, np.uint8))))
+    assert cv2.imwrite(str(given), np.dstack((tissue(1), np.full(tissue(1).shape[:2], alpha, np.uint8))))
     call = vesselsplat("enhance", given, tmp_path / name)
     assert (call.code, "transparency is left out" in call.error) == (0, is_lost)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import cv2
@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from app.enhancement.batch import enhance_batch, items_in
-from app.enhancement.enhance_files import Setting
+from app.enhancement.enhance_files import Setting, Stream
 from app.errors import UserError
 from app.exports.replay.again import replay
 from app.files import image_series
@@ -166,6 +166,21 @@ def test_statistics_are_pooled_for_each_item(cases: Path, tmp_path: Path) -> Non
     assert {one.statistics and one.statistics.scope for each in written for one in each.pictures} == {"clip"}
     (video,) = (tmp_path / "out").glob("*.mp4")
     assert replay(video, (cases / "a",), tmp_path / "again.mp4").difference.is_none
+
+
+def test_the_measured_frames_are_counted_and_named(tmp_path: Path) -> None:
+    write_avi(tmp_path / "a.avi", 40)
+    told: dict[str, Sequence[str]] = {}
+
+    def watch(stage: str, names: Sequence[str], items: Stream) -> Stream:
+        told[stage] = names
+        return items
+
+    setting = Setting("vessel", VesselParams(), "clip")
+    list(enhance_batch(items_in((tmp_path / "a.avi",), tmp_path / "out", below=False), setting, watch))
+    measured = told["measure"]
+    assert (len(measured), measured[0], measured[-1]) == (16, "frame-000000", "frame-000039")
+    assert len(told["enhance"]) == 40
 
 
 def test_a_clip_of_many_folders_is_one_item(tmp_path: Path, vesselsplat: Cli) -> None:
