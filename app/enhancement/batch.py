@@ -10,7 +10,7 @@ from pathlib import Path
 
 from app.enhancement.batch_names import FILM, STILL, alike, free_folder, free_name
 from app.enhancement.enhance_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
-from app.enhancement.kept_inputs import files_of, homes, require_other, require_outside
+from app.enhancement.kept_inputs import files_of, homes, identities, require_other, require_outside
 from app.errors import UserError, sentence
 from app.files.image_files import is_still
 from app.files.image_series import open_series
@@ -42,6 +42,14 @@ class Item:
     def folder(self) -> Path:
         """Where its results lie."""
         return self.output.parent if self.is_video else self.output
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Which may be written for a file; of a folder, the names of its pictures tell."""
+        if self.is_video:
+            return (self.output,)
+        own = self.called or self.source.stem
+        return () if self.source.is_dir() else tuple(self.output / f"{own}{ending}" for ending in STILL)
 
 
 @dataclass(frozen=True)
@@ -81,8 +89,8 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
     One folder's structure is kept in `output` itself; of several inputs each has its own name there.
 
     Raises:
-        UserError: nothing there, an output inside an input, which a second batch would take for one, or in a
-            folder that holds a source, which it could overwrite.
+        UserError: nothing there, an output inside an input, which a second batch would take for one, or one
+            that is a source itself, or a folder's in a folder that holds one, which it could overwrite.
     """
     for given in inputs:
         if not given.exists():
@@ -95,8 +103,9 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
     if not found:
         names = ", ".join(given.name for given in inputs)
         raise UserError(f"expected images or videos, found none in {names}")
-    kept = homes(path for item in found for path in files_of(item.source))
-    require_other((item.folder for item in found), kept)
+    read = [path for item in found for path in files_of(item.source)]
+    require_other((item.output for item in found if item.source.is_dir()), homes(read))
+    require_other((path for item in found for path in item.files), identities(read))
     return found
 
 

@@ -7,11 +7,13 @@ from contextlib import suppress
 from pathlib import Path
 
 from app.errors import UserError
+from app.files.image_files import frames_in
+from renderer.clip import ClipError
 from renderer.layouts import layout_of
-from renderer.readers.picture_kinds import frame_folder
 
-Identity = tuple[int, int]
-"""Of a file or folder on its disk, whatever name or letter case leads to it."""
+Identity = tuple[int, int] | Path
+"""Of a file or folder on its disk, whatever name or letter case leads to it; where the disk numbers no files,
+its path without links."""
 
 
 def require_outside(output: Path, folders: Iterable[Path]) -> None:
@@ -36,7 +38,7 @@ def identities(paths: Iterable[Path]) -> set[Identity]:
     for path in paths:
         with suppress(OSError):
             status = path.stat()
-            found.add((status.st_dev, status.st_ino))
+            found.add((status.st_dev, status.st_ino) if status.st_ino else path.resolve())
     return found
 
 
@@ -47,10 +49,11 @@ def homes(files: Iterable[Path]) -> set[Identity]:
 
 
 def files_of(source: Path) -> tuple[Path, ...]:
-    """What is read of an image, a video, a folder of images or a clip; nothing where it cannot be."""
+    """What is read of an image, a video, a folder of images or a clip, frames first; nothing where it cannot
+    be."""
     if source.is_file():
         return (source,)
-    with suppress(OSError):
+    with suppress(OSError, UserError, ClipError):
         layout = layout_of(source)
-        return layout.files(source) if layout.is_data_set else tuple(frame_folder(source).iterdir())
+        return layout.files(source) if layout.is_data_set else frames_in(source).frames
     return ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 from app.enhancement.batch import enhance_batch, items_in
 from app.enhancement.enhance_files import Setting
+from app.enhancement.kept_inputs import identities
 from app.errors import UserError
 from enhance import EnhanceParams
 from tests.app.conftest import Call, tissue
@@ -42,11 +44,41 @@ def test_outputs_in_the_folder_of_an_input_are_refused(tmp_path: Path, below: bo
     put(tmp_path / "p.png", tmp_path / "q.png", tmp_path / "x/1.png", tmp_path / "y/1.png")
     write_avi(tmp_path / "a.avi")
     write_avi(tmp_path / "b.avi")
-    for names in (("p.png", "q.png"), ("x", "y"), ("a.avi", "b.avi"), ("x", "p.png"), ("y", "b.avi")):
+    for names in (("p.png", "q.png"), ("x", "y"), ("x", "p.png"), ("y", "b.avi")):
         refused([tmp_path / name for name in names], tmp_path, below=below)
     (tmp_path / "other/x").mkdir(parents=True)
     put(tmp_path / "other/x/1.png")
     refused([tmp_path / "x", tmp_path / "other/x"], tmp_path / "other", below=below)
+
+
+def test_what_has_another_name_may_lie_beside_the_inputs(tmp_path: Path) -> None:
+    put(tmp_path / "p.jpg", tmp_path / "q.png")
+    for name in ("a.avi", "b.avi"):
+        write_avi(tmp_path / name)
+    (tmp_path / "c.mp4").write_bytes((tmp_path / "a.avi").read_bytes())
+    given = [tmp_path / name for name in ("a.avi", "b.avi", "p.jpg")]
+    assert len(items_in(given, tmp_path, below=False)) == 3
+    refused([*given, tmp_path / "q.png"], tmp_path, below=False)
+    refused([*given, tmp_path / "c.mp4"], tmp_path, below=False)
+
+
+def test_only_what_is_read_of_a_folder_is_kept(tmp_path: Path) -> None:
+    put(tmp_path / "clip/1.png", tmp_path / "made/enh/1.png")
+    (tmp_path / "made/notes.txt").write_text("seen")
+    (tmp_path / "clip/results").symlink_to(tmp_path / "made/enh")
+    (tmp_path / "clip/notes.txt").symlink_to(tmp_path / "made/notes.txt")
+    assert len(items_in([tmp_path / "clip"], tmp_path / "made", below=True)) == 1
+
+
+def test_where_a_disk_numbers_no_files_paths_tell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    put(tmp_path / "a.png", tmp_path / "b.png")
+    (tmp_path / "c.png").symlink_to(tmp_path / "a.png")
+    unnumbered = SimpleNamespace(st_dev=1, st_ino=0)
+    monkeypatch.setattr(Path, "stat", lambda path: unnumbered)
+    own, other, link = (identities([tmp_path / name]) for name in ("a.png", "b.png", "c.png"))
+    monkeypatch.undo()
+    assert own == link
+    assert own.isdisjoint(other)
 
 
 def test_the_command_says_so_and_keeps_the_inputs(tmp_path: Path, vesselsplat: Cli) -> None:
