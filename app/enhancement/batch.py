@@ -20,7 +20,7 @@ from renderer.clip import ClipError
 from renderer.layouts import layout_of
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import left_out, map_folders
-from renderer.readers.pictures import is_frame, moves, natural_key
+from renderer.readers.pictures import is_frame, is_visible, moves, natural_key
 
 
 @dataclass(frozen=True)
@@ -97,24 +97,28 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
             raise UserError(f"expected an image, a folder or a video, got no such file: {given}")
     require_outside(output, [given for given in inputs if given.is_dir()])
     taken = set[str]()
-    found: list[Item] = []
+    found, links = list[Item](), list[str]()
     for given in inputs:
-        found += _items_of(given, output, taken, alone=len(inputs) == 1, below=below)
+        found += _items_of(given, output, taken, links, alone=len(inputs) == 1, below=below)
+    said = (_left_links(links),) if links else ()
     if not found:
         names = ", ".join(given.name for given in inputs)
-        raise UserError(f"expected images or videos, found none in {names}")
+        raise UserError("; ".join((f"expected images or videos, found none in {names}", *said)))
+    found[0] = replace(found[0], notices=(*found[0].notices, *said))
     read = [path for item in found for path in files_of(item.source)]
     require_other((item.output for item in found if item.source.is_dir()), homes(read))
     require_other((path for item in found for path in item.files), identities(read))
     return found
 
 
-def _items_of(given: Path, output: Path, taken: set[str], *, alone: bool, below: bool) -> Iterator[Item]:
-    """With names that none of the outputs of other inputs have."""
+def _items_of(
+    given: Path, output: Path, taken: set[str], links: list[str], *, alone: bool, below: bool
+) -> Iterator[Item]:
+    """With names that none of the outputs of other inputs have; `links` as of `_found`."""
     name = given.resolve().name
     if given.is_dir():
         target = output if alone else output / free_folder(name, taken)
-        yield from _walk(given, target, name) if below else (Item(given, target, name),)
+        yield from _walk(given, target, name, links) if below else (Item(given, target, name),)
     elif is_still(given):
         own = free_name(given.stem, STILL, taken)
         yield Item(given, output, name, called="" if own == given.stem else own)
@@ -122,33 +126,42 @@ def _items_of(given: Path, output: Path, taken: set[str], *, alone: bool, below:
         yield Item(given, output / f"{free_name(given.stem, FILM, taken)}{VIDEO}", name, is_video=True)
 
 
-def _walk(folder: Path, output: Path, name: str) -> Iterator[Item]:
+def _walk(folder: Path, output: Path, name: str, links: list[str]) -> Iterator[Item]:
     """The folder's pictures, its videos, then the folders in it; a clip of many folders is one item, and so
     is a folder that cannot be read, of which `enhance_batch` says so."""
     try:
-        yield from list(_found(folder, output, name))
+        yield from list(_found(folder, output, name, links))
     except OSError:
         yield Item(folder, output, name)
 
 
-def _found(folder: Path, output: Path, name: str) -> Iterator[Item]:
+def _found(folder: Path, output: Path, name: str, links: list[str]) -> Iterator[Item]:
+    """With notices of what is left out; `links` to folders are added where no item is there to tell of
+    them."""
     if layout_of(folder).is_data_set:
         yield Item(folder, output, name)
         return
-    found = list(_inside(folder, output, name))
     maps = map_folders(folder)
+    folders = [path for path in folder.iterdir() if path.is_dir() and is_visible(path) and path not in maps]
+    linked = sorted(path.name for path in folders if path.is_symlink())
+    found = list(_inside(folder, output, name, links))
     if not found:
+        links += [f"{name}/{link}" for link in linked]
         for path in maps:
-            yield from _walk(path, output / path.name, f"{name}/{path.name}")
+            yield from _walk(path, output / path.name, f"{name}/{path.name}", links)
         return
     said = [left_out(kind, [f"{path.name}/"]) for path, kind in maps.items()]
-    if linked := sorted(path.name for path in folder.iterdir() if path.is_dir() and path.is_symlink()):
-        said.append(f"left out, links to folders: {listed(linked)}")
+    if linked:
+        said.append(_left_links(linked))
     yield replace(found[0], notices=(*said, *found[0].notices))
     yield from found[1:]
 
 
-def _inside(folder: Path, output: Path, name: str) -> Iterator[Item]:
+def _left_links(names: Sequence[str]) -> str:
+    return f"left out, links to folders: {listed(names)}"
+
+
+def _inside(folder: Path, output: Path, name: str, links: list[str]) -> Iterator[Item]:
     """What lies in a folder, but for the folders in it whose names say that they hold no frames."""
     inside = sorted((path for path in folder.iterdir() if not path.name.startswith(".")), key=natural_key)
     files = [path for path in inside if path.is_file()]
@@ -165,7 +178,7 @@ def _inside(folder: Path, output: Path, name: str) -> Iterator[Item]:
         own = free_name(wanted, FILM, taken)
         yield Item(path, output / f"{own}{VIDEO}", f"{name}/{path.name}", is_video=True)
     for path, place in zip(folders, outputs, strict=True):
-        yield from _walk(path, place, f"{name}/{path.name}")
+        yield from _walk(path, place, f"{name}/{path.name}", links)
 
 
 def enhance_batch(

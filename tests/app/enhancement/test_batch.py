@@ -196,10 +196,22 @@ def test_a_clip_of_many_folders_is_one_item(tmp_path: Path, vesselsplat: Cli) ->
 
 
 def test_a_linked_folder_is_left_out_with_a_word(cases: Path, tmp_path: Path) -> None:
-    (cases / "a/more").symlink_to(cases / "b/clip")
+    for name in ("more", ".cache", "depth"):
+        (cases / "a" / name).symlink_to(cases / "b/clip")
     first, *others = items_in((cases / "a",), tmp_path / "out", below=True)
-    assert first.notices == ("left out, links to folders: more",)
+    maps, links = first.notices
+    assert maps == "left out, depth maps beside the images: depth/"
+    assert links == "left out, links to folders: more"
     assert not any(item.notices or "more" in item.name for item in others)
+
+
+def test_links_in_a_folder_of_nothing_else_are_told_too(cases: Path, tmp_path: Path) -> None:
+    (cases / "c").mkdir()
+    (cases / "c/more").symlink_to(cases / "b/clip")
+    first, *_ = items_in((cases,), tmp_path / "out", below=True)
+    assert "left out, links to folders: cases/c/more" in first.notices
+    with pytest.raises(UserError, match="found none in c; left out, links to folders: c/more"):
+        items_in((cases / "c",), tmp_path / "out", below=True)
 
 
 def test_videos_of_one_name_do_not_share_a_file(cases: Path, tmp_path: Path) -> None:
