@@ -16,7 +16,7 @@ from app.console.progress import progress
 from app.enhancement.batch import Item, enhance_batch, items_in
 from app.enhancement.dicom_files import is_dicom_name, require_dicom
 from app.enhancement.enhance_files import VIDEO, Setting, Stream, enhance_into
-from app.enhancement.kept_inputs import homes, identities, require_other
+from app.enhancement.kept_inputs import files_of, homes, identities, require_other
 from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
 from app.enhancement.settable import PIXELS
 from app.errors import UserError
@@ -137,7 +137,8 @@ def _warned(series: Series) -> Series:
 
 
 def _warned_item(item: Item) -> Item:
-    said = enhanced_already(item.source)
+    """As `_warned`."""
+    said = next(map(enhanced_already, files_of(item.source)), "")
     return replace(item, notices=(said, *item.notices)) if said else item
 
 

@@ -32,6 +32,13 @@ def test_of_an_image_a_video_or_dicom(folder: Path, tmp_path: Path, vesselsplat:
     assert (call.code, call.error.count(said)) == (0, 1)
 
 
+def test_of_a_folder_in_a_batch_its_first_image_tells(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    out, again = tmp_path / "out", tmp_path / "again"
+    assert "enhanced already" not in vesselsplat("enhance", folder, out, "--method", "clahe").error
+    call = vesselsplat("enhance", out, again, "--recursive", "--method", "clahe")
+    assert (call.code, call.error.count(".png is enhanced already by VesselSplat, method clahe")) == (0, 1)
+
+
 def test_of_panes_and_of_records_of_any_form(tmp_path: Path) -> None:
     video = tmp_path / "a.mp4"
     video.touch()
