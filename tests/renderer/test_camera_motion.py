@@ -149,6 +149,31 @@ def test_a_view_that_jumps_is_noticed(frames):
     assert camera_motion(moved_at(clip, range(0))) is None
 
 
+@pytest.mark.parametrize("tissue", ["moving", "static"])
+@pytest.mark.parametrize("share", [0.6, 0.7, 0.8])
+def test_a_view_that_is_covered_from_some_frame_on_does_not_jump(tissue, share):
+    clip = clip_of(phantom("fixed", tissue))
+
+    def covered(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        image, columns = frame.image.copy(), round(share * frame.image.shape[1])
+        if index >= COUNT // 2:
+            image[:, :columns] = frame.image[::-1, ::-1][:, :columns]
+        return replace(frame, image=image)
+
+    assert camera_motion(replace(clip, read_frame=covered)) is None
+
+
+def test_another_scene_is_a_jump():
+    clip, params = clip_of(phantom("fixed", "static")), PhantomParams(n_frames=COUNT, width=160, height=128)
+    other = clip_of(Phantom(params))
+
+    def cut(index: int) -> Frame:
+        return (clip if index < COUNT // 2 else other).read_frame(index)
+
+    assert camera_motion(replace(clip, read_frame=cut)) == "the view jumps between the frames 5 and 6"
+
+
 def test_short_blackouts_hide_no_motion_and_are_none():
     def blinking(clip: Clip) -> Clip:
         def read_frame(index: int) -> Frame:
