@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -41,9 +41,11 @@ class ClipError(ValueError):
     """
 
 
-def held_out_frames(count: int, split: Split = "field") -> tuple[int, ...]:
-    """Frames of a clip of `count` that are held out: (i - 1) % 8 == 0, the split of the field, or the odd."""
-    return tuple(range(1, count, 8 if split == "field" else 2))
+def held_out_frames(count: int, split: Split = "field", passed_over: Collection[int] = ()) -> tuple[int, ...]:
+    """Frames of a clip of `count` that are held out: (i - 1) % 8 == 0, the split of the field, or the odd;
+    without those that are passed over."""
+    every = range(1, count, 8 if split == "field" else 2)
+    return tuple(index for index in every if index not in passed_over)
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,6 +187,8 @@ class Clip:
     """One sentence for each oddity met while opening: stray files, inverted masks, burned-in rows."""
     split: Split = "field"
     """Which frames are held out."""
+    passed_over: frozenset[int] = frozenset()
+    """Frames that are neither trained on nor held out: where their camera was is not known."""
     points: SparsePoints | None = None
     """Where structure from motion found the tissue, for clips that come with it."""
     baseline: float | None = None
@@ -218,11 +222,11 @@ class Clip:
     @property
     def test_indices(self) -> tuple[int, ...]:
         """Frames held out for evaluation."""
-        return held_out_frames(len(self), self.split)
+        return held_out_frames(len(self), self.split, self.passed_over)
 
     @property
     def train_indices(self) -> tuple[int, ...]:
-        return tuple(sorted(set(range(len(self))) - set(self.test_indices)))
+        return tuple(sorted(set(range(len(self))) - set(self.test_indices) - self.passed_over))
 
     @property
     def camera_is_fixed(self) -> bool:
@@ -256,6 +260,7 @@ class Clip:
             read_image=lambda index: self.read_image(kept[index]),
             labels=self.labels[taken],
             frames_per_second=self._rate_of(kept),
+            passed_over=frozenset(kept.index(index) for index in self.passed_over if index in kept),
             frame_times=times and tuple(time - times[kept.start] for time in times[taken]),
             read_right=read_right and (lambda index: read_right(kept[index])),
         )

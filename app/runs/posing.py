@@ -11,7 +11,6 @@ from app.runs.preparing import told_meanwhile
 from app.runs.run_folder import PosesRecord
 from renderer.camera_motion import POSES_MISSING, camera_motion, contradicted
 from renderer.clip import Clip
-from renderer.poses.bridged import without_bridged
 from renderer.poses.search import FoundPoses, PosesError, find_poses
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, Preparing
@@ -81,7 +80,7 @@ def through_found(clip: Clip, found: FoundPoses, start: int = 0) -> Posed:
     whole = (found.first, found.last) == (0, len(clip) - 1)
     held = clip if whole else clip.between(found.first, found.last)
     part = None if whole else (found.first, found.last)
-    seen = without_bridged(held.through(found.cameras), bridged)
+    seen = replace(held.through(found.cameras), passed_over=frozenset(bridged))
     return Posed(seen, record, part, tuple(_notices(clip, found, start)))
 
 

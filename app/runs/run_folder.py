@@ -37,7 +37,6 @@ from renderer.clip import Clip, SparsePoints, held_out_frames
 from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed, read_text
-from renderer.poses.bridged import without_bridged
 from renderer.poses.lost_frame import LostFrame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
@@ -118,8 +117,8 @@ class ClipRecord:
         if self.poses is None:
             return part
         seen = part.through(tuple(Camera.from_json(each) for each in self._one_each()))
-        known = without_bridged(seen, self.poses.bridged)
-        return replace(known, points=self.poses.sparse_points or part.points)
+        bridged, points = frozenset(self.poses.bridged), self.poses.sparse_points or part.points
+        return replace(seen, passed_over=bridged, points=points)
 
     def as_trained(self, whole: Clip) -> Clip:
         """The part of the whole clip that was trained on, without what was left out of its frames."""
@@ -191,7 +190,8 @@ class RunRecord:
     @property
     def test_indices(self) -> tuple[int, ...]:
         """The frames held out of training, as `Clip.test_indices`, without the clip."""
-        return held_out_frames(self.clip.frames, self.clip.options.split)
+        bridged = () if self.clip.poses is None else self.clip.poses.bridged
+        return held_out_frames(self.clip.frames, self.clip.options.split, bridged)
 
     def time(self, index: int) -> float:
         """The time of frame `index`, in [0, 1)."""
