@@ -55,7 +55,7 @@ def way_of(clip: Clip) -> DepthWay | None:
 
 
 def depth_ways(bare: Clip, options: ClipOptions) -> DepthWays:
-    """Of a clip without any depth but that of its files. Looks at the first pair of a stereo clip."""
+    """Of a clip without any depth but that of its files. Looks at a few pairs of a stereo clip."""
     if not bare.has_one_size:
         why = f"{bare.why_no_depth[:1].upper()}{bare.why_no_depth[1:]}."
         return DepthWays(why, why, why, why, "brightness")

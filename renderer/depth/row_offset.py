@@ -16,6 +16,10 @@ SMALLEST: Final = 0.5
 """px: rows that are closer are left as they are, as matching takes them."""
 FEWEST: Final = 10
 """Features by which one pair tells its rows."""
+DECIDING: Final = 20
+"""Features of a pair that has a say in whether the rows of a clip vary."""
+SCATTERED: Final = 1.5
+"""px, the median distance of a pair's rows from their median, beyond which it has none: matches by chance."""
 VARYING: Final = 2.0
 """px between the pairs of a clip: eyes that do not look at the same moment see a moving camera at two places.
 Rows of clips from fixed cameras vary by up to 1 px from pair to pair, features being few."""
@@ -39,8 +43,13 @@ def row_offset(shifts: Sequence[NDArray[np.float64]]) -> tuple[float, float]:
 
 
 def own_offsets(shifts: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """The same rows of each pair by itself (P,); NaN of one that shows too little."""
-    return np.array([_own(each) for each in shifts])
+    """The same rows of each pair by itself (P,), of those alone that show much, and agree."""
+    return np.array([_own(each) for each in shifts if len(each) >= DECIDING and scatter(each) <= SCATTERED])
+
+
+def scatter(shifts: NDArray[np.float64]) -> float:
+    """Median distance in px of the rows (M, 2) of a pair from their median."""
+    return float(np.median(np.abs(shifts[:, 1] - np.median(shifts[:, 1]))))
 
 
 def own_offset(shifts: NDArray[np.float64], usual: float) -> float:

@@ -21,6 +21,7 @@ from renderer.depth.row_offset import (
     own_offsets,
     places,
     row_offset,
+    scatter,
     unseen,
 )
 from renderer.depth.stereo import disparity, feature_shifts
@@ -255,7 +256,7 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
 
     Raises ClipError: they look like no rectified pair, or like one that is swapped or is one image twice.
     """
-    every = _shifts(clip, right, places(len(clip)))
+    every = list(_shifts(clip, right, places(len(clip))))
     where = f"{right.names}: {clip.path}"
     if len(every[0]) < _FEWEST_FEATURES:
         # One frame may be blurred or dark; the pair that shows most stands for all.
@@ -269,11 +270,11 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
     across, rows = np.median(shifts[:, 0]), _Rows()
     own = own_offsets(every)
     apart = float(np.median(np.abs(shifts[:, 1])))
-    if max(apart, np.nanmax(np.abs(own))) > LARGEST_VERTICAL_OFFSET:
+    if max(apart, *np.abs(own)) > LARGEST_VERTICAL_OFFSET:
         usual, down = row_offset(every)
-        rows = _Rows(usual, bool(np.nanmax(own) - np.nanmin(own) > VARYING))
+        rows = _Rows(usual, len(own) > 1 and bool(np.ptp(own) > VARYING))
         if rows.vary:
-            down = float(np.median(np.abs(shifts[:, 1] - own[0])))
+            down = scatter(shifts)
         if down > LARGEST_VERTICAL_OFFSET:
             limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
             way = "--calibration FILE rectifies them"
@@ -285,9 +286,15 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
     return rows
 
 
-def _shifts(clip: Clip, right: RightEye, indices: Iterable[int]) -> list[NDArray[np.float64]]:
-    """Of each of these pairs, see `feature_shifts`."""
-    return [feature_shifts(clip.read_image(at), right.read(at)) for at in indices]
+def _shifts(clip: Clip, right: RightEye, indices: Sequence[int]) -> Iterator[NDArray[np.float64]]:
+    """Of each of these pairs, see `feature_shifts`; but of none after the first that cannot be read, which
+    need not be in the part that is looked at. Raises ClipError: the first cannot."""
+    for at in indices:
+        try:
+            yield feature_shifts(clip.read_image(at), right.read(at))
+        except ClipError:
+            if at == indices[0]:
+                raise
 
 
 def _left_folder(path: Path) -> Path | None:

@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 from renderer.clip import Clip, ClipError
+from renderer.depth import stereo_pairs
 from renderer.depth.stereo_pairs import (
     eye_folders,
     is_stereo_folder,
@@ -267,6 +268,33 @@ def test_rows_that_come_apart_later_are_brought_together(written, tmp_path):
     both = (found > 0) & (wanted > 0)
     assert both.mean() > 0.85 * (wanted > 0).mean()
     assert np.median(np.abs(found / np.where(both, wanted, 1) - 1)[both]) < 0.01
+
+
+@pytest.mark.parametrize("damaged", [0, 1])
+def test_a_later_pair_that_cannot_be_read_is_passed_over(written, damaged):
+    clip = open_stereo_folder(written[0], FIELD_OF_VIEW)
+    right = right_eye(clip)
+
+    def read(index):
+        if index == damaged:
+            raise ClipError("expected an intact image, got a damaged one")
+        return right.read(index)
+
+    if damaged == 0:
+        with pytest.raises(ClipError, match="got a damaged one"):
+            with_stereo_depth(clip, replace(right, read=read), None)
+        return
+    found = with_stereo_depth(clip, replace(right, read=read), None)
+    np.testing.assert_array_equal(found.read_frame(0).depth, opened(written[0]).read_frame(0).depth)
+
+
+def test_a_few_matches_by_chance_move_no_rows(written, monkeypatch):
+    shifts, rng = iter(["first", "second"]), np.random.default_rng(3)
+    good = np.stack([np.full(60, 9.0), rng.normal(0, 0.2, 60)], axis=1)
+    poor = np.stack([np.full(12, 9.0), np.linspace(-20, 36, 12)], axis=1)
+    chosen = {"first": good, "second": poor}
+    monkeypatch.setattr(stereo_pairs, "feature_shifts", lambda left, right: chosen[next(shifts)])
+    assert not any("rows" in notice for notice in opened(written[0]).notices)
 
 
 def test_maps_of_both_eyes_are_no_eyes(written, tmp_path):
