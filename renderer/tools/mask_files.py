@@ -90,22 +90,25 @@ def masks_in(folder: Path, labels: Sequence[str]) -> MaskFiles:
         files = dict(enumerate(found))
         same = numbers_of(labels) == numbers_of([path.name for path in found]) is not None
         return MaskFiles(folder, files, () if same else (_in_order(folder, files, labels),))
-    files = files or dict(_by_last_number(found, labels))
-    if not files:
+    by_number = {} if files else _by_last_number(found, labels)
+    if not files and not by_number:
         example, count = mask_names(labels)[0], len(found)
         wanted = f"masks named as the frames, such as {example}, or one for each of {len(labels)} frames"
         raise ClipError(f"expected {wanted}, got {count} images of other names: {folder}")
-    return _renumbered(MaskFiles(folder, files), found, labels)
+    said = (_paired("by number", folder, by_number, labels),) if by_number else ()
+    return _renumbered(MaskFiles(folder, files or by_number, said), found, labels)
 
 
 def _by_last_number(found: Sequence[Path], labels: Sequence[str]) -> Mapping[int, Path]:
     """Masks named alike but for their number, as frame-000012.mask.png of frame-000012.color.png; none where
-    their numbers do not tell."""
+    their numbers do not tell, or fit once, as by chance."""
     frames, files = numbers_of(labels), numbers_of([path.name for path in found])
     if frames is None or files is None or len({_words(path.stem) for path in found}) > 1:
         return {}
     pairs = number_pairs(frames, files)
-    return {} if pairs is None else {frame: found[file] for frame, file in pairs.files.items()}
+    if pairs is None or len(pairs.files) < 2:
+        return {}
+    return {frame: found[file] for frame, file in pairs.files.items()}
 
 
 def _renumbered(masks: MaskFiles, found: Sequence[Path], labels: Sequence[str]) -> MaskFiles:
@@ -128,12 +131,17 @@ def _renumbered(masks: MaskFiles, found: Sequence[Path], labels: Sequence[str]) 
         shifted = {frame: numbered[file] for frame, file in pairs.files.items()}
         return replace(masks, files=shifted, notices=(_in_order(masks.folder, shifted, labels),))
     said = f"masks in {masks.folder.name}/ that belong to no frame: {names}"
-    return replace(masks, notices=(said,)) if loose else masks
+    return replace(masks, notices=(*masks.notices, said)) if loose else masks
 
 
 def _in_order(folder: Path, files: Mapping[int, Path], labels: Sequence[str]) -> str:
-    said = f"tool masks in {folder.name}/ are paired with the frames in order, not by name"
-    return f"{said}: {files[0].name} with {labels[0]}"
+    return _paired("in order", folder, files, labels)
+
+
+def _paired(how: str, folder: Path, files: Mapping[int, Path], labels: Sequence[str]) -> str:
+    first = min(files)
+    said = f"tool masks in {folder.name}/ are paired with the frames {how}, not by name"
+    return f"{said}: {files[first].name} with {labels[first]}"
 
 
 def _words(stem: str) -> str:

@@ -76,6 +76,18 @@ def test_masks_counted_from_zero_belong_to_frames_counted_from_one(pattern: str,
     assert masks_in(tmp_path / "same", labels).notices == ()
 
 
+def test_pairs_by_number_are_said_and_need_more_than_one(tmp_path: Path) -> None:
+    labels = tuple(f"f{number}_x.png" for number in range(4))
+    save(tmp_path, "case1_a.png")
+    with pytest.raises(ClipError, match=r"such as f0_x\.png.* got 1 images of other names"):
+        masks_in(tmp_path, labels)
+    save(tmp_path, "case3_a.png")
+    masks = masks_in(tmp_path, labels)
+    assert set(masks.files) == {1, 3}
+    (said,) = masks.notices
+    assert said.endswith("are paired with the frames by number, not by name: case1_a.png with f1_x.png")
+
+
 def test_masks_that_are_perhaps_shifted_are_refused(tmp_path: Path) -> None:
     save(tmp_path, *(f"frame_{number}.png" for number in range(4)))
     labels = tuple(f"frame_{number}.png" for number in range(1, 6))
