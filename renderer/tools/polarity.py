@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from renderer.clip import Clip
+from renderer.clip import Clip, ClipError
 from renderer.readers.tool_masks import Sample, marks_tissue
 from renderer.tools.mask_files import MaskFiles
 
@@ -16,14 +16,15 @@ _SAMPLES: Final = 4
 
 def with_doubt(masks: MaskFiles, clip: Clip) -> MaskFiles:
     """The same masks of the frames of the clip, with a notice where `marks_tissue` holds for a few of them,
-    spread evenly. No more than a notice: tools may fill the view, or a mask keep a small part of it.
-
-    Raises:
-        ClipError: a frame or a mask cannot be read.
+    spread evenly. No more than a notice: tools may fill the view, or a mask keep a small part of it. Nothing
+    is said where one of them cannot be read: it need not be in the part that is used.
     """
     indices = sorted(masks.files)
     places = np.unique(np.linspace(0, len(indices) - 1, min(_SAMPLES, len(indices))).round().astype(int))
-    samples = [_sample(masks, clip, indices[place]) for place in places]
+    try:
+        samples = [_sample(masks, clip, indices[place]) for place in places]
+    except ClipError:
+        return masks
     if not samples or not marks_tissue(samples):
         return masks
     share = float(np.mean([sample.marked.mean() for sample in samples]))

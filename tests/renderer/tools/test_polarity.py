@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from renderer.camera import Camera
-from renderer.clip import BoolImage, Clip, Frame
+from renderer.clip import BoolImage, Clip, ClipError, Frame
 from renderer.tools.mask_files import MaskFiles, masks_in, write_mask
 from renderer.tools.polarity import with_doubt
 
@@ -53,3 +54,14 @@ def test_masks_of_the_tissue_are_said_to_look_inverted(names: tuple[str, ...], t
 def test_of_masks_of_tools_nothing_is_said(mask: BoolImage, tmp_path: Path) -> None:
     found = masks(tmp_path / "given", mask, LABELS)
     assert with_doubt(found, clip()) is found
+
+
+def test_a_frame_that_cannot_be_read_leaves_the_masks_as_they_are(tmp_path: Path) -> None:
+    found = masks(tmp_path / "given", ~tool(), LABELS)
+
+    def read_frame(index: int) -> Frame:
+        if index == len(LABELS) - 1:
+            raise ClipError("expected an image, got a damaged one: 5.png")
+        return clip().read_frame(index)
+
+    assert with_doubt(found, replace(clip(), read_frame=read_frame)) is found
