@@ -48,8 +48,8 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
 
     The world is the first camera of the part, in the clip's unit. What moves with the tissue as a
     whole, such as breathing that all of the view follows, is in the poses: nothing tells it apart.
-    `tell` is called with how many frames are done, of twice as many: what is found takes about as long to
-    settle.
+    `tell` is called with how many frames are done, of all. Each counts half when it is followed: what is
+    found takes about as long to settle.
 
     Raises:
         PosesError: no part of SHORTEST frames.
@@ -68,7 +68,7 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
 
 
 def _told_half(tell: Callable[[int, int], None], done: int, total: int) -> None:
-    tell(done, 2 * total)
+    tell(done // 2, total)
 
 
 def found_poses(clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame]) -> FoundPoses:
