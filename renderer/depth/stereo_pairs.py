@@ -270,7 +270,7 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
     across, rows = np.median(shifts[:, 0]), _Rows()
     own = own_offsets(every)
     apart = float(np.median(np.abs(shifts[:, 1])))
-    if max(apart, *np.abs(own)) > LARGEST_VERTICAL_OFFSET:
+    if max([apart, *np.abs(own)]) > LARGEST_VERTICAL_OFFSET:
         usual, down = row_offset(every)
         rows = _Rows(usual, len(own) > 1 and bool(np.ptp(own) > VARYING))
         if rows.vary:
@@ -287,8 +287,8 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
 
 
 def _shifts(clip: Clip, right: RightEye, indices: Sequence[int]) -> Iterator[NDArray[np.float64]]:
-    """Of each of these pairs, see `feature_shifts`; but of none after the first that cannot be read, which
-    need not be in the part that is looked at. Raises ClipError: the first cannot."""
+    """Of each of these pairs, see `feature_shifts`. A later one that cannot be read is passed over: it may be
+    outside of the part that is trained on. Raises ClipError: the first cannot be read."""
     for at in indices:
         try:
             yield feature_shifts(clip.read_image(at), right.read(at))
