@@ -73,11 +73,11 @@ def check(flags: argparse.Namespace) -> None:
 
 def require(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:
     """Raises UserError: there is no surface at one of the moments, or in one of the windows, that are asked
-    for. They are worked out for it, and the last of them remembered: those that are written first."""
+    for. They are worked out for it, and remembered."""
     if flags.mesh is None:
         return
     scene.require_same_tissue()
-    for window in reversed(_windows(flags, scene, wanted)):
+    for window in _windows(flags, scene, wanted):
         surface_of_window(scene, window, Fineness(flags.vertices, flags.faces))
 
 
