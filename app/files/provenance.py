@@ -156,7 +156,8 @@ def _manifest(folder: Path, files: Iterable[Path], sha256: Callable[[Path], str]
     # By name: a reader may come upon one file by two ways.
     named = {_name_in(path, folder, whole): path for path in files}
     manifest = hashlib.sha256()
-    for name in sorted(named):
+    # As Linux orders paths; those of Windows compare without case, and would give a digest of their own.
+    for name in sorted(named, key=lambda name: name.parts):
         manifest.update(os.fsencode(name.as_posix()) + f"\0{sha256(named[name])}\n".encode())
     return manifest.hexdigest()
 

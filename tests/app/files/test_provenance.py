@@ -8,7 +8,7 @@ import json
 import math
 import os
 import shutil
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 import cv2
 import numpy as np
@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from app.errors import UserError
+from app.files import provenance as module
 from app.files.provenance import (
     NOTICE,
     digest,
@@ -166,3 +167,15 @@ def test_the_digest_of_a_scared_folder_is_of_all_that_is_read(tmp_path: Path) ->
         assert digest(folder) != before, path
         path.write_bytes(content)
     assert digest(folder) == before
+
+
+def test_every_system_has_the_same_digest_of_names_in_both_cases(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("Right.obj", "left.obj", "a-b/x.obj", "a/B.obj", "a/a.obj"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(name)
+    here = digest(tmp_path)
+    assert here.startswith("5066e4111a07d637")
+    monkeypatch.setattr(module, "PurePath", PureWindowsPath)
+    assert digest(tmp_path) == here
