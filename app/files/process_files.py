@@ -1,6 +1,7 @@
 """Files that each process of the app keeps for itself, and those that dead processes have left.
 
-Named `KIND-PROCESS-MACHINE-TOKEN`; former versions named them `KIND-PROCESS`.
+Named `KIND-PROCESS.MOMENT-MACHINE-TOKEN`; former versions left out the moment when the process began, or
+named them `KIND-PROCESS`.
 """
 
 from __future__ import annotations
@@ -18,16 +19,18 @@ from zlib import crc32
 
 import psutil
 
+from renderer.leftovers import lives, mark_of
+
 TOKEN: Final = secrets.token_hex(4)
 """Of this process: its number comes again, in a container with each start."""
 FORGOTTEN: Final = 7 * 24 * 3600.0
 """Seconds; after them a file of another machine, whose processes cannot be seen, is one that was left."""
-_NAME: Final = re.compile(r"(\d+)(?:-([0-9a-f]{8})-[0-9a-f]{8})?")
+_NAME: Final = re.compile(r"(\d+)(\.\d+)?(?:-([0-9a-f]{8})-[0-9a-f]{8})?")
 
 
 def own_file(folder: Path, kind: str, suffix: str) -> Path:
     """Where this process keeps its file of this kind."""
-    return folder / f"{kind}-{os.getpid()}-{machine()}-{TOKEN}{suffix}"
+    return folder / f"{kind}-{mark_of(os.getpid())}-{machine()}-{TOKEN}{suffix}"
 
 
 @cache
@@ -59,9 +62,13 @@ def _is_written_still(path: Path, kind: str) -> bool:
         return True
     try:
         written = path.stat().st_mtime
-        if found[2] not in (None, machine()):
+        if found[3] not in (None, machine()):
             return time.time() - written < FORGOTTEN
         process = int(found[1])
-        return process != os.getpid() and float(psutil.Process(process).create_time()) <= written
+        if process == os.getpid():
+            return False
+        if found[2]:
+            return lives(found[1] + found[2])
+        return float(psutil.Process(process).create_time()) <= written
     except (psutil.Error, OSError, OverflowError):
         return False

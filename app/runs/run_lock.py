@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -16,6 +17,7 @@ from app.errors import UserError
 from app.files.atomic import write_bytes
 from renderer.atomic_files import unlinked
 from renderer.json_files import read_json
+from renderer.leftovers import lives, mark_of
 
 NAME, LOCK = ".training.json", ".training.lock"
 _PARTIAL: Final = re.compile(r"\.?(checkpoint-\d+|model)\.safetensors(-[\d.]+-[0-9a-f]{8})?\.partial")
@@ -29,7 +31,7 @@ def locked(run: Path) -> Iterator[None]:
 
     The system lets go of the lock when its process ends, however it ends.
     """
-    file, process = run / NAME, psutil.Process()
+    file, process = run / NAME, os.getpid()
     lock = FileLock(run / LOCK, blocking=False, thread_local=False)
     try:
         lock.acquire()
@@ -40,9 +42,7 @@ def locked(run: Path) -> Iterator[None]:
         # What killed processes were writing: nobody else writes here now.
         for partial in _partial_files(run):
             partial.unlink()
-        write_bytes(
-            unlinked(file), json.dumps({"process": process.pid, "began": process.create_time()}).encode()
-        )
+        write_bytes(unlinked(file), json.dumps({"process": process, "mark": mark_of(process)}).encode())
         yield
     finally:
         file.unlink(missing_ok=True)
@@ -76,7 +76,10 @@ def holder(run: Path) -> int | None:
         told = read_json(run / NAME)
         process = psutil.Process(int(told["process"]))
         # Numbers of processes are used again: the moment of its start tells another one apart.
-        same = abs(process.create_time() - float(told["began"])) < 1.0
+        if "mark" in told:
+            same = lives(str(told["mark"]))
+        else:  # Of former versions, by the clock.
+            same = abs(process.create_time() - float(told["began"])) < 1.0
         return process.pid if same and process.status() != psutil.STATUS_ZOMBIE else None
     except (OSError, ValueError, KeyError, TypeError, psutil.Error):
         return None

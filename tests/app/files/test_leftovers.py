@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 
 from app.files.atomic import filled, together, write_bytes
@@ -128,6 +129,18 @@ def test_what_a_living_process_writes_stays_whatever_the_clocks_say(tmp_path: Pa
         other.communicate(b"\n")
     clear(tmp_path)
     assert not (tmp_path / name).exists()
+
+
+@pytest.mark.parametrize("system", ["linux", "darwin", "win32"])
+def test_a_process_keeps_its_mark_when_the_clock_is_set(system: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """psutil's moments of processes move along, but not those by which it knows them again."""
+    real = psutil.Process.create_time
+    monkeypatch.setattr(sys, "platform", system)
+    mark = mark_of(os.getpid())
+    monkeypatch.setattr(psutil.Process, "create_time", lambda self: real(self) + 5)
+    assert mark_of(os.getpid()) == mark
+    assert leftovers.lives(mark)
+    assert not leftovers.lives(f"{mark}0")
 
 
 def test_a_folder_that_was_being_filled_goes_and_a_link_of_that_name_is_not_followed(tmp_path: Path) -> None:

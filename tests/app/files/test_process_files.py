@@ -21,6 +21,7 @@ from app.gui.session_file import (
 )
 from app.runs.queue_file import keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
+from renderer.leftovers import mark_of
 from renderer.train.config import TrainConfig
 
 LONG = 1e6
@@ -52,21 +53,35 @@ def test_a_dead_process_of_the_same_number_has_left_its_own(
     assert own_file(tmp_path, "kept", ".json") != before
 
 
-def test_another_living_process_keeps_its_file(tmp_path: Path) -> None:
-    other = os.getppid()
-    name = own_file(tmp_path, "kept", ".json").name.replace(f"-{os.getpid()}-", f"-{other}-")
-    kept(tmp_path, 0, name)
+def of_process(mark: str) -> str:
+    """The name of its file."""
+    return own_file(Path(), "kept", ".json").name.replace(f"-{mark_of(os.getpid())}-", f"-{mark}-")
+
+
+@pytest.mark.parametrize("age", [-LONG, 0.0, LONG])
+def test_another_living_process_keeps_its_file_whatever_the_clock_says(tmp_path: Path, age: float) -> None:
+    kept(tmp_path, age, of_process(mark_of(os.getppid())))
     assert not is_left(tmp_path)
-    kept(tmp_path, time.time() - psutil.Process(other).create_time() + 10, name)
+
+
+def test_a_later_process_of_its_number_does_not_keep_it(tmp_path: Path) -> None:
+    kept(tmp_path, 0, of_process(f"{os.getppid()}.1"))
+    assert is_left(tmp_path)
+
+
+def test_of_files_of_former_versions_the_clock_tells(tmp_path: Path) -> None:
+    other = os.getppid()
+    kept(tmp_path, 0, of_process(str(other)))
+    assert not is_left(tmp_path)
+    kept(tmp_path, time.time() - psutil.Process(other).create_time() + 10, of_process(str(other)))
     assert is_left(tmp_path)
 
 
 def test_another_machines_file_stays_till_it_is_forgotten(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for number in (os.getpid(), 999_999_999):
-        path = own_file(tmp_path, "kept", ".json")
-        path = kept(tmp_path, 0, path.name.replace(f"-{os.getpid()}-", f"-{number}-"))
+    for mark in (mark_of(os.getpid()), "999999999.1"):
+        path = kept(tmp_path, 0, of_process(mark))
         with monkeypatch.context() as patch:
             patch.setattr(process_files, "machine", lambda: "0badcafe")
             assert not is_left(tmp_path)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -51,9 +52,25 @@ def test_a_killed_process_holds_nothing(tmp_path: Path) -> None:
 
 
 def test_a_number_that_is_used_again_is_another_process(tmp_path: Path) -> None:
-    process = psutil.Process()
-    (tmp_path / NAME).write_text(json.dumps({"process": process.pid, "began": process.create_time() - 3600}))
+    number = os.getpid()
+    (tmp_path / NAME).write_text(json.dumps({"process": number, "mark": f"{number}.1"}))
     assert holder(tmp_path) is None
+
+
+def test_who_holds_it_by_a_file_of_former_versions(tmp_path: Path) -> None:
+    process = psutil.Process()
+    for shift, found in ((0, process.pid), (3600, None)):
+        facts = {"process": process.pid, "began": process.create_time() - shift}
+        (tmp_path / NAME).write_text(json.dumps(facts))
+        assert holder(tmp_path) == found
+
+
+def test_it_is_held_whatever_becomes_of_the_clock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """psutil has moments of processes in the clock's time."""
+    real = psutil.Process.create_time
+    with locked(tmp_path):
+        monkeypatch.setattr(psutil.Process, "create_time", lambda self: real(self) + 3600)
+        assert holder(tmp_path) == os.getpid()
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"process": "x", "began": 0}', '{"process": 1e99}'])
