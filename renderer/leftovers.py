@@ -12,7 +12,9 @@ import platform
 import re
 import shutil
 import sys
+import uuid
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Final
 from zlib import crc32
@@ -24,6 +26,9 @@ PARTIAL: Final = ".partial"
 COMMIT: Final = ".commit"
 LONGEST: Final = 120
 """Bytes of a name; systems allow 255 with all that is added."""
+INSTALLATION: Final = Path("/etc/machine-id")
+NUMBERS: Final = Path("/proc/self/ns/pid")
+"""Its inode is that of the space in which processes have their numbers."""
 _NAME = re.compile(r"^\..*-(\d+(?:\.\d+)?)-([0-9a-f]{8})(\.partial|\.commit)(\.[^.]*)?$")
 
 
@@ -58,7 +63,7 @@ def clear(folder: Path) -> None:
         # Of a folder of thousands of files the few with such names are sorted and looked at.
         for found in sorted(filter(None, map(_NAME.match, os.listdir(folder))), key=lambda found: found[0]):
             item = folder / found[0]
-            if found[2] == machine() and not lives(found[1]):
+            if found[2] in machines() and not lives(found[1]):
                 with suppress(OSError):
                     _settle(item, found[3])
 
@@ -100,9 +105,43 @@ def _began(process: int) -> str:
     return f"{100 * (told._ident[1] or told.create_time()):.0f}"
 
 
+@cache
 def machine() -> str:
-    """Folders may be shared: a process is one of the machine that it runs on."""
-    return f"{crc32(platform.node().encode()):08x}"
+    """Folders may be shared: a process is one of the machine that it runs on.
+
+    A Mac's name follows the network that it is in, so its hardware tells it. Elsewhere the name does; Linux
+    adds the installation and the space of process numbers: of containers several may have one name.
+    """
+    if sys.platform == "darwin":
+        return _short(_hardware())
+    told = platform.node() + _installation()
+    with suppress(OSError):
+        told += str(NUMBERS.stat().st_ino)
+    return _short(told)
+
+
+@cache
+def machines() -> frozenset[str]:
+    """What files call this machine: former versions had its name, or the installation or the hardware."""
+    return frozenset({machine(), _short(platform.node()), _short(_installation() or _hardware())})
+
+
+def _installation() -> str:
+    """Empty where systems have no such name."""
+    try:
+        return INSTALLATION.read_text().strip()
+    except OSError:
+        return ""
+
+
+def _hardware() -> str:
+    address = uuid.getnode()
+    is_made_up = bool(address >> 40 & 1)
+    return platform.node() if is_made_up else str(address)
+
+
+def _short(told: str) -> str:
+    return f"{crc32(told.encode()):08x}"
 
 
 def sync_folder(folder: Path) -> None:

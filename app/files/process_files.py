@@ -7,19 +7,15 @@ named them `KIND-PROCESS`.
 from __future__ import annotations
 
 import os
-import platform
 import re
 import secrets
 import time
-import uuid
-from functools import cache
 from pathlib import Path
 from typing import Final
-from zlib import crc32
 
 import psutil
 
-from renderer.leftovers import lives, mark_of
+from renderer.leftovers import lives, machine, machines, mark_of
 
 TOKEN: Final = secrets.token_hex(4)
 """Of this process: its number comes again, in a container with each start."""
@@ -31,20 +27,6 @@ _NAME: Final = re.compile(r"(\d+)(\.\d+)?(?:-([0-9a-f]{8})-[0-9a-f]{8})?")
 def own_file(folder: Path, kind: str, suffix: str) -> Path:
     """Where this process keeps its file of this kind."""
     return folder / f"{kind}-{mark_of(os.getpid())}-{machine()}-{TOKEN}{suffix}"
-
-
-@cache
-def machine() -> str:
-    """Of the hardware or the installation: a laptop's name may change with the network that it is in."""
-    try:
-        told = Path("/etc/machine-id").read_text().strip()
-    except OSError:
-        told = ""
-    if not told:
-        address = uuid.getnode()
-        is_made_up = bool(address >> 40 & 1)
-        told = platform.node() if is_made_up else str(address)
-    return f"{crc32(told.encode()):08x}"
 
 
 def left_behind(folder: Path, kind: str, suffix: str) -> list[Path]:
@@ -62,7 +44,7 @@ def _is_written_still(path: Path, kind: str) -> bool:
         return True
     try:
         written = path.stat().st_mtime
-        if found[3] not in (None, machine()):
+        if found[3] and found[3] not in machines():
             return time.time() - written < FORGOTTEN
         process = int(found[1])
         if process == os.getpid():

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import platform
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+from zlib import crc32
 
 import psutil
 import pytest
@@ -141,6 +143,58 @@ def test_a_process_keeps_its_mark_when_the_clock_is_set(system: str, monkeypatch
     assert mark_of(os.getpid()) == mark
     assert leftovers.lives(mark)
     assert not leftovers.lives(f"{mark}0")
+
+
+@pytest.fixture
+def named_anew() -> Iterator[Callable[[], str]]:
+    """What this machine is called now, by what the test has changed."""
+    known = (leftovers.machine, leftovers.machines)
+
+    def name() -> str:
+        for function in known:
+            function.cache_clear()
+        return leftovers.machine()
+
+    yield name
+    for function in known:
+        function.cache_clear()
+
+
+def test_a_mac_stays_the_same_in_another_network(
+    named_anew: Callable[[], str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "platform", "darwin")
+    monkeypatch.setattr("uuid.getnode", lambda: 0x02_42_AC_11_00_02)
+    found = set()
+    for name in ("laptop.here", "laptop.elsewhere"):
+        monkeypatch.setattr("platform.node", lambda name=name: name)
+        found.add(named_anew())
+    assert len(found) == 1
+
+
+def test_containers_and_copies_of_one_installation_are_machines_of_their_own(
+    named_anew: Callable[[], str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "id").write_text("0123")
+    monkeypatch.setattr(leftovers, "INSTALLATION", tmp_path / "id")
+    found = []
+    for node in ("one", "other"):
+        monkeypatch.setattr("platform.node", lambda node=node: node)
+        for name in ("first", "second"):
+            (tmp_path / name).touch()
+            monkeypatch.setattr(leftovers, "NUMBERS", tmp_path / name)
+            found.append(named_anew())
+            assert named_anew() == found[-1]
+    assert len(set(found)) == 4
+    monkeypatch.setattr(leftovers, "NUMBERS", tmp_path / "none, as elsewhere")
+    assert named_anew() not in found
+
+
+def test_what_former_versions_left_under_the_name_of_the_machine_goes(tmp_path: Path) -> None:
+    former = f"{crc32(platform.node().encode()):08x}"
+    (tmp_path / f".run-{gone()}.1-{former}{PARTIAL}").write_text("half")
+    clear(tmp_path)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_folder_that_was_being_filled_goes_and_a_link_of_that_name_is_not_followed(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from pathlib import Path
+from zlib import crc32
 
 import psutil
 import pytest
@@ -21,6 +22,7 @@ from app.gui.session_file import (
 )
 from app.runs.queue_file import keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
+from renderer import leftovers
 from renderer.leftovers import mark_of
 from renderer.train.config import TrainConfig
 
@@ -84,28 +86,26 @@ def test_another_machines_file_stays_till_it_is_forgotten(
         path = kept(tmp_path, 0, of_process(mark))
         with monkeypatch.context() as patch:
             patch.setattr(process_files, "machine", lambda: "0badcafe")
+            patch.setattr(process_files, "machines", lambda: {"0badcafe"})
             assert not is_left(tmp_path)
             os.utime(path, (time.time() - FORGOTTEN - 60,) * 2)
             assert is_left(tmp_path)
         path.unlink()
 
 
-def test_a_machine_stays_the_same_under_another_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("uuid.getnode", lambda: 0x02_42_AC_11_00_02)
-    found = set()
-    for name in ("laptop.here", "laptop.elsewhere"):
-        monkeypatch.setattr("platform.node", lambda name=name: name)
-        process_files.machine.cache_clear()
-        found.add(process_files.machine())
-    process_files.machine.cache_clear()
-    assert len(found) == 1
-
-
-def test_names_of_former_versions_are_found(tmp_path: Path) -> None:
+def test_names_of_former_versions_are_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     left = kept(tmp_path, 0, "kept-999999999.json")
+    assert left_behind(tmp_path, "kept", ".json") == [left]
+    left.unlink()
+    # By the installation, on systems that name it.
+    (tmp_path / "id").write_text("0123")
+    monkeypatch.setattr(leftovers, "INSTALLATION", tmp_path / "id")
+    leftovers.machines.cache_clear()
+    left = kept(tmp_path, 0, f"kept-999999999-{crc32(b'0123'):08x}-01234567.json")
     kept(tmp_path, 0, f"kept-{os.getppid()}.json")
     kept(tmp_path, 0, "kept-of-somebody.json")
     assert left_behind(tmp_path, "kept", ".json") == [left]
+    leftovers.machines.cache_clear()
 
 
 def test_queue_and_session_of_a_window_with_the_same_number_outlive_the_next(
