@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+import sys
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Final, ParamSpec
 
 from renderer.leftovers import clear, sync_folder, temporary_name
+
+Given = ParamSpec("Given")
+PATIENCE: Final = 2.0
+"""Seconds for which another program, such as a virus scanner, may hold a file."""
 
 
 @contextmanager
@@ -56,5 +63,22 @@ def unlinked(path: Path) -> Path:
 
 def rename(partial: Path, path: Path) -> None:
     """Put a synced file into its place, for good."""
-    partial.replace(path)
+    patiently(partial.replace, path)
     sync_folder(path.parent)
+
+
+def patiently(act: Callable[Given, object], *given: Given.args, **named: Given.kwargs) -> None:
+    """Rename or remove by `act`. Windows refuses that while anybody has the file, or one in the folder, open:
+    there it is tried again for a while.
+
+    Raises OSError as `act` does.
+    """
+    until = time.monotonic() + (PATIENCE if sys.platform == "win32" else 0.0)
+    while True:
+        try:
+            act(*given, **named)
+            return
+        except PermissionError:
+            if time.monotonic() >= until:
+                raise
+            time.sleep(0.05)

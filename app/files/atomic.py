@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from app.errors import UserError
-from renderer.atomic_files import followed, rename
+from renderer.atomic_files import followed, patiently, rename
 from renderer.leftovers import clear, commit_name, put_into_place, sync_folder, temporary_name
 
 NO_SPACE = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
@@ -99,9 +99,10 @@ def _commit(staging: Path, folder: Path) -> None:
         _sync(item)
     sync_folder(staging)
     ready = folder / commit_name(staging.name)
-    os.replace(staging, ready)
+    patiently(os.replace, staging, ready)
     sync_folder(folder)
-    put_into_place(ready)
+    # It goes on where it was refused.
+    patiently(put_into_place, ready)
 
 
 def _require_file(path: Path) -> None:

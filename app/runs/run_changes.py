@@ -12,6 +12,7 @@ from app.errors import UserError
 from app.files.bin import has_bin, move_to_bin
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
+from renderer.atomic_files import patiently
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def rename_run(path: Path, wanted: str) -> Path:
     # Where upper and lower case are one, another spelling of its own name is no other folder.
     if there.exists() and not there.samefile(path):
         raise UserError(f"expected a name that no other run has, got {name}: {there}")
-    path.rename(there)
+    patiently(path.rename, there)
     return there
 
 
@@ -66,7 +67,7 @@ def delete_run(path: Path, *, for_good: bool = False) -> None:
     # In one step it is no run any more: what is cut short leaves nothing that looks like one.
     doomed = path.with_name(f".{path.name}.deleted")
     shutil.rmtree(doomed, ignore_errors=True)  # Of one that was cut short.
-    path.rename(doomed)
+    patiently(path.rename, doomed)
     RunFolder(doomed).record_path.unlink()
     shutil.rmtree(doomed)
 

@@ -15,7 +15,7 @@ from filelock import FileLock, Timeout
 
 from app.errors import UserError
 from app.files.atomic import write_bytes
-from renderer.atomic_files import unlinked
+from renderer.atomic_files import patiently, unlinked
 from renderer.json_files import read_json
 from renderer.leftovers import lives, mark_of
 
@@ -41,11 +41,13 @@ def locked(run: Path) -> Iterator[None]:
     try:
         # What killed processes were writing: nobody else writes here now.
         for partial in _partial_files(run):
-            partial.unlink()
+            patiently(partial.unlink)
         write_bytes(unlinked(file), json.dumps({"process": process, "mark": mark_of(process)}).encode())
         yield
     finally:
-        file.unlink(missing_ok=True)
+        # Windows keeps it for a reader; what stays is as if the process had been killed.
+        with suppress(PermissionError):
+            patiently(file.unlink, missing_ok=True)
         # Removed while it is held, so that nobody else's is; Windows lets go of it first.
         with suppress(PermissionError):
             (run / LOCK).unlink(missing_ok=True)

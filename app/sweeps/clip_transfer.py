@@ -12,6 +12,7 @@ from typing import Final
 
 from app.errors import UserError
 from app.files.provenance import digest
+from renderer.atomic_files import patiently
 from renderer.layouts import layout_of
 from renderer.readers.clip_files import files_in
 
@@ -77,7 +78,7 @@ def _unpacked(content: bytes, sha256: str, copy: Path) -> Path:
         archive.extractall(staging)
     if digest(next(staging.iterdir())) != sha256:
         raise UserError("expected the content of the clip, got another's")
-    staging.rename(copy)
+    patiently(staging.rename, copy)
     return next(copy.iterdir())
 
 

@@ -17,6 +17,7 @@ from PIL import Image
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
+from renderer.atomic_files import patiently
 from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, ClipError, Frame
 from renderer.leftovers import clear, temporary_name
@@ -249,7 +250,7 @@ def write_phantom(
         try:
             (partial / "vessel_masks").mkdir(parents=True)
             writers[layout](partial, _drawn(Phantom(params), partial / "vessel_masks"))
-            partial.rename(out)
+            patiently(partial.rename, out)
         finally:
             shutil.rmtree(partial, ignore_errors=True)
     except OSError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,7 +45,9 @@ def write_checkpoint(folder: Path, checkpoint: Checkpoint) -> Path:
         arrays = LazyArrays(list(checkpoint.arrays), checkpoint.arrays.__getitem__)
         write_arrays(partial, arrays, {"state": json.dumps(state)})
     for old in checkpoint_paths(folder)[:-KEPT]:
-        old.unlink()
+        # One that another program holds goes with the next.
+        with suppress(PermissionError):
+            old.unlink()
     return path
 
 

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from renderer.atomic_files import written_atomically
+from renderer import atomic_files
+from renderer.atomic_files import patiently, written_atomically
 from renderer.leftovers import temporary_name
 
 
@@ -92,3 +93,38 @@ def test_renames_are_synced_with_their_folder(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(os, "fsync", fsync)
     write(tmp_path / "a", b"new")
     assert synced == [temporary_name("a"), tmp_path.name]
+
+
+@pytest.mark.parametrize(("system", "tries"), [("win32", 3), ("linux", 1)])
+def test_what_windows_refuses_for_a_moment_is_tried_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, system: str, tries: int
+) -> None:
+    """While a virus scanner looks at the file."""
+    asked = []
+    real = Path.replace
+
+    def busy(path: Path, target: Path) -> Path:
+        asked.append(path)
+        if len(asked) < 3:
+            raise PermissionError(13, "in use", str(path))
+        return real(path, target)
+
+    monkeypatch.setattr(sys, "platform", system)
+    monkeypatch.setattr(Path, "replace", busy)
+    if tries == 1:
+        with pytest.raises(PermissionError):
+            write(tmp_path / "a", b"new")
+    else:
+        write(tmp_path / "a", b"new")
+        assert (tmp_path / "a").read_bytes() == b"new"
+    assert len(asked) == tries
+
+
+def test_it_is_not_tried_for_ever(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def busy() -> None:
+        raise PermissionError(13, "in use")
+
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(atomic_files, "PATIENCE", 0.1)
+    with pytest.raises(PermissionError):
+        patiently(busy)

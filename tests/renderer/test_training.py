@@ -117,6 +117,25 @@ def test_checkpoint_of_another_run_is_refused(tmp_path: Path) -> None:
         list(train(clip, replace(SMALL, iterations=80), folder=tmp_path, resume=True))
 
 
+def test_an_old_checkpoint_that_another_program_holds_goes_with_the_next(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on Windows, where a virus scanner may look at it."""
+    arrays = {"means": np.zeros((2, 3), np.float32)}
+
+    def busy(path: Path, missing_ok: bool = False) -> None:
+        if path.exists():
+            raise PermissionError(13, "in use", str(path))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", busy)
+        for iteration in (10, 20, 30):
+            write_checkpoint(tmp_path, Checkpoint(iteration, 1.5, "x", arrays))
+    assert len(checkpoint_paths(tmp_path)) == 3
+    write_checkpoint(tmp_path, Checkpoint(40, 1.5, "x", arrays))
+    assert [int(path.stem[-2:]) for path in checkpoint_paths(tmp_path)] == [30, 40]
+
+
 def test_two_checkpoints_are_kept_and_a_damaged_one_is_passed_over(tmp_path: Path) -> None:
     for iteration in (10, 20, 30):
         write_checkpoint(

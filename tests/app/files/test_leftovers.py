@@ -242,6 +242,25 @@ def test_a_set_whose_files_cannot_be_moved_now_is_completed_later(
     assert not commit.exists()
 
 
+def test_a_set_is_completed_when_the_other_program_lets_go(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, refused = os.replace, []
+
+    def busy(source: Path, target: Path) -> None:
+        if Path(source).name not in refused:
+            refused.append(Path(source).name)
+            raise PermissionError(13, "in use", str(source))
+        real(source, target)
+
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(os, "replace", busy)
+    write_new(tmp_path)
+    assert contents(tmp_path) == NEW
+    assert len(refused) == 3  # The folder, and each of its files.
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
+
+
 def test_names_of_any_length_and_kind_are_written(tmp_path: Path) -> None:
     """The name beside which the temporary one lies may be as long as the system allows."""
     for name in ("x" * 250 + ".png", "a b.png", "-.png", "é" * 120 + ".png"):

@@ -57,6 +57,26 @@ def test_a_number_that_is_used_again_is_another_process(tmp_path: Path) -> None:
     assert holder(tmp_path) is None
 
 
+def test_a_reader_of_its_file_does_not_end_a_training(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on Windows, where nobody removes what somebody has open."""
+    real = Path.unlink
+
+    def busy(path: Path, missing_ok: bool = False) -> None:
+        if path.name == NAME:
+            raise PermissionError(13, "in use", str(path))
+        real(path, missing_ok)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", busy)
+        with locked(tmp_path):
+            pass
+    with locked(tmp_path):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_who_holds_it_by_a_file_of_former_versions(tmp_path: Path) -> None:
     process = psutil.Process()
     for shift, found in ((0, process.pid), (3600, None)):
