@@ -5,6 +5,7 @@ All that crosses between processes and machines is here; it is plain values, and
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import secrets
 import tempfile
@@ -25,8 +26,6 @@ from app.sweeps.jobs import PICTURE, Job, JobFolder, Keeps
 
 TOKEN: Final = ".sweep"
 """A file with a random word in a sweep's folder, by which a worker knows it again."""
-WATCHED: Final = 1.0
-"""Seconds between two looks at whether the process that started a worker is still there."""
 
 
 @dataclass(frozen=True)
@@ -170,12 +169,13 @@ def machine() -> str:
     return f"{processor_name()}, {os.cpu_count()} cores"
 
 
-def end_with(parent: int) -> None:
+def end_with_parent() -> None:
     """End this process when the one that started it is gone, which a pool's worker would not notice."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
 
     def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(WATCHED)
+        parent.join()
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
 import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
@@ -12,7 +11,7 @@ from typing import Any
 
 from app.console.startup import rest_while_waiting
 from app.sweeps.engines.engine import Engine, workers_for
-from app.sweeps.worker import end_with
+from app.sweeps.worker import end_with_parent
 
 AHEAD = 2
 """Jobs that wait beside those that run, so that no worker does."""
@@ -39,7 +38,7 @@ class Processes(Executor):
 
     def _new(self) -> ProcessPoolExecutor:
         context = multiprocessing.get_context("spawn")
-        return ProcessPoolExecutor(self._workers, context, _begin, (os.getpid(),))
+        return ProcessPoolExecutor(self._workers, context, _begin)
 
     def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
         try:
@@ -55,8 +54,8 @@ class Processes(Executor):
             process.terminate()
 
 
-def _begin(parent: int) -> None:
+def _begin() -> None:
     """In a new worker. Ctrl+C in a terminal reaches it, too; the parent decides."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     rest_while_waiting()
-    end_with(parent)
+    end_with_parent()

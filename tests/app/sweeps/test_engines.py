@@ -21,6 +21,7 @@ from app.sweeps.engines.slurm import submitted_by
 from app.sweeps.plan import planned, recorded, state
 from app.sweeps.spec import Slurm, spec_of
 from app.sweeps.sweep import run_jobs
+from app.sweeps.worker import end_with_parent
 from tests.app.conftest import ROOT
 
 SPEC = """
@@ -89,6 +90,39 @@ def test_killed_workers_and_a_killed_client_lose_nothing(sweep: Path) -> None:
     again = {key: (sweep.parent / "out" / "jobs" / key / "result.json").stat().st_mtime_ns for key in done}
     assert written == again  # None was done twice.
     assert len(results(sweep)) == 5
+
+
+def worker() -> None:
+    """As on Windows, where the number of the parent stays after its end."""
+    parent = os.getppid()
+    os.getppid = lambda: parent
+    end_with_parent()
+    sys.stdout.write(f"{os.getpid()}\n")
+    sys.stdout.flush()
+    time.sleep(60)
+
+
+STARTS_A_WORKER = """
+import multiprocessing
+from tests.app.sweeps.test_engines import worker
+process = multiprocessing.get_context("spawn").Process(target=worker)
+process.start()
+process.join()
+"""
+
+
+def test_a_worker_ends_with_a_killed_parent_on_every_system() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", STARTS_A_WORKER], cwd=ROOT, stdout=subprocess.PIPE, text=True
+    ) as parent:
+        assert parent.stdout is not None
+        begun = psutil.Process(int(parent.stdout.readline()))
+        parent.kill()
+        parent.wait()
+        _, alive = psutil.wait_procs([begun], timeout=10)
+        for process in alive:
+            process.kill()
+    assert not alive
 
 
 @pytest.mark.slow
