@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import stat
 import sys
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import TextIO
 
 from app.cli import run
@@ -27,17 +29,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     sys.stdout = sys.stdout or _nowhere()
     sys.stderr = sys.stderr or _nowhere()
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # As stderr does: a file may have any name.
+        # As stderr does: a file may have any name. Programs read UTF-8, whatever a terminal has.
+        encoding = None if sys.stdout.isatty() else "utf-8"
+        sys.stdout.reconfigure(encoding=encoding, errors="backslashreplace")
     signals = EndingSignals()
     try:
         with signals:
             require_one_place()
             run(sys.argv[1:] if arguments is None else arguments)
             sys.stdout.flush()
-    except BrokenPipeError:
-        # The reader of stdout left (`| head`); a second flush at exit must not complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except KeyboardInterrupt as interrupt:
         return _fail(str(interrupt) or "interrupted", signals.code)
     except UserError as error:
@@ -45,6 +45,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _fail("out of memory: try a smaller image, clip or size", 2)
     except OSError as error:
+        if _reader_left(error):
+            # A second flush at exit must not complain.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return 0
         return _fail(f"{error.strerror or error}: {error.filename or _unnamed(error)}", 2)
     except ValueError as error:
         line = mistake(error)
@@ -52,6 +56,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         return _fail(line, 2)
     return 0
+
+
+def _reader_left(error: OSError) -> bool:
+    """Of stdout (`| head`), for which Windows has no error of its own."""
+    as_on_windows = sys.platform == "win32" and error.errno == errno.EINVAL and not error.filename
+    if not as_on_windows:
+        return isinstance(error, BrokenPipeError)
+    with suppress(OSError, ValueError):
+        return stat.S_ISFIFO(os.fstat(sys.stdout.fileno()).st_mode)
+    return False
 
 
 def _unnamed(error: OSError) -> str:

@@ -52,22 +52,23 @@ class FfmpegWriter:
         return self._process.stdin
 
     def write(self, frame: ArrayImage, seconds: float | None) -> None:
+        # Of a pipe whose reader has ended systems say different things.
         try:
             self._frames.write(frame.tobytes())
-        except BrokenPipeError as error:
+        except OSError as error:
             raise self._failed() from error
 
     def finish(self) -> None:
         try:
             self._frames.close()
-        except BrokenPipeError as error:
+        except OSError as error:
             raise self._failed() from error
         if self._process.wait() != 0:
             raise self._failed()
 
     def _failed(self) -> OSError:
         """In its last line, once it has ended."""
-        with suppress(BrokenPipeError):
+        with suppress(OSError):
             self._frames.close()
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(PATIENCE)
@@ -79,6 +80,6 @@ class FfmpegWriter:
         if self._process.poll() is None:
             self._process.kill()
             self._process.wait()
-        with suppress(BrokenPipeError):  # What it had not read is of no use any more.
+        with suppress(OSError):  # What it had not read is of no use any more.
             self._frames.close()
         self._said.close()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import inspect
+import io
 import json
 import os
 import shutil
@@ -235,6 +237,35 @@ def test_a_reader_that_leaves_is_no_error(tmp_path: Path, arguments: str) -> Non
     shell = f"'{sys.executable}' -m app {given} | true; exit ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, cwd=ROOT)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(("system", "code"), [("win32", 0), ("linux", 2)])
+def test_nor_is_it_where_systems_say_it_as_windows_does(
+    monkeypatch: pytest.MonkeyPatch, system: str, code: int
+) -> None:
+    class Left(io.StringIO):
+        def write(self, text: str, /) -> int:
+            raise OSError(errno.EINVAL, "Invalid argument")
+
+        def fileno(self) -> int:
+            return writer
+
+    reader, writer = os.pipe()
+    monkeypatch.setattr(sys, "platform", system)
+    monkeypatch.setattr(sys, "stdout", Left())
+    assert main(["--version"]) == code
+    for end in (reader, writer):
+        os.close(end)
+
+
+def test_what_is_no_terminals_is_utf8_whatever_the_system_writes(tmp_path: Path) -> None:
+    path = picture(tmp_path / "M\xfcller-\u80c3.png")
+    environment = os.environ | {"PYTHONIOENCODING": "cp1252"}
+    command = [sys.executable, "-m", "app", "info", str(path)]
+    for more in ((), ("--json",)):
+        done = subprocess.run([*command, *more], capture_output=True, cwd=ROOT, env=environment, check=True)
+        assert path.name in done.stdout.decode("utf-8")
+        assert not more or json.loads(done.stdout)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no device that is full")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import subprocess
@@ -9,6 +10,7 @@ import sys
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
+from typing import IO, Any
 
 import av
 import cv2
@@ -141,9 +143,32 @@ def test_an_ffmpeg_without_h264_is_passed_over(tmp_path: Path, monkeypatch: pyte
     assert video_encoder() == VideoEncoder("OpenCV", "mp4v")
 
 
+class WindowsPipe:
+    """Says of a reader that has ended what Windows does."""
+
+    def __init__(self, pipe: IO[Any]) -> None:
+        self._pipe = pipe
+
+    def write(self, content: bytes) -> None:
+        self._say(self._pipe.write, content)
+
+    def close(self) -> None:
+        self._say(self._pipe.close)
+
+    def _say(self, act: Callable[..., object], *given: bytes) -> None:
+        try:
+            act(*given)
+        except BrokenPipeError:
+            raise OSError(errno.EINVAL, "Invalid argument") from None
+
+
+@pytest.mark.parametrize("on_windows", [False, True])
 def test_an_ffmpeg_that_fails_is_one_line_and_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, on_windows: bool
 ) -> None:
+    if on_windows:
+        pipe = property(lambda self: WindowsPipe(self._process.stdin))
+        monkeypatch.setattr("app.files.ffmpeg_video.FfmpegWriter._frames", pipe)
     program, out = tmp_path / "ffmpeg", tmp_path / "out" / "out.mp4"
     program.write_text(
         "#!/bin/sh\nexec <&-\nsleep 0.3\necho 'first' >&2\necho 'no space for x264' >&2\nexit 1\n"
@@ -348,6 +373,7 @@ def test_interlaced_video_is_enhanced_and_made_again(tmp_path: Path, vesselsplat
 WRITES = """
 import sys
 from pathlib import Path
+from typing import IO, Any
 import cv2
 import numpy as np
 from app.files.timing import Timing
