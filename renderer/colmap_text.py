@@ -25,17 +25,21 @@ def write_colmap(folder: Path, cameras: Sequence[NamedCamera], splats: Splats) -
     lenses = list(dict.fromkeys(_lens(one.camera) for one in cameras))
     (folder / "cameras.txt").write_text(
         "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n"
-        + "".join(f"{number} {lens}\n" for number, lens in enumerate(lenses, start=1))
+        + "".join(f"{number} {lens}\n" for number, lens in enumerate(lenses, start=1)),
+        encoding="utf-8",
+        newline="\n",
     )
     (folder / "images.txt").write_text(
         "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of POINTS2D[], here empty\n"
         + "".join(
             f"{number} {_pose(one.camera)} {lenses.index(_lens(one.camera)) + 1} {one.name}\n\n"
             for number, one in enumerate(cameras, start=1)
-        )
+        ),
+        encoding="utf-8",
+        newline="\n",
     )
     colors = np.rint(splats.colors.clip(0, 1) * 255).astype(int)
-    with (folder / "points3D.txt").open("w") as file:
+    with (folder / "points3D.txt").open("w", encoding="utf-8", newline="\n") as file:
         file.write("# POINT3D_ID X Y Z R G B ERROR TRACK[]\n")
         for number, (place, color) in enumerate(zip(splats.means, colors, strict=True), start=1):
             file.write(f"{number} {' '.join(f'{value:.9g}' for value in place)} ")

@@ -2,7 +2,10 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -115,6 +118,24 @@ def test_a_principal_point_off_the_middle_is_told() -> None:
 def test_so_do_those_of_colmap(tmp_path: Path) -> None:
     write_colmap(tmp_path / "sparse")
     same(tmp_path / "sparse")
+
+
+WRITES_THEM = """
+import sys
+from pathlib import Path
+from renderer.camera_files import NamedCamera
+from renderer.colmap_text import write_colmap
+from tests.renderer.scenes import random_splats
+from tests.renderer.test_camera_files import CAMERAS
+write_colmap(Path(sys.argv[1]), [NamedCamera("M\\xfcller \\u80c3", CAMERAS[0])], random_splats(2, CAMERAS[0]))
+"""
+
+
+def test_names_of_any_alphabet_are_written_whatever_the_system_writes(tmp_path: Path) -> None:
+    environment = os.environ | {"LC_ALL": "C", "PYTHONCOERCECLOCALE": "0", "PYTHONUTF8": "0"}
+    command = [sys.executable, "-c", WRITES_THEM, str(tmp_path)]
+    subprocess.run(command, env=environment, cwd=Path(__file__).parents[2], check=True)
+    assert [one.name for one in read_cameras(tmp_path)] == ["M\u00fcller \u80c3"]
 
 
 def test_an_angle_gives_the_focal_length(tmp_path: Path) -> None:
