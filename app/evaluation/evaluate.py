@@ -12,13 +12,13 @@ from typing import Any, Final, Literal
 
 import numpy as np
 import platformdirs
-import psutil
 from numba import get_num_threads
 
 from app.errors import UserError
 from app.evaluation.mean import mean_of_finite
 from app.files.provenance import plain
 from app.runs.memory import peak_memory_mb
+from app.runs.processor import load_average
 from app.runs.run_edits import LeftOut, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.trained_clip import input_clip, run_clip
@@ -69,7 +69,8 @@ DEFINITIONS = {
     "of local variances over detail and background, with one mask from the clip's own frame",
     "ms_per_frame": f"median of {REPEATS} renderings after one warm-up, from the parameters to the "
     "image and its depth, all threads done; parts_ms: the deformation; projection and sort, as a rendering "
-    "without any tile; the rest; timed_with: threads, and the machine's load average over the last minute",
+    "without any tile; the rest; timed_with: threads, and the machine's load average over the last minute "
+    "(null: the system keeps none)",
     "peak_memory_mb": "peak resident memory of the training process (null: not logged), and of this one",
     "train_seconds": STEPS,
     "wall_seconds": WALL,
@@ -195,7 +196,7 @@ class Evaluation:
             "mean": {name: mean_of_finite(getattr(frame, name) for frame in frames) for name in AVERAGED}
             | constant,
             **{name: _mean([getattr(frame, name) for frame in frames]) for name in GROUPS},
-            "timed_with": {"threads": get_num_threads(), "load": float(psutil.getloadavg()[0])},
+            "timed_with": {"threads": get_num_threads(), "load": load_average()},
             "peak_memory_mb": {"training": self._training_memory(), "evaluation": peak_memory_mb()},
             "frames": list(frames),
             "definitions": DEFINITIONS

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -18,7 +17,7 @@ from numba import get_num_threads
 
 from app.report.runs import Runs
 from app.report.section import Section
-from app.runs.processor import processor_name
+from app.runs.processor import load_average, processor_name
 from app.runs.system_info import collect
 from renderer.clip import Clip, ClipError
 from renderer.phantom import Phantom, PhantomParams, write_phantom
@@ -166,5 +165,5 @@ def machine() -> dict[str, Any]:
         "processor": processor_name(),
         "memory_gb": round(psutil.virtual_memory().total / 1e9, 1),
         "threads": get_num_threads(),
-        "load": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
+        "load": load_average(),
     }

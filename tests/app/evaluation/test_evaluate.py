@@ -17,6 +17,7 @@ import pytest
 
 from app.commands.evaluate import PAPER, compared
 from app.evaluation.evaluate import Stopwatch, measure_frame, open_evaluation
+from app.runs.processor import load_average
 from app.runs.run_folder import RunFolder
 from app.scenes.cpu_rendering import Drawn, draw_on_cpu
 from enhance.metrics import vessel_contrast
@@ -85,6 +86,12 @@ def test_depth_error_and_shares_are_of_the_evaluated_pixels(runs: dict[str, Path
     assert (report["seed"], report["evaluation_masks"]) == (0, "masks")
     assert report["timed_with"]["threads"] >= 1
     assert report["timed_with"]["load"] >= 0
+
+
+def test_a_system_without_a_load_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As Windows, where psutil would say 0."""
+    monkeypatch.delattr("os.getloadavg")
+    assert load_average() is None
 
 
 @pytest.fixture(scope="module")
