@@ -10,6 +10,7 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.files.bin import has_bin, move_to_bin
+from app.files.device_names import is_device
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
 from renderer.atomic_files import patiently
@@ -28,7 +29,8 @@ class Footprint:
 
 def folder_name(wanted: str) -> str:
     """As near to what a person typed as every system allows; empty where nothing is left of it."""
-    return re.sub(r"[^\w.-]+", "-", wanted).strip(".-")
+    name = re.sub(r"[^\w.-]+", "-", wanted).strip(".-")
+    return f"run-{name}" if is_device(name) else name
 
 
 def footprint(path: Path) -> Footprint:

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from typing import Final
 
+from app.files.device_names import is_device
 from app.gui.actions.export_offers import DICOM, OF_MODEL, OFFERS, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
@@ -33,6 +34,8 @@ def why_not_name(name: str) -> str:
         return f"A name cannot contain {found[0]!r}."
     if name.startswith(".") or name.endswith((".", " ")):
         return "A name cannot begin or end with a dot or a space."
+    if is_device(name):
+        return "A name cannot be that of a device of Windows."
     return f"A name can have up to {LONGEST} characters." if len(name) > LONGEST else ""
 
 

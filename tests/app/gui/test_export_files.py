@@ -130,7 +130,7 @@ def test_a_still_is_exported_by_another_name_than_its_own(places: Places, tmp_pa
     assert default_name(state, "right pane") == "scope-right"
 
 
-@pytest.mark.parametrize("name", ["a/b", "a\\b", "a:b", ".a", "a.", "a\tb", "x" * 200])
+@pytest.mark.parametrize("name", ["a/b", "a\\b", "a:b", ".a", "a.", "a\tb", "x" * 200, "nul", "Com1.v2"])
 def test_names_that_no_file_can_have_are_refused_with_a_reason(run: Exporter, name: str) -> None:
     export_actions.choose_what(run.state, "both panes")
     export_actions.type_name(run.state, name)

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from app.errors import UserError
-from app.runs.run_changes import delete_run, footprint, rename_run
+from app.runs.run_changes import delete_run, folder_name, footprint, rename_run
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
 
@@ -25,6 +25,12 @@ def test_a_renamed_run_is_the_same_run(run: Path, runs: dict[str, Path]) -> None
     assert not run.exists()
     assert RunFolder(there).model_path.read_bytes() == RunFolder(runs["original"]).model_path.read_bytes()
     assert rename_run(there, there.name) == there
+
+
+@pytest.mark.parametrize("name", ["NUL", "con", "aux.v2", "lpt9"])
+def test_no_folder_has_the_name_of_a_device_of_windows(name: str) -> None:
+    assert folder_name(name) == f"run-{name}"
+    assert folder_name(f"{name[:3]}-x") == f"{name[:3]}-x"
 
 
 @pytest.mark.parametrize("name", ["", " ./.. ", "other"])
