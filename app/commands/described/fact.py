@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import shlex
+import subprocess
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,7 +41,8 @@ def as_values(facts: Sequence[Fact]) -> dict[str, Any]:
 
 def command(*words: object) -> str:
     """A line that a shell takes as it stands."""
-    return " ".join(["vesselsplat", *(shlex.quote(str(word)) for word in words)])
+    line = ["vesselsplat", *map(str, words)]
+    return subprocess.list2cmdline(line) if sys.platform == "win32" else shlex.join(line)
 
 
 def next_steps(path: Path, *steps: tuple[str, ...]) -> Fact:
