@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
@@ -15,12 +16,16 @@ from app.sweeps.worker import end_with_parent
 
 AHEAD = 2
 """Jobs that wait beside those that run, so that no worker does."""
+MOST_ON_WINDOWS = 61
+"""Processes of a pool: Python waits there for no more at once."""
 
 
 @contextmanager
 def local(workers: int | None, threads: int) -> Iterator[Engine]:
     """As many workers as there are cores for `threads` each, unless told otherwise."""
     count = workers or workers_for(threads)
+    if sys.platform == "win32":
+        count = min(count, MOST_ON_WINDOWS)
     executor = Processes(count)
     try:
         yield Engine("local", executor, count, count + AHEAD, shares_fate=True)

@@ -15,7 +15,8 @@ import psutil
 import pytest
 
 from app.errors import UserError
-from app.sweeps.engines.engine import Engine
+from app.sweeps.engines.engine import Engine, workers_for
+from app.sweeps.engines.local import local
 from app.sweeps.engines.opening import open_engine
 from app.sweeps.engines.slurm import submitted_by
 from app.sweeps.plan import planned, recorded, state
@@ -64,6 +65,13 @@ def wait_for_results(sweep: Path, count: int) -> None:
     while len(results(sweep)) < count:
         assert time.monotonic() < until
         time.sleep(0.1)
+
+
+def test_windows_gets_no_more_workers_than_python_takes_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "platform", "win32")
+    for workers, threads in ((100, 1), (None, 1), (3, 1)):
+        with local(workers, threads) as engine:
+            assert engine.workers == min(workers or workers_for(threads), 61)
 
 
 @pytest.mark.slow
