@@ -90,8 +90,10 @@ class SessionSource:
 
     def found(self, session: Path) -> Path | None:
         """Where it lies now: at its place, or moved along with the session file; None: nowhere."""
-        places = (self.place(session), session.absolute().parent / Path(self.path).name)
-        return next((place for place in places if place.exists()), None)
+        name = Path(self.path).name
+        # A drive has no name, and does not move along.
+        moved = [session.absolute().parent / name] if name else []
+        return next((place for place in (self.place(session), *moved) if place.exists()), None)
 
     def place(self, session: Path) -> Path:
         """Where it lay when that session was saved there."""

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import json
 import shutil
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 import glfw
 import pytest
 from imgui_bundle import glfw_utils, imgui
 
 from app.files.provenance import digest
+from app.gui import session_file
 from app.gui.actions import actions, browse_actions, comparing, notes_actions, session_actions
 from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.frame.title import title_of
-from app.gui.session_file import mended_session
+from app.gui.session_file import SessionSource, mended_session
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
@@ -357,3 +358,22 @@ def test_a_case_in_no_file_keeps_the_window_open_until_it_is_answered(places: Pl
 
     driver.run(drive)
     assert mended_session(places.pictures / "monday.vesselsplat")[0].notes == "left ureter?"
+
+
+class WindowsFolder(PureWindowsPath):
+    """With the drive of the sessions alone."""
+
+    def absolute(self) -> WindowsFolder:
+        return self
+
+    def exists(self) -> bool:
+        return str(self).lower().startswith("c:\\cases")
+
+
+def test_a_drive_that_was_taken_out_is_not_found_where_the_session_lies(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(session_file, "Path", WindowsFolder)
+    session = WindowsFolder("C:/cases/jane.vesselsplat")
+    found = {name: SessionSource(name).found(session) for name in ("D:/", "D:/clip")}  # type: ignore[arg-type]
+    assert found == {"D:/": None, "D:/clip": WindowsFolder("C:/cases/clip")}
