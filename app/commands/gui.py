@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 from app.console.flags import add_fields, parameters
@@ -43,7 +44,14 @@ def run(flags: argparse.Namespace) -> None:
     live = _start(flags, options.stereo)
     if not has_display():
         raise UserError("the app needs a display: neither DISPLAY nor WAYLAND_DISPLAY is set")
-    from app.gui.window import run_app
+    try:
+        from app.gui.window import run_app
+    except ImportError as error:
+        if sys.platform == "win32" and "DLL load failed" in str(error):
+            raise UserError(
+                f"the app needs Microsoft's Visual C++ Redistributable, see README ({error})"
+            ) from error
+        raise
 
     run_app(None if flags.path is None else _plain(flags.path), options, live)
 

@@ -7,6 +7,8 @@ import sys
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from pathlib import Path
+from threading import RLock
+from typing import Any
 
 from app.errors import UserError
 
@@ -59,6 +61,27 @@ def rest_while_waiting() -> None:
     times as long.
     """
     os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
+
+def take_turns_where_needed() -> None:
+    """Kernels of different threads run one after the other, where numba has no threads but its own.
+
+    Those end the process when two threads compute at a time. numba takes them where neither OpenMP nor TBB
+    can be loaded: macOS brings neither, and the wheel of numba holds none.
+    """
+    import numba
+    from numba.core.dispatcher import Dispatcher
+
+    numba.get_num_threads()  # Only then it has chosen.
+    if numba.threading_layer() != "workqueue":  # type: ignore[attr-defined]
+        return
+    turn, call = RLock(), Dispatcher.__call__
+
+    def called(kernel: Dispatcher, *args: Any, **keywords: Any) -> Any:
+        with turn:
+            return call(kernel, *args, **keywords)
+
+    Dispatcher.__call__ = called  # type: ignore[assignment, method-assign]
 
 
 def has_display() -> bool:
