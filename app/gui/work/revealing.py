@@ -36,7 +36,9 @@ def reveal(request: RevealRequest) -> Iterator[Path]:
         raise UserError(none)
     try:
         process = subprocess.Popen(
-            (program, *command[1:]),
+            # Explorer reads its line by itself, and takes a switch within quotation marks for a name.
+            " ".join(command) if sys.platform == "win32" else command,
+            executable=program,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -62,7 +64,7 @@ def shown_by(path: Path, platform: str) -> tuple[str, ...]:
     if platform == "darwin":
         return "open", "-R", str(path)
     if platform == "win32":
-        return "explorer", f"/select,{path}"
+        return "explorer", f'/select,"{path}"'
     return "xdg-open", str(path if path.is_dir() else path.parent)
 
 

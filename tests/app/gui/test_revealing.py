@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -18,9 +19,28 @@ from tests.app.gui.exporting import Exporter, exported
 def test_the_command_of_each_system(tmp_path: Path) -> None:
     path = tmp_path / "a.png"
     assert shown_by(path, "darwin") == ("open", "-R", str(path))
-    assert shown_by(path, "win32") == ("explorer", f"/select,{path}")
+    assert shown_by(path, "win32") == ("explorer", f'/select,"{path}"')
     assert shown_by(path, "linux") == ("xdg-open", str(tmp_path))
     assert shown_by(tmp_path, "linux") == ("xdg-open", str(tmp_path))
+
+
+def test_explorer_gets_a_path_with_spaces_and_commas_as_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "Doe, Jane.png"
+    path.touch()
+    started: list[object] = []
+
+    def start(command: object, **rest: object) -> subprocess.CompletedProcess[bytes]:
+        started.append((command, rest["executable"]))
+        raise OSError(2, "none here")
+
+    monkeypatch.setattr("app.gui.work.revealing.which", lambda name: rf"C:\Windows\{name}.exe")
+    monkeypatch.setattr(subprocess, "Popen", start)
+    monkeypatch.setattr(sys, "platform", "win32")
+    with pytest.raises(UserError, match="none here"):
+        list(reveal(RevealRequest(path)))
+    assert started == [(f'explorer /select,"{path}"', r"C:\Windows\explorer.exe")]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="starts a program of a Linux desktop")
