@@ -10,7 +10,7 @@ from app.console.flags import add_fields, parameters
 from app.console.startup import has_display
 from app.errors import UserError
 from app.live.igtl.endpoint import PORT
-from app.live.sources.device import devices
+from app.live.sources.device import ask_permission, devices_for
 from app.live.start import LiveStart, start_of
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions, Stereo
 
@@ -70,4 +70,7 @@ def _start(flags: argparse.Namespace, stereo: Stereo) -> LiveStart | None:
                 f"expected --live with --right, got no source of the left eye beside {flags.right}"
             )
         return None
-    return start_of(flags.live, flags.right, stereo, flags.igtl, devices())
+    known = devices_for(flags.live, flags.right)
+    start = start_of(flags.live, flags.right, stereo, flags.igtl, known)
+    ask_permission(start.source)
+    return start

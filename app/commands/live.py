@@ -25,7 +25,7 @@ from app.live.igtl.sender import Sender
 from app.live.picture import LiveSetting, LiveStatus
 from app.live.recorder import WHATS, Recorder, require_new
 from app.live.session import LiveSession, load
-from app.live.sources.device import devices, require_device
+from app.live.sources.device import ask_permission, devices, devices_for, require_device
 from app.live.sources.opening import open_input
 from app.live.sources.source import Wish
 from app.live.start import start_of
@@ -94,13 +94,13 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def run(flags: argparse.Namespace) -> None:
-    known = devices()
     if flags.list:
-        _list(flags.json, [vars(one) for one in known])
+        _list(flags.json, [vars(one) for one in devices()])
         return
     if flags.source is None:
         raise UserError("expected a SOURCE: a device, the address of a stream, a file or a folder")
     reading = parameters(ClipOptions, flags)
+    known = devices_for(flags.source, flags.right)
     start = start_of(flags.source, flags.right, reading.stereo, flags.igtl, known)
     asked, wish, setting = start.source, wish_of(flags), setting_of(flags)
     _check_effect(flags, asked)
@@ -111,6 +111,7 @@ def run(flags: argparse.Namespace) -> None:
         require_new(flags.record)
     # Compiling may take a minute, in which no source is to wait.
     load(setting)
+    ask_permission(asked)
     sender = None if start.endpoint is None else _sender(start.endpoint)
     recorder = None if flags.record is None else Recorder(flags.record, flags.what or WHATS[0], asked.name)
     recipients = tuple(one.add for one in (recorder, sender) if one is not None)

@@ -55,6 +55,12 @@ class Device:
     name: str
 
 
+def names_itself(said: str) -> bool:
+    """Whether it is clear without the list of devices: a stream, a number, a node, a file or a folder."""
+    said = said.strip()
+    return "://" in said or said.isdecimal() or said.startswith("/dev/") or Path(said).exists()
+
+
 def address_of(said: str, devices: Sequence[Device] = ()) -> LiveAddress:
     """What is meant by `said`.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from functools import partial
 from typing import Final
@@ -20,6 +21,7 @@ from app.gui.style.widgets import button, choose, choose_row, em, explain, float
 from app.gui.views.clip_time import clock
 from app.live.address import Device
 from app.live.recorder import WHATS
+from app.live.sources.device import PERMISSION
 
 TITLE: Final = "Open live source"
 WIDTH: Final = 34.0
@@ -158,6 +160,8 @@ def _draw_devices(state: AppState, textures: ShowsPictures) -> None:
     imgui.same_line(imgui.get_window_width() - em(8))
     look = partial(live_actions.choose_source, state)
     button(f"{icons.ICON_FA_SYNC}  Look again", look, "List the devices anew.", width=7)
+    if sys.platform == "darwin" and found is not None and not found.devices:
+        note(f"Or macOS does not allow it: {PERMISSION}.")
     for one in found.devices if found is not None else ():
         _draw_device(state, one, textures)
 

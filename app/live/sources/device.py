@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from app.errors import UserError
-from app.live.address import Device
+from app.live.address import Device, LiveInput, names_itself
 from app.live.sources.source import Arrived, SourceLost, Wish
 from renderer.clip import ByteImage
 
@@ -23,6 +23,9 @@ TRIED = 6
 """Numbers that are tried where the system does not list its devices."""
 LISTED = Path("/sys/class/video4linux")
 
+PERMISSION: Final = "System Settings, Privacy & Security, Camera"
+"""Where a person of macOS allows cameras."""
+
 OpenDevice = Callable[[int | str], cv2.VideoCapture]
 
 
@@ -31,6 +34,19 @@ def require_device(where: str) -> None:
     node = Path(f"/dev/video{where}" if where.isdecimal() else where)
     if sys.platform == "linux" and not node.exists():
         raise UserError(f"expected a capture device (--list names them), got no such device: {node}")
+
+
+def ask_permission(source: LiveInput) -> None:
+    """To be called in the main thread, before a thread opens the source: only there macOS asks a person.
+
+    Nothing waits for the answer; a source that is refused until then is tried again.
+    """
+    devices = [
+        one.where for one in (source.address, source.right) if one is not None and one.kind == "device"
+    ]
+    if devices and sys.platform == "darwin":
+        where = devices[0]
+        opened(int(where) if where.isdecimal() else where).release()
 
 
 def opened(where: int | str) -> cv2.VideoCapture:
@@ -47,7 +63,8 @@ class DeviceSource:
         self._capture = open_device(int(where) if where.isdecimal() else where)
         if not self._capture.isOpened():
             self._capture.release()
-            raise SourceLost(f"{name} cannot be opened: not there, or used by another program")
+            forbidden = f", or not allowed in {PERMISSION}" if sys.platform == "darwin" else ""
+            raise SourceLost(f"{name} cannot be opened: not there, or used by another program{forbidden}")
         self._ask(wish)
         rate = self._capture.get(cv2.CAP_PROP_FPS)
         self.frames_per_second = rate if 0 < rate < 1000 else None
@@ -104,6 +121,14 @@ def devices(listed: Path = LISTED, open_device: OpenDevice = opened) -> tuple[De
             found.append(Device(str(number), f"device {number}"))
         capture.release()
     return tuple(found)
+
+
+def devices_for(*said: str | None) -> tuple[Device, ...]:
+    """Those that the names may mean. Only Linux lists them without opening each: elsewhere none is looked for
+    where every name says by itself what it means."""
+    if sys.platform != "linux" and all(names_itself(one) for one in said if one is not None):
+        return ()
+    return devices()
 
 
 def _listed_on_linux(listed: Path) -> tuple[Device, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,9 @@ import numpy as np
 import pytest
 
 from app.gui.work.live_devices import DevicesRequest, find_devices
-from app.live.address import Device
-from app.live.sources.device import DeviceSource, devices
+from app.live.address import Device, address_of, input_of
+from app.live.sources import device
+from app.live.sources.device import DeviceSource, ask_permission, devices, devices_for
 from app.live.sources.source import SourceLost, Wish
 
 BLUE = np.zeros((4, 6, 3), np.uint8) + np.array([200, 0, 10], np.uint8)
@@ -70,8 +72,11 @@ def test_it_is_asked_format_first_and_tells_what_it_gives() -> None:
     assert made[0].released
 
 
-def test_one_that_is_taken_or_unplugged_says_so() -> None:
+def test_one_that_is_taken_or_unplugged_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(SourceLost, match="another program"):
+        DeviceSource("0", "card", Wish(), lambda where: FakeCapture(where, opens=False))  # type: ignore[return-value]
+    monkeypatch.setattr(sys, "platform", "darwin")
+    with pytest.raises(SourceLost, match="not allowed in System Settings"):
         DeviceSource("0", "card", Wish(), lambda where: FakeCapture(where, opens=False))  # type: ignore[return-value]
     source = DeviceSource("0", "card", Wish(), lambda where: FakeCapture(where, frames=1))  # type: ignore[return-value]
     source.read()
@@ -101,3 +106,31 @@ def test_the_dialog_lists_at_once_and_previews_those_that_can_be_read() -> None:
     assert not first.previews
     assert list(second.previews) == ["0"]
     assert second.previews["0"].shape == (160, 240, 3)
+
+
+def test_cameras_are_opened_only_where_a_name_may_mean_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried = list[int | str]()
+
+    def opened(where: int | str) -> Any:
+        tried.append(where)
+        return FakeCapture(where, opens=where == 1)
+
+    monkeypatch.setattr(device, "opened", opened)
+    monkeypatch.setattr(device.devices, "__defaults__", (device.LISTED, opened))
+    monkeypatch.setattr(sys, "platform", "darwin")
+    said = (str(tmp_path), "rtsp://host/path", "0", None)
+    assert [devices_for(one, None) for one in said] == [()] * 4
+    assert devices_for("0", str(tmp_path)) == ()
+    assert tried == []
+    assert devices_for("device 1", None) == (Device("1", "device 1"),)
+    assert tried == list(range(6))
+    tried.clear()
+    ask_permission(input_of(address_of("rtsp://host/path"), None, "auto"))
+    assert tried == []
+    ask_permission(input_of(address_of("rtsp://host/path"), "3", "auto"))
+    assert tried == [3]
+    monkeypatch.setattr(sys, "platform", "linux")
+    ask_permission(input_of(address_of("3"), None, "auto"))
+    assert tried == [3]
