@@ -28,6 +28,7 @@ from app.gui.session_file import (
 )
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Kind
+from app.gui.views.key_words import with_keys
 from app.gui.work.background import Failure
 from app.gui.work.opening import OpenRequest, SourceLost
 from app.gui.work.writing import SessionRequest
@@ -183,7 +184,7 @@ def _restore_edits(state: AppState, kept: UnsavedEdits) -> None:
         actions.fail(state, f"unsaved edits in the session were not restored: {error}")
         return
     edit_actions.bring_back(state, edits)
-    actions.announce(state, "unsaved edits of the model were restored: Ctrl+Shift+K saves them")
+    actions.announce(state, with_keys("unsaved edits of the model were restored: Ctrl+Shift+K saves them"))
 
 
 def _restore_views(state: AppState, session: Session) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from app.files.legible import legible
 from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
+from app.gui.views.key_words import with_keys
 
 WHOLE_NAME = 100
 """More than any number of words that a person types."""
@@ -44,7 +45,7 @@ def find(sections: Iterable[Section], words: str, state: AppState) -> list[Found
 
 def _text(found: Found) -> str:
     command = found.command
-    said = (found.where, found.name, command.text, *command.synonyms, *command.keys)
+    said = (found.where, found.name, command.text, *command.synonyms, *map(with_keys, command.keys))
     return legible(" ".join(said)).casefold()
 
 

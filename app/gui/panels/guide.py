@@ -13,6 +13,7 @@ from app.gui.drawing.textures import ShowsPictures
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import FLAT, button, em, muted, within
+from app.gui.views.key_words import with_keys
 from app.gui.work.shipped import Block, Guide, Page
 from renderer.clip import ByteImage
 
@@ -78,7 +79,7 @@ def _draw_text(block: Block) -> None:
     with imgui_ctx.push_text_wrap_pos(0):
         if block.role == "point":
             imgui.bullet()
-        imgui.text_unformatted(block.text)
+        imgui.text_unformatted(with_keys(block.text))
 
 
 def _draw_image(block: Block, image: ByteImage | None, textures: ShowsPictures) -> None:

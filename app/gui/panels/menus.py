@@ -12,6 +12,7 @@ from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import em, explain, muted
+from app.gui.views.key_words import with_keys
 from app.kernels.progress import worded
 
 SEPARATOR = "   ·   "
@@ -44,7 +45,7 @@ def _draw_menu(state: AppState, sections: tuple[Section, ...]) -> None:
 def draw_commands(state: AppState, commands: tuple[Command, ...]) -> None:
     """One entry each; those that do not apply are greyed."""
     for command in commands:
-        keys = command.keys[0] if command.keys else ""
+        keys = with_keys(command.keys[0]) if command.keys else ""
         if imgui.menu_item_simple(command.label, keys, command.ticked(state), command.applies(state)):
             command.act(state)
         explain(command.text, below=False)  # Where the next entry is.

@@ -17,6 +17,7 @@ from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import button, cell, em, explain, in_table, muted, note, question, within
 from app.gui.style.writing import text_area
+from app.gui.views.key_words import with_keys
 
 LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
@@ -164,9 +165,9 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
 def _draw_keys(title: str, rows: list[tuple[str, str]]) -> None:
     imgui.separator_text(title)
     for keys, text in in_table(title, (11.0, None), rows, imgui.TableFlags_.row_bg):
-        cell(keys, theme.now().accent)
+        cell(with_keys(keys), theme.now().accent)
         imgui.table_next_column()
-        imgui.text_wrapped(f"{text[:1].upper()}{text[1:]}")
+        imgui.text_wrapped(with_keys(f"{text[:1].upper()}{text[1:]}"))
 
 
 def draw_log(state: AppState, copy: Callable[[str], None]) -> None:

@@ -9,6 +9,7 @@ from app.gui.commands.command import Section
 from app.gui.commands.finding import Found, find
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import em, explain, muted
+from app.gui.views.key_words import with_keys
 
 NAME = "##palette"
 ROWS = 12.0
@@ -77,7 +78,7 @@ def _draw_row(one: Found, place: int, marked: bool) -> bool:
     flags = can.none if one.applies else can.disabled
     clicked, _ = imgui.selectable(f"{legible(one.name)}##{place}", marked, flags)
     explain(one.command.text, below=False)  # Where the next row is.
-    keys = one.command.keys[0] if one.command.keys else ""
+    keys = with_keys(one.command.keys[0]) if one.command.keys else ""
     for text, x in ((one.where, em(20)), (keys, em(29))):
         imgui.same_line(start + x)
         muted(text)

@@ -10,6 +10,7 @@ from app.gui.panels.swept import MARKERS, NEAR, draw_swept
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import centered, choose, em, muted
+from app.gui.views.key_words import with_keys
 from app.gui.work.reported import Chart, Scale, current
 from app.gui.work.reported_tables import ReportPart, ShownTable
 from app.report.diagrams import Point
@@ -35,8 +36,10 @@ def draw_report(state: AppState, textures: ShowsPictures) -> None:
     if state.reports.shown is None:
         imgui.dummy(ImVec2(0, em(3)))
         centered(
-            "Open the report.json of vesselsplat report (Ctrl+I) or the folder of a sweep (Ctrl+O), or drop "
-            "it here."
+            with_keys(
+                "Open the report.json of vesselsplat report (Ctrl+I) or the folder of a sweep (Ctrl+O), or "
+                "drop it here."
+            )
         )
         return
     report = state.reports.shown

@@ -17,6 +17,7 @@ from app.gui.style import theme
 from app.gui.style.widgets import TALL, Area, button, em, explain, tall
 from app.gui.views.clip_time import clock, seconds_at
 from app.gui.views.frame_scale import PADDING, FrameScale
+from app.gui.views.key_words import with_keys
 from app.gui.work.strip import Strip, count_for
 from renderer.clip import ByteImage
 
@@ -142,7 +143,9 @@ def _draw_mask(state: AppState) -> None:
             clip_actions.clear_mask(state)
         imgui.separator()
         reason = clip_actions.why_no_clip(state)
-        if imgui.menu_item_simple("Tools: mask by hand…", "Ctrl+M", state.masking.active, not reason):
+        if imgui.menu_item_simple(
+            "Tools: mask by hand…", with_keys("Ctrl+Shift+M"), state.masking.active, not reason
+        ):
             masking_actions.toggle(state)
         explain(reason or "Mask surgical tools with a brush; other frames are learned from a few.")
         imgui.separator()

@@ -11,6 +11,7 @@ from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 
 from app.files.legible import legible
 from app.gui.style import theme
+from app.gui.views.key_words import with_keys
 
 ROOM = 1e4
 """Pixels that no label needs."""
@@ -123,7 +124,7 @@ def explain(text: str, *, below: bool = True) -> None:
     if not _is_asked(text):
         return
     if below and imgui.get_item_rect_size().y < em(LINE):
-        imgui.set_next_window_pos(_below(legible(text)))
+        imgui.set_next_window_pos(_below(with_keys(legible(text))))
     _tooltip(text)
 
 
@@ -142,7 +143,7 @@ def _is_asked(text: str) -> bool:
 
 def _tooltip(text: str) -> None:
     with imgui_ctx.begin_tooltip(), imgui_ctx.push_text_wrap_pos(em(EXPLANATION)):
-        imgui.text_unformatted(legible(text))
+        imgui.text_unformatted(with_keys(legible(text)))
 
 
 def _below(text: str) -> ImVec2:

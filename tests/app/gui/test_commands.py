@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from dataclasses import replace
 from itertools import groupby
@@ -16,6 +17,7 @@ from app.gui.commands.keys import Keyboard, chord
 from app.gui.panels import menus
 from app.gui.panels.palette import draw_palette
 from app.gui.state.app_state import AppState
+from app.gui.views.key_words import with_keys
 from app.gui.work.settings import Places, Settings
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import outside, start_live
@@ -61,6 +63,22 @@ def test_every_menu_entry_is_in_the_palette(ui: Ui, empty: AppState, monkeypatch
             ui.frame(lambda section=section: menus.draw_commands(empty, section.commands))  # type: ignore[misc]
     assert drawn
     assert Counter(drawn) == Counter(found.command.label for found in find(every, "", empty))
+
+
+def test_keys_are_called_as_on_this_system(ui: Ui, empty: AppState, monkeypatch: pytest.MonkeyPatch) -> None:
+    """ImGui takes Cmd for Ctrl on macOS, where Cmd+M, H and Q are the system's own."""
+    drawn: list[str] = []
+    monkeypatch.setattr(imgui, "menu_item_simple", lambda label, keys, *rest: drawn.append(keys))
+    monkeypatch.setattr(sys, "platform", "darwin")
+    every = sections(empty, outside())
+    for section in every:
+        ui.frame(lambda section=section: menus.draw_commands(empty, section.commands))  # type: ignore[misc]
+    assert {"Cmd+S", "Cmd+Shift+M", "Shift+M", ""} < set(drawn)
+    assert not [keys for keys in drawn if "Ctrl" in keys or keys in ("Cmd+M", "Cmd+H")]
+    assert [found.name for found in find(every, "cmd+shift+s", empty)] == ["Save session as…"]
+    assert with_keys("Shift adds, Ctrl subtracts (Ctrl+A)") == "Shift adds, Cmd subtracts (Cmd+A)"
+    monkeypatch.setattr(sys, "platform", "linux")
+    assert with_keys("Ctrl+A") == "Ctrl+A"
 
 
 @pytest.mark.parametrize("which", ["empty", "state", "editing"])
