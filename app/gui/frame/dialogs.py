@@ -14,6 +14,7 @@ from app.files.legible import legible
 from app.gui.actions import actions, browse_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Choosing
+from app.gui.work.listing import nearest
 
 OpenDialog = desktop.select_folder | desktop.open_file | desktop.save_file
 
@@ -48,7 +49,10 @@ class Dialogs:
 
 
 def _asked(choosing: Choosing) -> OpenDialog:
-    title, start = choosing.question.title, legible(str(choosing.start))
+    """macOS answers a folder that is not there as a cancelled dialog, and takes no folder with a name."""
+    is_mac = sys.platform == "darwin"
+    folder = (nearest(choosing.start) if is_mac else None) or choosing.start
+    title, start = choosing.question.title, legible(str(folder))
     if choosing.kind == "folder":
         return desktop.select_folder(title, start)
     filters = [
@@ -57,7 +61,8 @@ def _asked(choosing: Choosing) -> OpenDialog:
         for text in (one.label, " ".join(f"*{suffix}" for suffix in one.suffixes) or "*")
     ]
     if choosing.kind == "save":
-        return desktop.save_file(title, legible(str(choosing.start / choosing.name)), filters)
+        proposed = choosing.name if is_mac else str(folder / choosing.name)
+        return desktop.save_file(title, legible(proposed), filters)
     return desktop.open_file(title, start, filters)
 
 

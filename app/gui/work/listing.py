@@ -83,7 +83,7 @@ def list_folder(request: ListRequest) -> Iterator[Listing]:
     if request.is_made and not request.folder.exists():
         yield Listing(request.folder)
         return
-    folder = next((one for one in (request.folder, *request.folder.parents) if is_folder(one)), None)
+    folder = nearest(request.folder)
     if folder is None:
         raise UserError(f"the folder cannot be found: {request.folder}")
     try:
@@ -93,6 +93,11 @@ def list_folder(request: ListRequest) -> Iterator[Listing]:
         yield Listing(folder, trouble=f"The folder cannot be read: {error.strerror}.")
         return
     yield Listing(folder, tuple(map(_entry, sorted(paths))))
+
+
+def nearest(folder: Path) -> Path | None:
+    """The folder, or where that is gone the nearest above it that is there."""
+    return next((one for one in (folder, *folder.parents) if is_folder(one)), None)
 
 
 def is_folder(path: Path) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -68,3 +69,16 @@ def test_the_desktop_s_dialog_is_asked_with_folder_and_kinds_and_remembered(
     assert saves.asked[0][1] == str(folder / "liver.vesselsplat")
     chooser.ask("folder", "folder", folder)
     assert chooser.chosen == [folder / "2.png", folder / "mine.vesselsplat"]
+
+
+def test_macos_gets_a_name_alone_and_folders_that_are_there(
+    chooser: Chooser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "platform", "darwin")
+    folders, saves = FakeDesktop(""), FakeDesktop("")
+    monkeypatch.setattr(dialogs.desktop, "select_folder", folders)
+    monkeypatch.setattr(dialogs.desktop, "save_file", saves)
+    chooser.ask("folder", "export", tmp_path / "none" / "VesselSplat")
+    chooser.ask("save", "session", tmp_path, "liver.vesselsplat")
+    assert folders.asked == [("Choose a folder for exports", str(tmp_path))]
+    assert saves.asked[0][1] == "liver.vesselsplat"
