@@ -49,10 +49,20 @@ def logged(folder: Path, first: str) -> Iterator[None]:
         handler.close()
 
 
+class _Log(RotatingFileHandler):
+    """Goes on in one file where that cannot be renamed, as on Windows while another window has it open."""
+
+    def doRollover(self) -> None:
+        try:
+            super().doRollover()
+        except OSError:
+            self.maxBytes = 0
+
+
 def _handler(folder: Path) -> logging.Handler | None:
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
-        made = RotatingFileHandler(folder / NAME, maxBytes=SIZE, backupCount=KEPT, encoding="utf-8")
+        made = _Log(folder / NAME, maxBytes=SIZE, backupCount=KEPT, encoding="utf-8")
         made.setFormatter(logging.Formatter(FORM))
         return made
     return None

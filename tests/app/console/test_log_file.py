@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -87,6 +88,21 @@ def test_it_stays_small(tmp_path: Path) -> None:
     files = list(tmp_path.glob(f"{NAME}*"))
     assert len(files) == KEPT + 1
     assert all(file.stat().st_size <= SIZE for file in files)
+
+
+def test_it_goes_on_where_another_window_holds_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def held(*names: object) -> None:
+        raise PermissionError(13, "used by another process")
+
+    monkeypatch.setattr(log_file, "SIZE", 2000)
+    monkeypatch.setattr(os, "rename", held)
+    with logged(tmp_path, "start"):
+        for number in range(60):
+            log_file.LOG.error("error number %d", number)
+    assert all(f"error number {number}\n" in text(tmp_path) for number in range(60))
+    assert capfd.readouterr().err == ""
 
 
 def test_where_nothing_can_be_written_the_program_runs_without(tmp_path: Path) -> None:
