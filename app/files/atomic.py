@@ -6,6 +6,7 @@ import errno
 import os
 import secrets
 import shutil
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +17,8 @@ from renderer.leftovers import clear, commit_name, put_into_place, sync_folder, 
 
 NO_SPACE = (errno.ENOSPC, errno.EFBIG, errno.EDQUOT)
 """Of a write, which names no file: the system tells neither."""
+LONG = 248
+"""Characters of a path with which Windows, as installed, makes no folder; a file may have eleven more."""
 
 
 @contextmanager
@@ -69,7 +72,7 @@ def filled(folder: Path) -> Iterator[Path]:
     try:
         staging.mkdir()
     except OSError as error:
-        raise UserError(f"cannot write into the folder, {error.strerror}: {folder}") from error
+        raise UserError(f"cannot write into the folder, {_reason(error)}: {folder}") from error
     try:
         with _told_as(folder, staging):
             yield staging
@@ -129,8 +132,14 @@ def _told_as(place: Path, temporary: Path) -> Iterator[None]:
         # FFmpeg gets its paths as addresses.
         told = error.filename.removeprefix("file:") if isinstance(error.filename, str) else ""
         if told and (named := Path(told)).is_relative_to(temporary):
-            error.filename = str(place / named.relative_to(temporary))
+            error.strerror, error.filename = _reason(error), str(place / named.relative_to(temporary))
         raise
+
+
+def _reason(error: OSError) -> str | None:
+    """Temporary names are longer than those that they stand for; Windows finds no path that is too long."""
+    too_long = sys.platform == "win32" and error.errno == errno.ENOENT and len(str(error.filename)) >= LONG
+    return "the path is too long for Windows, take a shorter one" if too_long else error.strerror
 
 
 def make_folder(folder: Path) -> None:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import errno
+import io
 import os
 import stat
+import sys
 import tempfile
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -275,3 +279,35 @@ def test_a_link_that_leads_back_to_itself_is_replaced(tmp_path: Path) -> None:
     (tmp_path / "a").symlink_to(tmp_path / "a")
     write_bytes(tmp_path / "a", b"new")
     assert (tmp_path / "a").read_bytes() == b"new"
+
+
+@pytest.mark.parametrize("length", [100, 235])
+def test_windows_says_that_a_path_is_too_long_while_it_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, length: int
+) -> None:
+    folder = tmp_path
+    while len(str(folder)) < length - 13:
+        folder /= "x" * min(40, length - 14 - len(str(folder)))
+    folder.mkdir(parents=True, exist_ok=True)
+
+    def as_on_windows(call: Callable[..., Any], most: int) -> Callable[..., Any]:
+        def called(path: Any, *rest: Any, **named: Any) -> Any:
+            if isinstance(path, str | os.PathLike) and len(os.fspath(path)) > most:
+                raise FileNotFoundError(errno.ENOENT, "No such file or directory", os.fspath(path))
+            return call(path, *rest, **named)
+
+        return called
+
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(io, "open", as_on_windows(io.open, 259))
+    monkeypatch.setattr(os, "mkdir", as_on_windows(os.mkdir, 247))
+    file = folder / "film.json"
+    if length < 200:
+        write_bytes(file, b"{}")
+        return
+    with pytest.raises(OSError, match="too long") as caught:
+        write_bytes(file, b"{}")
+    assert caught.value.strerror == "the path is too long for Windows, take a shorter one"
+    with pytest.raises(UserError, match="too long for Windows"), together(file):
+        pass
+    assert list(folder.iterdir()) == []
