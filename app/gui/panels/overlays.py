@@ -23,8 +23,9 @@ LONG_NOTICE = f"{NOTICE} Not for diagnosis or treatment."
 DETAILS = (
     "VesselSplat makes vessels easier to see. It does not detect, measure or assess them, and "
     "enhanced images may show structures that are not there. Screens and cameras are not "
-    "calibrated. You are responsible for how you use it. Nothing leaves this computer "
-    "unless you have live images sent to another one."
+    "calibrated. You are responsible for how you use it. VesselSplat sends nothing to other computers unless "
+    "you have live images sent to one; the folder that you save in may be copied by a cloud service, such as "
+    "OneDrive or iCloud."
 )
 BANNER = "##banner"
 MIDDLE = ("Images", "Splats", "Tuning", "Report")
