@@ -75,8 +75,11 @@ def is_frame(path: Path) -> bool:
 
 def is_unnamed(path: Path) -> bool:
     """Whether a visible file without a suffix holds one image, by its header."""
-    if path.suffix or not is_visible(path):
-        return False
+    return not path.suffix and is_visible(path) and holds_image(path)
+
+
+def holds_image(path: Path) -> bool:
+    """Whether a file of any name holds one image, by its header."""
     try:
         with opened(path) as picture:
             is_film = picture.format in ANIMATED and getattr(picture, "is_animated", False)

@@ -6,6 +6,7 @@ import gzip
 import zipfile
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -53,6 +54,14 @@ def test_and_of_a_video(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "case.mp4"
     path.write_bytes(contents(tmp_path)[kind])
     with pytest.raises(ClipError, match=f"expected an image or a video, got {kind}"):
+        open_clip(path)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".bmp"])
+def test_an_image_under_the_name_of_a_video_is_no_video(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / "case.mp4"
+    path.write_bytes(cv2.imencode(suffix, np.zeros((16, 16, 3), np.uint8))[1].tobytes())
+    with pytest.raises(ClipError, match="expected a video, got an image: rename it"):
         open_clip(path)
 
 
