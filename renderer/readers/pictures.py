@@ -102,6 +102,13 @@ def moves(path: Path) -> bool:
     return path.suffix.lower() in VIDEOS or _kind(path) == "clip"
 
 
+def require_moving(path: Path, frames: int) -> None:
+    """Raises ClipError: a file under the name of a video, in which so many frames were found, is an image,
+    for which the decoder makes up a rate."""
+    if frames == 1 and path.suffix.lower() in VIDEOS and holds_image(path):
+        raise ClipError(f"expected a video, got an image: rename it to its own suffix, such as .png: {path}")
+
+
 def _kind(path: Path) -> Kind | None:
     suffix = path.suffix.lower()
     looked_at = suffix in DICOM or (suffix not in NAMED | CODED | VIDEOS and has_pydicom())

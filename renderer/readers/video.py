@@ -15,7 +15,7 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions, StereoLayout
 from renderer.readers.dicom.header import read_header
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.frames import without_depth
-from renderer.readers.pictures import VIDEOS, holds_image
+from renderer.readers.pictures import require_moving
 from renderer.readers.stereo_layout import (
     HALVES,
     chosen_layout,
@@ -55,9 +55,7 @@ def open_video(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
             one; or its frames cannot be split into eyes as `options.stereo` asks.
     """
     video = _opened(path, options)
-    # A video decoder makes up the rate of an image, and an export would lose some of its quality.
-    if len(video) == 1 and path.suffix.lower() in VIDEOS and holds_image(path):
-        raise ClipError(f"expected a video, got an image: rename it to its own suffix, such as .png: {path}")
+    require_moving(path, len(video))
     layout, first = chosen_layout(options.stereo, video.stereo), video.read(0)
     size = first.shape[1], first.shape[0]
     if layout is None:

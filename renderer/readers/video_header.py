@@ -13,6 +13,7 @@ from renderer.pyav_presence import has_pyav
 from renderer.readers.clip_options import StereoLayout
 from renderer.readers.dicom.header import DicomHeader, read_header
 from renderer.readers.dicom.opening import is_dicom
+from renderer.readers.pictures import require_moving
 
 if TYPE_CHECKING:
     from av.container import InputContainer
@@ -61,7 +62,7 @@ def read_video_header(path: Path) -> VideoHeader:
 def read_counted_header(path: Path) -> VideoHeader:
     """With the frames and their rate as the reader finds them, where the file tells them quickly.
 
-    Raises ClipError as `read_video_header`, and for a DICOM object of which no frame is whole.
+    Raises ClipError as `read_video_header`, for a DICOM object of which no frame is whole, and for an image.
     """
     if is_dicom(path) and not (told := read_header(path)).is_stream:
         return _counted(path, told)
@@ -73,6 +74,7 @@ def read_counted_header(path: Path) -> VideoHeader:
     if (index := told_index(path)) is None:
         return header
     frames, rate = len(index.stamps), float(index.frames_per_second)
+    require_moving(path, frames)
     found = replace(header, frames=frames, frames_per_second=rate, seconds=frames / rate)
     return replace(found, is_steady=index.is_steady, is_announced=False, is_cut=index.is_cut)
 

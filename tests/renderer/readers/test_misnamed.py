@@ -14,6 +14,7 @@ from app.errors import UserError
 from app.files.image_files import read_image
 from renderer.clip import ClipError
 from renderer.readers.misnamed import VIDEO, what_it_is
+from renderer.readers.video_header import read_counted_header
 from renderer.sources import open_clip
 from tests.renderer.readers.numbered import encoded, opencv_video
 
@@ -61,8 +62,9 @@ def test_and_of_a_video(tmp_path: Path, kind: str) -> None:
 def test_an_image_under_the_name_of_a_video_is_no_video(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / "case.mp4"
     path.write_bytes(cv2.imencode(suffix, np.zeros((16, 16, 3), np.uint8))[1].tobytes())
-    with pytest.raises(ClipError, match="expected a video, got an image: rename it"):
-        open_clip(path)
+    for reads in (open_clip, read_counted_header):
+        with pytest.raises(ClipError, match="expected a video, got an image: rename it"):
+            reads(path)
 
 
 def test_what_nothing_tells_is_left_open(tmp_path: Path) -> None:
