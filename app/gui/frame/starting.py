@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import sys
 from collections.abc import Callable
@@ -59,6 +60,16 @@ def _density() -> float:
     return float(glfw.get_monitor_content_scale(glfw.get_primary_monitor())[0])
 
 
+def _short(folder: Path) -> Path:
+    """By its short name on Windows where the long one has other letters than English: the runner opens no
+    file by such a name there, and says nothing."""
+    if sys.platform != "win32" or str(folder).isascii():
+        return folder
+    name = ctypes.create_unicode_buffer(260)
+    ctypes.windll.kernel32.GetShortPathNameW(str(folder), name, len(name))
+    return Path(name.value or folder)
+
+
 def runner(layout_file: Path, *, readable: bool) -> hello_imgui.RunnerParams:
     """One window with all panels docked in it, on OpenGL 3.3; `readable`: the layout on disk counts."""
     if readable:
@@ -74,7 +85,7 @@ def runner(layout_file: Path, *, readable: bool) -> hello_imgui.RunnerParams:
     window.show_menu_app = window.show_menu_view = window.show_menu_view_themes = False
     window.show_status_fps = window.remember_status_bar_settings = window.remember_theme = False
     params.ini_folder_type = hello_imgui.IniFolderType.absolute_path
-    params.ini_filename = str(layout_file)
+    params.ini_filename = str(_short(layout_file.parent) / layout_file.name)
     params.ini_disable = not readable
     gl = params.renderer_backend_options.open_gl_options
     gl.major_version, gl.minor_version, gl.anti_aliasing_samples = 3, 3, 0

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from imgui_bundle import hello_imgui, imgui, immapp
@@ -14,7 +17,7 @@ from imgui_bundle import hello_imgui, imgui, immapp
 from app.commands import demo
 from app.errors import UserError
 from app.gui.actions import actions
-from app.gui.frame import dockings
+from app.gui.frame import dockings, starting
 from app.gui.frame.dockings import REPORT
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
@@ -218,3 +221,19 @@ def test_what_is_opened_comes_to_the_front(places: Places) -> None:
         assert not window.hidden
 
     driver.run(drive)
+
+
+@pytest.mark.parametrize(("user", "told"), [("Jürgen", "JRGEN~1"), ("Jürgen", ""), ("jane", "JANE~1")])
+def test_windows_gets_the_folder_of_the_layout_in_english_letters(
+    user: str, told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Kernel:
+        def GetShortPathNameW(self, name: str, buffer: Any, size: int) -> None:
+            buffer.value = name.replace(user, told) if told else ""
+
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(ctypes, "windll", SimpleNamespace(kernel32=Kernel()), raising=False)
+    layout = Path("/users") / user / "window.ini"
+    params = starting.runner(layout, readable=False)
+    short = told if not user.isascii() and told else user
+    assert params.ini_filename == str(Path("/users") / short / "window.ini")
