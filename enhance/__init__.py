@@ -45,15 +45,14 @@ if _typing.TYPE_CHECKING:
     from enhance.metrics import (
         DvBv,
         blackened_share,
-        chroma_noise_gain,
         dvbv_local,
         dvbv_otsu,
         flicker,
-        noise_gain,
         saturated_share,
         vessel_cnr,
         vessel_contrast,
     )
+    from enhance.noise import chroma_noise_gain, noise_gain
     from enhance.params import EnhanceParams
     from enhance.pipeline import Pool, enhance, measure
     from enhance.result import EnhanceResult, Omission
@@ -111,8 +110,8 @@ _MODULES = {
     "field_search": "find_field",
     "halos": "edge_halo highlight_halo",
     "image": "ImageError",
-    "metrics": "DvBv blackened_share chroma_noise_gain dvbv_local dvbv_otsu flicker noise_gain "
-    "saturated_share vessel_cnr vessel_contrast",
+    "metrics": "DvBv blackened_share dvbv_local dvbv_otsu flicker saturated_share vessel_cnr vessel_contrast",
+    "noise": "chroma_noise_gain noise_gain",
     "params": "EnhanceParams",
     "pipeline": "Pool enhance measure",
     "result": "EnhanceResult Omission",

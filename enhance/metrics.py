@@ -1,4 +1,4 @@
-"""Visibility in numbers and what it costs: noise, saturation, flicker. Neither detection nor diagnosis.
+"""Visibility in numbers and what it costs: saturation, flicker. Neither detection nor diagnosis.
 
 Pixels whose alpha is 0 count in no measure.
 """
@@ -21,10 +21,8 @@ from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, read_ma
 RING_GAP: Final = 2
 RING_WIDTH: Final = 5
 SATURATED: Final = 250 / 255
-FLAT_SIGMA: Final = 2.0
 ROUNDING: Final = 1e-8
 """Grey levels squared: variances below are what rounding leaves of none; one step of 16 bits makes 6e-7."""
-NOISE_KERNEL: Final = np.outer((1, -2, 1), (1, -2, 1)).astype(np.float32)
 
 
 @dataclass(frozen=True)
@@ -184,64 +182,11 @@ def blackened_share(image: AnyImage, original: AnyImage, vessel_mask: BoolImage)
         >>> blackened_share(image, original, np.ones((8, 8), bool))
         0.5
     """
-    before, after = _colors(original), _colors(image)
-    _check_sizes(after, before)
+    before, after = colors_of(original), colors_of(image)
+    check_sizes(after, before)
     vessel = kept(original, vessel_mask) & kept(image)
     black = np.float32(2 * BLACK)
     return _mean(((value(after) < black) & (value(before) >= black))[vessel])
-
-
-def noise_gain(image: AnyImage, original: AnyImage, *, tissue_mask: BoolImage | None = None) -> float:
-    """How many times larger the noise of `image` is where `original` is flat; 1 = the same.
-
-    Noise is the mean size of the response to the kernel that is blind to planes (Immerkaer, Computer Vision
-    and Image Understanding 64(2), 1996), over all channels, without the largest quarter, which edges make.
-    (Their median would step by whole grey levels.) Flat is the half of the tissue with the smallest gradient
-    of the blurred green of `original`, without black and highlights. NaN: nothing flat, or an original
-    without noise.
-
-    Args:
-        tissue_mask: (H, W), True = keep.
-
-    Raises:
-        ImageError: images or a mask of different sizes.
-
-    Example:
-        >>> import numpy as np
-        >>> from enhance import noise_gain
-        >>> noise = np.random.default_rng(0).normal(0, 0.01, (64, 64))
-        >>> round(noise_gain(0.5 + 2 * noise, 0.5 + noise), 2)
-        2.0
-    """
-    before, after = _colors(original), _colors(image)
-    _check_sizes(after, before)
-    flat = _flat(before, kept(original, tissue_mask) & kept(image))
-    was, is_now = (_noise(colors, flat) for colors in (before, after))
-    return is_now / was if was > 0 else math.nan
-
-
-def chroma_noise_gain(image: AnyImage, original: AnyImage, *, tissue_mask: BoolImage | None = None) -> float:
-    """How many times larger the noise of the colours of `image` is where `original` is flat; 1 = the same.
-
-    As `noise_gain`, of R - G and B - G in place of the channels. NaN: also of grey images.
-
-    Raises:
-        ImageError: images or a mask of different sizes.
-
-    Example:
-        >>> import numpy as np
-        >>> from enhance import chroma_noise_gain
-        >>> noise = np.random.default_rng(0).normal(0, 0.01, (64, 64, 3))
-        >>> round(chroma_noise_gain(0.5 + 2 * noise, 0.5 + noise), 2)
-        2.0
-    """
-    before, after = _colors(original), _colors(image)
-    _check_sizes(after, before)
-    if before.ndim == 2:
-        return math.nan
-    flat = _flat(before, kept(original, tissue_mask) & kept(image))
-    was, is_now = (_noise(colors[..., ::2] - colors[..., 1:2], flat) for colors in (before, after))
-    return is_now / was if was > 0 else math.nan
 
 
 def flicker(images: Iterable[AnyImage], originals: Iterable[AnyImage]) -> float:
@@ -283,7 +228,7 @@ def saturated_share(image: AnyImage, *, tissue_mask: BoolImage | None = None) ->
         >>> saturated_share(np.uint8([[0, 100, 250, 255]]))
         0.5
     """
-    return _mean((value(_colors(image)) >= np.float32(SATURATED))[kept(image, tissue_mask)])
+    return _mean((value(colors_of(image)) >= np.float32(SATURATED))[kept(image, tissue_mask)])
 
 
 def kept(image: AnyImage, mask: BoolImage | None = None) -> BoolImage:
@@ -295,16 +240,19 @@ def kept(image: AnyImage, mask: BoolImage | None = None) -> BoolImage:
     return read_mask(mask, read_picture(image), "a mask")
 
 
-def _colors(image: AnyImage) -> Float32Image:
+def colors_of(image: AnyImage) -> Float32Image:
+    """(H, W) or (H, W, 3) in [0, 1]; 0 where nothing is visible. Raises ImageError."""
     return read_picture(image).seen.colors
 
 
-def _check_sizes(image: Float32Image, original: Float32Image) -> None:
+def check_sizes(image: Float32Image, original: Float32Image) -> None:
+    """Raises ImageError where they differ."""
     if image.shape != original.shape:
         raise ImageError(f"expected image and original of one size, got {image.shape} and {original.shape}")
 
 
-def _green(colors: Float32Image) -> Float32Image:
+def green(colors: Float32Image) -> Float32Image:
+    """(H, W) of `colors_of`: a grey image is its own."""
     return colors if colors.ndim == 2 else colors[..., 1]
 
 
@@ -313,7 +261,7 @@ def _greens(
 ) -> tuple[Float32Image, Float32Image]:
     """Of the vessel's pixels, and of those around it."""
     colors, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask)
-    return _green(colors)[vessel], _green(colors)[ring]
+    return green(colors)[vessel], green(colors)[ring]
 
 
 def vessel_and_ring(
@@ -324,22 +272,9 @@ def vessel_and_ring(
     Raises:
         ImageError: an image that cannot be used, or a mask of another size.
     """
-    colors, vessel = _colors(image), kept(image, vessel_mask)
+    colors, vessel = colors_of(image), kept(image, vessel_mask)
     ring = _dilated(vessel, RING_GAP + RING_WIDTH) & ~_dilated(vessel, RING_GAP)
     return colors, vessel, ring & kept(image, tissue_mask)
-
-
-def _flat(colors: Float32Image, counted: BoolImage) -> BoolImage:
-    """(H, W) of what counts, the half with the smallest gradient."""
-    keep = counted & (value(colors) > np.float32(2 * BLACK)) & (_green(colors) < np.float32(SATURATED))
-    smooth = cv2.GaussianBlur(_green(colors), (0, 0), FLAT_SIGMA)
-    slope = np.hypot(cv2.Sobel(smooth, cv2.CV_32F, 1, 0), cv2.Sobel(smooth, cv2.CV_32F, 0, 1))
-    return np.asarray(keep & (slope <= np.median(slope[keep]))) if keep.any() else keep
-
-
-def _noise(colors: Float32Image, where: BoolImage) -> float:
-    response = np.abs(cv2.filter2D(colors, cv2.CV_32F, NOISE_KERNEL, borderType=cv2.BORDER_REFLECT))[where]
-    return _mean(response[response <= np.quantile(response, 0.75)]) if response.size else math.nan
 
 
 def _mean_step(means: list[float]) -> float:
@@ -349,7 +284,7 @@ def _mean_step(means: list[float]) -> float:
 
 def grey_levels(image: AnyImage) -> NDArray[np.float64]:
     """Grey by BT.601, (H, W), 0 to 255, not rounded; 0 where nothing is visible."""
-    colors = _colors(image).astype(np.float64) * 255
+    colors = colors_of(image).astype(np.float64) * 255
     return colors if colors.ndim == 2 else np.asarray(colors @ np.array([0.299, 0.587, 0.114]))
 
 

@@ -25,16 +25,15 @@ from enhance.color_difference import vessel_color_difference
 from enhance.image import BoolImage, read_picture
 from enhance.metrics import (
     blackened_share,
-    chroma_noise_gain,
     dvbv_local,
     dvbv_otsu,
     flicker,
     kept,
-    noise_gain,
     saturated_share,
     vessel_cnr,
     vessel_contrast,
 )
+from enhance.noise import chroma_noise_gain, noise_gain
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.metrics import psnr, ssim
 

@@ -184,6 +184,7 @@ def _write_summary(
         columns=columns,
         breaks_labels=True,
         measured_over="field of view",
+        noise_cut="by rank",
         settings=shown,
     )
     picture = contact_sheet(title, [row.tile for row in rows], columns, breaks=True)

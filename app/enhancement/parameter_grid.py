@@ -20,7 +20,8 @@ from app.files.image_files import ArrayImage
 from enhance import Statistics
 from enhance.color_difference import vessel_color_difference
 from enhance.image import BoolImage
-from enhance.metrics import chroma_noise_gain, dvbv_otsu, noise_gain, saturated_share, vessel_contrast
+from enhance.metrics import dvbv_otsu, saturated_share, vessel_contrast
+from enhance.noise import NoiseCut, chroma_noise_gain, noise_gain
 from enhance.ridges import field_of_view, vessel_mask
 from enhance.shown import Pixels
 
@@ -188,6 +189,7 @@ def tried(
     tissue_mask: BoolImage | None = None,
     pixels: Pixels = "automatic",
     measured_over: MeasuredOver = "field of view",
+    noise_cut: NoiseCut = "by rank",
 ) -> Iterator[Cell]:
     """Enhance and measure, one after another, in the order in which least is computed twice.
 
@@ -195,6 +197,7 @@ def tried(
         tissue_mask: (H, W), True = counts in the statistics; None: all.
         pixels: what is enhanced, as of `enhance.enhance`.
         measured_over: what is measured.
+        noise_cut: how its noise is.
 
     Raises:
         ImageError: a picture that cannot be enhanced.
@@ -210,7 +213,7 @@ def tried(
         start = perf_counter()
         result = enhancer.enhance(setting.params)
         milliseconds = 1000 * (perf_counter() - start)
-        measures = measured(result.image, image, vessels, view, milliseconds, measured_over)
+        measures = measured(result.image, image, vessels, view, milliseconds, measured_over, noise_cut)
         yield Cell(setting, result.image, result.statistics, measures)
 
 
@@ -226,6 +229,7 @@ def measured(
     view: BoolImage,
     milliseconds: float,
     measured_over: MeasuredOver = "field of view",
+    noise_cut: NoiseCut = "by rank",
 ) -> Measures:
     """Of an enhanced picture; `vessels` and `view` are masks (H, W) of the original."""
     pixels = view if measured_over == "field of view" else None
@@ -235,11 +239,11 @@ def measured(
         bv=otsu.bv,
         dv_bv=otsu.ratio,
         vessel_contrast=vessel_contrast(image, vessels, tissue_mask=view),
-        noise_gain=noise_gain(image, original, tissue_mask=view),
+        noise_gain=noise_gain(image, original, tissue_mask=view, cut=noise_cut),
         saturated_share=saturated_share(image, tissue_mask=pixels),
         milliseconds=milliseconds,
         color_difference=vessel_color_difference(image, vessels, tissue_mask=view),
-        chroma_noise_gain=chroma_noise_gain(image, original, tissue_mask=view),
+        chroma_noise_gain=chroma_noise_gain(image, original, tissue_mask=view, cut=noise_cut),
     )
 
 

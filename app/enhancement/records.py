@@ -14,6 +14,7 @@ from app.enhancement.settable import Pixels
 from app.files.dicom.choices import DicomChoices
 from app.files.records import LENIENT, Record, Source, Told
 from enhance import Statistics
+from enhance.noise import NoiseCut
 from enhance.result import Omission
 from renderer.readers.calibration import Calibration
 from renderer.readers.clip_options import Deinterlacing, Stereo
@@ -98,4 +99,6 @@ class TuningSheet(Record):
     """Into as many lines as they need; False, as before 0.2.0: made as small as one line has room for."""
     measured_over: MeasuredOver = "whole image"
     """What its DV/BV is of; of sheets that do not say, the whole image."""
+    noise_cut: NoiseCut = "by level"
+    """Of its noise gains; by level, as before 0.4.0, of sheets that do not say."""
     settings: tuple[SheetCell, ...]

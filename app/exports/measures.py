@@ -15,6 +15,7 @@ from app.exports.records import MeasuresTable
 from app.exports.sizing import Sizing
 from app.files.atomic import together, write_bytes
 from app.files.provenance import write_sidecar
+from enhance.noise import NoiseCut
 from enhance.ridges import field_of_view, vessel_mask
 
 Row = dict[str, Any]
@@ -26,6 +27,7 @@ def measures_at(
     maker: PaneMaker,
     made: Sequence[Made],
     measured_over: MeasuredOver = "field of view",
+    noise_cut: NoiseCut = "by rank",
 ) -> list[Row]:
     """Those of these names, of each pane's picture, `made` in its own size; NaN: it cannot be measured.
 
@@ -34,14 +36,17 @@ def measures_at(
     original = maker.clip.read_image(frame)
     view = field_of_view(original)
     vessels = vessel_mask(original, tissue_mask=view)
-    found = (asdict(measured(one.panel.image, original, vessels, view, 0.0, measured_over)) for one in made)
+    found = (
+        asdict(measured(one.panel.image, original, vessels, view, 0.0, measured_over, noise_cut))
+        for one in made
+    )
     return [{name: one[name] for name in names} for one in found]
 
 
 def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
     """At a frame a row a pane. Raises ClipError or ImageError."""
     label, made = maker.clip.labels[frame], maker.made(frame, Sizing())
-    rows = measures_at(frame, record.measures, maker, made, record.measured_over)
+    rows = measures_at(frame, record.measures, maker, made, record.measured_over, record.noise_cut)
     told = zip(record.panes, rows, strict=True)
     return [{"frame": frame, "label": label, "pane": pane.title} | row for pane, row in told]
 

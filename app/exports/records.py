@@ -27,6 +27,7 @@ from app.files.records import LENIENT, Record, Source, Told
 from app.files.video import Written
 from app.scenes.records import DrawnRecord, MomentRecord, RecordedCamera, SceneRecord, ViewRecord
 from enhance import Statistics
+from enhance.noise import NoiseCut
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.surface.fineness import VERTICES
 
@@ -277,6 +278,8 @@ class MeasuresTable(SpanRecord):
     """Columns of the table."""
     measured_over: MeasuredOver = "whole image"
     """What DV, BV and the saturated share are of; of tables that do not say, the whole image."""
+    noise_cut: NoiseCut = "by level"
+    """Of the noise gains; by level, as before 0.4.0, of tables that do not say."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

@@ -17,14 +17,13 @@ from enhance.baselines import BASELINES, TAO_STAND_INS
 from enhance.color_difference import vessel_color_difference
 from enhance.metrics import (
     blackened_share,
-    chroma_noise_gain,
     dvbv_local,
     dvbv_otsu,
-    noise_gain,
     saturated_share,
     vessel_cnr,
     vessel_contrast,
 )
+from enhance.noise import chroma_noise_gain, noise_gain
 from enhance.ridges import field_of_view, vessel_mask
 from enhance.vessel import enhance_vessels
 from renderer.clip import BoolImage, ByteImage

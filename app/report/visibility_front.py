@@ -18,7 +18,8 @@ from app.evaluation.mean import mean_of_finite
 from app.report.visibility import Sample, methods
 from enhance.color_difference import vessel_color_difference
 from enhance.halos import edge_halo, highlight_halo
-from enhance.metrics import noise_gain, vessel_cnr, vessel_contrast
+from enhance.metrics import vessel_cnr, vessel_contrast
+from enhance.noise import noise_gain
 from enhance.vessel import VesselEnhancer, VesselParams
 from renderer.clip import BoolImage, ByteImage
 

@@ -13,15 +13,14 @@ from enhance.color_difference import vessel_color_difference
 from enhance.halos import highlight_halo
 from enhance.metrics import (
     blackened_share,
-    chroma_noise_gain,
     dvbv_local,
     dvbv_otsu,
     flicker,
-    noise_gain,
     saturated_share,
     vessel_cnr,
     vessel_contrast,
 )
+from enhance.noise import chroma_noise_gain, noise_gain
 from tests.enhance.pictures import DTYPES, as_type, vessels
 
 
@@ -227,6 +226,17 @@ def test_noise_gain_is_the_ratio_of_the_noise(gain: float) -> None:
     mask[:50] = True
     after[60:] += rng.normal(0, 0.2, (60, 120, 3)).clip(-0.1, 0.1)
     assert noise_gain(after, x + noise, tissue_mask=mask) == pytest.approx(gain, rel=0.05)
+
+
+def test_ties_among_whole_grey_levels_do_not_move_noise_gains() -> None:
+    """Of an image of whole grey levels, many responses are the third quartile itself."""
+    noise = np.random.default_rng(4).normal(0, 1.2, (120, 120, 3))
+    image = (120 + noise).round() / 255
+    for scale in (0.9, 0.7, 0.5):
+        assert noise_gain(scale * image, image) == pytest.approx(scale, rel=1e-3)
+        assert chroma_noise_gain(scale * image, image) == pytest.approx(scale, rel=1e-3)
+    levels = [gain(0.7 * image, image, cut="by level") for gain in (noise_gain, chroma_noise_gain)]
+    assert levels != pytest.approx([0.7, 0.7], rel=0.02)
 
 
 def test_noise_gain_is_undefined_without_noise_or_without_tissue() -> None:

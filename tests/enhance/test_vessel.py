@@ -14,11 +14,11 @@ from enhance import EnhanceParams, ImageError, enhance, measure
 from enhance.metrics import (
     blackened_share,
     dvbv_otsu,
-    noise_gain,
     saturated_share,
     vessel_cnr,
     vessel_contrast,
 )
+from enhance.noise import noise_gain
 from enhance.ridges import field_of_view, vessel_mask
 from enhance.vessel import VESSEL, VesselEnhancer, VesselParams, enhance_vessels
 from enhance.vessel_density import BOUND

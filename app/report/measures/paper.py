@@ -19,7 +19,7 @@ from app.report.runs import schedule
 from app.report.section import Cell, Column, Section, Table
 from app.report.visibility import COLUMNS, Sample, measured, methods, of_clip, of_phantom, pattern
 from enhance.baselines import TAO_STAND_INS
-from enhance.metrics import noise_gain
+from enhance.noise import noise_gain
 from renderer.clip import ClipError
 from renderer.train.config import Method
 from renderer.train.trainer import TrainingError

@@ -78,12 +78,14 @@ def test_a_sheet_and_a_table_that_do_not_say_are_of_the_whole_image(
     assert call.code == 0, call.error
     sheet = tmp_path / "out" / "sheet.png"
     assert read_provenance(sheet)["measured_over"] == "field of view"
+    assert read_provenance(sheet)["noise_cut"] == "by rank"
     assert "identical" in vesselsplat("replay", sheet, "--source", paths[WIDE]).out
     facts = read_provenance(sheet)
     del facts["measured_over"]
     write_png(sheet, read_image(sheet), facts)
     assert "identical" not in vesselsplat("replay", sheet, "--source", paths[WIDE]).out, "another DV/BV"
-    assert MeasuresTable(first_frame=0, last_frame=1).measured_over == "whole image"
+    before = MeasuresTable(first_frame=0, last_frame=1)
+    assert (before.measured_over, before.noise_cut) == ("whole image", "by level")
 
 
 def test_metrics_are_of_the_field_of_view_and_say_what_is_not(

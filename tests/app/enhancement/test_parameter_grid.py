@@ -17,7 +17,8 @@ from app.errors import UserError
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png
 from enhance import EnhanceParams, enhance
-from enhance.metrics import dvbv_otsu, noise_gain
+from enhance.metrics import dvbv_otsu
+from enhance.noise import noise_gain
 from enhance.ridges import field_of_view
 from enhance.vessel import VesselParams, enhance_vessels
 from tests.app.conftest import Call, tissue
