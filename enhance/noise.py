@@ -17,6 +17,9 @@ from enhance.metrics import SATURATED, check_sizes, colors_of, green, kept
 
 FLAT_SIGMA: Final = 2.0
 NOISE_KERNEL: Final = np.outer((1, -2, 1), (1, -2, 1)).astype(np.float32)
+NOISELESS: Final = 1e-6
+"""Of full scale: mean responses below are what the rounding of floats leaves of none; that of 16 bits makes
+1e-5."""
 NoiseCut = Literal["by rank", "by level"]
 """How noise leaves out its largest quarter: as many values, whatever ties there are; or what is above their
 third quartile, where rounding decides between ties, as before 0.4.0."""
@@ -96,7 +99,7 @@ def _flat(colors: Float32Image, counted: BoolImage) -> BoolImage:
 
 def _gain(before: Float32Image, after: Float32Image, where: BoolImage, cut: NoiseCut) -> float:
     was, is_now = (_noise(colors, where, cut) for colors in (before, after))
-    return is_now / was if was > 0 else math.nan
+    return is_now / was if was > (NOISELESS if cut == "by rank" else 0) else math.nan
 
 
 def _noise(colors: Float32Image, where: BoolImage, cut: NoiseCut) -> float:

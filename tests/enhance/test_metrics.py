@@ -244,6 +244,12 @@ def test_noise_gain_is_undefined_without_noise_or_without_tissue() -> None:
     assert math.isnan(noise_gain(flat, flat))
     assert math.isnan(noise_gain(vessels(), vessels(), tissue_mask=np.zeros((120, 150), bool)))
     assert noise_gain(vessels(), vessels()) == 1
+    ramp = np.add.outer(np.linspace(0.2, 0.5, 48), np.linspace(0.1, 0.4, 64))[..., None].repeat(3, axis=2)
+    noisy = ramp + np.random.default_rng(2).normal(0, 1e-3, ramp.shape)
+    for gain in (noise_gain, chroma_noise_gain):
+        assert math.isnan(gain(noisy, ramp * (1.0, 0.9, 0.8)))  # Rounding of floats is no noise.
+    rounded = (ramp * 65535).round() / 65535
+    assert noise_gain(rounded, rounded) == 1
 
 
 def test_flicker_is_what_the_originals_do_not_have() -> None:
