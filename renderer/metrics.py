@@ -71,6 +71,28 @@ def ssim(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
         >>> round(ssim(reference, reference, mask), 6)
         1.0
     """
+    similarity = _similarity(image, reference, mask)
+    return float(similarity.mean()) if np.any(mask) else float("nan")
+
+
+def ssim_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
+    """The mean of `ssim` over the pixels of the mask alone, whose windows see zeros beyond it; NaN for an
+    empty mask.
+
+    Example:
+        >>> import numpy as np
+        >>> from renderer.metrics import ssim, ssim_masked
+        >>> reference, mask = np.random.default_rng(0).random((16, 16)), np.zeros((16, 16), bool)
+        >>> mask[:4] = True
+        >>> ssim_masked(reference * 0.5, reference, mask) < ssim(reference * 0.5, reference, mask)
+        True
+    """
+    similarity = _similarity(image, reference, mask)
+    return float(similarity[mask].mean()) if np.any(mask) else float("nan")
+
+
+def _similarity(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> NDArray[np.float64]:
+    """(H, W, channels), of both images times the mask."""
     x, y = masked(image, reference, mask)
     mean_x, mean_y = _window(x), _window(y)
     variance_x = _window(x * x) - mean_x**2
@@ -78,7 +100,7 @@ def ssim(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
     covariance = _window(x * y) - mean_x * mean_y
     similarity = (2 * mean_x * mean_y + _C1) * (2 * covariance + _C2)
     similarity /= (mean_x**2 + mean_y**2 + _C1) * (variance_x + variance_y + _C2)
-    return float(similarity.mean()) if np.any(mask) else float("nan")
+    return similarity
 
 
 def depth_rmse(depth: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:

@@ -35,7 +35,7 @@ from enhance.metrics import (
 )
 from enhance.noise import chroma_noise_gain, noise_gain
 from enhance.ridges import field_of_view, vessel_mask
-from renderer.metrics import psnr, ssim
+from renderer.metrics import psnr_masked, ssim_masked
 
 DEFINITIONS = {
     "pixels": "the field of view of the original, or of an image without one, as far as nothing there is "
@@ -250,8 +250,8 @@ def _against(
         "noise_gain": noise_gain(after, before, tissue_mask=tissue),
         "chroma_noise_gain": chroma_noise_gain(after, before, tissue_mask=tissue),
         "blackened_share": blackened_share(after, before, vessel),
-        "psnr": psnr(after, before, shown),
-        "ssim": ssim(after, before, shown),
+        "psnr": psnr_masked(after, before, shown),
+        "ssim": ssim_masked(after, before, shown),
     }
 
 

@@ -89,6 +89,22 @@ def test_metrics_want_one_mask_a_picture_and_of_its_size(
     assert (call.code, "60x40, got 8x8" in call.error, call.error.count("\n")) == (2, True, 1)
 
 
+def test_the_error_is_that_of_what_is_not_transparent(tmp_path: Path, vesselsplat: Cli) -> None:
+    before = np.random.default_rng(0).integers(60, 200, (40, 64, 3)).astype(np.uint8)
+    alpha = np.full((40, 64), 255, np.uint8)
+    alpha[:, 16:] = 0
+    after = np.dstack((before + 10, alpha))
+    found = []
+    for name, columns in (("whole", 64), ("part", 16)):
+        paths = [tmp_path / f"{name}-{kind}.png" for kind in ("after", "before")]
+        for path, image in zip(paths, (after, before), strict=True):
+            cv2.imwrite(str(path), image[:, :columns])
+        report = json.loads(vesselsplat("metrics", paths[0], "--against", paths[1], "--json").out)
+        found.append([report["mean"][name] for name in ("psnr", "ssim")])
+    assert found[0] == pytest.approx(found[1])
+    assert found[0][0] == pytest.approx(20 * np.log10(255 / 10))
+
+
 def test_metrics_of_a_sequence_say_how_steady_it_is(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     for index, level in enumerate((100, 110, 90)):
         cv2.imwrite(str(tmp_path / f"{index}.png"), np.full((40, 60, 3), level, np.uint8))
