@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -72,7 +73,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         metavar="ORIGINAL",
         nargs="+",
         type=Path,
-        help="the original of each image, in order; of folders by name, where the names are the same",
+        help="the original of each image, in order; of folders by name, where the names are the same; of "
+        "videos frame by frame, where they have as many",
     )
     parser.add_argument(
         "--vessels",
@@ -95,6 +97,7 @@ class Given:
     path: Path
     sequence: Path
     """The folder or video whose pictures follow each other."""
+    is_video: bool
     read: Callable[[], ArrayImage]
 
     @property
@@ -132,7 +135,7 @@ def _given(path: Path) -> list[Given]:
         number = series.frame(index)
         origin |= {} if number is None else {"frame": number}
         sequence = source.parent if number is None else source
-        found.append(Given(name, origin, source, sequence, partial(series.read, index)))
+        found.append(Given(name, origin, source, sequence, series.is_video, partial(series.read, index)))
     return found
 
 
@@ -151,6 +154,7 @@ def _one_each(given: list[list[Given]], images: list[list[Given]], what: str) ->
 
 def _paired(given: list[Given], pictures: list[Given], what: str) -> list[Given]:
     """By name where names are the same, however many there are; in order where none is."""
+    _check_lengths(given, pictures, what)
     named = {one.name: one for one in given}
     strange = [picture for picture in pictures if picture.name not in named]
     if len(named) == len(given) and not strange:
@@ -163,6 +167,19 @@ def _paired(given: list[Given], pictures: list[Given], what: str) -> list[Given]
             f"though there is one for {len(pictures) - len(strange)} of {len(pictures)}"
         )
     return given
+
+
+def _check_lengths(given: list[Given], pictures: list[Given], what: str) -> None:
+    """A frame of a video has its number for a name: of a part or at another rate, the same number is of
+    another moment. Raises UserError."""
+    ours, theirs = (
+        set(Counter(one.sequence for one in those if one.is_video).values()) for those in (pictures, given)
+    )
+    if ours and theirs and len(ours | theirs) > 1:
+        frames, others = (", ".join(map(str, sorted(each))) for each in (ours, theirs))
+        raise UserError(
+            f"expected a video with one {what} for each frame of a video, got {frames} frames and {others}"
+        )
 
 
 def measure_sequence(pictures: list[Given], originals: list[Given]) -> dict[str, float] | None:

@@ -75,6 +75,28 @@ def test_other_names_are_paired_in_order_where_there_are_as_many(
     assert (call.code, "one original for each of 4 images, got 3" in call.error) == (2, True)
 
 
+def test_videos_are_paired_frame_by_frame_where_they_have_as_many(tmp_path: Path, vesselsplat: Cli) -> None:
+    paths = {name: tmp_path / f"{name}.avi" for name in ("whole", "end", "again")}
+    for name, numbers in (("whole", range(4)), ("end", range(2, 4)), ("again", range(4))):
+        writer = cv2.VideoWriter(str(paths[name]), cv2.VideoWriter.fourcc(*"MJPG"), 10.0, (60, 40))
+        for number in numbers:
+            writer.write(tissue(number, 100 + 20 * number))
+        writer.release()
+    for flag in ("--against", "--vessels"):
+        call = vesselsplat("metrics", paths["end"], flag, paths["whole"])
+        assert (call.code, call.out, call.error.count("\n")) == (2, "", 1)
+        assert "for each frame of a video, got 2 frames and 4" in call.error
+    both = pairs(vesselsplat, paths["whole"], paths["again"], "--against", paths["whole"])
+    assert [one[0] for one in both] == ["whole.avi"] * 4 + ["again.avi"] * 4
+    assert {ratio for *_, ratio in both} == {None}
+    frames = tmp_path / "frames"
+    frames.mkdir()
+    cv2.imwrite(str(frames / "frame-000003.png"), tissue(3, 160))
+    ((_, _, ratio),) = pairs(vesselsplat, frames, "--against", paths["whole"])
+    assert ratio is not None
+    assert ratio > 25, "by its number"
+
+
 def test_files_named_one_by_one_keep_their_order(originals: Path, vesselsplat: Cli) -> None:
     first, second = originals / "001.png", originals / "002.png"
     found = pairs(vesselsplat, first, second, "--against", second, first)
