@@ -98,7 +98,10 @@ class MethodEnhancer:
 def load_kernels(look: EnhancementSettings, image: ArrayImage) -> None:
     """From disk, or compile them, for pictures of this kind: which is no time of one enhanced thereafter."""
     enhancer = MethodEnhancer()
-    enhancer.show(np.zeros_like(image[:64, :64]))
+    blank = np.zeros_like(image[:64, :64])
+    if blank.ndim == 3:
+        blank[..., 3:] = 1  # Of an image that is transparent all over, nothing can be measured.
+    enhancer.show(blank)
     enhancer.enhance(look)
 
 

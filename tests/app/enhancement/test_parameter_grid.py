@@ -106,6 +106,16 @@ def test_each_cell_is_what_the_library_makes_of_the_picture(base: EnhanceParams 
         np.testing.assert_equal(cell.measures.noise_gain, noise_gain(alone.image, image, tissue_mask=view))
 
 
+@pytest.mark.parametrize("params", [EnhanceParams(), VesselParams()])
+def test_an_image_with_alpha_is_tried_as_one_without(params: EnhanceParams | VesselParams) -> None:
+    opaque = np.dstack((tissue(3), np.full(tissue(3).shape[:2], 255, np.uint8)))
+    wanted = settings(params, [axis("d_factor=0,1", type(params))])
+    pairs = zip(tried(opaque, wanted), tried(tissue(3), wanted), strict=True)
+    for cell, other in pairs:
+        assert np.array_equal(cell.image[..., :3], other.image)
+        assert cell.measures.dv_bv == other.measures.dv_bv
+
+
 def test_the_best_comes_first_and_what_was_not_measured_last() -> None:
     def measures(value: float) -> Measures:
         return Measures(**dict.fromkeys(METRICS, value))
