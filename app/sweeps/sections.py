@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 
 from app.report.section import Cell, Column, Plate, Section, Table
@@ -104,7 +105,7 @@ def differences(summary: Summary, measures: Sequence[str]) -> Iterator[Table]:
             found = summary.difference(setting, base, name)
             if found.spread.count:
                 low, high = (found.spread.mean + sign * found.half_width for sign in (-1, 1))
-                clear = "yes" if found.is_clear else "no"
+                clear = None if math.isnan(found.half_width) else "yes" if found.is_clear else "no"
                 over = count(found.spread.count, found.over)
                 rows.append((said(setting), name, over, found.spread.mean, low, high, clear))
     names = (

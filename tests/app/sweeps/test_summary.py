@@ -68,6 +68,13 @@ def test_differences_are_of_the_same_clip_and_seed(summary: Summary) -> None:
     (table,) = differences(summary, ["psnr", "bv"])
     # BV: of x, 0 and -1; of y, -4.
     assert [row[1:4] for row in table.rows] == [("psnr", "2 seeds", 1.5), ("bv", "2 clips", -2.25)]
+    assert [row[-1] for row in table.rows] == ["no", "no"]
+
+
+def test_one_clip_with_one_seed_does_not_say_whether_settings_differ(summary: Summary) -> None:
+    alone = Summary(summary.varied, tuple(row for row in summary.rows if row.settings["seed"] == 0))
+    (table,) = differences(alone, ["psnr"])
+    assert [(row[2], row[-1]) for row in table.rows] == [("1 clip", None)]
 
 
 def test_the_best_setting_is_the_largest_or_the_smallest_as_the_measure_means(summary: Summary) -> None:
