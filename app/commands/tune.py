@@ -185,6 +185,7 @@ def _write_summary(
         breaks_labels=True,
         measured_over="field of view",
         noise_cut="by rank",
+        undefined="none",
         settings=shown,
     )
     picture = contact_sheet(title, [row.tile for row in rows], columns, breaks=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import cv2
 import numpy as np
@@ -26,6 +26,8 @@ GAP = 12
 LABEL_SIZE, LINE_HEIGHT, LABEL_PADDING = 16, 20, 10
 TITLE_HEIGHT = 40
 FOOT_HEIGHT = 28
+Undefined = Literal["none", "nan"]
+"""What a sheet says of a measure that cannot be taken; "nan" as before 0.4.0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,15 +109,16 @@ def _write(
     draw.text((corner[0], corner[1] + height / 2), text, fill=color, font=font, anchor="lm")
 
 
-def tile(cell: Cell, label: str) -> Tile:
+def tile(cell: Cell, label: str, undefined: Undefined = "none") -> Tile:
     """As wide as the sheet has room for; of the measures without what differs from one time to the next."""
-    return Tile(f"{label}\n{in_words(cell.measures)}", small(cell.image, TILE_WIDTH))
+    return Tile(f"{label}\n{in_words(cell.measures, undefined)}", small(cell.image, TILE_WIDTH))
 
 
-def in_words(measures: Measures) -> str:
+def in_words(measures: Measures, undefined: Undefined = "none") -> str:
     """The three that tell most, in words."""
-    contrast, noise = measures.vessel_contrast, measures.noise_gain
-    return f"DV/BV {measures.dv_bv:.3g} · contrast {contrast:.3g} · noise gain {noise:.2g}"
+    three = (measures.dv_bv, ".3g"), (measures.vessel_contrast, ".3g"), (measures.noise_gain, ".2g")
+    ratio, contrast, noise = (undefined if math.isnan(one) else format(one, form) for one, form in three)
+    return f"DV/BV {ratio} · contrast {contrast} · noise gain {noise}"
 
 
 def small(image: ArrayImage, width: int) -> ByteImage:

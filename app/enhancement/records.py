@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator
 from pydantic.dataclasses import dataclass
 
+from app.enhancement.contact_sheet import Undefined
 from app.enhancement.methods import RecordedSettings
 from app.enhancement.parameter_grid import MeasuredOver, Measures
 from app.enhancement.settable import Pixels
@@ -101,4 +102,6 @@ class TuningSheet(Record):
     """What its DV/BV is of; of sheets that do not say, the whole image."""
     noise_cut: NoiseCut = "by level"
     """Of its noise gains; by level, as before 0.4.0, of sheets that do not say."""
+    undefined: Undefined = "nan"
+    """What it says of a measure that cannot be taken."""
     settings: tuple[SheetCell, ...]

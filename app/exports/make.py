@@ -177,7 +177,7 @@ def _tuning_sheet(record: TuningSheet, sources: Sources, target: Path) -> None:
     mask = inside([image]) if record.pixels == "tissue" else None
     wanted = [Setting((place,), one.label, one.params) for place, one in enumerate(record.settings)]
     cells = tried(image, wanted, mask, drawn(record.pixels), record.measured_over, record.noise_cut)
-    tiles = {cell.setting: tile(cell, cell.setting.label) for cell in cells}
+    tiles = {cell.setting: tile(cell, cell.setting.label, record.undefined) for cell in cells}
     picture = contact_sheet(
         record.title, [tiles[setting] for setting in wanted], record.columns, breaks=record.breaks_labels
     )

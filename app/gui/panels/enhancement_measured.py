@@ -26,16 +26,16 @@ FILL_ALPHA = 0.45
 Array = NDArray[np.float64]
 Rows = tuple[tuple[str, str, Callable[[Measures], str]], ...]
 ROWS: Rows = (
-    ("Vessel contrast", "vessel_contrast", lambda one: _number(one.vessel_contrast, ".3f")),
-    ("Colour difference", "color_difference", lambda one: _number(one.color_difference, ".1f")),
-    ("Noise gain", "noise_gain", lambda one: _number(one.noise_gain, ".2f")),
-    ("Chroma noise", "chroma_noise_gain", lambda one: _number(one.chroma_noise_gain, ".2f")),
-    ("Saturated", "saturated_share", lambda one: _number(100 * one.saturated_share, ".1f") + " %"),
+    ("Vessel contrast", "vessel_contrast", lambda one: measure_text(one.vessel_contrast, ".3f")),
+    ("Colour difference", "color_difference", lambda one: measure_text(one.color_difference, ".1f")),
+    ("Noise gain", "noise_gain", lambda one: measure_text(one.noise_gain, ".2f")),
+    ("Chroma noise", "chroma_noise_gain", lambda one: measure_text(one.chroma_noise_gain, ".2f")),
+    ("Saturated", "saturated_share", lambda one: measure_text(100 * one.saturated_share, ".1f") + " %"),
 )
 PAPER_ROWS: Rows = (
-    ("DV", "dv_bv", lambda one: _number(one.dv, ".0f")),
-    ("BV", "dv_bv", lambda one: _number(one.bv, ".0f")),
-    ("DV/BV", "dv_bv", lambda one: _number(one.dv_bv, ".2f")),
+    ("DV", "dv_bv", lambda one: measure_text(one.dv, ".0f")),
+    ("BV", "dv_bv", lambda one: measure_text(one.bv, ".0f")),
+    ("DV/BV", "dv_bv", lambda one: measure_text(one.dv_bv, ".2f")),
 )
 PAPER_HEADING = "Paper's measures (inferred definition)"
 MISLEADS = "DV/BV rises although vessel contrast falls: it counts other changes, too."
@@ -53,7 +53,8 @@ SIGMA_TEXT = (
 )
 
 
-def _number(value: float, form: str) -> str:
+def measure_text(value: float, form: str) -> str:
+    """In this form; a dash where nothing can be measured."""
     return "—" if math.isnan(value) else format(value, form)
 
 

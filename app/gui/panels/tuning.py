@@ -15,6 +15,7 @@ from app.enhancement.settable import MOST_VALUES
 from app.enhancement.setting_words import LABELS, VESSEL_LABELS, in_the_paper, said
 from app.gui.actions import laid_out, tuning_actions
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.enhancement_measured import measure_text
 from app.gui.panels.overlays import make_room
 from app.gui.panels.picture_pane import WHEEL_STEP, draw_part, frame_text
 from app.gui.session_file import Choice
@@ -208,7 +209,7 @@ def _draw_original(state: AppState, textures: ShowsPictures, size: ImVec2) -> No
         draw = imgui.get_window_draw_list()
         draw.add_image(textures.whole("tile original", cell.original), area.corner, area.end)
     before = cell.before if cell is not None else None
-    measured = f"Contrast {before.vessel_contrast:.3g} · DV/BV {before.dv_bv:.3g}" if before else "…"
+    measured = f"{_contrast(before)} · {_ratio(before)}" if before else "…"
     _draw_words("Original", measured, size)
     frame, is_shown = _of_frame(state)
     with imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + size.x):
@@ -238,7 +239,7 @@ def _draw_tile(state: AppState, textures: ShowsPictures, setting: Setting, size:
     if marked or imgui.is_item_hovered() or imgui.is_item_focused():
         ink = imgui.get_color_u32(theme.MARK if marked else theme.INK)
         draw.add_rect(area.corner, area.end, ink, 0.0, 2.0)
-    _draw_words(said(setting), _in_words(cell.measures) if cell is not None else "…", size)
+    _draw_words(said(setting), in_words(cell.measures) if cell is not None else "…", size)
 
 
 def _draw_words(what: str, measured: str, size: ImVec2) -> None:
@@ -248,10 +249,18 @@ def _draw_words(what: str, measured: str, size: ImVec2) -> None:
         muted(measured)
 
 
-def _in_words(measures: Measures) -> str:
+def _contrast(measures: Measures) -> str:
+    return f"Contrast {measure_text(measures.vessel_contrast, '.3g')}"
+
+
+def _ratio(measures: Measures) -> str:
+    return f"DV/BV {measure_text(measures.dv_bv, '.3g')}"
+
+
+def in_words(measures: Measures) -> str:
     """The three that tell most, what is seen first."""
-    contrast, noise = measures.vessel_contrast, measures.noise_gain
-    return f"Contrast {contrast:.3g} · noise gain {noise:.2g} · DV/BV {measures.dv_bv:.3g}"
+    noise = measure_text(measures.noise_gain, ".2g")
+    return f"{_contrast(measures)} · noise gain {noise} · {_ratio(measures)}"
 
 
 def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> None:
@@ -268,7 +277,7 @@ def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> Non
     zoom = 1 / imgui.get_io().display_framebuffer_scale.x
     button("1:1", partial(tuning_actions.one_to_one, state, zoom), "Actual pixels (1:1).")
     cell = state.tuning.cells.get(setting)
-    words = f"{said(setting)}   {_in_words(cell.measures) if cell is not None else '…'}"
+    words = f"{said(setting)}   {in_words(cell.measures) if cell is not None else '…'}"
     beside_of(imgui.calc_text_size(words).x, 1)
     imgui.align_text_to_frame_padding()
     with imgui_ctx.push_text_wrap_pos(0):

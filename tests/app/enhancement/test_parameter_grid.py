@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.enhancement.contact_sheet import columns_of
+from app.enhancement.contact_sheet import columns_of, in_words
 from app.enhancement.parameter_grid import METRICS, Axis, Measures, axis, ranked, settings, tried
 from app.errors import UserError
 from app.files.image_files import read_image
@@ -177,6 +177,16 @@ def test_what_cannot_be_measured_is_none_as_in_metrics(tmp_path: Path, vesselspl
     assert (call.code, call.error) == (0, "")
     assert " none " in call.out
     assert "nan" not in call.out.split()
+    undefined = Measures(**dict.fromkeys(METRICS, math.nan))
+    assert in_words(undefined) == "DV/BV none · contrast none · noise gain none"
+    sheet = tmp_path / "out" / "sheet.png"
+    facts = read_provenance(sheet)
+    replayed = vesselsplat("replay", sheet, "--source", tmp_path / "flat.png")
+    assert (facts["undefined"], replayed.out.rstrip()[-9:]) == ("none", "identical")
+    del facts["undefined"]
+    write_png(sheet, read_image(sheet), facts)
+    before = vesselsplat("replay", sheet, "--source", tmp_path / "flat.png")
+    assert before.out.rstrip()[-9:] != "identical", "it said nan"
 
 
 @pytest.mark.parametrize(

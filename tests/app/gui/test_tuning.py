@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui
 
 from app.enhancement.amounts import AMOUNTS
 from app.enhancement.frame_enhancer import PictureMaker
-from app.enhancement.parameter_grid import METRICS
+from app.enhancement.parameter_grid import METRICS, Measures
 from app.enhancement.setting_words import in_the_paper, said
 from app.gui.actions import actions, arriving, history_actions, tuning_actions
 from app.gui.commands.keys import chord
-from app.gui.panels.tuning import draw_tuning
+from app.gui.panels.tuning import draw_tuning, in_words
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
@@ -183,6 +185,11 @@ def test_values_are_said_in_the_words_of_the_sliders(state: AppState) -> None:
     tuning_actions.use_setting(state, state.tuning.grid.settings[4])
     assert state.window.toast is not None
     assert "Brightness 0.60" in state.window.toast.message
+
+
+def test_what_cannot_be_measured_is_a_dash() -> None:
+    measures = Measures(**dict.fromkeys(METRICS, 1.0) | {"vessel_contrast": math.nan})
+    assert in_words(measures) == "Contrast — · noise gain 1 · DV/BV 1"
 
 
 def test_the_original_is_the_first_tile_and_stands_beside_a_cell(
