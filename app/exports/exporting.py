@@ -72,7 +72,9 @@ class Summary:
         """Reads each file for its digest. Raises OSError; UserError: a text is too long."""
         try:
             told = tuple(SummaryPicture(picture=Source.of(path), note=note) for path, note in self.pictures)
-            return CaseSummary(title=self.title, day=self.day, notes=self.notes, pictures=told)
+            return CaseSummary(
+                title=self.title, day=self.day, notes=self.notes, pictures=told, measures_of="all images"
+            )
         except ValidationError as error:
             raise UserError(problem(error)) from error
 

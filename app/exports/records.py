@@ -293,6 +293,10 @@ class ViewVideo(Record):
     video: Annotated[Written | None, Told] = None
 
 
+MeasuresOf = Literal["panes", "all images"]
+"""The latter: of tuned images, too."""
+
+
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
 class SummaryPicture(Record):
     """A picture on a page, by the file that it was saved as."""
@@ -312,6 +316,8 @@ class CaseSummary(Record):
     notes: Annotated[str, at_most(LONGEST_NOTES)] = ""
     """On all of it."""
     pictures: tuple[SummaryPicture, ...]
+    measures_of: MeasuresOf = "panes"
+    """Whose measures it tells; those of panes alone, as before 0.4.0, where it does not say."""
 
 
 Export = (

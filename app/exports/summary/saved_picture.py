@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,7 +13,7 @@ from app.enhancement.methods import EnhancementSettings
 from app.enhancement.records import EnhancedPicture
 from app.enhancement.setting_words import worded
 from app.errors import UserError
-from app.exports.records import EXPORT, PaneRecord, PanesPicture, Render
+from app.exports.records import EXPORT, MeasuresOf, PaneRecord, PanesPicture, Render
 from app.files.embedded import JPEG_START, PNG_SIGNATURE, carried
 from app.files.legible import named
 from app.files.provenance import facts_of
@@ -49,7 +49,7 @@ class SavedPicture:
         return _media_type(self.content)
 
 
-def read_picture(path: Path) -> SavedPicture:
+def read_picture(path: Path, measures_of: MeasuresOf = "all images") -> SavedPicture:
     """Raises OSError; UserError: it is no PNG or JPEG, or not one of ours."""
     content = read_whole(path)
     if not _media_type(content):
@@ -58,7 +58,7 @@ def read_picture(path: Path) -> SavedPicture:
     if text is None:
         raise UserError(f"expected an image saved by VesselSplat, found no provenance in it: {path}")
     facts = facts_of(text, path)
-    return SavedPicture(content, _title(facts) or path.stem, tuple(_parts(facts)))
+    return SavedPicture(content, _title(facts) or path.stem, tuple(_parts(facts, measures_of)))
 
 
 def _media_type(content: bytes) -> str:
@@ -92,7 +92,7 @@ def _trim(facts: dict[str, Any]) -> tuple[object, ...]:
     return tuple(trim) if isinstance(trim, list) and trim else (0,)
 
 
-def _parts(facts: dict[str, Any]) -> Iterator[Part]:
+def _parts(facts: dict[str, Any], measures_of: MeasuresOf) -> Iterator[Part]:
     """Of a kind that this version does not know, its name alone."""
     try:
         record = EXPORT.validate_python(facts)
@@ -106,8 +106,9 @@ def _parts(facts: dict[str, Any]) -> Iterator[Part]:
         case Render():
             yield _of_scene(record)
         case EnhancedPicture():
-            settings = _settings(record.params, record.statistics)
-            yield Part("Enhanced", settings or named(record.method))
+            settings = _settings(record.params, record.statistics) or named(record.method)
+            measures = record.measures if measures_of == "all images" else None
+            yield Part("Enhanced", settings, None if measures is None else asdict(measures))
         case _:
             yield Part(record.kind.capitalize())
 

@@ -16,5 +16,5 @@ def write_summary(record: CaseSummary, sources: Sources, target: Path) -> None:
     """Raises OSError; UserError: no pictures, or one that is missing, has changed or is not ours."""
     if not record.pictures:
         raise UserError("expected at least one image, got none")
-    pictures = [read_picture(sources.saved(one.picture)) for one in record.pictures]
+    pictures = [read_picture(sources.saved(one.picture), record.measures_of) for one in record.pictures]
     write_bytes(target, summary_page(record, pictures))

@@ -17,7 +17,7 @@ import pytest
 from app.exports.exporting import ExportRequest, Summary, export
 from app.exports.html_file import facts_in
 from app.exports.make import make
-from app.exports.records import CaseSummary, PanesPicture
+from app.exports.records import EXPORT, CaseSummary, PanesPicture
 from app.exports.replay.again import replay
 from app.exports.sources import Opened
 from app.exports.summary.saved_picture import read_picture
@@ -56,6 +56,18 @@ def test_it_says_what_is_in_each(tmp_path: Path) -> None:
     assert re.findall(r'<p class="note">(.*?)</p>', page) == [f"note {path.stem}" for path in PICTURES]
     assert "<td>Enhanced</td><td>Brightness auto 0.29" in page
     assert "from frames enhanced by Brightness" in page
+
+
+def test_a_tuned_image_tells_its_measures(tmp_path: Path) -> None:
+    picture, page = tmp_path / "tuned.png", tmp_path / "page.html"
+    picture.write_bytes((BEFORE / "tuned.png").read_bytes())
+    text = page_of(page, (picture, ""))
+    assert re.findall(r'<th class="number">(.*?)</th>', text) == ["Noise gain", "DV/BV*"]
+    assert re.findall(r'<td class="number">(.*?)</td>', text) == ["1.30", "1.52"]
+    assert replay(page, (), tmp_path / "again.html").difference.is_none
+    facts = {name: value for name, value in facts_in(text).items() if name != "measures_of"}
+    run_to_end(make(EXPORT.validate_python(facts), Opened(files=(picture,)), page))
+    assert "Noise gain" not in page.read_text(), "as before 0.4.0"
 
 
 def test_what_is_typed_is_text_and_nothing_else(tmp_path: Path) -> None:
