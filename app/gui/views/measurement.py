@@ -125,10 +125,12 @@ class Measurement:
 
 
 def _text(value: float, error: float, unit: str, power: str) -> str:
+    # Three digits that count, and no power of ten.
+    plain = np.format_float_positional(value, 3, unique=False, fractional=False, trim="-")
     if unit == SCENE_UNITS:
-        return f"{value:.3g} units{power} (no scale)"
+        return f"{plain} units{power} (no scale)"
     if error <= EXACT * value:
-        return f"{value:.3g} {unit}{power}"
+        return f"{plain} {unit}{power}"
     # Two digits of the error, as many decimals of the value.
     places = max(0, 1 - math.floor(math.log10(error)))
     return f"{value:.{places}f} ± {error:.{places}f} {unit}{power}"

@@ -74,6 +74,11 @@ def test_a_closed_line_has_a_flat_area_and_a_length_all_around() -> None:
     assert outline.length == pytest.approx(2 * (5 + 12))
     assert outline.text("mm") == "60 mm² · 34 mm around"
     assert outline.text("scene units") == "60 units² (no scale) · 34 units (no scale) around"
+    large = Measurement(
+        tuple(Located((100 * x, 100 * y, 100 * z)) for x, y, z in (one.point for one in LINE))
+    )
+    assert large.as_outline().text("mm") == "600000 mm² · 3400 mm around"
+    assert large.text("scene units") == "2200 units (no scale)"
     assert outline.with_point(A, 0.5, "run", goes_on=True) == Measurement((A,), 0.5, "run")
     assert Measurement(LINE[:2]).as_outline() == Measurement(LINE[:2])
     assert Measurement(LINE[:2]).area is None
