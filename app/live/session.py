@@ -6,7 +6,7 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count
 from typing import Final
@@ -39,7 +39,7 @@ SPARSE: Final = 16
 BLACK_AFTER: Final = 0.5
 """Seconds of black after which it is told."""
 WINDOW: Final = 2.0
-"""Seconds over which the rate is counted."""
+"""Seconds over which the rate is counted, or since the first picture."""
 WAITING: Final = 0.1
 
 log = logging.getLogger(__name__)
@@ -106,7 +106,7 @@ class LiveSession:
             signal=signal,
             reason=reason,
             told=link.told,
-            frames_per_second=self._rate(now),
+            frames_per_second=rate_of(tuple(self._times), now),
             arrived=self._capture.count,
             made=self._made,
             dropped=self._capture.dropped,
@@ -130,9 +130,6 @@ class LiveSession:
         if self._black_since is not None and now - self._black_since > BLACK_AFTER:
             return "black", "the source gives black frames"
         return "live", ""
-
-    def _rate(self, now: float) -> float:
-        return sum(now - WINDOW <= one for one in tuple(self._times)) / WINDOW
 
     def _run(self) -> None:
         numbers, enhancer, of_size = count(1), None, None
@@ -178,6 +175,14 @@ def load(setting: LiveSetting) -> None:
     """The kernels that frames are enhanced by, from disk or compiled, which is no time of a frame."""
     if setting.params is not None:
         load_kernels(setting.params, np.zeros((64, 64, 3), np.uint8))
+
+
+def rate_of(times: Sequence[float], now: float) -> float:
+    """Pictures per second, of the times of the last ones in seconds, the oldest first."""
+    since_first = now - times[0] if times else 0.0
+    if since_first >= WINDOW:
+        return sum(now - WINDOW <= one for one in times) / WINDOW
+    return (len(times) - 1) / since_first if since_first > 0 else 0.0
 
 
 def is_black(image: ByteImage) -> bool:

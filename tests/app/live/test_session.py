@@ -13,7 +13,7 @@ import pytest
 from app.errors import UserError
 from app.live.newest import Newest
 from app.live.picture import LivePicture, LiveSetting
-from app.live.session import LiveSession, is_black
+from app.live.session import LiveSession, is_black, rate_of
 from app.live.sources.source import Source, SourceLost
 from enhance import EnhanceParams, enhance
 from renderer.clip import ByteImage
@@ -78,6 +78,14 @@ def test_a_slow_recipient_makes_frames_drop_and_none_queue() -> None:
         wait_for(lambda: session.is_over, "the end")
         assert session.status().dropped > 30
     assert max(ages) < 0.25
+
+
+@pytest.mark.parametrize("now", [0.52, 1.0, 1.96, 2.0, 3.0, 9.0])
+def test_the_rate_is_that_since_the_first_picture_where_that_is_less_than_the_window(now: float) -> None:
+    times = [frame / 25 for frame in range(300) if frame / 25 <= now]
+    assert rate_of(times, now) == pytest.approx(25, abs=0.6)
+    assert rate_of(times, times[-1] + 5) < 25
+    assert rate_of([], now) == rate_of([now], now) == 0
 
 
 def test_a_setting_is_taken_over_with_the_next_frame() -> None:
