@@ -106,7 +106,7 @@ def _similarity(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> NDArra
 def depth_rmse(depth: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
     """Root mean square difference of two depth maps (H, W), in their unit (mm).
 
-    Over the pixels of the mask where both are measured (> 0); NaN when there is none.
+    Over the pixels of the mask where both are measured (> 0 and finite); NaN when there is none.
 
     Raises:
         ValueError: shapes that do not agree.
@@ -132,7 +132,7 @@ def depth_coverage(depth: AnyFloat, reference: AnyFloat, mask: BoolImage) -> flo
     """Share of the measured reference pixels of the mask, 0 to 1, where there is a depth to compare: the
     others are in no depth error. NaN when none is measured."""
     drawn, _ = _depths(depth, reference, mask)
-    measured = np.count_nonzero(mask & (reference > 0))
+    measured = np.count_nonzero(mask & _is_measured(reference))
     return len(drawn) / measured if measured else float("nan")
 
 
@@ -172,8 +172,12 @@ def _depths(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Both depths of the pixels of the mask where both are measured."""
     _check(depth, reference, mask)
-    both = mask & (depth > 0) & (reference > 0) & (reference < np.inf)
+    both = mask & _is_measured(depth) & _is_measured(reference)
     return depth[both].astype(np.float64), reference[both].astype(np.float64)
+
+
+def _is_measured(depth: AnyFloat) -> BoolImage:
+    return np.asarray((depth > 0) & (depth < np.inf))
 
 
 def _check(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> None:

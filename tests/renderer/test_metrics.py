@@ -97,6 +97,14 @@ def test_depth_rmse_counts_only_where_both_are_measured():
     assert depth_rmse(depth, reference, np.array([[True, False, True, True]])) == pytest.approx(3.0)
 
 
+def test_infinite_depth_is_not_measured():
+    depth = np.array([[11.0, 20.0, np.inf, 0.0]], dtype=np.float32)
+    reference, mask = np.array([[10.0, np.inf, 10.0, 10.0]], dtype=np.float32), np.ones((1, 4), dtype=bool)
+    assert depth_rmse(depth, reference, mask) == 1
+    assert depth_abs_rel(depth, reference, mask) == pytest.approx(0.1)
+    assert depth_coverage(depth, reference, mask) == pytest.approx(1 / 3)
+
+
 def test_relative_depth_error_is_without_unit_and_of_the_same_pixels(rng):
     reference = np.array([[50.0, 80.0, 0.0, 70.0]], dtype=np.float32)
     depth = np.array([[53.0, 76.0, 99.0, 0.0]], dtype=np.float32)
