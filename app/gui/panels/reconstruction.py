@@ -38,8 +38,8 @@ LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the inte
 FIRST_USE = "Once on a computer: about a minute, longer while it is busy."
 """Kernels are compiled then."""
 PAUSES = "Pauses are not counted."
-PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, all pixels."
-DEPTH = "RMS error along z on the same frames, where both the clip and the model have depth."
+PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, at the end all; all their pixels."
+DEPTH = "RMS error along z on the same held-out frames, where both the clip and the model have depth."
 LOSS = "Mean since the previous point."
 COUNT = "Number of Gaussians in the model."
 Line = NDArray[np.float64]

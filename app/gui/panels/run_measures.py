@@ -27,8 +27,8 @@ def _percent(value: float) -> str:
 
 
 ROWS: Final[tuple[Row, ...]] = (
-    ("PSNR", "psnr", _decibels, "As in published results: over the pixels with measured depth, the others "
-     "black in both images."),
+    ("PSNR", "psnr", _decibels, "As in published results: over the pixels that the clip's masks leave, in "
+     "many clips only those with measured depth; the others are black in both images."),
     ("PSNR, all tissue", "psnr_tissue", _decibels, "Over all tissue that is seen, with measured depth "
      "or without: everything but instruments, burned-in text and what your mask leaves out."),
     ("PSNR, seldom-seen tissue", "psnr_seldom", _decibels, f"Over tissue that at most {SELDOM:.0%} of the "
@@ -37,7 +37,7 @@ ROWS: Final[tuple[Row, ...]] = (
     ("Covered tissue", "coverage", _percent, "Share of the tissue that is seen where the model is at "
      f"least {OPAQUE:.0%} opaque. In the rest the background shows through."),
 )  # fmt: skip
-HELD_OUT: Final = "Frames that the run was not trained on: every eighth. Higher is better in every line."
+HELD_OUT: Final = "Frames that the run was not trained on. Higher is better in every line."
 SHORT: Final = "The clip is too short to hold frames out, so these are its training frames."
 
 
