@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import MISSING, dataclass, fields, replace
-from math import inf
+from math import inf, nan
 from typing import Any, Final, TypeVar
 
 from app.runs.run_folder import RunFolder, is_number, wall_seconds_of
@@ -62,12 +62,15 @@ def _lasting(events: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 def _of(kind: type[Event], events: list[dict[str, Any]]) -> tuple[Event, ...]:
-    """Those of one kind; what is no number, such as the null of an infinite one, counts as missing."""
+    """Those of one kind; what is no number, such as the null of an infinite one, counts as missing, but for
+    the PSNR of frames in which nothing is evaluated."""
     known, found = {item.name: item for item in fields(kind)}, []
     for event in events:
         if event["event"] != kind.__name__:
             continue
         values = {name: value for name, value in event.items() if name in known and is_number(value)}
+        if kind is Evaluated and event.get("psnr", nan) is None:
+            values["psnr"] = nan
         if all(name in values or item.default is not MISSING for name, item in known.items()):
             found.append(kind(**values))
     return tuple(found)

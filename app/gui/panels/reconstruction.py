@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 
@@ -212,7 +213,8 @@ def _draw_curves(run: Reconstruction) -> None:
     if not run.told.progress:
         return
     curve, end, ink = run.told.progress, run.iterations, theme.now()
-    now, seen = curve[-1], _line(run.told.evaluated, "psnr")
+    now = curve[-1]
+    seen = _line([each for each in run.told.evaluated if math.isfinite(each.psnr)], "psnr")
     held_out = f", held out {seen[1, -1]:.1f} dB" if seen.size else ""
     psnr, loss, count = (_line(curve, name) for name in ("psnr", "loss", "n_gaussians"))
     _draw_curve("PSNR", f"{now.psnr:.1f} dB{held_out}", ink.accent, psnr, ".1f", PSNR, end, seen)

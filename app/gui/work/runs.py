@@ -3,6 +3,7 @@ what is left of one that has ended."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -136,7 +137,7 @@ def _listed(run: RunFolder) -> tuple[RunRecord, ListedRun]:
         made=_made(run),
         has_checkpoint=run.has_checkpoint,
         iterations=said.steps(record.config.iterations),
-        psnr=newest[0].psnr if newest else None,
+        psnr=newest[0].psnr if newest and math.isfinite(newest[0].psnr) else None,
         told=EMPTY_LOG if run.is_finished else said,
     )
 

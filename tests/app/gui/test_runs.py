@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
@@ -32,7 +33,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
-from renderer.train.events import Finished
+from renderer.train.events import Evaluated, Finished
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.settling import follow_run, show_live
 from tests.app.gui.ui import Ui
@@ -96,6 +97,8 @@ def test_what_is_on_disk_is_found_again_wherever_the_clip_lies_now(opened: AppSt
     assert short.request.clip_path == opened.source.clip.path  # It was begun elsewhere, with the same bytes.
     logged = [event for event in RunFolder(whole.path).events() if event["event"] == "Evaluated"]
     assert whole.psnr == pytest.approx(logged[-1]["psnr"])
+    RunFolder(whole.path).log(Evaluated(CONFIG.iterations, math.nan))  # All that is held out is masked.
+    assert named(opened, "whole").psnr is None, "not that of training frames"
 
 
 def test_a_finished_run_tells_as_many_iterations_as_it_took(opened: AppState, folder: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,7 +41,7 @@ def test_lines_of_older_and_newer_versions_and_broken_ones_load_as_far_as_they_g
     lines = [
         {"event": "Evaluated", "iteration": 5, "psnr": 20.0},  # As before there was a depth error.
         {"event": "Evaluated", "iteration": 6, "psnr": 20.5, "depth_rmse": None, "lpips": 0.1},
-        {"event": "Evaluated", "iteration": 7, "psnr": None, "depth_rmse": 0.5},  # It was infinite.
+        {"event": "Evaluated", "iteration": 7, "psnr": None, "depth_rmse": 0.5},  # Infinite, or of nothing.
         {"event": "Evaluated", "iteration": "8", "psnr": True},
         {"event": "Progress", "iteration": 9},
         {"event": "Other"},
@@ -48,7 +49,9 @@ def test_lines_of_older_and_newer_versions_and_broken_ones_load_as_far_as_they_g
     text = "\n".join(json.dumps(line) for line in lines) + "\n{half"
     (tmp_path / "events.jsonl").write_text(text, encoding="utf-8")
     said = told(RunFolder(tmp_path))
-    assert said.evaluated == (Evaluated(5, 20.0), Evaluated(6, 20.5))
+    assert said.evaluated[:2] == (Evaluated(5, 20.0), Evaluated(6, 20.5))
+    ((last, psnr, depth),) = (tuple(vars(one).values()) for one in said.evaluated[2:])
+    assert (last, math.isnan(psnr), depth) == (7, True, 0.5), "no training PSNR in its place"
     assert said.progress == ()
 
 
