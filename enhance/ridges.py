@@ -76,7 +76,7 @@ def field_of_view(image: AnyImage) -> BoolImage:
         >>> bool(field_of_view(image)[32, 32]), bool(field_of_view(image)[2, 2])
         (True, False)
     """
-    return _field(read_picture(image))
+    return _field(read_picture(image).seen)
 
 
 def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: float = SHARE) -> BoolImage:

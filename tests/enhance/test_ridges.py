@@ -78,6 +78,16 @@ def test_field_of_view_is_all_but_the_dark_around() -> None:
     assert field_of_view(vessels(60, 60) // 2 + 100).all()
 
 
+def test_what_is_transparent_is_dark_to_the_field_of_view_whatever_is_stored_there() -> None:
+    image = vessels(240, 320)
+    alpha = np.full(image.shape[:2], 255, np.uint8)
+    alpha[:, :60], alpha[:, 260:] = 0, 0
+    black = np.where(alpha[..., None] > 0, image, 0).astype(np.uint8)
+    expected = field_of_view(black)
+    assert 0.5 < expected.mean() < 0.7
+    assert np.array_equal(field_of_view(np.dstack((image, alpha))), expected)
+
+
 def test_mask_finds_drawn_vessels_and_keeps_its_distance() -> None:
     rng = np.random.default_rng(5)
     y, x = np.mgrid[0:200, 0:200]
