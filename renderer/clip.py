@@ -90,6 +90,9 @@ class Frame:
         _require(self.evaluation_mask, "evaluation_mask", np.bool_, size, self.index)
         if self.depth is not None:
             _require(self.depth, "depth", np.floating, size, self.index)
+            if not self.depth.dtype.isnative:  # As PFM files give it; OpenCV reads the order of this machine.
+                native = self.depth.astype(self.depth.dtype.newbyteorder("="))
+                object.__setattr__(self, "depth", native)
 
     @property
     def measured_depth(self) -> NDArray[np.float32] | None:

@@ -46,3 +46,13 @@ def test_what_is_meant_is_taken() -> None:
     depth = np.ones((24, 32), np.float64)
     assert replace(FRAME, depth=depth).depth is depth
     assert replace(FRAME, depth=None).depth is None
+
+
+def test_depth_is_in_the_byte_order_of_this_machine() -> None:
+    """OpenCV reads no other, and says nothing."""
+    depth = np.linspace(1, 2, 24 * 32, dtype=np.float32).reshape(24, 32)
+    taken = replace(FRAME, depth=depth.astype(depth.dtype.newbyteorder())).depth
+    assert taken is not None
+    assert taken.dtype == np.float32
+    assert taken.dtype.isnative
+    assert np.array_equal(taken, depth)
