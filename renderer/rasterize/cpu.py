@@ -145,12 +145,14 @@ class Rasterizer:
         """Blend into `planes`; tiles that are not wanted stay empty. Returns the number of tile entries.
 
         Raises:
-            ValueError: `near` that is not above 0, or an unknown `mode`.
+            ValueError: `near` that is not above 0, an unknown `mode`, or `tile_wanted` of another shape.
         """
         require_drawable(near, mode)
+        wanted = self._all_tiles if tile_wanted is None else tile_wanted
+        _require_shape("tile_wanted", wanted, self._all_tiles.shape)
         if len(self.visible) != len(splats):
             self._reserve_splats(len(splats))
-        self.wanted = self._all_tiles if tile_wanted is None else tile_wanted
+        self.wanted = wanted
         self._view, self._center = camera_vector(camera, near), camera.position
         self._compensated = mode == "mip"
         colors = splats.seen_from(self._center).colors
@@ -193,7 +195,12 @@ class Rasterizer:
         reduce_sums(self._entry_sums, self._slot_entries, self._slot_starts, self.visible, self.sums)
 
     def backward(self, splats: Splats) -> Gradients:
-        """Gradients of the loss described by `adjoint`, for the splats of the last `forward`."""
+        """Gradients of the loss described by `adjoint`, for the splats of the last `forward`.
+
+        Raises:
+            ValueError: another number of splats.
+        """
+        _require_shape("means", splats.means, (len(self.visible), 3))
         self.backward_sums()
         count = len(splats)
         means, quats = np.empty((count, 3), np.float32), np.empty((count, 4), np.float32)
@@ -217,18 +224,48 @@ class Rasterizer:
         return by
 
     def rendered(self, width: int, height: int, background: Background) -> Rendered:
-        """The blended planes as an image over the background."""
+        """The blended planes as an image over the background.
+
+        Raises:
+            ValueError: more pixels than it is for, or a background that is not three numbers.
+        """
+        self._require_room(height, width)
         image = np.empty((height, width, 3), np.float32)
         alpha, depth = np.empty((2, height, width), np.float32)
-        compose(self.planes, np.array(background, np.float32), image, alpha, depth)
+        compose(self.planes, _rgb(background), image, alpha, depth)
         return Rendered(image, alpha, depth)
 
     def set_adjoint(
         self, by_image: Floats, by_alpha: Floats, by_depth: Floats, background: Background
     ) -> None:
-        """Adjoint from gradients by image (H, W, 3), alpha (H, W) and expected depth (H, W)."""
+        """Adjoint from gradients by image (H, W, 3), alpha (H, W) and expected depth (H, W).
+
+        Raises:
+            ValueError: as `rendered`, or shapes that do not agree.
+        """
         image, alpha, depth = (np.ascontiguousarray(by, np.float32) for by in (by_image, by_alpha, by_depth))
-        adjoint_of(self.planes, np.array(background, np.float32), image, alpha, depth, self.adjoint)
+        _require_shape("by_image", image, (*alpha.shape, 3))
+        _require_shape("by_depth", depth, alpha.shape)
+        self._require_room(*alpha.shape)
+        adjoint_of(self.planes, _rgb(background), image, alpha, depth, self.adjoint)
+
+    def _require_room(self, height: int, width: int) -> None:
+        rows, columns = self.planes.shape[1:]
+        if not (0 <= height <= rows and 0 <= width <= columns):
+            raise ValueError(f"expected at most {columns}x{rows} pixels, got {width}x{height}")
+
+
+def _require_shape(name: str, array: NDArray[np.generic], shape: tuple[int, ...]) -> None:
+    """Before a kernel, which checks no bounds, meets it."""
+    if array.shape != shape:
+        raise ValueError(f"expected {name} of shape {shape}, got {array.shape}")
+
+
+def _rgb(background: Background) -> Float32Array:
+    color = np.array(background, np.float32)
+    if color.shape != (3,):
+        raise ValueError(f"expected a background of three numbers, got {background}")
+    return color
 
 
 def render(
@@ -245,7 +282,7 @@ def render(
     TOG 42(4), 2023), in float32. `near` in scene units; `mode` "mip" compensates for the low-pass filter.
 
     Raises:
-        ValueError: `near` that is not above 0, or an unknown `mode`.
+        ValueError: `near` that is not above 0, an unknown `mode`, or a background that is not three numbers.
         TypeError: `splats` or `camera` of another class.
 
     Example:
