@@ -29,14 +29,15 @@ def rasterize(
 ) -> Rendered:
     """Image (H, W, 3), alpha (H, W) and expected depth (H, W; 0 where alpha is 0) of activated Gaussians.
 
-    Differentiable in the first five arguments. "cpu" computes in float32 with numba kernels; "cuda" in
-    float32 with gsplat's; "reference" in float64 with plain torch, slowly. "auto" is "cuda" for tensors that
-    are on a GPU, else "cpu". `near` is in scene units.
+    Differentiable in the first five arguments; twice with "reference" only. "cpu" computes in float32 with
+    numba kernels; "cuda" in float32 with gsplat's; "reference" in float64 with plain torch, slowly. "auto" is
+    "cuda" for tensors that are on a GPU, else "cpu". `near` is in scene units.
     `mode` "mip" compensates for the low-pass filter, see RenderMode.
 
     Raises:
         ValueError: shapes that do not agree, `near` that is not above 0, or an unknown backend or mode.
         ImportError: no torch; "cuda" without gsplat.
+        RuntimeError: by the backward pass of "cpu" with `create_graph`.
 
     Example:
         >>> import torch

@@ -70,6 +70,8 @@ class CpuRasterize(torch.autograd.Function):
 
     @staticmethod
     def backward(ctx: Any, *gradients: Tensor) -> tuple[Tensor | None, ...]:
+        if torch.is_grad_enabled():  # A graph of the gradients is wanted, in which these would be constants.
+            raise RuntimeError("only rasterize(backend='reference') can be differentiated twice")
         ctx.rasterizer.set_adjoint(*(value.numpy() for value in gradients), ctx.background)
         result = ctx.rasterizer.backward(_splats(ctx.saved_tensors))
         arrays = (result.means, result.quats, result.scales, result.opacities, result.colors)

@@ -68,3 +68,12 @@ def test_nothing_is_drawn_from_behind_the_camera_or_in_an_unknown_way(
     arrays = Splats(*(value.numpy() for value in splats()))
     with pytest.raises(ValueError, match=said):
         render(arrays, CAMERA, **asked)
+
+
+def test_gradients_have_none_of_their_own() -> None:
+    """Rather than a penalty on them that is without effect."""
+    given = splats()
+    given[0].requires_grad_()
+    drawn = rasterize(*given, CAMERA, backend="cpu")
+    with pytest.raises(RuntimeError, match="can be differentiated twice"):
+        torch.autograd.grad(drawn.image[:, :32].sum(), given[0], create_graph=True)
