@@ -56,13 +56,22 @@ class DynamicGaussians:
         return self.raw.means
 
     def at(self, time: float) -> Splats:
-        """The activated splats at `time` in [0, 1]. Raises ValueError: another time, NaN among them."""
+        """The activated splats at `time` in [0, 1], to be read: what does not move is the model's own memory.
+
+        Raises:
+            ValueError: another time, NaN among them, or a motion of another number of Gaussians.
+        """
         if not -ROUNDING <= time <= 1 + ROUNDING:
             raise ValueError(f"expected a time in [0, 1], got {time}")
         return self.motion.moved(self.raw, time).splats()
 
     def rows(self, index: NDArray[np.int64]) -> Self:
-        """The chosen Gaussians with their motion."""
+        """The chosen Gaussians with their motion: whole numbers, also from the end, or (N,) bool.
+
+        Raises:
+            ValueError: of a model in windows, an index that is not in their order.
+        """
+        index = np.arange(len(self))[index]
         return type(self)(self.raw.rows(index), self.motion.rows(index))
 
     def arrays(self) -> Mapping[str, NDArray[Any]]:

@@ -66,6 +66,8 @@ class FlexibleMotion:
 
     def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
         """See Motion."""
+        if self.bumps.shape[1] != len(raw):
+            raise ValueError(f"expected a motion of {len(raw)} Gaussians, got one of {self.bumps.shape[1]}")
         moves = np.zeros((len(raw), CHANNELS), np.float32)
         add_bumps(self.bumps, self.spans, time, moves)
         return replace(

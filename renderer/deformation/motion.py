@@ -21,7 +21,7 @@ class Motion(Protocol):
 
     def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
         """The Gaussians that there are at `time` in [0, 1]; arrays that do not move are those of `raw`
-        themselves."""
+        themselves. Raises ValueError: it moves another number of Gaussians."""
         ...
 
     def rows(self, index: NDArray[np.int64]) -> Self:

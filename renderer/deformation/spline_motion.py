@@ -48,6 +48,7 @@ class SplineMotion:
 
     def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
         """See Motion."""
+        self._require_rows(len(raw))
         taps = spline_taps(time, self.n_controls)
         means, colors, logits = raw.means.copy(), raw.colors, raw.opacity_logits
         if len(self.position_controls):
@@ -63,6 +64,15 @@ class SplineMotion:
             logits = logits.copy()
             add_curve(self.opacity_controls, *taps, logits[:, None])
         return replace(raw, means=means, colors=colors, opacity_logits=logits)
+
+    def _require_rows(self, count: int) -> None:
+        """Before the kernels, which check no bounds, meet them."""
+        shared = self.node_indices, self.node_weights
+        if len(shared[0]) != len(shared[1]):
+            raise ValueError("expected as many rows of node_weights as of node_indices")
+        for rows in map(len, (self.position_controls, self.color_controls, self.opacity_controls, *shared)):
+            if rows not in (0, count):
+                raise ValueError(f"expected a motion of {count} Gaussians, got one of {rows}")
 
     def rows(self, index: NDArray[np.int64]) -> Self:
         """See Motion."""

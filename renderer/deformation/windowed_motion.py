@@ -179,6 +179,8 @@ class WindowedMotion:
         return float((self._frame(time) - start) / max(end - start, 1))
 
     def _moved_in(self, raw: RawGaussians, window: int, time: float) -> RawGaussians:
+        if self.first_rows[-1] != len(raw):
+            raise ValueError(f"expected a motion of {len(raw)} Gaussians, got one of {self.first_rows[-1]}")
         first, last = self.frames[window]
         start, end = self._span(window)
         of_window = RawGaussians(**{name: value[start:end] for name, value in raw.arrays().items()})

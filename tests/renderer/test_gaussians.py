@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from safetensors.numpy import save_file
 
+from renderer.deformation.fdm import FlexibleMotion
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splats import Splats
+from tests.renderer.windowed import windowed
 
 
 def model(count: int = 7, n_controls: int = 6, n_nodes: int = 4) -> DynamicGaussians:
@@ -128,6 +131,31 @@ def test_chosen_rows_are_the_chosen_splats() -> None:
     some, every = model().rows(index).at(0.6), model().at(0.6)
     for name in ("means", "quats", "scales", "opacities", "colors", "harmonics"):
         assert np.array_equal(getattr(some, name), getattr(every, name)[index]), name
+
+
+@pytest.mark.parametrize("count", [3, 6, 8])
+def test_a_motion_of_other_gaussians_is_refused(count: int) -> None:
+    """Before a kernel writes beyond their arrays."""
+    moving, bumps = model(count).motion, FlexibleMotion.at_rest(count, 2, 0.1)
+    for motion in (moving, bumps):
+        with pytest.raises(ValueError, match=f"expected a motion of 7 Gaussians, got one of {count}"):
+            DynamicGaussians(model().raw, motion).at(0.5)
+
+
+def test_a_motion_in_windows_of_other_gaussians_is_refused() -> None:
+    whole = windowed(20, (0, 11, model()), (8, 19, model(5)))
+    with pytest.raises(ValueError, match="expected a motion of 7 Gaussians, got one of 12"):
+        replace(whole, raw=model().raw).at(0.1)
+
+
+@pytest.mark.parametrize("whole", [model(12), windowed(20, (0, 11, model()), (8, 19, model(5)))])
+def test_rows_are_chosen_by_bools_and_from_the_end_too(whole: DynamicGaussians) -> None:
+    index = np.array([1, 4, 9, 11])
+    wanted = [whole.rows(index).at(time).means for time in (0.1, 0.5, 0.9)]
+    assert len(wanted[1]) == 4
+    for other in (np.isin(np.arange(12), index), index - 12):
+        found = [whole.rows(other).at(time).means for time in (0.1, 0.5, 0.9)]
+        assert all(np.array_equal(*pair) for pair in zip(found, wanted, strict=True))
 
 
 def test_files_of_old_still_open(tmp_path: Path) -> None:
