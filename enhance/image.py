@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -61,6 +62,18 @@ class Picture:
         """Without alpha and black where nothing is visible: what is stored there does not reach pixels beside
         it."""
         return self if self.alpha is None else Picture(self.pixels * self.visible[..., None], None)
+
+    @property
+    def filled(self) -> Picture:
+        """With the nearest visible colours where alpha is 0; itself where all is visible, or nothing."""
+        if self.alpha is None or not (hidden := ~self.visible).any() or hidden.all():
+            return self
+        _, nearest = cv2.distanceTransformWithLabels(
+            hidden.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
+        )
+        colors = np.empty((int(nearest.max()) + 1, 3), self.dtype)
+        colors[nearest[~hidden]] = self.pixels[~hidden]
+        return Picture(colors[nearest], self.alpha)
 
     def with_colors(self, colors: Float32Image) -> AnyImage:
         """`colors` (shape of self.colors) as an image of the input's type, alpha untouched."""

@@ -31,8 +31,8 @@ def enhance(
 
     Args:
         image: (H, W), (H, W, 3) or (H, W, 4) with alpha last; uint8, uint16 or float in [0, 1]. Any order
-            of the colours. Grey images have no saturation stage; alpha passes through, and pixels of alpha
-            0 stay out of the statistics.
+            of the colours. Grey images have no saturation stage; alpha passes through; pixels of alpha 0
+            stay as they are and out of the statistics, and have no part in those beside them.
         params: z and P given there win over those of `statistics`.
         tissue_mask: (H, W), non-zero = keep: the statistics are those of the kept pixels. All pixels are
             enhanced.

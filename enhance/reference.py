@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.image import AnyImage, BoolImage
+from enhance.image import AnyImage, BoolImage, read_picture
 from enhance.params import DEFAULTS, EnhanceParams
 from enhance.saturation import color_share
 from enhance.shown import Pixels, Shown
@@ -34,7 +34,10 @@ def enhance_reference(
     The image must be one that `enhance` accepts; it is not checked.
     """
     full = np.iinfo(image.dtype).max if image.dtype.kind == "u" else 1
-    scaled = image.astype(np.float64) / full
+    given = image.astype(np.float64) / full
+    scaled = given.copy()
+    if image.ndim == 3:
+        scaled[..., :3] = read_picture(image).filled.pixels.astype(np.float64) / full
     if image.ndim == 2:
         value, visible = scaled, np.ones(image.shape, dtype=bool)
         hue, chroma = np.zeros_like(value), np.zeros_like(value)
@@ -56,7 +59,8 @@ def enhance_reference(
         enhanced = rgb_from_hsv(hue, new_chroma, enhanced)
     if params.keep_black:
         enhanced = _faded(scaled[..., :3] if image.ndim == 3 else scaled, enhanced, value)
-    enhanced[~inside] = (scaled[..., :3] if image.ndim == 3 else scaled)[~inside]
+    untouched = ~(inside & visible)
+    enhanced[untouched] = (given[..., :3] if image.ndim == 3 else given)[untouched]
     return enhanced if image.ndim == 2 else np.concatenate((enhanced, scaled[..., 3:]), axis=2), used
 
 

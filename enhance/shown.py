@@ -41,7 +41,10 @@ class Search:
 class Shown:
     """One image, read."""
 
+    given: Picture
+    """As it came."""
     picture: Picture
+    """Filled, so that what is stored where alpha is 0 does not reach pixels beside it."""
     search: Search
     pixels: NDArray[Any]
     """(H, W, 3), C-contiguous, uint8 or float32; grey three times."""
@@ -59,7 +62,8 @@ class Shown:
             ImageError: an image or mask that cannot be used, a field of another size, or other `pixels`.
         """
         _check(wanted)
-        picture = read_picture(image)
+        given = read_picture(image)
+        picture = given.filled
         height, width = picture.pixels.shape[:2]
         if isinstance(wanted, FieldOfView) and not wanted.fits(picture.pixels):
             raise ImageError(
@@ -72,7 +76,7 @@ class Shown:
         pixels = np.ascontiguousarray(pixels)
         if pixels.ndim == 2:
             pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB))
-        return cls(picture, Search(picture), pixels, keep, wanted)
+        return cls(given, picture, Search(picture), pixels, keep, wanted)
 
     def within(self, statistics: Statistics | None) -> Shown:
         """Itself, or the same image within the field of view that is wanted, or that of given statistics."""
@@ -118,8 +122,15 @@ class Shown:
         return inside & self.keep if len(self.keep) else inside
 
     def finished(self, out: NDArray[Any]) -> AnyImage:
-        """`out`, shaped as `pixels`, in the input's shape and type; alpha and what lies outside the field as
-        they came."""
+        """`out`, shaped as `pixels`, in the input's shape and type; alpha, what it hides and what lies outside
+        the field as they came."""
+        whole = self._whole(out)
+        if self.given.alpha is not None:
+            hidden = ~self.given.visible
+            whole[hidden, :3] = self.given.pixels[hidden]
+        return whole
+
+    def _whole(self, out: NDArray[Any]) -> AnyImage:
         picture = self.picture
         colors = out if picture.pixels.ndim == 3 else np.ascontiguousarray(out[..., 0])
         if picture.dtype == out.dtype:

@@ -218,7 +218,8 @@ class VesselEnhancer:
         ground = self._ground
         if ground is None or ground.radius != params.radius:
             opened = background(found.absorbed, found.survey.low.fine[0], params.radius)
-            middle = middle_density(found.absorbed, opened, params.radius, now.spans)
+            alpha = now.picture.alpha
+            middle = middle_density(found.absorbed, opened, params.radius, now.spans, alpha)
             ground = self._ground = _Ground(params.radius, opened, middle)
         return found, ground
 

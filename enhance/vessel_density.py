@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from enhance import morphology
 from enhance.field import Spans
-from enhance.image import Float32Image
+from enhance.image import AnyImage, Float32Image
 from enhance.pixel_block import ONE, ZERO
 from enhance.powers import brief_exp2
 from enhance.reflections import without_reflections
@@ -41,16 +41,23 @@ def background(absorbed: Float32Image, value: Float32Image, radius: int) -> Floa
     return morphology.opened(without_reflections(blocks, value, radius // step), radius // step)
 
 
-def middle_density(absorbed: Float32Image, opened: Float32Image, radius: int, spans: Spans) -> float:
-    """Median within the spans of an image's rows (all, where there are none), at evenly spread places."""
+def middle_density(
+    absorbed: Float32Image, opened: Float32Image, radius: int, spans: Spans, alpha: AnyImage | None
+) -> float:
+    """Median within the spans of an image's rows (all, where there are none) where its alpha (H, W), if any,
+    is not 0, at evenly spread places."""
     grid = morphology.step_of(radius) // SUBSAMPLE
     apart = max(3, math.isqrt(absorbed.size // SAMPLES))
     height, width = absorbed.shape
     y, x = np.arange(0, height, apart), np.arange(0, width, apart)
     density = np.maximum(absorbed[::apart, ::apart] - at_places(opened, y, x, grid), 0)
+    counts = np.ones(density.shape, bool)
     if len(spans):
         within = spans[SUBSAMPLE * y]
-        density = density[(SUBSAMPLE * x >= within[:, :1]) & (SUBSAMPLE * x < within[:, 1:])]
+        counts = (SUBSAMPLE * x >= within[:, :1]) & (SUBSAMPLE * x < within[:, 1:])
+    if alpha is not None:
+        counts &= alpha[:: SUBSAMPLE * apart, :: SUBSAMPLE * apart] > 0
+    density = density[counts]
     return float(np.median(density)) if density.size else 0.0
 
 

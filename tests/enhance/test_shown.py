@@ -19,10 +19,11 @@ from enhance import (
     measure,
     shown,
 )
-from enhance.field import FieldOfView
+from enhance.field import EVERYWHERE, FieldOfView
 from enhance.field_search import find_field
 from enhance.image import full_scale
 from enhance.reference import enhance_reference
+from enhance.vessel_density import middle_density
 from tests.enhance.endoscopes import outline, seen_in
 from tests.enhance.pictures import as_type
 
@@ -129,6 +130,34 @@ def test_a_moved_slider_does_not_look_for_the_field_again(
 def test_a_field_of_another_size_is_refused() -> None:
     with pytest.raises(ImageError, match="expected a field of view of 160 x 120 pixels, got 8 x 4"):
         enhance(IMAGE, pixels=FieldOfView(8, 4))
+
+
+@pytest.mark.parametrize("run", [enhance, enhance_vessels])
+@pytest.mark.parametrize("dtype", TYPES)
+def test_what_is_stored_where_alpha_is_0_reaches_no_pixel(run: Any, dtype: Any) -> None:
+    """Neither black, a cut-out's, nor noise; and it stays."""
+    seen = seen_in(np.ones((120, 160), bool))
+    hidden = np.zeros((120, 160), bool)
+    hidden[:, 100:] = hidden[30:50, 20:60] = True
+    results = []
+    for stored in (seen, np.zeros_like(seen), np.random.default_rng(0).integers(0, 256, seen.shape)):
+        colors = np.where(hidden[..., None], stored, seen)
+        given = as_type(np.dstack((colors, np.where(hidden, 0, 255))) / 255, dtype)
+        result = run(given)
+        assert np.array_equal(result.image[hidden], given[hidden])
+        results.append((result.image[~hidden], result.statistics))
+    for image, statistics in results[1:]:
+        assert np.array_equal(image, results[0][0])
+        assert statistics == results[0][1]
+
+
+def test_hidden_pixels_have_no_part_in_the_typical_density() -> None:
+    density, nothing = np.zeros((60, 80), np.float32), np.zeros((60, 80), np.float32)
+    density[:, 50:] = 1
+    alpha = np.zeros((120, 160), np.uint8)
+    alpha[:, 100:] = 255
+    assert middle_density(density, nothing, 2, EVERYWHERE, None) == 0
+    assert middle_density(density, nothing, 2, EVERYWHERE, alpha) == 1
 
 
 @pytest.mark.parametrize("run", [enhance, enhance_vessels])

@@ -40,7 +40,8 @@ def vessels_of(
     pixels: Pixels = "automatic",
 ) -> EnhanceResult:
     """As `enhance.vessel.enhance_vessels`."""
-    picture = read_picture(image)
+    given = read_picture(image)
+    picture = given.filled
     field = Shown.of(image, None, pixels).within(statistics).field
     inside = np.ones(image.shape[:2], bool) if field is None else field.mask()
     keep = read_mask(tissue_mask, picture) & inside
@@ -55,13 +56,16 @@ def vessels_of(
     paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
     toned = enhance(_merged(calm), paper, tissue_mask=keep, statistics=statistics, pixels=field or "all")
     colored = _colored(_split(toned.image), toned.statistics.saturation_mean, params)
-    density = np.float32(params.strength) * blood_density(planes, bright, params, inside)
+    density = np.float32(params.strength) * blood_density(planes, bright, params, inside & picture.visible)
     shares = ABSORPTION if len(planes) == 3 else np.ones(1, np.float32)
     result = _merged([plane * np.exp(-share * density) for plane, share in zip(colored, shares, strict=True)])
     result[~inside] = colors[~inside]
     if was_grey:
         result = np.repeat(result[..., None], 3, axis=2)
-    return EnhanceResult(picture.with_colors(result), toned.statistics, ())
+    whole = picture.with_colors(result)
+    if given.alpha is not None:
+        whole[~given.visible, :3] = given.pixels[~given.visible]
+    return EnhanceResult(whole, toned.statistics, ())
 
 
 def blood_density(
@@ -76,7 +80,7 @@ def blood_density(
     Args:
         planes: R, G and B, or a single grey, (H, W) in [0, 1].
         bright: (H, W) calm V, which tells reflections, and darkness, where density fades.
-        inside: (H, W), True = field of view, whose median density is noise.
+        inside: (H, W), True = field of view, that is visible, whose median density is noise.
     """
     logs = [np.log(_blocks(_smooth(plane, SOFT), GRID) + FLOOR) for plane in planes[:2]]
     absorbed = -logs[0] if len(planes) == 1 else np.float32(params.shading) * logs[0] - logs[1]
