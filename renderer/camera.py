@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from operator import mul
+from operator import index, mul
 from typing import Any, Final
 
 import numpy as np
@@ -67,6 +67,10 @@ class Camera:
     camera_from_world: FloatArray = field(default_factory=_identity)
 
     def __post_init__(self) -> None:
+        for name in ("fx", "fy", "cx", "cy"):
+            object.__setattr__(self, name, _number(getattr(self, name), name))
+        for name in ("width", "height"):
+            object.__setattr__(self, name, whole_pixels(getattr(self, name), name))
         if self.width < 1 or self.height < 1:
             raise CameraError(
                 f"expected a camera size of at least 1x1 pixels, got {self.width}x{self.height}"
@@ -82,11 +86,7 @@ class Camera:
                 f"expected a principal point nearer than {FARTHEST:g}, got {self.cx} and {self.cy}"
             )
         budget().require(pixels=self.width * self.height)
-        matrix = np.array(self.camera_from_world, dtype=np.float64)
-        if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-            raise CameraError(
-                f"expected camera_from_world to be a finite (4, 4) matrix, got shape {matrix.shape}"
-            )
+        matrix = _matrix(self.camera_from_world)
         _require_pose(matrix)
         matrix.setflags(write=False)
         object.__setattr__(self, "camera_from_world", matrix)
@@ -94,6 +94,8 @@ class Camera:
     @classmethod
     def from_fov(cls, fov_x: float, width: int, height: int) -> Camera:
         """Centred camera at the origin with a horizontal field of view of `fov_x` degrees, in (0, 180)."""
+        if not 0 < fov_x < 180:
+            raise CameraError(f"expected a field of view in (0, 180) degrees, got {fov_x}")
         focal = 0.5 * width / math.tan(math.radians(fov_x) / 2)
         return cls(focal, focal, width / 2, height / 2, width, height)
 
@@ -200,7 +202,7 @@ class Camera:
 
     def _key(self) -> tuple[Any, ...]:
         numbers = (self.fx, self.fy, self.cx, self.cy, self.width, self.height)
-        return (*numbers, self.camera_from_world.tobytes())
+        return (*numbers, (self.camera_from_world + 0.0).tobytes())  # -0 and 0 are one pose.
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Camera) and self._key() == other._key()
@@ -210,12 +212,36 @@ class Camera:
 
 
 def whole_pixels(value: object, name: str) -> int:
-    """A number of a JSON file. Raises CameraError: it is not whole."""
+    """As Python has it, so that JSON can hold it. Raises CameraError: it is not whole."""
     if isinstance(value, float) and value.is_integer():
         return int(value)
-    if isinstance(value, bool) or not isinstance(value, int):
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
         raise CameraError(f"expected a whole number of pixels as {name}, got {repr(value)[:40]}")
-    return value
+    return index(value)
+
+
+def _number(value: Any, name: str) -> float:
+    """As Python has it, so that JSON can hold it."""
+    if isinstance(value, float | int):
+        return value
+    try:
+        return float(value.__float__())
+    except (AttributeError, TypeError) as error:  # A text has none.
+        raise CameraError(f"expected a number as {name}, got {repr(value)[:40]}") from error
+
+
+def _matrix(given: object) -> FloatArray:
+    """A copy."""
+    try:
+        matrix = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        got = repr(given)[:40]
+        raise CameraError(f"expected camera_from_world to be a (4, 4) matrix, got {got}") from error
+    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+        raise CameraError(
+            f"expected camera_from_world to be a finite (4, 4) matrix, got shape {matrix.shape}"
+        )
+    return matrix
 
 
 def _require_pose(matrix: FloatArray) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from renderer.camera import Camera
+from renderer.camera import Camera, CameraError
 from tests.renderer.scenes import turned_camera
 
 
@@ -125,3 +128,41 @@ def test_what_is_made_of_a_camera_is_one(
     for made in (camera.fitted(across, down), camera.resized(across, down), camera.shaped(across, down)):
         assert (made.width, made.height) == (across, down)
         assert made.fitted(down, across).fitted(1, 1).resized(3000, 1).width == 3000
+
+
+def test_numbers_of_numpy_become_those_of_json() -> None:
+    size = np.int64(64), np.int16(48)
+    camera = Camera(np.float32(80), np.float64(81), 32, np.float16(24), *size)  # type: ignore[arg-type]
+    assert json.loads(json.dumps(camera.to_json())) == Camera(80, 81, 32, 24, 64, 48).to_json()
+    assert Camera.from_json(camera.to_json()) == camera
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"width": 64.5}, "a whole number of pixels as width, got 64.5"),
+        ({"height": None}, "a whole number of pixels as height, got None"),
+        ({"fx": "80"}, "a number as fx, got '80'"),
+        ({"cy": None}, "a number as cy, got None"),
+        ({"camera_from_world": "x"}, r"camera_from_world to be a \(4, 4\) matrix, got 'x'"),
+        ({"camera_from_world": [[1, 2], [3]]}, r"camera_from_world to be a \(4, 4\) matrix, got \[\["),
+    ],
+)
+def test_what_is_no_number_is_refused(change: dict[str, Any], said: str) -> None:
+    with pytest.raises(CameraError, match=f"expected {said}"):
+        Camera(**{**Camera(80, 80, 32, 24, 64, 48).to_json(), **change})
+
+
+@pytest.mark.parametrize("angle", [0, 180, -10, 200, np.nan])
+def test_a_field_of_view_is_between_0_and_180_degrees(angle: float) -> None:
+    with pytest.raises(CameraError, match=r"expected a field of view in \(0, 180\) degrees, got"):
+        Camera.from_fov(angle, 64, 48)
+
+
+def test_minus_zero_is_the_same_pose() -> None:
+    pose = np.eye(4)
+    pose[:3, 3] = -0.0
+    one, other = (Camera(80, 80, 32, 24, 64, 48, matrix) for matrix in (np.eye(4), pose))
+    assert one == other
+    assert hash(one) == hash(other)
+    assert np.signbit(other.to_json()["camera_from_world"][0][3])
