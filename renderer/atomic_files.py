@@ -21,7 +21,7 @@ PATIENCE: Final = 2.0
 def written_atomically(path: Path) -> Iterator[Path]:
     """An empty file beside `path`; once it is written, `path` holds all of it, and its old content till then.
 
-    It is of this process: another that writes the same file has its own. What killed processes have left
+    It is of this thread: another that writes the same file has its own. What killed processes have left
     beside it goes. A link at `path` is followed.
 
     Raises:

@@ -1,7 +1,7 @@
 """What killed processes of this machine have left: what was ready is put into place, the rest goes.
 
-Temporary names tell whose they are: `.NAME-PROCESS.MOMENT-MACHINE.partial`, of former versions without the
-moment when the process began. A folder with `.commit` in its place
+Temporary names tell whose they are: `.NAME-THREAD-PROCESS.MOMENT-MACHINE.partial`, of former versions without
+the thread, or the moment when the process began. A folder with `.commit` in its place
 holds a set of files that was whole, of which none, some or all have been put where they belong.
 """
 
@@ -16,6 +16,7 @@ import uuid
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from threading import get_native_id
 from typing import Final
 from zlib import crc32
 
@@ -33,11 +34,11 @@ _NAME = re.compile(r"^\..*-(\d+(?:\.\d+)?)-([0-9a-f]{8})(\.partial|\.commit)(\.[
 
 
 def temporary_name(name: str, suffix: str = "") -> str:
-    """Of this process; `suffix` is one by which writers choose their format."""
+    """Of this thread; `suffix` is one by which writers choose their format."""
     whole = name.encode(errors="surrogateescape")
     if len(whole) > LONGEST:
         name = f"{whole[:LONGEST].decode(errors='ignore')}-{crc32(whole):08x}"
-    return f".{name}-{mark_of(os.getpid())}-{machine()}{PARTIAL}{suffix}"
+    return f".{name}-{get_native_id()}-{mark_of(os.getpid())}-{machine()}{PARTIAL}{suffix}"
 
 
 def commit_name(temporary: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -41,6 +42,17 @@ def test_two_processes_that_write_one_file_leave_each_others_alone(tmp_path: Pat
     with written_atomically(tmp_path / "a") as partial:
         partial.write_bytes(b"fir")
         subprocess.run([sys.executable, "-c", SECOND_WRITER, str(tmp_path / "a")], check=True)
+        assert (tmp_path / "a").read_bytes() == b"second"
+        with partial.open("ab") as file:
+            file.write(b"st")
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"a": b"first"}
+
+
+def test_two_threads_that_write_one_file_leave_each_others_alone(tmp_path: Path) -> None:
+    with written_atomically(tmp_path / "a") as partial:
+        partial.write_bytes(b"fir")
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(write, tmp_path / "a", b"second").result()
         assert (tmp_path / "a").read_bytes() == b"second"
         with partial.open("ab") as file:
             file.write(b"st")
