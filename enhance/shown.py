@@ -122,8 +122,8 @@ class Shown:
         return inside & self.keep if len(self.keep) else inside
 
     def finished(self, out: NDArray[Any]) -> AnyImage:
-        """`out`, shaped as `pixels`, in the input's shape and type; alpha, what it hides and what lies outside
-        the field as they came."""
+        """`out`, shaped as `pixels`, in the input's shape and type; alpha, what it hides, and what lies
+        outside the field as they came."""
         whole = self._whole(out)
         if self.given.alpha is not None:
             hidden = ~self.given.visible

@@ -23,6 +23,11 @@ def require_drawable(near: float, mode: str) -> None:
     """Raises ValueError: a near plane that is not in front of the camera, or an unknown mode."""
     if not near > 0:
         raise ValueError(f"near must be > 0, got {near}")
+    require_mode(mode)
+
+
+def require_mode(mode: str) -> None:
+    """Raises ValueError: an unknown mode."""
     if mode not in get_args(RenderMode):
         raise ValueError(f"mode must be {' or '.join(get_args(RenderMode))}, got {mode!r}")
 

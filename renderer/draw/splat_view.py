@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from importlib.resources import files
-from typing import Literal
+from typing import Literal, get_args
 
 import moderngl
 import numpy as np
@@ -21,7 +21,7 @@ from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.state import StateGuard
 from renderer.draw.storage import Storage
 from renderer.projection import ALPHA_CUT
-from renderer.splats import Float32Array, RenderMode, Shape, Splats
+from renderer.splats import Float32Array, RenderMode, Shape, Splats, require_mode
 from renderer.unobserved import PERIOD, WIDTH
 
 Precision = Literal["byte", "half", "float"]
@@ -63,7 +63,7 @@ class SplatView:
     changed. Drawing leaves the OpenGL state as it found it.
 
     Raises:
-        ValueError: a `near` that is not above 0.
+        ValueError: a `near` that is not above 0, or an unknown `precision`.
 
     Example:
         >>> import numpy as np
@@ -96,6 +96,8 @@ class SplatView:
     ) -> None:
         if not near > 0:
             raise ValueError(f"near must be > 0, got {near}")
+        if precision is not None and precision not in get_args(Precision):
+            raise ValueError(f"precision must be {', '.join(get_args(Precision))} or None, got {precision!r}")
         self._ctx = ctx
         self._precision: Precision = precision or ("float" if is_software(ctx) else "half")
         self._keys = keys
@@ -117,8 +119,8 @@ class SplatView:
         """Replace what is drawn. Colours may be any display values: motion as well as RGB.
 
         Raises:
-            ValueError: a value that is not finite, naming the field and the first such row, or more
-                splats than a texture holds.
+            ValueError: a value that is not finite, naming the field and the first such row, more
+                splats than a texture holds, or an unknown `mode`.
         """
         self.upload_keyframes(Keyframes(splats), mode)
 
@@ -128,6 +130,7 @@ class SplatView:
         Raises:
             ValueError: as `upload`, or more keyframes than a texture has layers.
         """
+        require_mode(mode)
         _require_finite(keyframes)
         storage = Storage(self._ctx, self._program, keyframes)
         if self._storage is not None:

@@ -25,7 +25,7 @@ from renderer.splat_files.splat_records import read_records
 from renderer.splat_files.spz import GZIP, MAGIC_BYTES, read_spz
 from renderer.splat_files.spz_streams import read_spz_streams
 from renderer.splat_files.spz_writing import spz_bytes, spz_streams_bytes
-from renderer.splats import RenderMode
+from renderer.splats import RenderMode, require_mode
 
 SUFFIXES = (".ply", ".splat", ".spz", ".sog", ".ksplat", ".glb")
 WRITERS: Final[Mapping[str, Callable[[RawGaussians, RenderMode], bytes]]] = MappingProxyType(
@@ -107,8 +107,8 @@ def write_splats(path: str | Path, raw: RawGaussians, mode: RenderMode = "defaul
 
     Raises:
         TypeError: `raw` is none, such as a model or its splats at a moment.
-        ValueError: another ending, a splat with a value that is not finite, too large or without a size, or
-            more than the format holds.
+        ValueError: another ending, an unknown `mode`, a splat with a value that is not finite, too large or
+            without a size, or more than the format holds.
         OSError: it cannot be written.
 
     Example:
@@ -132,6 +132,7 @@ def write_splats(path: str | Path, raw: RawGaussians, mode: RenderMode = "defaul
     """
     if not isinstance(raw, RawGaussians):
         raise TypeError(f"expected RawGaussians, as model.raw gives them, got {type(raw).__name__}")
+    require_mode(mode)
     path = Path(path)
     name = path.name.lower()
     written = next((write for end, write in WRITERS.items() if name.endswith(end)), None)

@@ -288,3 +288,9 @@ def test_a_splat_that_cannot_be_drawn_is_named_and_nothing_is_written(
 def test_opacities_of_0_and_1_are_written(tmp_path: Path, ending: str) -> None:
     raw = replace(gaussians(2), opacity_logits=np.float32([-np.inf, np.inf]))
     assert sorted(np.rint(sigmoid(back(tmp_path, raw, ending).opacity_logits))) == [0, 1]
+
+
+def test_an_unknown_mode_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="mode must be default or mip, got 'nope'"):
+        write_splats(tmp_path / "a.ply", gaussians(3), "nope")  # type: ignore[arg-type]
+    assert not any(tmp_path.iterdir())
