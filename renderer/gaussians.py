@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.atomic_files import written_atomically
 from renderer.deformation.kinds import motion_among
 from renderer.deformation.motion import Motion
 from renderer.deformation.windowed_motion import WindowedMotion
@@ -96,13 +97,24 @@ class DynamicGaussians:
         _motion_of(arrays).check(arrays, len(arrays["means"]))
         return cls.from_arrays(arrays)
 
-    def save(self, path: Path, metadata: dict[str, str] | None = None) -> None:
-        """Raises OSError: it cannot be written."""
-        write_arrays(path, self.arrays(), metadata)
+    def save(self, path: str | Path, metadata: dict[str, str] | None = None) -> None:
+        """Into a file that appears when it is complete.
+
+        Raises:
+            ValueError: `load` would refuse it.
+            OSError: it cannot be written.
+        """
+        arrays = self.arrays()
+        if isinstance(arrays, dict):  # Those of windows were checked when they were read, or written.
+            arrays = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+            self.checked(arrays)
+        with written_atomically(Path(path)) as partial:
+            write_arrays(partial, arrays, metadata)
 
     @classmethod
-    def load(cls, path: Path) -> Self:
+    def load(cls, path: str | Path) -> Self:
         """Read what `save` wrote. Raises ValueError for a file that is no such model."""
+        path = Path(path)
         stored = stored_arrays(path)
         in_windows = _motion_of(stored) is WindowedMotion
         try:

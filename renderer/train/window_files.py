@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from renderer.atomic_files import unlinked, written_atomically
+from renderer.atomic_files import unlinked
 from renderer.deformation.windowed_motion import LazyMotions, WindowedMotion, joined_rows
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed
@@ -65,8 +65,7 @@ def next_of(run: Path, windows: Sequence[Window]) -> Window:
 
 def finish(folder: Path, model: DynamicGaussians, finished: Finished) -> None:
     """Its checkpoints go. Raises OSError: the model cannot be written."""
-    with written_atomically(unlinked(folder / _MODEL)) as part:
-        model.save(part, {_STATE: json.dumps(asdict(finished))})
+    model.save(unlinked(folder / _MODEL), {_STATE: json.dumps(asdict(finished))})
     clear_checkpoints(folder)
 
 

@@ -111,6 +111,36 @@ def test_file_round_trip_is_exact(tmp_path: Path) -> None:
         assert loaded.arrays()[name].tobytes() == value.tobytes(), name
 
 
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"means": np.zeros((7, 3))}, "expected means of float32, got float64"),
+        ({"colors": np.full((7, 3), np.nan, np.float32)}, "expected finite values in colors, got 21 others"),
+        ({"quats": np.ones((6, 4), np.float32)}, "expected quats of shape 7 4, got 6 4"),
+    ],
+)
+def test_what_could_not_be_opened_is_not_saved(
+    change: dict[str, np.ndarray], said: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "model.safetensors"
+    model().save(path)
+    before = path.read_bytes()
+    with pytest.raises(ValueError, match=said):
+        replace(model(), raw=replace(model().raw, **change)).save(path)
+    with pytest.raises(TypeError):
+        model().save(path, {"fps": 25})  # type: ignore[dict-item]
+    assert {one.name: one.read_bytes() for one in tmp_path.iterdir()} == {path.name: before}
+
+
+def test_paths_are_texts_too_and_views_of_arrays_are_saved(tmp_path: Path) -> None:
+    raw = model().raw
+    shown = replace(raw, means=np.asfortranarray(raw.means), quats=np.repeat(raw.quats, 2, axis=1)[:, ::2])
+    replace(model(), raw=shown).save(str(tmp_path / "model.safetensors"))
+    found = DynamicGaussians.load(str(tmp_path / "model.safetensors"))
+    assert np.array_equal(found.raw.means, raw.means)
+    assert np.array_equal(found.raw.quats, raw.quats)
+
+
 def test_colour_and_opacity_follow_their_curves() -> None:
     """Against de Boor's recursion in float64."""
     gaussians = model()
