@@ -7,13 +7,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Annotated, Final
+from dataclasses import replace
+from typing import Annotated, Final, Self
 
 import numpy as np
 from annotated_types import Interval, Len
 from numba import njit
 from numpy.typing import NDArray
+from pydantic import ConfigDict, model_validator
+from pydantic.dataclasses import dataclass
 
 from enhance.image import AnyImage, BoolImage
 
@@ -31,9 +33,12 @@ Radius = Annotated[float, Interval(ge=0, le=1e6)]
 Corner = tuple[Coordinate, Coordinate]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
 class FieldOfView:
     """A convex part of a picture, in pixels from its upper left corner; pixel centres at +0.5.
+
+    Raises:
+        pydantic.ValidationError: (a ValueError) a value out of its range, or a circle and a polygon.
 
     Example:
         >>> from enhance.field import FieldOfView
@@ -49,6 +54,12 @@ class FieldOfView:
     """Middle, x and y, and radius; it may reach beyond the picture."""
     polygon: Annotated[tuple[Corner, ...], Len(3, MOST_CORNERS)] | None = None
     """Corners of a convex outline. Neither circle nor polygon: the whole picture."""
+
+    @model_validator(mode="after")
+    def _has_one_outline(self) -> Self:
+        if self.circle is not None and self.polygon is not None:
+            raise ValueError("expected a circle or a polygon, got both")
+        return self
 
     @property
     def is_whole(self) -> bool:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from enhance.field import FieldOfView, overlap, typical
 from enhance.field_search import find_field
@@ -217,3 +219,20 @@ def test_an_inset_that_leaves_nothing_is_not_made() -> None:
         replace(whole, polygon=((22.0, 14.0), (42.0, 14.0), (32.0, 34.0))),
     ):
         assert field.inset(20.0) == field
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"width": 0},
+        {"height": -3},
+        {"circle": (np.nan, 5.0, 3.0)},
+        {"circle": (5.0, 5.0, -1.0)},
+        {"polygon": ((0.0, 0.0), (5.0, 5.0))},
+        {"polygon": ((0.0, 0.0), (5.0, 5.0), (0.0, np.inf))},
+        {"circle": (5.0, 5.0, 3.0), "polygon": ((0.0, 0.0), (5.0, 5.0), (0.0, 5.0))},
+    ],
+)
+def test_what_is_no_field_is_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError):
+        FieldOfView(**{"width": 8, "height": 8, **wrong})
