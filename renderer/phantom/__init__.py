@@ -119,7 +119,9 @@ class Phantom:
         return self._lens.moved(matrix)
 
     def view(self, index: int) -> View:
-        """Frame `index` in [0, n_frames)."""
+        """Frame `index` in [0, n_frames). Raises IndexError: another."""
+        if not 0 <= index < self.params.n_frames:
+            raise IndexError(f"expected a frame from 0 to {self.params.n_frames - 1}, got {index}")
         camera, time = self.camera(index), index / self.params.n_frames
         shape = (camera.height, camera.width)
         rays = (camera.unproject(np.ones(shape)) - camera.position).reshape(-1, 3)

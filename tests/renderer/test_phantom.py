@@ -140,6 +140,12 @@ def test_any_frame_can_be_drawn_in_any_order(phantom, views):
     np.testing.assert_array_equal(seen_depth(again), seen_depth(views[7]))
 
 
+def test_there_are_no_other_frames(phantom):
+    for index in (-1, phantom.params.n_frames):
+        with pytest.raises(IndexError, match="expected a frame from 0 to"):
+            phantom.view(index)
+
+
 def test_a_still_scene_differs_by_noise_alone(still):
     first, second = still.view(0), still.view(9)
     assert first.frame.tissue_mask.all()
