@@ -229,7 +229,7 @@ def _blurred(image: Float32Image, sigma: float) -> Float32Image:
 
 
 def _require_bytes(image: ByteImage) -> None:
-    is_array = isinstance(image, np.ndarray)
+    is_array = isinstance(image, np.ndarray) and not isinstance(image, np.ma.MaskedArray)
     if not is_array or image.dtype != np.uint8 or image.shape[2:] != (3,) or not image.size:
         got = f"{image.shape} {image.dtype}" if is_array else type(image).__name__
         raise ImageError(f"expected an RGB image of shape (H, W, 3) and uint8, got {got}")

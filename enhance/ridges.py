@@ -30,6 +30,9 @@ LEAST_AREA: Final = 40
 SHADOW: Final = 0.1
 """Share of the mean green that is added to the blurred green, so that noise in the dark is no ridge."""
 
+LEAST_SIGMA: Final = 0.05
+"""Pixels: of a narrower Gaussian nothing is left beside its middle."""
+
 
 def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Image:
     """Ridge strength of dark lines, (H, W) >= 0; 0 on a constant image.
@@ -52,10 +55,10 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
         >>> int(strength[48].argmax()) in range(46, 50), float(strength[48, 10].round(6))
         (True, 0.0)
     """
-    if not sigmas:
+    if len(sigmas) == 0:
         raise ImageError("expected at least one sigma, got none")
-    if wrong := [sigma for sigma in sigmas if not 0 < sigma < np.inf]:
-        raise ImageError(f"expected sigmas above 0 pixels, got {wrong[0]}")
+    if wrong := [sigma for sigma in sigmas if not LEAST_SIGMA <= sigma < np.inf]:
+        raise ImageError(f"expected sigmas of at least {LEAST_SIGMA} pixels, got {wrong[0]}")
     colors = read_picture(image).seen.colors
     green = (colors if colors.ndim == 2 else colors[..., 1]).astype(np.float64)
     return np.asarray(np.max([_ridge(green, sigma) for sigma in sigmas], axis=0), dtype=np.float32)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -51,6 +52,12 @@ class Statistics:
     strength."""
     field: FieldOfView | None = None
     """Where it was measured, and is to be used; None: all pixels."""
+
+    def __post_init__(self) -> None:
+        """Raises ImageError: measurements that are not finite."""
+        measured = (self.level, self.saturation_mean, *self.sigmas, self.chroma_snr or 0.0)
+        if not all(map(math.isfinite, (*measured, self.z, *self.p, self.color))):
+            raise ImageError(f"expected statistics of finite numbers, got {self}")
 
     def resolved(self, params: EnhanceParams) -> Statistics:
         """The same measurements with z and P as `params` ask: set by the user, or Eqs 2 and 9; times its

@@ -129,3 +129,10 @@ def test_what_is_no_array_is_refused(name: str) -> None:
     nothing: Any = "x"
     with pytest.raises(ImageError, match=r"expected an RGB image of shape \(H, W, 3\) and uint8, got str"):
         BASELINES[name](nothing)
+
+
+@pytest.mark.parametrize("name", BASELINES)
+def test_masked_arrays_are_refused(name: str) -> None:
+    masked = np.ma.masked_greater(np.full((8, 8, 3), 100, np.uint8), 90)
+    with pytest.raises(ImageError, match="and uint8, got MaskedArray"):
+        BASELINES[name](masked)

@@ -7,7 +7,15 @@ import pytest
 from numpy.typing import NDArray
 
 from enhance import ImageError
-from enhance.ridges import GLARE_MARGIN, LEAST_AREA, MARGIN, field_of_view, vessel_mask, vesselness
+from enhance.ridges import (
+    GLARE_MARGIN,
+    LEAST_AREA,
+    LEAST_SIGMA,
+    MARGIN,
+    field_of_view,
+    vessel_mask,
+    vesselness,
+)
 from tests.enhance.pictures import vessels
 from tests.enhance.test_real_images import read
 
@@ -151,9 +159,17 @@ def test_mask_of_a_retina_lies_on_annotated_vessels() -> None:
     assert mask.sum() > 0.25 * annotated.sum()
 
 
-@pytest.mark.parametrize("number", [0.0, -2.0, np.nan, np.inf])
+@pytest.mark.parametrize("number", [0.0, 1e-3, -2.0, np.nan, np.inf])
 def test_numbers_that_mean_nothing_are_refused(number: float) -> None:
-    with pytest.raises(ImageError, match="expected sigmas above 0 pixels"):
+    with pytest.raises(ImageError, match="expected sigmas of at least 0.05 pixels"):
         vesselness(vessels(), [2.0, number])
-    with pytest.raises(ImageError, match="expected a share above 0, up to 1"):
-        vessel_mask(vessels(), share=number)
+    if number != 1e-3:
+        with pytest.raises(ImageError, match="expected a share above 0, up to 1"):
+            vessel_mask(vessels(), share=number)
+
+
+def test_scales_are_any_sequence() -> None:
+    sigmas = (LEAST_SIGMA, 1.5, 2.5)
+    found = vesselness(vessels(), np.array(sigmas))  # type: ignore[arg-type]
+    assert np.isfinite(found).all()
+    assert np.array_equal(found, vesselness(vessels(), sigmas))

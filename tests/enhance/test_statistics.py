@@ -112,3 +112,9 @@ def test_errors_of_the_reader_pass_untouched() -> None:
 
     with pytest.raises(ValueError, match=r"^frame 1 is missing$"):
         measure(broken(), tissue_masks=[None, None])
+
+
+@pytest.mark.parametrize("wrong", [{"level": np.nan}, {"saturation_mean": np.inf}, {"sigmas": (1.0, np.nan)}])
+def test_what_is_no_measurement_is_refused(wrong: dict[str, Any]) -> None:
+    with pytest.raises(ImageError, match="expected statistics of finite numbers, got"):
+        replace(measure(CLIP[:1]), **wrong)
