@@ -85,12 +85,19 @@ def rasterize_reference(
     transmittance is below 1e-4. The cut-offs and the sort carry no gradient. `mode` "mip" makes up for the
     low-pass filter, see RenderMode.
 
+    Raises:
+        ValueError: shapes that do not agree.
+
     Source: paper Eqs 13-16; 3D Gaussian Splatting (Kerbl et al. 2023); EWA splatting (Zwicker et al. 2001);
     Mip-Splatting (Yu et al. 2024).
     """
+    behind = torch.as_tensor(background, dtype=torch.float64, device=means.device)
+    count, given = len(means), (means, quats, scales, opacities, colors, behind)
+    shapes = [tuple(value.shape) for value in given]
+    if shapes != [(count, 3), (count, 4), (count, 3), (count,), (count, 3), (3,)]:
+        raise ValueError(f"expected values of {count} splats and a background of three numbers, got {shapes}")
     projected = project(means, quats, scales, camera, near=near)
     front = projected.indices
-    behind = torch.as_tensor(background, dtype=torch.float64, device=means.device)
     opaque = opacities.double()[front]
     if mode == "mip":
         opaque = opaque * (projected.sharp_determinants / projected.determinants).sqrt()

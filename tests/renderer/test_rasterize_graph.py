@@ -77,3 +77,14 @@ def test_gradients_have_none_of_their_own() -> None:
     drawn = rasterize(*given, CAMERA, backend="cpu")
     with pytest.raises(RuntimeError, match="can be differentiated twice"):
         torch.autograd.grad(drawn.image[:, :32].sum(), given[0], create_graph=True)
+
+
+@pytest.mark.parametrize("backend", ["cpu", "reference"])
+def test_shapes_that_do_not_agree_are_refused(backend: Any) -> None:
+    for place, value in enumerate(splats()):
+        given = splats()
+        given[place] = torch.cat([value, value])
+        with pytest.raises(ValueError, match=r"shape|splats"):
+            rasterize(*given, CAMERA, backend=backend)
+    with pytest.raises(ValueError, match="background of three numbers"):
+        rasterize(*splats(), CAMERA, (0.5,), backend=backend)  # type: ignore[arg-type]
