@@ -83,14 +83,15 @@ class Frame:
     """A mask of its own says where tools are: nobody looks for them."""
 
     def __post_init__(self) -> None:
-        """Raises ClipError: arrays of other types or sizes than below, such as images in [0, 1]."""
-        size = self.image.shape[:2]
+        """Raises ClipError: arrays of other types than above, such as images in [0, 1], or of another size
+        than the camera's."""
+        size = self.camera.height, self.camera.width
         _require(self.image, "image", np.uint8, (*size, 3), self.index)
         _require(self.tissue_mask, "tissue_mask", np.bool_, size, self.index)
         _require(self.evaluation_mask, "evaluation_mask", np.bool_, size, self.index)
         if self.depth is not None:
             _require(self.depth, "depth", np.floating, size, self.index)
-            if not self.depth.dtype.isnative:  # As PFM files give it; OpenCV reads the order of this machine.
+            if not self.depth.dtype.isnative:  # As of PFM files; OpenCV reads the order of this machine.
                 native = self.depth.astype(self.depth.dtype.newbyteorder("="))
                 object.__setattr__(self, "depth", native)
 

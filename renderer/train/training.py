@@ -7,7 +7,7 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
-from renderer.clip import Clip
+from renderer.clip import Clip, ClipError
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, TrainEvent
 from renderer.train.gradient_backend import GradientBackend
@@ -36,11 +36,11 @@ def train(
     or not and whatever the number of threads.
 
     Raises:
-        ClipError: frames cannot be read, there is no depth to start from, or a single frame to train on with
-            `hold_out`.
+        ClipError: frames cannot be read, or there are none; there is no depth to start from, or a single
+            frame to train on with `hold_out`.
         TrainingError: the checkpoint belongs to another run, the loss is no longer finite, or no frame shows
             anything of the model.
-        TypeError: `clip` is none, such as its path.
+        TypeError: `clip` is none, such as its path, or `config`.
 
     Example:
         >>> from pathlib import Path
@@ -58,6 +58,10 @@ def train(
     """
     if not isinstance(clip, Clip):
         raise TypeError(f"expected a Clip, as open_clip gives it, got {type(clip).__name__}")
+    if not isinstance(config, TrainConfig):
+        raise TypeError(f"expected a TrainConfig, got {type(config).__name__}")
+    if not len(clip):
+        raise ClipError(f"expected a clip of at least one frame, got none: {clip.path}")
     require_depth(clip)
     windows = windows_of(clip, config)
     if len(windows) > 1:

@@ -161,7 +161,7 @@ def test_mask_of_a_retina_lies_on_annotated_vessels() -> None:
 
 @pytest.mark.parametrize("number", [0.0, 1e-3, -2.0, np.nan, np.inf])
 def test_numbers_that_mean_nothing_are_refused(number: float) -> None:
-    with pytest.raises(ImageError, match="expected sigmas of at least 0.05 pixels"):
+    with pytest.raises(ImageError, match=r"expected sigmas of at least 0\.05 pixels"):
         vesselness(vessels(), [2.0, number])
     if number != 1e-3:
         with pytest.raises(ImageError, match="expected a share above 0, up to 1"):

@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from renderer import Camera, Splats, psnr, render, ssim, write_phantom, write_splats
+from renderer import (
+    Camera,
+    Clip,
+    ClipError,
+    Splats,
+    TrainConfig,
+    psnr,
+    render,
+    ssim,
+    train,
+    write_phantom,
+    write_splats,
+)
 
 IMAGE = np.zeros((16, 16, 3), np.float32)
 SPLATS = Splats(
@@ -20,6 +33,7 @@ SPLATS = Splats(
 )
 CAMERA = Camera.from_fov(60, 16, 16)
 WRONG: Any = "x"
+CLIP = Clip("none", Path("none"), "images", (), WRONG, WRONG, (), has_depth=True, unit="mm")
 MOMENT: Any = SPLATS
 
 
@@ -30,6 +44,7 @@ MOMENT: Any = SPLATS
         (lambda: render(SPLATS, WRONG), "expected Splats and a Camera, got Splats and str"),
         (lambda: render(WRONG, CAMERA), "expected Splats and a Camera, got str and Camera"),
         (lambda: write_phantom("a", WRONG), "expected params to be PhantomParams, got str"),
+        (lambda: next(train(CLIP, WRONG)), "expected a TrainConfig, got str"),
         (lambda: psnr(IMAGE, IMAGE, WRONG), "as numpy arrays, got ndarray, ndarray, str"),
         (lambda: ssim(WRONG, IMAGE, WRONG), "as numpy arrays, got str, ndarray, str"),
     ],
@@ -37,3 +52,8 @@ MOMENT: Any = SPLATS
 def test_arguments_of_another_class_are_refused(call: Callable[[], object], says: str) -> None:
     with pytest.raises(TypeError, match=says):
         call()
+
+
+def test_a_clip_without_frames_is_refused() -> None:
+    with pytest.raises(ClipError, match="expected a clip of at least one frame, got none: none"):
+        next(train(CLIP, TrainConfig()))
