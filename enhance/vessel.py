@@ -93,7 +93,7 @@ def enhance_vessels(
     Args:
         image: (H, W), (H, W, 3) RGB in this order, or (H, W, 4) RGBA; types as of `enhance`. Of grey
             images all darkness counts as blood.
-        tissue_mask: as of `enhance`.
+        tissue_mask: as of `enhance`; the median density is of all that is visible in the field of view.
         statistics: of a clip, measured with any parameters of three scales; None: of this image.
         pixels: as of `enhance`.
 
