@@ -20,6 +20,7 @@ from app.files.legible import require_utf8
 from app.files.provenance import plain, provenance, write_sidecar
 from app.live.picture import RECORDING, LivePicture, LiveSetting
 from app.live.segment import Segment
+from app.live.sidecar import Sidecar
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import StereoLayout
 
@@ -78,6 +79,7 @@ class Recorder:
         self._files: list[dict[str, Any]] = []
         self._settings: list[dict[str, Any]] = []
         self._setting: LiveSetting | None = None
+        self._sidecar, self._is_unsaid = Sidecar(path), False
         self._thread = threading.Thread(target=self._run, name="vesselsplat-recorder", daemon=True)
         self._thread.start()
 
@@ -122,6 +124,9 @@ class Recorder:
     def _next(self) -> LivePicture | None:
         """None: it was ended, and nothing waits."""
         while True:
+            if self._sidecar.has_time() and self._is_unsaid:
+                self._is_unsaid = False
+                self._sidecar.begin(self._facts() | self._course())
             try:
                 return self._waiting.get(timeout=LOOK)
             except queue.Empty:
@@ -167,21 +172,18 @@ class Recorder:
             self._setting = setting
             said = {"from_seconds": round(seconds, 3), "params": setting.params, "pixels": setting.pixels}
             self._settings.append(plain(said))
-        self._say()
+        self._is_unsaid = True
 
     def _facts(self) -> dict[str, Any]:
         facts = {"source": self._source, "what": self._written.what, "stereo": self._stereo}
         return provenance(kind=RECORDING, **facts)
 
-    def _say(self, **more: object) -> None:
-        write_sidecar(self._first, self._facts() | self._course() | plain(more))
-
     def _course(self) -> dict[str, Any]:
         """What changed when, in seconds from the first picture."""
-        return {"files": self._files, "settings": self._settings}
+        return {"files": list(self._files), "settings": list(self._settings)}
 
     def _end(self, trouble: str) -> None:
-        for step in (self._finish_segment, self._take_away_empty):
+        for step in (self._finish_segment, self._take_away_empty, self._sidecar.close):
             try:
                 step()
             except Exception as error:
@@ -189,7 +191,8 @@ class Recorder:
         self._written = replace(self._written, is_over=True, trouble=trouble)
         if self._files:
             with suppress(OSError, UserError):
-                self._say(recorded=_without_path(self.state))
+                done = plain({"recorded": _without_path(self.state)})
+                write_sidecar(self._first, self._facts() | self._course() | done)
 
     def _finish_segment(self) -> None:
         if self._segment is not None:

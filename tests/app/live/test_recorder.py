@@ -11,12 +11,14 @@ import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import av
 import numpy as np
 import pytest
 
 from app.errors import UserError
+from app.files.provenance import write_sidecar
 from app.live.picture import LivePicture, LiveSetting
 from app.live.recorder import WHATS, Recorder, Recording, require_new, shown
 from app.live.segment import Segment
@@ -100,6 +102,37 @@ def test_a_changed_setting_is_noted_with_its_time(tmp_path: Path) -> None:
     recorded(tmp_path / "a.mp4", pictures)
     told = json.loads((tmp_path / "a.mp4.json").read_text())["settings"]
     assert [(one["from_seconds"], one["params"]["z"]) for one in told] == [(0.0, None), (1.0, 0.1)]
+
+
+def test_settings_that_change_with_every_picture_cost_no_picture(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As while a slider is dragged, on a disk where each writing of the record takes its time."""
+    said = list[int]()
+
+    def slow(path: Path, facts: dict[str, Any]) -> None:
+        time.sleep(0.5)
+        said.append(len(facts["settings"]))
+        write_sidecar(path, facts)
+
+    for name in ("recorder", "sidecar"):
+        monkeypatch.setattr(f"app.live.{name}.write_sidecar", slow)
+    recorder, start = Recorder(tmp_path / "a.mp4", "original", "a source"), time.perf_counter()
+    for number in range(60):
+        time.sleep(max(start + number / 40 - time.perf_counter(), 0))
+        setting = LiveSetting(EnhanceParams(z=number / 100))
+        recorder.add(replace(picture(number, number / 40, (32, 32)), setting=setting))
+    done = recorder.finish()
+    assert (done.pictures, done.left_out, done.trouble) == (60, 0, "")
+    told = json.loads((tmp_path / "a.mp4.json").read_text())["settings"]
+    assert [one["params"]["z"] for one in told] == [number / 100 for number in range(60)]
+    assert said[0] < 30
+    assert len(said) <= 3
+
+
+def test_a_record_that_cannot_be_written_ends_the_recording(tmp_path: Path) -> None:
+    (tmp_path / "a.mp4.json").mkdir()
+    assert "a.mp4.json" in recorded(tmp_path / "a.mp4", [picture(1, 0.0)]).trouble
 
 
 def test_another_size_goes_on_in_another_file(tmp_path: Path) -> None:
