@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
@@ -214,9 +215,10 @@ class Clip:
         """Width and height in pixels, of the first frame."""
         return self.cameras[0].width, self.cameras[0].height
 
-    @property
+    @cached_property
     def has_one_size(self) -> bool:
-        """All frames are of that size; else they are single images, each with a camera of its own."""
+        """All frames are of that size; else they are single images, each with a camera of its own. Looked at
+        once: panels ask in every frame of the window."""
         return all((camera.width, camera.height) == self.size for camera in self.cameras)
 
     @property
@@ -232,7 +234,7 @@ class Clip:
     def train_indices(self) -> tuple[int, ...]:
         return tuple(sorted(set(range(len(self))) - set(self.test_indices) - self.passed_over))
 
-    @property
+    @cached_property
     def camera_is_fixed(self) -> bool:
         return all(camera == self.cameras[0] for camera in self.cameras)
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from renderer.camera import Camera
-from renderer.clip import ClipError, Frame
+from renderer.clip import Clip, ClipError, Frame
 
 CAMERA = Camera.from_fov(60, 32, 24)
 MASK = np.ones((24, 32), bool)
@@ -60,3 +62,29 @@ def test_depth_is_in_the_byte_order_of_this_machine() -> None:
     assert taken.dtype == np.float32
     assert taken.dtype.isnative
     assert np.array_equal(taken, depth)
+
+
+def test_a_clip_looks_through_its_cameras_once() -> None:
+    """Panels ask in every frame of the window, and a long clip has many."""
+    camera, walks = Camera.from_fov(60, 32, 24), list[int]()
+
+    class Walked(tuple[Camera, ...]):
+        def __iter__(self) -> Iterator[Camera]:
+            walks.append(len(self))
+            return super().__iter__()
+
+    clip = Clip(
+        name="flat",
+        path=Path("flat"),
+        format="images",
+        cameras=Walked((camera,) * 4),
+        read_frame=lambda index: FRAME,
+        read_image=lambda index: FRAME.image,
+        labels=("0", "1", "2", "3"),
+        has_depth=False,
+        unit="scene units",
+    )
+    assert all(clip.has_one_size and clip.camera_is_fixed for _ in range(3))
+    assert walks == [4, 4]
+    other = clip.through((camera, camera, camera, replace(camera, width=30)))
+    assert (other.has_one_size, other.camera_is_fixed) == (False, False)
