@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from datetime import datetime
 from functools import partial
 
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
-from imgui_bundle import imgui, imgui_ctx
 
 from app.files.legible import as_label, legible, named
 from app.gui.actions import changing_runs, laid_out, queue_actions, run_actions
@@ -49,7 +50,7 @@ def draw_runs(state: AppState) -> None:
         muted("No reconstruction of this clip yet.")
     for run in found.runs:
         with imgui_ctx.push_id(run.path.name):
-            _draw_run(state, run)
+            _draw_near_sight(partial(_draw_run, state, run))
     if found.unreadable:
         imgui.text_colored(theme.now().warning, f"{found.unreadable} run folders cannot be read.")
         explain(str(found.request.folder))
@@ -65,6 +66,20 @@ def _draw_queue(state: AppState) -> None:
     for place, waiting in enumerate(state.runs.queue):
         with imgui_ctx.push_id(f"queued {place}"):
             _draw_waiting(state, waiting, first=place == 0 and not waiting.asleep)
+
+
+def _draw_near_sight(draw: Callable[[], None]) -> None:
+    """Of what is scrolled farther away than the panel is high, only the height, as it was when last drawn:
+    there may be a thousand runs, whose heights differ."""
+    heights, key = imgui.get_state_storage(), imgui.get_id("height")
+    start, beyond = imgui.get_cursor_screen_pos(), imgui.get_window_height()
+    height = heights.get_float(key)
+    low, high = ImVec2(start.x, start.y - beyond), ImVec2(start.x + 1, start.y + height + beyond)
+    if height and not imgui.is_rect_visible(low, high):
+        imgui.dummy(ImVec2(1, height))
+        return
+    draw()
+    heights.set_float(key, imgui.get_cursor_screen_pos().y - start.y - imgui.get_style().item_spacing.y)
 
 
 def _draw_run(state: AppState, run: ListedRun) -> None:

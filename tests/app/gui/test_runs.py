@@ -11,6 +11,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from imgui_bundle import imgui
 
 from app.gui.actions import job_actions, run_actions
 from app.gui.panels import runs
@@ -258,6 +259,39 @@ def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model:
     ui.frame(lambda: draw_reconstruction(opened))
     opened.source.clip = None
     ui.frame(lambda: draw_runs(opened))
+
+
+def test_of_a_thousand_runs_those_near_sight_are_drawn_and_all_are_scrolled_to(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole, drawn, ends = named(opened, "whole"), list[str](), list[float]()
+    many = tuple(replace(whole, path=whole.path.with_name(f"run {number}")) for number in range(1000))
+    assert opened.runs.found is not None
+    opened.runs.found = replace(opened.runs.found, runs=many, unreadable=0)
+    opened.source.clip = opened.runs.found.request.clip
+
+    def one(state: AppState, run: ListedRun) -> None:
+        drawn.append(run.path.name)
+        draw_run(state, run)
+
+    def draw(scroll: float = 0.0) -> None:
+        imgui.set_scroll_y(scroll)
+        draw_runs(opened)
+        ends.append(imgui.get_cursor_pos_y())
+
+    draw_run = runs._draw_run
+    monkeypatch.setattr(runs, "_draw_run", one)
+    for _ in range(3):
+        drawn.clear()
+        ui.frame(draw)
+    assert drawn[0] == "run 0"
+    assert 3 < len(drawn) < 40
+    for _ in range(2):
+        drawn.clear()
+        ui.frame(lambda: draw(ends[0]))
+    assert drawn[-1] == "run 999"
+    assert 3 < len(drawn) < 40
+    assert ends == pytest.approx([ends[0]] * len(ends))
 
 
 def test_a_worded_button_opens_a_finished_run(
