@@ -3,7 +3,7 @@ page interpolates linearly."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from math import inf, sqrt
@@ -23,6 +23,8 @@ CUBIC, LINEAR = 3, 1
 """Degrees of what runs through the values."""
 ALIGNED: Final = 4
 """Bytes; by so many at once the page reads what it holds."""
+ROWS: Final = 2**14
+"""Rounded at once, of what may be gigabytes in doubles."""
 SAME: Final = 1e-6
 """Below which a value does not move, in its own unit."""
 OFF: Final = {"colors": 1 / 128, "quats": 1e-3, "log_scales": 0.01, "opacity_logits": 0.01}
@@ -55,8 +57,11 @@ class Track:
         top = (1 << bits) - 1
         # Beside a large value, that is none: what does not vary is then at its lower end.
         span = np.maximum(high.astype(np.float64) - low, np.finfo(np.float64).tiny)
-        share = (values.astype(np.float64) - low) / span
-        whole = np.rint(share * top).clip(0, top).astype(np.uint8 if bits == 8 else np.uint16)
+        whole = np.empty(values.shape, np.uint8 if bits == 8 else np.uint16)
+        for start in range(0, len(values), ROWS):
+            rows = slice(start, start + ROWS)
+            share = (values[rows].astype(np.float64) - low) / span
+            whole[rows] = np.rint(share * top).clip(0, top)
         return cls(name, whole, low.astype(np.float32), high.astype(np.float32))
 
     @property
@@ -149,18 +154,29 @@ def _lifted(base: Float32Array, controls: Float32Array, count: int) -> Float32Ar
 
 
 def _over_time(samples: Sequence[RawGaussians]) -> tuple[Float32Array, ...]:
-    def over_time(values: Iterable[Float32Array]) -> Float32Array:
-        stacked = np.stack(list(values), axis=1)
-        return stacked if np.ptp(stacked, axis=1).max(initial=0) > SAME else stacked[:, :1]
+    def turns() -> Iterable[Float32Array]:
+        every = (unit_quats(one.quats) for one in samples)
+        return accumulate(every, lambda before, now: of_nearer_sign(now, before))
 
-    turns = (unit_quats(one.quats) for one in samples)
     return (
-        over_time(one.means for one in samples),
-        over_time(one.colors for one in samples),
-        over_time(accumulate(turns, lambda before, now: of_nearer_sign(now, before))),
-        over_time(one.log_scales for one in samples),
-        over_time(one.opacity_logits[:, None] for one in samples),
+        _stacked(lambda: (one.means for one in samples)),
+        _stacked(lambda: (one.colors for one in samples)),
+        _stacked(turns),
+        _stacked(lambda: (one.log_scales for one in samples)),
+        _stacked(lambda: (one.opacity_logits[:, None] for one in samples)),
     )
+
+
+def _stacked(moments: Callable[[], Iterable[Float32Array]]) -> Float32Array:
+    """(N, K, C) of K times (N, C), or the first where nothing moves: whether it does is found without all of
+    them in memory."""
+    first = next(iter(moments()))
+    low, high = first.copy(), first.copy()
+    for one in moments():
+        np.minimum(low, one, out=low)
+        np.maximum(high, one, out=high)
+    moves = (high - low).max(initial=0) > SAME
+    return np.stack(list(moments()), axis=1) if moves else first[:, None]
 
 
 def _tracks(values: Iterable[Float32Array], rounding: float | None) -> tuple[Track, ...]:

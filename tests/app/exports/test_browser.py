@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -164,6 +165,20 @@ def test_a_turn_whose_quaternion_would_change_its_sign_goes_on_between_samples()
         page, true = shown(model, time), model.motion.moved(one, time).quats
         length = np.linalg.norm(page["quats"], axis=1)
         assert np.abs((page["quats"] * true).sum(axis=1)) / length == pytest.approx(1, abs=1e-4)
+
+
+def test_a_still_model_takes_little_memory_a_gaussian() -> None:
+    """Of a million, a page is written where the model itself can be opened."""
+    one, many = raw(np.random.default_rng(8)), 100_000
+    arrays = {name: np.resize(array, (many, *array.shape[1:])) for name, array in one.arrays().items()}
+    model = DynamicGaussians(RawGaussians(**arrays), Still())
+    tracemalloc.start()
+    try:
+        tracks_of(model)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak / many < 300
 
 
 def test_the_page_stands_alone_and_names_cannot_break_it() -> None:
