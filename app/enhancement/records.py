@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, PlainSerializer
 from pydantic.dataclasses import dataclass
 
 from app.enhancement.contact_sheet import Undefined
@@ -13,6 +13,7 @@ from app.enhancement.methods import RecordedSettings
 from app.enhancement.parameter_grid import MeasuredOver, Measures
 from app.enhancement.settable import Pixels
 from app.files.dicom.choices import DicomChoices
+from app.files.provenance import plain
 from app.files.records import LENIENT, Record, Source, Told
 from enhance import Statistics
 from enhance.noise import NoiseCut
@@ -64,13 +65,29 @@ class EnhancedPicture(Record):
         return self.statistics if self.statistics and self.statistics.scope != "image" else None
 
 
+def _in_short(pictures: tuple[EnhancedPicture, ...]) -> list[dict[str, Any]]:
+    """As JSON: the first, and of each other only what differs from that, since there may be 200,000."""
+    first = vars(pictures[0]) if pictures else {}
+    others = (
+        {name: value for name, value in vars(one).items() if value != first[name]} for one in pictures[1:]
+    )
+    return [*map(plain, pictures[:1]), *map(plain, others)]
+
+
+def _in_full(given: Any) -> Any:
+    """From JSON; one that says its kind is whole, as all are in records before 0.4.0."""
+    if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
+        return given
+    return [one if "kind" in one else given[0] | one for one in given]
+
+
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
 class EnhancedVideo(Record):
     """Enhanced pictures as the frames of a video."""
 
     kind: Literal["enhanced video"] = "enhanced video"
     frames_per_second: float
-    pictures: tuple[EnhancedPicture, ...]
+    pictures: Annotated[tuple[EnhancedPicture, ...], BeforeValidator(_in_full), PlainSerializer(_in_short)]
     encoding: Annotated[str | None, Told] = None
     notices: Annotated[tuple[str, ...] | None, Told] = None
     dicom: DicomChoices | None = None

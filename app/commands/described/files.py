@@ -277,7 +277,8 @@ def _told(facts: dict[str, Any]) -> Facts:
             sha = origin.get("sha256") or origin.get("model_sha256")
             found.append(Fact(name, f"{origin['name']}" + (f", SHA-256 {sha[:16]}…" if sha else ""), origin))
     for name in ("method", "frame", "time", "view", "renderer", "input"):
-        if (value := first.get(name)) is not None:
+        is_of_one = name == "frame" and first is not facts
+        if (value := first.get(name)) is not None and not is_of_one:
             # Of panes, a frame is its number with its name.
             told = (
                 f"{value['index']}: {value['label']}"

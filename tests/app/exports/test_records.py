@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from app.enhancement.records import EnhancedVideo
 from app.errors import UserError
 from app.exports.records import EXPORT, KINDS
 from app.exports.replay.again import replay
 from app.exports.replay.recorded import recorded
 from app.files.image_files import read_image
-from app.files.provenance import SCHEMA, plain, write_png
+from app.files.provenance import SCHEMA, plain, strict_json, write_png
 from tests.app.exports.test_before import BEFORE, FILES, SOURCES
 
 HEAD = {"app", "version", "schema", "utc", "notice", "libraries"}
@@ -28,7 +31,24 @@ def said(name: str) -> dict[str, Any]:
 @pytest.mark.parametrize("name", [*FILES, "window.png"])
 def test_all_that_files_of_before_say_is_kept(name: str) -> None:
     facts = {key: value for key, value in said(name).items() if key not in TABLE}
-    assert_kept(facts, plain(EXPORT.validate_python(facts)))
+    now = EXPORT.validate_python(facts)
+    assert_kept(facts, plain(now) | ({"pictures": plain(list(now.pictures))} if "pictures" in facts else {}))
+
+
+def test_a_video_says_of_each_frame_what_differs_from_the_first() -> None:
+    """All of each, as it was said before, is read as well."""
+    facts = said("enhanced.mp4")
+    read = EXPORT.validate_python(facts)
+    assert isinstance(read, EnhancedVideo)
+    first, second, *_ = read.pictures
+    odd = replace(first, frame=7, params=None, statistics=None, pixels="tissue")
+    for pictures in ((first, second, odd, first), (odd, first), (first,), ()):
+        video = replace(read, pictures=pictures)
+        assert EXPORT.validate_python(json.loads(strict_json(video))) == video
+        assert EXPORT.validate_python(facts | {"pictures": plain(list(pictures))}) == video
+    (_, short, other) = plain(replace(read, pictures=(first, second, odd)))["pictures"]
+    assert short == {"source": plain(second.source), "picture": second.picture}
+    assert other.keys() == {"frame", "params", "statistics", "pixels"}
 
 
 def assert_kept(before: Any, now: Any, place: str = "") -> None:
