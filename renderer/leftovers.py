@@ -58,8 +58,11 @@ def put_into_place(commit: Path) -> None:
 def clear(folder: Path) -> None:
     """Complete the sets and remove the partial files that processes of this machine have left in `folder`.
 
-    Those of living processes and of other machines stay, and so does what cannot be moved.
+    Those of living processes and of other machines stay, and so does what cannot be moved. A folder that is
+    itself being written holds none: of tens of thousands of files, each would look at all before it.
     """
+    if _NAME.match(folder.name):
+        return
     with suppress(OSError):
         # Of a folder of thousands of files the few with such names are sorted and looked at.
         for found in sorted(filter(None, map(_NAME.match, os.listdir(folder))), key=lambda found: found[0]):

@@ -53,6 +53,23 @@ def write_and_die(folder: Path, calls: int) -> int:
     return called(write_until, folder, calls, folder=folder).code
 
 
+def test_a_folder_of_many_files_is_not_looked_through_for_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    listed, list_folder = list[Path](), os.listdir
+
+    def noted(folder: Path) -> list[str]:
+        listed.append(folder)
+        return list_folder(folder)
+
+    monkeypatch.setattr(os, "listdir", noted)
+    with filled(tmp_path) as staging:
+        for number in range(5):
+            write_bytes(staging / f"{number}.png", b"new")
+        assert listed == [tmp_path]
+    assert len(list(tmp_path.iterdir())) == 5
+
+
 def test_a_kill_at_any_call_leaves_all_old_or_all_new(tmp_path: Path) -> None:
     before, after, ended = 0, 0, False
     for calls in range(100):
