@@ -15,6 +15,7 @@ from typing import TextIO
 from app.cli import run
 from app.console.ending import EndingSignals
 from app.console.startup import require_one_place, rest_while_waiting
+from app.console.unread import unread
 from app.errors import UserError
 
 # A damaged file is one line of ours, none of the decoders'. OpenCV reads these once, when it loads.
@@ -28,6 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # A shell may have closed them (`>&-`), and a program without a console has none.
     sys.stdout = sys.stdout or _nowhere()
     sys.stderr = sys.stderr or _nowhere()
+    unread()
     if isinstance(sys.stdout, io.TextIOWrapper):
         # As stderr does: a file may have any name. Programs read UTF-8, whatever a terminal has.
         encoding = None if sys.stdout.isatty() else "utf-8"
