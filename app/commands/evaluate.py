@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
-from app.console.progress import Terminal, progress
+from app.console.progress import LABEL, fitting, progress, wide_terminal
 from app.errors import UserError
 from app.evaluation.evaluate import LPIPS, Evaluation, FrameMeasures, lpips_folder, no_lpips, open_evaluation
 from app.files.provenance import provenance, strict_json
@@ -135,26 +136,25 @@ def _gain(ours: float | None, theirs: float | None) -> float | None:
 
 
 def _print(report: dict[str, Any]) -> None:
-    table = _table("frame", COLUMNS)
-    table.title = f"{report['run']}: {report['method']}, measured against its {report['input']} frames"
-    for frame in report["frames"]:
-        table.add_row(str(frame.index), *_texts(vars(frame) | (frame.depth or {}), COLUMNS))
-    table.add_section()
-    table.add_row("mean", *_texts(report["mean"] | report["depth"], COLUMNS))
-    _say(table, *_facts(report), *_cautions(report))
+    frames = [
+        [str(frame.index), *_texts(vars(frame) | (frame.depth or {}), COLUMNS)] for frame in report["frames"]
+    ]
+    mean = ["mean", *_texts(report["mean"] | report["depth"], COLUMNS)]
+    title = f"{report['run']}: {report['method']}, measured against its {report['input']} frames"
+    _say(_heading("frame", COLUMNS), [frames, [mean]], title, *_facts(report), *_cautions(report))
 
 
 def _print_compared(report: dict[str, Any]) -> None:
     other, gain = report["against"], report["compared"]["dv_bv_gain"]
-    table = _table("run, frames", COMPARED)
     frames = "training" if report["frames_are"] == "training" else "held-out"
-    table.title = f"Means over the {frames} frames, each run against its own input frames"
-    for each in (other, report):
-        table.add_row(f"{each['run']}, {each['input']}", *_texts(each["mean"], COMPARED))
+    title = f"Means over the {frames} frames, each run against its own input frames"
+    groups = [
+        [[f"{each['run']}, {each['input']}", *_texts(each["mean"], COMPARED)] for each in (other, report)]
+    ]
     for row in report["compared"]["paper"]:
         if row.input == "original":
-            table.add_section()
-        table.add_row(f"{row.method}, {row.input}", *_texts(vars(row), COMPARED))
+            groups.append([])
+        groups[-1].append([f"{row.method}, {row.input}", *_texts(vars(row), COMPARED)])
     gains = [
         f"DV/BV is {_text(gain['render'], '.2f')} times that of {other['run']}; "
         f"that of its input frames {_text(gain['input_photo'], '.2f')} times",
@@ -164,15 +164,11 @@ def _print_compared(report: dict[str, Any]) -> None:
     published = report["compared"]["paper_dv_bv_gain"].items()
     gains += [f"the paper's {where}: {_text(times, '.2f')} times" for where, times in published]
     seen = [f"{each['run']}: {_visibility(each['visibility'])}" for each in (other, report)]
-    _say(table, *gains, *seen, *_cautions(report))
+    _say(_heading("run, frames", COMPARED), groups, title, *gains, *seen, *_cautions(report))
 
 
-def _table(first: str, names: Iterable[str]) -> Table:
-    table = Table(box=SIMPLE_HEAD, title_justify="left", title_style="", padding=(0, 1, 0, 0), pad_edge=False)
-    table.add_column(first, overflow="fold")
-    for name in names:
-        table.add_column(COLUMNS[name][0], justify="right", no_wrap=True)
-    return table
+def _heading(first: str, names: Iterable[str]) -> list[str]:
+    return [first, *(COLUMNS[name][0] for name in names)]
 
 
 def _texts(values: Mapping[str, float | None], names: Iterable[str]) -> list[str]:
@@ -221,8 +217,21 @@ def _cautions(report: dict[str, Any]) -> list[str]:
     return cautions
 
 
-def _say(table: Table, *lines: str) -> None:
-    console = Terminal()
-    console.print(table)
+def _say(head: Sequence[str], groups: Sequence[Sequence[Sequence[str]]], title: str, *lines: str) -> None:
+    """Rows in groups under the title; below each other where they are too wide, each with its name."""
+    console = wide_terminal()
+    for columns in fitting([head, *chain.from_iterable(groups)], console.width, between=2):
+        table = Table(
+            title=title, title_justify="left", title_style="", box=SIMPLE_HEAD, padding=(0, 1, 0, 0)
+        )
+        table.pad_edge = False
+        table.add_column(head[0], max_width=LABEL, overflow="fold")
+        for place in columns:
+            table.add_column(head[place], justify="right", no_wrap=True)
+        for group in groups:
+            for row in group:
+                table.add_row(row[0], *(row[place] for place in columns))
+            table.add_section()
+        console.print(table)
     for line in lines:
         console.print(line)

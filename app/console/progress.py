@@ -37,12 +37,17 @@ class Terminal(Console):
         raise
 
 
+def wide_terminal() -> Terminal:
+    """stdout, wide enough where the width is unknown."""
+    known = Terminal()
+    return known if known.is_terminal else Terminal(width=max(known.width, WIDTH))
+
+
 def print_measures(head: Sequence[str], rows: Sequence[Sequence[str]], last: Sequence[str] = ()) -> None:
     """A table on stdout, with what its ratios are: as several below each other where it is too wide, each
     with the first column. `last`: a row apart from the others."""
-    known = Terminal()
-    console = known if known.is_terminal else Terminal(width=max(known.width, WIDTH))
-    for columns in _fitting([head, *rows, *filter(None, [last])], console.width):
+    console = wide_terminal()
+    for columns in fitting([head, *rows, *filter(None, [last])], console.width):
         table = Table(Column(head[0], max_width=LABEL, overflow="fold"), *(head[place] for place in columns))
         for row in rows:
             table.add_row(row[0], *(row[place] for place in columns))
@@ -58,10 +63,13 @@ def measured_text(value: float | None) -> str:
     return "none" if value is None or math.isnan(value) else f"{value:.4g}"
 
 
-def _fitting(rows: Sequence[Sequence[str]], width: int) -> Iterator[list[int]]:
+def fitting(rows: Sequence[Sequence[str]], width: int, between: int = BETWEEN) -> Iterator[list[int]]:
     """The columns after the first, as many together as fit beside it."""
-    widths = [max(cell_len(row[place]) for row in rows) + BETWEEN for place in range(len(rows[0]))]
-    start = min(widths[0], LABEL + BETWEEN) + 1
+    widths = [
+        max(cell_len(line) for row in rows for line in row[place].split("\n")) + between
+        for place in range(len(rows[0]))
+    ]
+    start = min(widths[0], LABEL + between) + 1
     columns, taken = list[int](), start
     for place, wide in enumerate(widths[1:], start=1):
         if columns and taken + wide > width:

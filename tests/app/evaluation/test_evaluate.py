@@ -365,6 +365,7 @@ def test_the_pulling_clip_is_known_to_the_paper() -> None:
 def test_the_paper_is_printed_beside_the_runs_of_its_clip(
     runs: dict[str, Path], vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("app.console.progress.WIDTH", 80)
     monkeypatch.setenv("COLUMNS", "80")
     rows = tuple(replace(row, clip="small", frames=10) for row in PAPER[:4])
     monkeypatch.setattr("app.commands.evaluate.PAPER", rows)
