@@ -60,7 +60,7 @@ def run(flags: argparse.Namespace) -> None:
     # Each run keeps its own copies of masks: where they lie is no part.
     if clips[0].part.of_anywhere != clips[-1].part.of_anywhere:
         raise UserError("--against: expected a run on the same frames and mask, got one on another part")
-    if _reading(clips[0].options) != _reading(clips[-1].options):
+    if _reading(evaluations[0]) != _reading(evaluations[-1]):
         raise UserError("--against: expected a run on frames that were read in the same way, got others")
     if clips[0].sha256 != clips[-1].sha256:
         raise UserError(f"--against: expected a run on the clip {clips[0].name}, got one on {clips[-1].name}")
@@ -80,9 +80,11 @@ def run(flags: argparse.Namespace) -> None:
         _print(report)
 
 
-def _reading(options: ClipOptions) -> tuple[object, ...]:
+def _reading(evaluation: Evaluation) -> tuple[object, ...]:
     """What says which frames there are, and which of them are held out."""
-    return options.frame_step, options.deinterlacing, options.stereo, options.split
+    options = evaluation.record.clip.options
+    of_video = (options.deinterlacing, options.stereo) if evaluation.clip.format == "video" else ()
+    return options.frame_step, options.split, *of_video
 
 
 def _over_the_same_pixels(one: Evaluation, other: Evaluation) -> bool:

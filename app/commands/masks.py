@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
+from app.commands.reading_flags import require_heeded
 from app.console.flags import add_fields, parameters
 from app.console.older_files import say_older
 from app.console.progress import progress
@@ -69,7 +70,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 def run(flags: argparse.Namespace) -> None:
     _check_out(flags)
     _check_onnx(flags)
-    clip = open_bare(flags.clip, parameters(ClipOptions, flags))
+    options = parameters(ClipOptions, flags)
+    require_heeded(flags, flags.clip, options)
+    clip = open_bare(flags.clip, options)
     by_hand = NONE if flags.given is None else with_doubt(masks_in(flags.given, clip.labels), clip)
     try:
         model = _network(flags) if flags.onnx else None

@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
+from app.commands.reading_flags import require_heeded
 from app.commands.train_flags import requested
 from app.console.ending import noted
 from app.console.flags import add_fields
@@ -99,6 +100,7 @@ def run(flags: argparse.Namespace) -> None:
     run_folder = RunFolder(flags.run)
     is_done = flags.resume and run_folder.is_finished
     request = requested(flags)
+    require_heeded(flags, flags.clip, request.clip_options)
     device = device_of(request)
     try:
         finished = follow(request, device.device)
