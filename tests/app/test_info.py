@@ -177,7 +177,9 @@ def test_of_a_video_whose_halves_look_alike_it_is_said_as_the_window_says_it(
     alike, other = encoded(tmp_path / "a.mp4", 3 * [both]), encoded(tmp_path / "b.mp4", 3 * [pair.left.image])
     (said,) = open_clip(alike).notices
     assert "look alike" in said
-    assert json.loads(vesselsplat("info", alike, "--json").out)["notices"] == [said]
+    facts = json.loads(vesselsplat("info", alike, "--json").out)
+    assert facts["notices"] == [said]
+    assert [step.split()[-2:] for step in facts["next"]] == 2 * [["--stereo", "side-by-side"]]
     assert "notices" not in json.loads(vesselsplat("info", other, "--json").out)
 
 

@@ -24,8 +24,9 @@ from renderer.readers.clip_options import DEFAULTS, StereoLayout
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.listing import count, listed
 from renderer.readers.pictures import SeveralSizes
+from renderer.readers.stereo_layout import likely_layout
 from renderer.readers.video import eyes_hint
-from renderer.readers.video_header import VideoHeader, first_frame, read_counted_header
+from renderer.readers.video_header import first_frame, read_counted_header
 from renderer.sources import open_case, open_clip
 
 TITLES = {layout.name: layout.title for layout in LAYOUTS}
@@ -86,6 +87,8 @@ def of_video(path: Path) -> tuple[Fact, ...]:
     pace = "unknown" if rate is None else f"{rate:.4g} a second"
     if not header.is_steady:
         pace = f"varies, {pace} on average"
+    first = first_frame(path) if header.stereo is None else None
+    looks, hint = (None, "") if first is None else (likely_layout(first), eyes_hint(first))
     width, height = header.size
     shape = "square" if header.pixel_aspect == 1 else f"{header.pixel_aspect:.3g} (width to height)"
     return (
@@ -102,21 +105,21 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         Fact("camera", _assumed(), {"field_of_view": DEFAULTS.view_angle, "assumed": True}),
         Fact("unit", "scene units"),
         *notices(
-            [*([f"{CUT_OFF}: {frames} frames are whole"] if header.is_cut else []), *_alike(path, header)]
+            [*([f"{CUT_OFF}: {frames} frames are whole"] if header.is_cut else []), *filter(None, [hint])]
         ),
         next_steps(
             path,
-            ("enhance", "PATH", "OUT.mp4"),
-            ("train", "PATH", "--run", "RUN", *(() if header.stereo else ("--depth", "brightness"))),
+            ("enhance", "PATH", "OUT.mp4", *(("--stereo", looks) if looks else ())),
+            ("train", "PATH", "--run", "RUN", *_of_both_eyes(header.stereo, looks)),
         ),
     )
 
 
-def _alike(path: Path, header: VideoHeader) -> Iterator[str]:
-    """What is to be decided of a video whose frames look like those of two eyes, and that does not say so."""
-    first = first_frame(path) if header.stereo is None else None
-    if first is not None and (said := eyes_hint(first)):
-        yield said
+def _of_both_eyes(stereo: StereoLayout | None, looks: StereoLayout | None) -> tuple[str, ...]:
+    """Flags by which depth comes of both eyes, as the video says or looks; of one eye it is guessed."""
+    if looks is not None:
+        return "--stereo", looks
+    return () if stereo else ("--depth", "brightness")
 
 
 def _eyes(stereo: StereoLayout | None) -> tuple[Fact, ...]:
