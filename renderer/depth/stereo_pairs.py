@@ -159,7 +159,7 @@ def right_eye(clip: Clip) -> RightEye | None:
         ClipError: as `right_pictures`, or pictures of several sizes.
     """
     if clip.read_right is not None:
-        return RightEye(clip.read_right, clip.size, f"the eyes of frame {clip.labels[0]}", clip.path)
+        return RightEye(clip.read_right, clip.size, "both eyes in its frames", clip.path)
     rights = right_pictures(clip)
     if not rights:
         return None
@@ -264,7 +264,8 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
     shifts = every[0]
     if len(shifts) < _FEWEST_FEATURES:
         found = f"{len(shifts)} features in common in the best of {count(len(every), 'pair')} looked at"
-        raise ClipError(f"expected a stereo pair, got images with {found}, {where}")
+        needed = f"{_FEWEST_FEATURES} are needed"
+        raise ClipError(f"expected a stereo pair, got images with {found} ({needed}): {clip.path}")
     if np.median(np.abs(shifts[:, :2])) < _SAME:
         raise ClipError(f"expected a left and a right image, got the same image twice, {where}")
     across, rows = np.median(shifts[:, 0]), _Rows()

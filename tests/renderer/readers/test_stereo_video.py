@@ -73,6 +73,7 @@ def test_what_a_video_says_is_overruled_on_request(tmp_path, moments) -> None:
     wrong = open_clip(path, ClipOptions(stereo="side-by-side"))
     assert not wrong.has_depth
     assert "no stereo depth" in wrong.why_no_depth
+    assert "frame 0" not in wrong.why_no_depth
 
 
 @pytest.mark.parametrize("layout", AXES)
