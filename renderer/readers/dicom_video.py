@@ -8,7 +8,7 @@ import numpy as np
 
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.byte_levels import in_bytes
-from renderer.readers.cut_off import CUT_OFF
+from renderer.readers.cut_off import cut_off
 from renderer.readers.dicom.header import read_header
 from renderer.readers.dicom.pixels import read_pixels, whole_frames
 
@@ -49,5 +49,5 @@ class DicomVideo:
         return np.repeat(byte[:, :, None], 3, axis=2) if byte.ndim == 2 else byte
 
     def _oddities(self) -> list[str]:
-        cut = self._count < self._header.frames
-        return [f"{CUT_OFF}: {self._count} frames are whole"] if cut else []
+        announced = self._header.frames
+        return [cut_off(self._count, announced)] if self._count < announced else []

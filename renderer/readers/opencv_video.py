@@ -11,7 +11,7 @@ import numpy as np
 
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.container_end import ends_early
-from renderer.readers.cut_off import CUT_OFF
+from renderer.readers.cut_off import cut_off
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.misnamed import neither
 from renderer.utf8_paths import not_utf8
@@ -62,7 +62,7 @@ class OpenCvVideo:
             # Of a file that is cut off, the last packet decodes to a damaged picture.
             self._stamps = self._stamps[:1] + self._stamps[1:-1]
             self.frame_times = self.frame_times[: len(self)]
-            self.notices = (f"{CUT_OFF}: {len(self)} frames are whole",)
+            self.notices = (cut_off(len(self)),)
 
     def __len__(self) -> int:
         return len(self._stamps)

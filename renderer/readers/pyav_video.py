@@ -14,7 +14,7 @@ import numpy as np
 
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import Deinterlacing
-from renderer.readers.cut_off import CUT_OFF
+from renderer.readers.cut_off import cut_off
 from renderer.readers.decoders import DECODERS
 from renderer.readers.deinterlacing import deinterlaced
 from renderer.readers.stereo_layout import told_layout
@@ -225,9 +225,8 @@ class PyAvVideo:
 
     def _oddities(self, first: VideoFrame) -> Iterator[str]:
         """One sentence for each property that a person might not expect."""
-        count = len(self._index.stamps)
         if self._index.is_cut:
-            yield f"{CUT_OFF}: {count} frames are whole"
+            yield cut_off(len(self._index.stamps), self._index.announced)
         if (last := self._index.last_size) and last != self._size:
             (width, height), others = self._size, f"{last[0]}x{last[1]}"
             yield f"frames at the end are {others}, not {width}x{height} as the first one, and cannot be read"

@@ -50,6 +50,8 @@ class VideoHeader:
     """Whether the number of frames, and with it their rate, is what the file states, and not what decodes."""
     is_cut: bool = False
     """Whether the end of the file is missing or damaged, as far as the frames were counted."""
+    announced: int = 0
+    """Frames that the file states where they were counted; 0: it does not, or they were not."""
 
 
 def read_video_header(path: Path) -> VideoHeader:
@@ -76,7 +78,8 @@ def read_counted_header(path: Path) -> VideoHeader:
     frames, rate = len(index.stamps), float(index.frames_per_second)
     require_moving(path, frames)
     found = replace(header, frames=frames, frames_per_second=rate, seconds=frames / rate)
-    return replace(found, is_steady=index.is_steady, is_announced=False, is_cut=index.is_cut)
+    found = replace(found, is_steady=index.is_steady, is_announced=False)
+    return replace(found, is_cut=index.is_cut, announced=index.announced)
 
 
 def first_frame(path: Path) -> ByteImage | None:
@@ -108,8 +111,8 @@ def _counted(path: Path, told: DicomHeader) -> VideoHeader:
 
     found, rate = len(DicomVideo(path)), told.frames_per_second
     seconds = found / rate if rate else None
-    is_cut = found < told.frames
-    return replace(_of_frames(told), frames=found, seconds=seconds, is_announced=False, is_cut=is_cut)
+    header = replace(_of_frames(told), frames=found, seconds=seconds, is_announced=False)
+    return replace(header, is_cut=found < told.frames, announced=told.frames)
 
 
 def _of_frames(told: DicomHeader) -> VideoHeader:

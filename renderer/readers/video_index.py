@@ -59,6 +59,8 @@ class VideoIndex:
     is_interlaced: bool
     nominal_rate: Fraction
     """Frames a second as the file says it."""
+    announced: int = 0
+    """Frames that the header tells; 0: it does not."""
     last_size: tuple[int, int] | None = None
     """Width and height of the last frame as it is stored, where it was decoded."""
     threads: Threads = "AUTO"
@@ -185,7 +187,8 @@ def _numbered(path: Path, scan: _Scan) -> VideoIndex:
             size = frame.width, frame.height
     count = len(flags)
     cut = scan.packets.is_short or count < len(scan.packets.stamps)
-    return VideoIndex(tuple(range(count)), 1 / scan.rate, True, cut, any(flags), scan.rate, size, threads)
+    rate, told = scan.rate, scan.packets.announced
+    return VideoIndex(tuple(range(count)), 1 / rate, True, cut, any(flags), rate, told, size, threads)
 
 
 def told_index(path: Path) -> VideoIndex | None:
@@ -253,7 +256,8 @@ def _timed(path: Path, scan: _Scan) -> VideoIndex | None:
         (stamps, None) if scan.is_sure and not packets.is_short else _whole(path, stamps, packets.threads)
     )
     cut = packets.is_short or len(whole) < len(stamps)
-    return VideoIndex(tuple(whole), scan.time_base, False, cut, scan.is_interlaced, scan.rate, size)
+    rate, told = scan.rate, packets.announced
+    return VideoIndex(tuple(whole), scan.time_base, False, cut, scan.is_interlaced, rate, told, size)
 
 
 def start_of(path: Path) -> Fraction:
@@ -291,6 +295,8 @@ class _Packets:
     """Whether each says when it is shown; in joined files times begin anew, and say nothing."""
     is_short: bool
     """Whether the header announces more, or the last packets are damaged."""
+    announced: int
+    """Frames that the header tells; 0: it does not."""
     tells_end: bool
     """Whether the header announces frames or a length, so that a damaged end shows."""
 
@@ -326,7 +332,7 @@ def _packets(container: InputContainer, stream: VideoStream) -> _Packets:
     kept = sorted(set(stamps))
     begin_anew = len(kept) < len(stamps) or any(later < one for one, later in pairwise(order))
     tells_end = stream.frames > 0 or bool(tells_length and container.duration)
-    return _Packets(kept, not untimed and not begin_anew, short, tells_end)
+    return _Packets(kept, not untimed and not begin_anew, short, stream.frames, tells_end)
 
 
 def _whole(path: Path, stamps: list[int], threads: Threads) -> tuple[list[int], tuple[int, int] | None]:

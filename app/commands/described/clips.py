@@ -21,7 +21,7 @@ from renderer.depth.monocular import monocular_maps
 from renderer.depth.stereo_pairs import eye_folders, right_eye
 from renderer.layouts import LAYOUTS, layout_of
 from renderer.readers.clip_options import DEFAULTS, StereoLayout
-from renderer.readers.cut_off import CUT_OFF
+from renderer.readers.cut_off import cut_off
 from renderer.readers.listing import count, listed
 from renderer.readers.pictures import SeveralSizes
 from renderer.readers.stereo_layout import likely_layout
@@ -89,6 +89,7 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         pace = f"varies, {pace} on average"
     first = first_frame(path) if header.stereo is None else None
     looks, hint = (None, "") if first is None else (likely_layout(first), eyes_hint(first))
+    cut = cut_off(frames or 0, header.announced) if header.is_cut else ""
     width, height = header.size
     shape = "square" if header.pixel_aspect == 1 else f"{header.pixel_aspect:.3g} (width to height)"
     return (
@@ -104,9 +105,7 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         *_eyes(header.stereo),
         Fact("camera", _assumed(), {"field_of_view": DEFAULTS.view_angle, "assumed": True}),
         Fact("unit", "scene units"),
-        *notices(
-            [*([f"{CUT_OFF}: {frames} frames are whole"] if header.is_cut else []), *filter(None, [hint])]
-        ),
+        *notices([*filter(None, [cut, hint])]),
         next_steps(
             path,
             ("enhance", "PATH", "OUT.mp4", *(("--stereo", looks) if looks else ())),

@@ -251,5 +251,5 @@ def test_of_a_cut_video_it_is_said_in_sight_that_a_part_is_missing(places: Place
     assert cut.clip is not None
     arriving.show_opened(state, path, cut)
     assert state.window.banner is not None
-    said = f"the file is cut off or damaged at its end: {len(cut.clip)} frames are whole"
+    said = f"the file is cut off or damaged at its end: {len(cut.clip)} of 60 frames are whole"
     assert state.window.banner.message == said

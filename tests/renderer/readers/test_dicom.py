@@ -96,7 +96,7 @@ def test_frames_of_a_file_that_is_cut_off_are_those_that_are_whole(tmp_path: Pat
     path.write_bytes(path.read_bytes()[:-10])
     clip = open_clip(path)
     assert len(clip) == 5
-    assert clip.notices == ("the file is cut off or damaged at its end: 5 frames are whole",)
+    assert clip.notices == ("the file is cut off or damaged at its end: 5 of 6 frames are whole",)
     header = read_counted_header(path)
     assert (header.frames, header.is_cut, header.is_announced) == (5, True, False)
 

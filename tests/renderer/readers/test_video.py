@@ -146,7 +146,9 @@ def test_of_a_cut_video_the_whole_frames_remain(tmp_path, decoder, name, code):
     clip = open_video(path)
     assert 40 < len(clip) < 70
     assert numbers(clip) == list(range(len(clip)))
-    assert f"{len(clip)} frames are whole" in clip.notices[0]
+    # What OpenCV makes of the header may be no more than a guess, and Matroska tells a length alone.
+    of_all = f" of {LENGTH}" if decoder == "PyAV" and name.endswith("avi") else ""
+    assert f": {len(clip)}{of_all} frames are whole" in clip.notices[0]
     with pytest.raises(IndexError):
         clip.read_image(len(clip))
 
