@@ -13,7 +13,7 @@ from typing import Any, Final, cast
 
 from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
 from app.console.ending import ended_by_ctrl_c
-from app.console.flags import add_fields, parameters
+from app.console.flags import add_fields, parameters, refuse
 from app.console.progress import Report, progress
 from app.enhancement.methods import PAPER, VESSEL
 from app.enhancement.settable import PIXELS
@@ -46,6 +46,11 @@ HEEDED: Final[Mapping[str, frozenset[Kind]]] = MappingProxyType(
     }
 )
 """Flags that not every kind of source heeds."""
+NOT_GIVEN: Final[Mapping[str, object]] = MappingProxyType(
+    {"right": None, "seconds": None, "record": None, "what": None, "igtl": None, "once": False}
+    | {"size": None, "fps": None, "pixel_format": None}
+)
+"""Flags of a source, where they are not given."""
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -95,6 +100,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 def run(flags: argparse.Namespace) -> None:
     if flags.list:
+        refuse(flags, NOT_GIVEN, "--list")
         _list(flags.json, [vars(one) for one in devices()])
         return
     if flags.source is None:

@@ -9,7 +9,8 @@ import tomllib
 from importlib.resources import files
 from pathlib import Path
 
-from app.commands.sweep import add_engine_flags, carry_out, print_table, require_all_done
+from app.commands.sweep import NO_ENGINE, add_engine_flags, carry_out, print_table, require_all_done
+from app.console.flags import refuse
 from app.errors import UserError
 from app.files.legible import require_utf8
 from app.files.provenance import provenance, strict_json
@@ -41,6 +42,7 @@ def run(flags: argparse.Namespace) -> None:
     for clip in clips:
         require_utf8(Path(clip))
     if flags.print:
+        refuse(flags, {"out": None, "json": False, **NO_ENGINE}, "--print")
         # A list of texts is the same in JSON and in TOML, but for the escape of what Unicode has beyond
         # 16 bits, and for DEL.
         listed = json.dumps(clips, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Final
 
 from rich.table import Table
 
+from app.console.flags import refuse
 from app.console.progress import Terminal, progress
 from app.errors import UserError
 from app.files.atomic import make_folder, write_bytes
@@ -21,7 +23,7 @@ from app.sweeps.engines.opening import open_engine
 from app.sweeps.jobs import JobFolder
 from app.sweeps.keeping import not_kept, to_render
 from app.sweeps.page import sweep_page
-from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
+from app.sweeps.plan import Plan, State, estimate, planned, read_sweep, recorded, state
 from app.sweeps.sections import best, differences, over_all
 from app.sweeps.spec import read_spec
 from app.sweeps.summary import SHOWN, Summary
@@ -30,6 +32,8 @@ from app.sweeps.table import Row, rows, write_tables
 from app.sweeps.worker import sweep_locked
 
 PAGE = "sweep.html"
+NO_ENGINE: Final[Mapping[str, object]] = MappingProxyType({"on": "local", "workers": None, "retry": False})
+"""The flags of `add_engine_flags` where they are not given."""
 PRINTED = 24
 """Rows of a table; the page has all."""
 NAMED = 3
@@ -80,6 +84,7 @@ def _one_or_more(text: str) -> int:
 
 def run(flags: argparse.Namespace) -> None:
     if flags.table:
+        refuse(flags, {"out": None, "dry_run": False, **NO_ENGINE}, "--table")
         _tell(flags.sweep, rows(read_sweep(flags.sweep), flags.sweep), flags.measures, flags.json)
         return
     if flags.measures:
@@ -157,7 +162,9 @@ def write_summary(folder: Path) -> list[Row]:
 
 def _preview(plan: Plan, flags: argparse.Namespace) -> None:
     now = state(plan.jobs, flags.out)
-    seconds, measured = estimate(plan.jobs, flags.out)
+    if flags.retry:
+        now = State(now.finished, 0, now.left + now.failed)
+    seconds, measured = estimate(plan.jobs, flags.out, retry=flags.retry)
     facts = {
         "clips": len(plan.clips),
         "jobs": len(plan.jobs),

@@ -54,6 +54,14 @@ def parameters(kind: type[T], flags: argparse.Namespace, spelled: Mapping[str, s
         raise UserError(problem(error, flag_of)) from error
 
 
+def refuse(flags: argparse.Namespace, absent: Mapping[str, object], beside: str) -> None:
+    """`absent`: what flags are where they are not given. Raises UserError: one is, without effect beside
+    another."""
+    for name, value in absent.items():
+        if getattr(flags, name) != value:
+            raise UserError(f"--{name.replace('_', '-')} has no effect with {beside}")
+
+
 def problem(error: ValidationError, flag_of: Mapping[str, str] | None = None) -> str:
     """The first thing wrong, in one line: which field or flag, what was expected, what came."""
     first = error.errors(include_url=False, include_context=False)[0]

@@ -106,15 +106,16 @@ def state(jobs: Sequence[Job], folder: Path) -> State:
     return State(counts["finished"], counts["failed"], counts["left"])
 
 
-def estimate(jobs: Sequence[Job], folder: Path) -> tuple[float | None, int]:
-    """Seconds of one worker for the jobs that are not done, from those that are, of the same method where
-    there are any; None where none is done. And how many were measured."""
+def estimate(jobs: Sequence[Job], folder: Path, *, retry: bool = False) -> tuple[float | None, int]:
+    """Seconds of one worker for the jobs that are left, with `retry` failed ones too, from those that are
+    done, of the same method where there are any; None where none is done. And how many were measured."""
     known: dict[str, list[float]] = {}
     left: list[Job] = []
     for job in jobs:
-        result = JobFolder.of(folder, job.key).result()
+        place = JobFolder.of(folder, job.key)
+        result = place.result()
         if result is None:
-            left.append(job)
+            left += [] if place.has_failed and not retry else [job]
         elif isinstance(seconds := result.get("seconds"), int | float):
             known.setdefault(_kind(job), []).append(float(seconds))
     every = [seconds for group in known.values() for seconds in group]

@@ -60,6 +60,7 @@ def test_a_clip_as_if_live_is_enhanced_recorded_and_measured(vesselsplat: Comman
         (("tcp://127.0.0.1:9", "--fps", "25"), "--fps: expected a device or file as SOURCE"),
         (("tcp://127.0.0.1:9", "--once"), "--once: expected a file as SOURCE"),
         ((str(phantom_path()), "--coring", "1"), "--coring has no effect"),
+        (("--list", "--record", "a.mp4"), "--record has no effect with --list"),
     ],
 )
 def test_mistakes_are_one_line(vesselsplat: Command, flags: tuple[str, ...], said: str) -> None:

@@ -49,6 +49,10 @@ def test_a_failed_job_is_one_line_the_rest_is_done_and_repeated_on_request(
     told = {path.name: vesselsplat("info", path).out.splitlines()[1:] for path in out.glob("table.*")}
     assert told["table.csv"][0].endswith("table of a sweep")
     assert all(lines == told["table.csv"] for lines in told.values())
+    left = vesselsplat("sweep", spec, "--out", out, "--dry-run")
+    assert "2 finished, 2 failed, 0 left\ntime left: 0 s" in left.out
+    left = vesselsplat("sweep", spec, "--out", out, "--dry-run", "--retry")
+    assert "2 finished, 0 failed, 2 left\n" in left.out
     (tmp_path / "bad.png").write_bytes((tmp_path / "good.png").read_bytes())
     again = vesselsplat("sweep", spec, "--out", out, "--workers", 1, "--retry", "--json")
     assert again.code == 0
@@ -67,6 +71,9 @@ def test_mistakes_are_one_line(
         ((spec, "--out", tmp_path / "out", "--on", "tcp://127.0.0.1:9"), "tcp://127.0.0.1:9"),
         ((spec, "--out", tmp_path / "good.png"), "good.png"),
         ((spec, "--out", tmp_path / "out", "--measures", "psnr"), "--measures: expected --table"),
+        ((tmp_path, "--table", "--out", tmp_path / "out"), "--out has no effect with --table"),
+        ((tmp_path, "--table", "--on", "slurm"), "--on has no effect with --table"),
+        ((tmp_path, "--table", "--retry"), "--retry has no effect with --table"),
     ):
         called = vesselsplat("sweep", *flags)
         assert called.code == 2, called

@@ -22,6 +22,10 @@ def test_it_prints_a_sweep_that_runs_every_method_at_its_published_length(
     assert printed.out == files("app.sweeps").joinpath("protocol.toml").read_text()
     whole = vesselsplat("protocol", clip_path, "--print")
     assert tomllib.loads(whole.out) == tomllib.loads(printed.out) | {"clips": [str(clip_path)]}
+    for flag in ("--json", "--retry"):
+        refused = vesselsplat("protocol", clip_path, "--print", flag)
+        assert (refused.code, refused.out) == (2, "")
+        assert f"{flag} has no effect with --print" in refused.error
     spec = spec_of(tomllib.loads(whole.out), tmp_path / "protocol.toml")
     plan = planned(spec, tmp_path / "protocol.toml")
     settings = [job.settings for job in plan.jobs]
