@@ -53,6 +53,7 @@ def test_a_range_has_as_many_values_as_asked_for_all_of_them_in_it(said: str) ->
         "d_factor",
         "d_factor=",
         "d_factor=0:1",
+        "d_factor=0:1:1",
         "d_factor=0:x:3",
         "d_factor=0:1:0",
         "z=0:inf:3",
