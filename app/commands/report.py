@@ -69,8 +69,10 @@ def run(flags: argparse.Namespace) -> None:
         said = {"clip": clip["name"], "measured": f"{report['utc']}, in {sum(seconds.values()):.0f} s"}
         (staging / "report.html").write_text(page(sections, said | facts), encoding="utf-8")
     sys.stdout.write(f"{flags.out}: report.html, report.json in {time.monotonic() - began:.0f} s\n")
-    for line in advice(sections, budget, flags.error):
-        sys.stdout.write(f"{line}\n")
+    advised = [*advice(sections, budget, flags.error)]
+    if not advised and (budget is not None or flags.error is not None):
+        advised = ["no advice: none of these parts has measured the errors of settings against their times"]
+    sys.stdout.writelines(f"{line}\n" for line in advised)
 
 
 def measured(

@@ -49,6 +49,18 @@ def test_mistakes_are_one_line_and_leave_nothing(
     assert not any(tmp_path.iterdir())
 
 
+def test_of_parts_that_measure_no_settings_it_is_told_that_there_is_no_advice(
+    vesselsplat: Cli, tmp_path: Path, clip_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def measure(bench: Bench, clock: Clock) -> Section:
+        return Section(title="Stability")
+
+    monkeypatch.setattr("app.report.measures.stability.measure", measure)
+    given = ("report", "--clip", clip_path, "--out", tmp_path / "out", "--parts", "stability")
+    assert "no advice" not in vesselsplat(*given).out
+    assert "no advice: none of these parts" in vesselsplat(*given, "--budget", "1min").out
+
+
 def test_an_interruption_leaves_nothing(
     vesselsplat: Cli, tmp_path: Path, clip_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
