@@ -73,7 +73,12 @@ class Summary:
         try:
             told = tuple(SummaryPicture(picture=Source.of(path), note=note) for path, note in self.pictures)
             return CaseSummary(
-                title=self.title, day=self.day, notes=self.notes, pictures=told, measures_of="all images"
+                title=self.title,
+                day=self.day,
+                notes=self.notes,
+                pictures=told,
+                measures_of="all images",
+                layout="fitted",
             )
         except ValidationError as error:
             raise UserError(problem(error)) from error

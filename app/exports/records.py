@@ -318,6 +318,9 @@ class CaseSummary(Record):
     pictures: tuple[SummaryPicture, ...]
     measures_of: MeasuresOf = "panes"
     """Whose measures it tells; those of panes alone, as before 0.4.0, where it does not say."""
+    layout: Literal["fitted"] | None = None
+    """Fitted: narrow screens and sheets of paper hold every image and table as it is; None: as pages that do
+    not say it, where a screen or a sheet may be too small."""
 
 
 Export = (

@@ -39,7 +39,7 @@ def summary_page(record: CaseSummary, pictures: Sequence[SavedPicture]) -> bytes
             "DAY": _text(record.day),
             "NOTICE": escape(NOTICE),
             "NOTES": _note(record.notes),
-            "STYLE": _own("page.css"),
+            "STYLE": _own("page.css") + (_own("fitted.css") if record.layout == "fitted" else ""),
             "PICTURES": "".join(sections),
             "PROVENANCE": in_script(record.signed),
         },

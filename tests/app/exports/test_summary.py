@@ -20,6 +20,7 @@ from app.exports.make import make
 from app.exports.records import EXPORT, CaseSummary, PanesPicture
 from app.exports.replay.again import replay
 from app.exports.sources import Opened
+from app.exports.summary.page import summary_page
 from app.exports.summary.saved_picture import read_picture
 from app.files.provenance import NOTICE, provenance, write_png
 from app.files.stepping import run_to_end
@@ -136,6 +137,15 @@ def test_a_record_of_the_page_is_read_back(tmp_path: Path) -> None:
     facts: dict[str, Any] = facts_in((tmp_path / "page.html").read_text())
     told = CaseSummary(**{name: facts[name] for name in ("title", "day", "notes", "pictures")})
     assert (told.notes, told.pictures[0].note, told.pictures[0].picture.name) == ("c", "a\nb", "panes.png")
+
+
+def test_a_page_fits_phones_and_paper_and_one_that_does_not_say_so_comes_again_as_it_was() -> None:
+    told = Summary("A case", "2026-01-31", "", ((PICTURES[0], ""),)).record()
+    pictures = [read_picture(PICTURES[0])]
+    fitted, before = (summary_page(one, pictures).decode() for one in (told, replace(told, layout=None)))
+    for rule in ("min-width: min(20rem, 100%)", "object-fit: contain", "overflow-x: auto"):
+        assert rule in fitted
+        assert rule not in before
 
 
 def test_the_command_writes_it(vesselsplat: Vesselsplat, tmp_path: Path) -> None:
