@@ -76,5 +76,11 @@ def test_verdicts_best_values_and_what_is_missing_are_marked() -> None:
     assert text.count("–</td>") == 2
 
 
+def test_long_names_break_in_narrow_windows() -> None:
+    text = page({}, {"Clip": "a" * 90})
+    assert "max-content minmax(0, 1fr)" in text
+    assert "overflow-wrap: anywhere" in text
+
+
 def test_the_same_values_give_the_same_page() -> None:
     assert page({"one": section()}, {}) == page({"one": section()}, {})
