@@ -24,14 +24,17 @@ from app.gui.state.app_state import AppState
 
 Open = tuple[Callable[[AppState], bool], Callable[[AppState], None]]
 """Whether one kind of thing is open, and how it is left."""
+FLOATING: dict[str, Open] = {
+    "About VesselSplat": (lambda s: s.about.shown, about_actions.toggle_about),
+    guide_actions.TITLE: (lambda s: s.guide.shown, guide_actions.toggle_guide),
+    "Keys and mouse": (lambda s: s.window.help_open, lambda s: actions.show_help(s, False)),
+    "Open live source": (lambda s: s.live.choice.shown, lambda s: live_actions.show_choice(s, False)),
+    "Export": (lambda s: s.exports.shown, export_actions.toggle_export),
+    "Case summary": (lambda s: s.summary.shown, summary_actions.toggle_summary),
+    "Enhance files and folders": (lambda s: s.batches.shown, batch_actions.toggle_batches),
+}
+"""Windows that lie over each other, by their titles."""
 INNERMOST_FIRST: tuple[Open, ...] = (
-    (lambda s: s.about.shown, about_actions.toggle_about),
-    (lambda s: s.guide.shown, guide_actions.toggle_guide),
-    (lambda s: s.window.help_open, lambda s: actions.show_help(s, False)),
-    (lambda s: s.live.choice.shown, lambda s: live_actions.show_choice(s, False)),
-    (lambda s: s.exports.shown, export_actions.toggle_export),
-    (lambda s: s.summary.shown, summary_actions.toggle_summary),
-    (lambda s: s.batches.shown, batch_actions.toggle_batches),
     (lambda s: bool(s.picture.mask_tool), clip_actions.stop_mask),
     (lambda s: bool(s.masking.line), masking_actions.drop_stroke),
     (lambda s: s.masking.active, masking_actions.toggle),
@@ -46,10 +49,14 @@ INNERMOST_FIRST: tuple[Open, ...] = (
 )
 
 
-def leave_innermost(state: AppState) -> bool:
+def leave_innermost(state: AppState, nearness: Callable[[str], int] = lambda title: 0) -> bool:
     """Dialogs before tools, a drag before the tool that it is made with; menus and questions have closed by
-    then. False where there is nothing to leave."""
-    for is_open, leave in INNERMOST_FIRST:
+    then. False where there is nothing to leave.
+
+    `nearness` is of a window of that title, the largest in front.
+    """
+    windows = [FLOATING[title] for title in sorted(FLOATING, key=nearness, reverse=True)]
+    for is_open, leave in (*windows, *INNERMOST_FIRST):
         if is_open(state):
             leave(state)
             return True

@@ -102,7 +102,7 @@ class Keyboard:
                 self.walk.ask(steps)
         flies = state.scene.viewer.flying
         if acts and not walks and _is_pressed(LEAVE, False):
-            leaving.leave_innermost(state)
+            leaving.leave_innermost(state, _nearness)
         modal = keys_of(state) if acts and not walks else {}
         typing = io.want_text_input and not asked
         pressed = _pressed(state, sections, modal, walks) if acts or typing else []
@@ -116,6 +116,12 @@ class Keyboard:
                 act(state)
         held = FLIGHT if acts and flies and not io.key_mods else {}
         _fly(state, [way for key, way in held.items() if imgui.is_key_down(key)], io.delta_time)
+
+
+def _nearness(title: str) -> int:
+    """Of a window: the later it came into focus, the larger; least before it is drawn."""
+    window: imgui.internal.Window | None = imgui.internal.find_window_by_name(title)
+    return -1 if window is None else window.focus_order
 
 
 def _claim(held: int, keys: Iterable[imgui.Key]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -19,11 +20,16 @@ from app.gui.actions import (
     presenting,
     window_actions,
 )
+from app.gui.actions.leaving import FLOATING
+from app.gui.panels import about, batches, export, live, overlays, summary
+from app.gui.panels.export import draw_export
+from app.gui.panels.overlays import draw_help
+from app.gui.panels.summary import draw_summary
 from app.gui.state.app_state import AppState
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
 from tests.app.gui.test_keys import keyboard
-from tests.app.gui.ui import Shown, Ui, compare
+from tests.app.gui.ui import Shown, Ui, compare, no_thumbnail
 
 Asks = Callable[[AppState], bool]
 THINGS: tuple[tuple[Asks, Callable[[AppState], object]], ...] = (
@@ -64,6 +70,34 @@ def test_escape_leaves_one_thing_at_a_time_from_the_inside_out(ui: Ui, editable:
         assert [is_open(editable) for is_open, _ in THINGS] == [place < left for place in range(len(THINGS))]
         assert editable.enhancement.active
         ui.press(draw, imgui.Key.escape)
+
+
+def test_escape_leaves_the_window_in_front(ui: Ui, opened: AppState) -> None:
+    """Whichever was opened or pressed last."""
+    keys = keyboard(opened)
+
+    def draw() -> None:
+        draw_export(opened)
+        draw_help(opened, ())
+        draw_summary(opened, no_thumbnail)
+        keys()
+
+    opened.window.help_open = opened.exports.shown = True
+    ui.frame(draw)
+    opened.summary.shown = True
+    ui.frame(draw)
+    ui.press(draw, imgui.Key.escape)
+    assert (opened.summary.shown, opened.exports.shown, opened.window.help_open) == (False, True, True)
+    imgui.set_window_focus("Export")
+    ui.frame(draw)
+    ui.press(draw, imgui.Key.escape)
+    assert (opened.exports.shown, opened.window.help_open) == (False, True)
+
+
+def test_every_window_is_known_by_its_title() -> None:
+    drawn = {about.TITLE, guide_actions.TITLE, live.TITLE}
+    sources = "".join(inspect.getsource(one) for one in (overlays, export, summary, batches))
+    assert all(title in drawn or f'begin("{title}", True' in sources for title in FLOATING)
 
 
 def test_escape_with_nothing_open_changes_nothing(ui: Ui, editable: AppState) -> None:
