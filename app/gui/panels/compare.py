@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 
 from imgui_bundle import ImVec2, imgui
@@ -14,15 +13,15 @@ from app.files.legible import capital, without_flags
 from app.gui.actions import actions, comparing, laid_out, live_actions, picture_actions
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.fainter import draw_fainter
 from app.gui.panels.overlays import make_room
 from app.gui.panels.picture_pane import draw_bar, draw_divider, draw_pane
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import difference_pane, fainter, pane, shown_mode, why_not
+from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
 from app.gui.style import theme
 from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, muted, note
 from app.gui.views.comparison import SIDES, Side, label_of
-from enhance import EnhanceParams, VesselParams
 
 MODE_LABELS = {mode: mode.capitalize() for mode in MODES}
 MODE_TEXT = (
@@ -31,13 +30,7 @@ MODE_TEXT = (
 )
 ENHANCING_TEXT = "E: on or off. Shift+W: plain white light. Hold O: the original in every pane."
 FREEZE_TEXT = "F: hold this frame in both panes while the clip plays on, or the live source goes on."
-FAINTER_TEXT = (
-    "Colour difference (CIEDE2000) between the strongest dark lines of the original frame and what lies "
-    "beside them. 1 is just noticeable."
-)
 NOTICES_TEXT = "Hide this. It stays in the log."
-VESSEL_TEXT = "Switch to the preset that darkens and reddens narrow dark structures as blood would."
-LIFT_TEXT = "Brightening the whole image takes contrast from dark lines: set Brightening to 0."
 ZEBRA_TEXT = "Z: stripes on clipped pixels: magenta where a channel is at 255, yellow where all are at 0."
 
 
@@ -56,12 +49,13 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
         centered("It cannot be read." if state.is_unreadable else "Reading the first frame…")
         return
     _draw_notices(state)
-    draw_fainter(state)
     height = max(imgui.get_content_region_avail().y, em(4))
+    area = Area.here(ImVec2(2 * half + gap, height))
+    covered = draw_fainter(state, area)
     if shown_mode(state) == "side by side":
-        _draw_pair(state, state.picture.pictures, textures, ImVec2(half, height), gap)
+        _draw_pair(state, state.picture.pictures, textures, ImVec2(half, height), gap, covered)
     else:
-        _draw_one(state, state.picture.pictures, textures, Area.here(ImVec2(2 * half + gap, height)))
+        _draw_one(state, state.picture.pictures, textures, area, covered)
 
 
 def _draw_toolbar(state: AppState) -> None:
@@ -119,29 +113,33 @@ def _draw_source(state: AppState, side: Side, width: float) -> None:
 
 
 def _draw_pair(
-    state: AppState, pictures: Pictures, textures: ShowsPictures, size: ImVec2, gap: float
+    state: AppState, pictures: Pictures, textures: ShowsPictures, size: ImVec2, gap: float, covered: float
 ) -> None:
     panes, pointer = {side: pane(state, pictures, side) for side in SIDES}, None
     for side, shown in panes.items():
         if side == "right":
             imgui.same_line(0, gap)
-        pointer = draw_pane(state, textures, side, shown, (shown,), Area.here(size)) or pointer
+        area = Area.here(size)
+        pointer = draw_pane(state, textures, side, shown, (shown,), area, covered=covered) or pointer
     laid_out.point(state, pointer)
 
 
-def _draw_one(state: AppState, pictures: Pictures, textures: ShowsPictures, area: Area) -> None:
+def _draw_one(
+    state: AppState, pictures: Pictures, textures: ShowsPictures, area: Area, covered: float
+) -> None:
     """Wipe, flip or difference: one pane for both."""
     mode, difference = shown_mode(state), state.comparing.difference
     left, right = (pane(state, pictures, side) for side in SIDES)
     if mode == "wipe":
-        laid_out.point(state, draw_divider(state, textures, left, right, area))
+        laid_out.point(state, draw_divider(state, textures, left, right, area, covered))
         return
     shown = left if state.comparing.chosen.flipped else right
     if mode != "difference" or state.enhancement.peeking:
         difference = None
     if difference is not None:
         shown = difference_pane(state, pictures, difference)
-    laid_out.point(state, draw_pane(state, textures, "single", shown, (left, right), area))
+    pointer = draw_pane(state, textures, "single", shown, (left, right), area, covered=covered)
+    laid_out.point(state, pointer)
     if difference is not None:
         draw_bar(difference.top, area)
 
@@ -157,25 +155,3 @@ def _draw_notices(state: AppState) -> None:
             imgui.dummy(ImVec2(start, 0))
         imgui.same_line(0, em(0.5))
         note(f"{capital(without_flags(notice))}.", theme.now().text)
-
-
-def draw_fainter(state: AppState) -> None:
-    """One line where the enhancement makes vessels fainter, with the way out of it."""
-    found = fainter(state)
-    if found is None:
-        return
-    params = state.enhancement.params
-    imgui.align_text_to_frame_padding()
-    seen = f"colour difference {found.after:.1f}, was {found.before:.1f}"
-    imgui.text_colored(theme.now().warning, f"These settings make vessels fainter here: {seen}.")
-    explain(FAINTER_TEXT)
-    if isinstance(params, EnhanceParams):
-        beside("Use Vessel")
-        button("Use Vessel", partial(actions.choose_method, state, VesselParams), VESSEL_TEXT)
-    elif params.lift > 0:
-        beside("No brightening")
-        plain = partial(actions.use_params, state, replace(params, lift=0.0), "Vessel without brightening")
-        button("No brightening", plain, LIFT_TEXT)
-    else:
-        beside("Turn off")
-        button("Turn off", partial(actions.toggle_enhancement, state), "E: the frame as it was recorded.")

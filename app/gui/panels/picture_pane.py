@@ -42,11 +42,12 @@ def draw_pane(
     area: Area,
     *,
     labels: bool = True,
+    covered: float = 0.0,
 ) -> Pointer | None:
     """One picture in the area, and the values under the pointer in those that are `read`, one or both.
 
-    Without `labels` it says only what could mislead. Returns the picture position under the mouse if that is
-    here.
+    Without `labels` it says only what could mislead; what it says at the bottom stands above so many pixels
+    that are `covered`. Returns the picture position under the mouse if that is here.
     """
     pointer = _button(state, slot, pane.image, area)
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
@@ -60,12 +61,12 @@ def draw_pane(
         said = pane.tags if labels else [one for one in pane.tags if one.tone == "caution"]
         _draw_tags(said, area.corner, area.size)
         if labels:
-            _draw_readout(state, read, area)
+            _draw_readout(state, read, area, covered)
     return pointer
 
 
 def draw_divider(
-    state: AppState, textures: ShowsPictures, left: Pane, right: Pane, area: Area
+    state: AppState, textures: ShowsPictures, left: Pane, right: Pane, area: Area, covered: float
 ) -> Pointer | None:
     """Left and right of a line that can be dragged; each side has its own tags."""
     imgui.set_next_item_allow_overlap()
@@ -81,7 +82,7 @@ def draw_divider(
         if is_not_live(state.live):
             _draw_rim(area)
         _draw_line(area, x)
-        _draw_readout(state, (left, right), area)
+        _draw_readout(state, (left, right), area, covered)
     return pointer
 
 
@@ -213,13 +214,13 @@ def _draw_tags(tags: Sequence[Tag], corner: ImVec2, size: ImVec2) -> None:
     stack_tags([(one.text, TONES[one.tone]) for one in said], corner, size.x)
 
 
-def _draw_readout(state: AppState, panes: Sequence[Pane], area: Area) -> None:
+def _draw_readout(state: AppState, panes: Sequence[Pane], area: Area, covered: float) -> None:
     """At the bottom: the frame, and above it the values of the pixel under the pointer."""
     assert state.picture.pictures is not None
     short = area.size.x < em(NARROW)
     lines = _values(panes, state.picture.pointer, short=short)
     lines.append(frame_text(state.picture.pictures.request, short=short))
-    y, room = area.end.y - em(0.26), area.size.x - em(0.8)
+    y, room = area.end.y - covered - em(0.26), area.size.x - em(0.8)
     for line in reversed(lines):
         y -= tag_height(line, room) + em(0.14)
         tag(line, ImVec2(area.corner.x + em(0.4), y), theme.TAG_ORIGINAL, room)

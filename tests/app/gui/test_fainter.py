@@ -1,23 +1,27 @@
-"""A line above the pictures says where vessels became fainter than they were, and offers what helps."""
+"""A line over the bottom of the images says where vessels became fainter, and offers what helps."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
-from imgui_bundle import imgui
+from imgui_bundle import ImVec2, imgui
 
 from app.enhancement.frame_enhancer import PictureMaker
+from app.enhancement.settable import Mode
 from app.gui.actions import actions, comparing
-from app.gui.panels.compare import draw_fainter
+from app.gui.drawing.textures import OnPane
+from app.gui.panels import fainter as panel
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import Fainter, fainter
+from app.gui.style.widgets import button
 from app.gui.work.measuring import Measurer
 from enhance import EnhanceParams, VesselParams
 from renderer.clip import ByteImage
-from tests.app.gui.ui import Ui
+from tests.app.gui.ui import Shown, Ui, compare
 
 Drawn = tuple[tuple[int, int, int] | None, tuple[int, int, int] | None]
 
@@ -91,16 +95,42 @@ def test_creases_that_brightening_opens_are_no_fainter_vessels(
 
 
 def click(ui: Ui, seen: AppState) -> None:
-    """What is offered last on the line."""
+    """What is offered at the right end of the line."""
     spots: list[tuple[float, float]] = []
 
-    def draw() -> None:
-        draw_fainter(seen)
+    def offered(label: str, act: Callable[[], object], text: str) -> None:
+        button(label, act, text)
         low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-        spots[:] = [((low.x + high.x) / 2, (low.y + high.y) / 2)]
+        spots.append(((low.x + high.x) / 2, (low.y + high.y) / 2))
 
-    ui.frame(draw)
-    ui.drag(draw, spots[0], spots[0])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(panel, "button", offered)
+        draw = compare(seen, Shown())
+        ui.frame(draw)
+        ui.drag(draw, spots[0], spots[0])
+
+
+class Places(Shown):
+    """Also where each slot is drawn."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lows: list[tuple[float, float]] = []
+
+    def lay(self, shown: OnPane, low: ImVec2, high: ImVec2) -> None:
+        self.lows.append((low.x, low.y))
+
+
+@pytest.mark.parametrize("mode", ["side by side", "wipe", "flip"])
+def test_no_image_moves_as_it_comes_and_goes(ui: Ui, seen: AppState, mode: Mode) -> None:
+    comparing.choose_mode(seen, mode)
+    with_line, without = Places(), Places()
+    ui.frame(compare(seen, with_line))
+    assert seen.picture.measured is not None
+    seen.picture.measured = replace(seen.picture.measured, fainter=False)
+    ui.frame(compare(seen, without))
+    assert with_line.lows == without.lows
+    assert with_line.lows
 
 
 def test_one_click_changes_to_the_preset(ui: Ui, seen: AppState) -> None:
