@@ -30,19 +30,21 @@ def draw_fainter(state: AppState, area: Area) -> float:
     if found is None:
         return 0.0
     seen = f"colour difference {found.after:.1f}, was {found.before:.1f}"
-    said, (label, act, text) = f"These settings make vessels fainter here: {seen}.", _way_out(state)
+    said, (label, act, why) = f"These settings make vessels fainter here: {seen}.", _way_out(state)
     pad, frame = ImVec2(em(0.5), em(0.25)), imgui.get_style().frame_padding
     taken = imgui.calc_text_size(label).x + 2 * frame.x + em(0.5) + 2 * pad.x
     wrap = max(area.size.x - taken, em(8))
-    text_height = imgui.calc_text_size(said, wrap_width=wrap).y + 2 * frame.y
-    size = ImVec2(area.size.x, text_height + 2 * pad.y)
+    text = imgui.calc_text_size(said, wrap_width=wrap)
+    size = text + ImVec2(taken, 2 * (frame.y + pad.y))
     imgui.set_cursor_screen_pos(ImVec2(area.corner.x, area.end.y - size.y))
     kind = imgui.ChildFlags_.always_use_window_padding | FLAT
     with (
-        imgui_ctx.push_style_color(imgui.Col_.child_bg, theme.TAG_CAUTION),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, pad),
         imgui_ctx.begin_child("fainter", size, kind),
     ):
+        # A child's own ground would be below the images, which are drawn later.
+        low, ground = imgui.get_window_pos(), imgui.get_color_u32(theme.TAG_CAUTION)
+        imgui.get_window_draw_list().add_rect_filled(low, low + size, ground)
         imgui.align_text_to_frame_padding()
         with (
             imgui_ctx.push_text_wrap_pos(pad.x + wrap),
@@ -51,7 +53,7 @@ def draw_fainter(state: AppState, area: Area) -> float:
             imgui.text_unformatted(said)
         explain(FAINTER_TEXT)
         imgui.same_line(0, em(0.5))
-        button(label, act, text)
+        button(label, act, why)
     imgui.set_cursor_screen_pos(area.corner)
     return size.y
 
