@@ -52,7 +52,8 @@ def draw_runs(state: AppState) -> None:
         with imgui_ctx.push_id(run.path.name):
             _draw_near_sight(partial(_draw_run, state, run))
     if found.unreadable:
-        imgui.text_colored(theme.now().warning, f"{found.unreadable} run folders cannot be read.")
+        folders = "One run folder" if found.unreadable == 1 else f"{found.unreadable} run folders"
+        imgui.text_colored(theme.now().warning, f"{folders} cannot be read.")
         explain(str(found.request.folder))
 
 
@@ -87,19 +88,21 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     reason = run_actions.why_not_open(state, run)
     right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
     imgui.begin_disabled(bool(reason))
-    if imgui.selectable(f"{as_label(run.path.name)}###open", shown)[0]:
+    psnr = f"{run.psnr:.1f} dB" if run.psnr is not None else ""
+    left = right - imgui.calc_text_size(psnr).x
+    name = shortened(legible(run.path.name), left - em(0.5) - imgui.get_cursor_pos_x())
+    if imgui.selectable(f"{as_label(name)}###open", shown)[0]:
         run_actions.open_run(state, run)
+    lit = shown or imgui.is_item_hovered()
     imgui.end_disabled()
     how = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "
     part = f" Trained on {said}." if (said := run.request.part.told()) else ""
     opens = f"{how}{run.path}.{part}"
-    psnr = f"{run.psnr:.1f} dB" if run.psnr is not None else ""
-    left = right - imgui.calc_text_size(psnr).x
     if imgui.get_mouse_pos().x < imgui.get_window_pos().x + left:
         explain(reason or opens)
     if run.psnr is not None:
         imgui.same_line(left)
-        imgui.text_colored(theme.now().accent, psnr)
+        imgui.text_colored(theme.now().text if lit else theme.now().accent, psnr)
         explain(PSNR_FINISHED if run.made == "finished" else PSNR_SO_FAR)
     finished, steps = run.made == "finished", f"{run.iterations:,}"
     steps = f"{steps} iterations" if finished else f"{run.iteration:,} of {steps}"
