@@ -8,11 +8,11 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.files.legible import as_label
+from app.files.legible import as_label, legible
 from app.gui.actions import path_actions
 from app.gui.commands.camera_commands import export_cameras, export_path, import_views
 from app.gui.state.app_state import AppState
-from app.gui.style.widgets import button, em, explain, note
+from app.gui.style.widgets import button, em, explain, note, shortened
 from app.scenes.scene import Scene
 from renderer.camera_files import NamedCamera
 from renderer.camera_path import Keyframe
@@ -63,9 +63,10 @@ def _draw_files(state: AppState) -> None:
 def _draw_view(state: AppState, index: int, one: NamedCamera) -> None:
     with imgui_ctx.push_id(f"view {index}"):
         width = imgui.get_content_region_avail().x - em(5.2)
-        if imgui.selectable(f"{as_label(one.name)}###go", False, 0, ImVec2(width, 0))[0]:
+        short = shortened(legible(one.name), width)
+        if imgui.selectable(f"{as_label(short)}###go", False, 0, ImVec2(width, 0))[0]:
             path_actions.go_to(state, one.camera)
-        explain("View the reconstruction from here.")
+        explain(f"{one.name}: view the reconstruction from here.")
         imgui.same_line()
         button(f"{icons.ICON_FA_EDIT}###rename", lambda: imgui.open_popup("name"), "Rename", small=True)
         imgui.same_line()

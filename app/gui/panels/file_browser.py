@@ -14,7 +14,7 @@ from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing, Column
 from app.gui.style import theme
-from app.gui.style.widgets import button, centered, choose, em, muted, within
+from app.gui.style.widgets import button, centered, choose, em, explain, muted, shortened, within
 from app.gui.work.listing import Entry
 from renderer.clip import ByteImage
 
@@ -160,6 +160,7 @@ def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, tex
     imgui.table_next_column()
     flags, start, corner = imgui.SelectableFlags_, imgui.get_cursor_pos(), imgui.get_cursor_screen_pos()
     can = flags.no_auto_close_popups | flags.allow_double_click | flags.span_all_columns
+    room = imgui.get_content_region_avail().x - em(PICTURE + 0.6)
     clicked, _ = imgui.selectable(f"##{place}", marked, can, ImVec2(0, height))
     in_sight = imgui.is_item_visible()
     if clicked:
@@ -173,7 +174,9 @@ def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, tex
         _draw_picture(browsing, entry, corner, partial(texture, f"file {place % MOST_ROWS}"))
     low = start.y + (height - imgui.get_text_line_height()) / 2
     imgui.set_cursor_pos(ImVec2(start.x + em(PICTURE + 0.6), low))
-    imgui.text_unformatted(entry.name)
+    short = shortened(entry.name, room)
+    imgui.text_unformatted(short)
+    explain(entry.name if short != entry.name else "")
     for text in (browse_actions.dated(entry) if entry.kind else "", _sized(entry)):
         imgui.table_next_column()
         imgui.set_cursor_pos_y(low)

@@ -11,11 +11,13 @@ from app.gui.commands.command import Command, Section
 from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import em, explain, muted
+from app.gui.style.widgets import em, explain, muted, shortened
 from app.gui.views.key_words import with_keys
 from app.kernels.progress import worded
 
 SEPARATOR = "   ·   "
+LEAST = 6.0
+"""Text heights across below which a part of a fact tells nothing."""
 
 
 def draw_menus(state: AppState, sections: tuple[Section, ...]) -> None:
@@ -64,9 +66,10 @@ def draw_status(state: AppState) -> None:
 
 
 def fitting(facts: list[str], room: float) -> str:
-    """As many as there is room for, the first ones first."""
+    """As many as there is room for, the first ones first; of the first, if need be, both ends."""
     lines = (SEPARATOR.join(facts[:count]) for count in range(len(facts), 0, -1))
-    return next((line for line in lines if imgui.calc_text_size(line).x < room), "")
+    whole = (line for line in lines if imgui.calc_text_size(line).x < room)
+    return next(whole, shortened(facts[0], room) if facts and room > em(LEAST) else "")
 
 
 def _hide_border(ground: imgui.Col_) -> None:

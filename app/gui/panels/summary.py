@@ -15,7 +15,7 @@ from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.state.summary import Item
 from app.gui.style import theme
-from app.gui.style.widgets import FLAT, button, em, explain, floating, muted, note, row
+from app.gui.style.widgets import FLAT, button, em, explain, floating, muted, note, row, shortened
 from app.gui.style.writing import text_area
 from renderer.clip import ByteImage
 
@@ -30,6 +30,8 @@ FILE_TEXT = "A PNG or JPEG image that VesselSplat saved before."
 REMOVE_TEXT = "Remove from the page; the file stays."
 WIDTH, HEIGHT = 8.5, 5.2
 """Text heights across and down, for a thumbnail."""
+MOVING = 5.6
+"""Text heights across that the buttons beside a name take."""
 LISTED = 3
 """Pictures before the list scrolls."""
 Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
@@ -101,7 +103,8 @@ def _draw_item(state: AppState, place: int, item: Item, texture: Texture) -> Non
     imgui.same_line()
     with imgui_ctx.begin_group():
         imgui.align_text_to_frame_padding()
-        imgui.text_unformatted(f"{place + 1}.  {legible(item.path.name)}")
+        room = imgui.get_content_region_avail().x - em(MOVING + 0.5)
+        imgui.text_unformatted(shortened(f"{place + 1}.  {legible(item.path.name)}", room))
         _draw_moving(state, place)
         size = ImVec2(-0.1, em(HEIGHT) - imgui.get_frame_height_with_spacing())
         changed, text = text_area("##note", "", item.note, size)
@@ -119,7 +122,7 @@ def _draw_moving(state: AppState, place: int) -> None:
          place < last),
         (f"{icons.ICON_FA_TRASH}###remove", partial(summary_actions.remove, state, place), REMOVE_TEXT, True),
     )  # fmt: skip
-    imgui.same_line(imgui.get_content_region_avail().x - em(5.6))
+    imgui.same_line(imgui.get_content_region_avail().x - em(MOVING))
     for label, act, text, enabled in buttons:
         button(label, act, text, enabled=enabled, width=1.7)
         imgui.same_line(0, em(0.25))

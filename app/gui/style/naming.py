@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from app.gui.style.widgets import button, in_line, muted, question
+from app.gui.style.widgets import button, in_line, muted, question, shortened
 
 
 def ask_name(
@@ -32,7 +32,7 @@ def ask_name(
         type_name(typed)
         reason = why_not()
         # A line either way: the buttons stay where they are.
-        muted(becomes or " ")
+        muted(shortened(becomes, imgui.get_content_region_avail().x) or " ")
         agreed, given_up = entered and not reason, imgui.is_key_pressed(imgui.Key.escape)
         for reply, width in in_line(("Rename", "Cancel")):
             if button(reply, width=width, reason=reason if reply == "Rename" else ""):
