@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw, ImageFont
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.setting_words import with_method
-from app.files.legible import legible
+from app.files.legible import in_utf8
 from app.files.provenance import NOTICE
 from app.scenes.color_bar import GROUND, INK
 from enhance import Statistics
@@ -39,7 +39,7 @@ def sheet(panels: Sequence[Panel]) -> ByteImage:
     """(H, W, 3): the panels side by side at their own sizes, a caption above each, the notice below."""
     margin = 8
     size = max(14, max(panel.image.shape[0] for panel in panels) // 32)
-    captions = [legible(panel.label).split("\n") for panel in panels]
+    captions = [in_utf8(panel.label).split("\n") for panel in panels]
     head, foot = size // 2 + 3 * size // 2 * max(map(len, captions)), 2 * size
     width = sum(panel.image.shape[1] + margin for panel in panels) - margin
     height = head + max(panel.image.shape[0] for panel in panels) + foot

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from pathlib import Path
 from typing import Final
 
@@ -23,9 +24,14 @@ NAMES: Final = {
 """Methods as their authors write them."""
 
 
-def legible(text: str) -> str:
+def in_utf8(text: str) -> str:
     """`text` with a question mark for what UTF-8 cannot say: bytes of a file name in another encoding."""
     return text.encode("utf-8", "replace").decode("utf-8")
+
+
+def legible(text: str) -> str:
+    """The same with accents on their letters, as fonts have them: some systems name files with them apart."""
+    return unicodedata.normalize("NFC", in_utf8(text))
 
 
 def as_label(name: str) -> str:

@@ -12,7 +12,7 @@ from typing import Final
 from app.exports.html_file import filled_in, in_script
 from app.exports.records import CaseSummary, SummaryPicture
 from app.exports.summary.saved_picture import Measured, Part, SavedPicture
-from app.files.legible import legible
+from app.files.legible import in_utf8
 from app.files.provenance import NOTICE
 
 COLUMNS: Final = (
@@ -85,7 +85,7 @@ def _note(text: str) -> str:
 
 
 def _text(text: str) -> str:
-    return escape(legible(text))
+    return escape(in_utf8(text))
 
 
 def _own(name: str) -> str:

@@ -9,16 +9,17 @@ import pytest
 from app.gui.style import fonts
 
 
-def test_fonts_that_are_there_are_taken_one_for_all_scripts_or_one_each(
+def test_of_each_choice_the_first_font_that_is_there_is_taken(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     there = tuple(tmp_path / name for name in ("b.ttc", "c.ttc"))
     for path in there:
         path.write_bytes(b"font")
     wanted = tuple(map(str, (tmp_path / "a.ttc", *there)))
-    monkeypatch.setattr(fonts, "OF_SYSTEM", {"linux": wanted, "win32": wanted})
-    assert fonts.of_system("linux") == there[:1]
-    assert fonts.of_system("win32") == there
+    choices = {"linux": ((1.2, wanted), (1.0, wanted[2:])), "win32": ((1.2, wanted[:1]), (1.0, wanted[1:]))}
+    monkeypatch.setattr(fonts, "OF_SYSTEM", choices)
+    assert fonts.of_system("linux") == ((1.2, there[0]), (1.0, there[1]))
+    assert fonts.of_system("win32") == ((1.0, there[0]),)
     assert fonts.of_system("plan9") == ()
 
 

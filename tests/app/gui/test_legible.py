@@ -40,6 +40,11 @@ def test_what_utf_8_can_say_stays() -> None:
     assert legible(NAME) == "caf?.png"
 
 
+def test_accents_apart_from_their_letters_are_put_on_them() -> None:
+    assert legible("Gefa\u0308\u00dfe") == "Gef\u00e4\u00dfe"
+    assert as_label("a\u0308") == "\u00e4"
+
+
 def test_labels_keep_their_hashes_and_the_mark_behind_them() -> None:
     for name in ("##", "a##b", "###", "a#b", "end#"):
         label = f"{as_label(name)}###id"
