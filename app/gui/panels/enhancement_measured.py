@@ -14,7 +14,7 @@ from app.enhancement.parameter_grid import DEFINITIONS, Measures
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import cell, em, explain, in_table, muted
+from app.gui.style.widgets import cell, em, explain, in_table, muted, percent
 from app.gui.work.measuring import BINS, Measured, curves
 from enhance import Statistics
 
@@ -176,6 +176,6 @@ def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str
         ("z", f"{used.z:.3f}", "Eq 1: brightness factor used."),
         ("P", exponents, "Eq 7: exponent used for each window."),
         ("S mean", f"{used.saturation_mean:.3f}", "Eq 12: mean saturation."),
-        ("colour", f"{used.color:.0%}", COLOR_TEXT),
+        ("colour", percent(used.color), COLOR_TEXT),
         ("time", f"{milliseconds:.0f} ms", "Time to enhance this frame on this computer."),
     )

@@ -15,7 +15,19 @@ from app.gui.state.app_state import AppState
 from app.gui.state.masking import THICKEST, THINNEST, Masking
 from app.gui.style import theme
 from app.gui.style.fields import number
-from app.gui.style.widgets import Area, ask, button, choose_row, em, explain, in_line, muted, note, row
+from app.gui.style.widgets import (
+    Area,
+    ask,
+    button,
+    choose_row,
+    em,
+    explain,
+    in_line,
+    muted,
+    note,
+    percent,
+    row,
+)
 from app.gui.views.picture_view import Placement
 from app.gui.work.masking import BY_HAND, FROM_FOLDER, FrameMask
 from app.runs.making_masks import MaskReport
@@ -150,9 +162,9 @@ def _draw_frame(state: AppState, masking: Masking) -> None:
 
 
 def _said(shown: FrameMask) -> str:
-    share = f"{shown.mask.mean():.0%} of this frame" if shown.mask.any() else "No tool in this frame"
+    share = f"{percent(shown.mask.mean())} of this frame" if shown.mask.any() else "No tool in this frame"
     if shown.origin is None and shown.own.any():
-        return f"{shown.own.mean():.0%} masked by the clip's own masks, which stay"
+        return f"{percent(shown.own.mean())} masked by the clip's own masks, which stay"
     return f"{share}: {ORIGINS[shown.origin]}"
 
 
@@ -214,7 +226,7 @@ def _draw_making(state: AppState, masking: Masking) -> None:
 
 
 def _draw_report(state: AppState, report: MaskReport) -> None:
-    note(f"Tools in {report.with_tools} of {report.done} frames, {report.share:.0%} of the pixels")
+    note(f"Tools in {report.with_tools} of {report.done} frames, {percent(report.share)} of the pixels")
     if report.held_out is not None:
         note(f"Overlap with masks by hand: {report.held_out:.2f}")
         explain(IOU_TEXT)

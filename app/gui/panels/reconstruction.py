@@ -26,6 +26,7 @@ from app.gui.style.widgets import (
     in_table,
     muted,
     note,
+    percent,
     seconds,
 )
 from app.runs.wall_clock import in_all
@@ -152,7 +153,7 @@ def _draw_status(state: AppState, run: Reconstruction) -> None:
     if progress is not None and not run.is_alive:
         _draw_took(progress)
     if run.status != "finished" and (share := share_done(run)) is not None:
-        imgui.progress_bar(share, ImVec2(-1, em(1.25)), f"{share:.0%}")
+        imgui.progress_bar(share, ImVec2(-1, em(1.25)), percent(share))
         if progress is not None:
             explain(f"{capital(in_all(progress.wall_seconds, progress.seconds, '.0f'))}. {PAUSES}")
 

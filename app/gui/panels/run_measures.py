@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 from app.gui.actions import laid_out
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import cell, explain, in_table, muted
+from app.gui.style.widgets import cell, explain, in_table, muted, percent
 from renderer.measuring.tissue_seen import SELDOM
 from renderer.metrics import OPAQUE
 
@@ -31,11 +31,11 @@ ROWS: Final[tuple[Row, ...]] = (
      "many clips only those with measured depth; the others are black in both images."),
     ("PSNR, all tissue", "psnr_tissue", _decibels, "Over all tissue that is seen, with measured depth "
      "or without: everything but instruments, burned-in text and what your mask leaves out."),
-    ("PSNR, seldom-seen tissue", "psnr_seldom", _decibels, f"Over tissue that at most {SELDOM:.0%} of the "
-     "training frames show, mostly because an instrument hides it. Not measured where all tissue is seen "
-     "more often, or where the camera moves."),
+    ("PSNR, seldom-seen tissue", "psnr_seldom", _decibels, "Over tissue that at most "
+     f"{percent(SELDOM)} of the training frames show, mostly because an instrument hides it. Not measured "
+     "where all tissue is seen more often, or where the camera moves."),
     ("Covered tissue", "coverage", _percent, "Share of the tissue that is seen where the model is at "
-     f"least {OPAQUE:.0%} opaque. In the rest the background shows through."),
+     f"least {percent(OPAQUE)} opaque. In the rest the background shows through."),
 )  # fmt: skip
 HELD_OUT: Final = "Frames that the run was not trained on. Higher is better in every line."
 SHORT: Final = "The clip is too short to hold frames out, so these are its training frames."

@@ -14,7 +14,7 @@ from app.gui.commands.commands import has_something
 from app.gui.panels.live import draw_live_bar
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import TALL, Area, button, em, explain, tall
+from app.gui.style.widgets import TALL, Area, button, em, explain, percent, tall
 from app.gui.views.clip_time import clock, seconds_at
 from app.gui.views.frame_scale import PADDING, FrameScale
 from app.gui.views.key_words import with_keys
@@ -90,7 +90,7 @@ def place(state: AppState) -> str:
         # As its clip numbers them, of which the model is a part.
         return f"frame {state.moment + state.scene.model.start + 1} · %d / {state.moments}"
     seconds = None if clip is None else seconds_at(clip, state.moment)
-    slow = f" · {state.timeline.pace:.0%}% of its speed" if state.timeline.pace < SLOW else ""
+    slow = f" · {percent(state.timeline.pace)}% of its speed" if state.timeline.pace < SLOW else ""
     return f"frame %d / {state.moments}" + ("" if seconds is None else f" · {clock(seconds)}") + slow
 
 

@@ -137,7 +137,8 @@ def explain_entry(text: str) -> None:
 
 
 def _is_asked(text: str) -> bool:
-    hovered = bool(text) and imgui.is_item_hovered(EXPLAINED)
+    """Nor while it is typed in, where a tooltip lies over what is below."""
+    hovered = bool(text) and imgui.is_item_hovered(EXPLAINED) and not imgui.is_item_active()
     return hovered and not imgui.is_mouse_down(imgui.MouseButton_.left)
 
 
@@ -293,6 +294,11 @@ def cell(text: str, color: ImVec4 | None = None, tooltip: str = "") -> None:
     imgui.table_next_column()
     imgui.text_colored(color or theme.now().muted, text)
     explain(tooltip)
+
+
+def percent(share: float) -> str:
+    """Of a share in [0, 1]: 36 %."""
+    return f"{100 * share:.0f} %"
 
 
 def seconds(duration: float) -> str:
