@@ -20,7 +20,19 @@ from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
 from app.gui.style import theme
-from app.gui.style.widgets import Area, beside, beside_of, button, centered, choose, em, explain, muted, note
+from app.gui.style.widgets import (
+    Area,
+    beside,
+    beside_of,
+    button,
+    centered,
+    choose,
+    em,
+    explain,
+    muted,
+    note,
+    toggle,
+)
 from app.gui.views.comparison import SIDES, Side, label_of
 
 MODE_LABELS = {mode: mode.capitalize() for mode in MODES}
@@ -60,18 +72,18 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
 
 def _draw_toolbar(state: AppState) -> None:
     chosen, label = state.comparing.chosen, f"Enhancement {'on' if state.enhancement.active else 'off'}"
-    turn, color = partial(actions.toggle_enhancement, state), theme.switch(state.enhancement.active)
-    button(f"{label}###enhancing", turn, ENHANCING_TEXT, color=color, width=8)
+    turn, active = partial(actions.toggle_enhancement, state), state.enhancement.active
+    toggle(f"{label}###enhancing", turn, ENHANCING_TEXT, on=active, width=8)
     beside("Frozen")
     frozen, freeze = state.is_frozen, partial(live_actions.toggle_freeze, state)
-    color = theme.switch(frozen, caution=True)
-    button("Frozen###freeze" if frozen else "Freeze###freeze", freeze, FREEZE_TEXT, color=color)
+    label = "Frozen###freeze" if frozen else "Freeze###freeze"
+    toggle(label, freeze, FREEZE_TEXT, on=frozen, caution=True)
     beside_of(em(7))
     mode = choose("mode", chosen.mode, MODE_LABELS, MODE_TEXT, 7)
     if mode != chosen.mode:
         comparing.choose_mode(state, mode)
     beside("Zebra")
-    button("Zebra", partial(comparing.toggle_zebra, state), ZEBRA_TEXT, color=theme.switch(chosen.zebra))
+    toggle("Zebra", partial(comparing.toggle_zebra, state), ZEBRA_TEXT, on=chosen.zebra)
     fit = f"{icons.ICON_FA_EXPAND}  Fit"
     beside(fit)
     button(fit, partial(picture_actions.fit, state), "0 or double click: fit the whole frame.")

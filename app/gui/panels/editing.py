@@ -16,7 +16,7 @@ from app.gui.panels.scene_marks import Sight
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import TOOLS, Editing, Tool
 from app.gui.style import theme
-from app.gui.style.widgets import Area, ask, button, choose_row, em, explain, in_line, muted, row, tag
+from app.gui.style.widgets import Area, ask, button, choose_row, em, explain, in_line, muted, row, tag, toggle
 from app.gui.work.selecting import TRAITS, Limits
 from app.scenes.free_camera import Vector
 from app.scenes.view_kinds import SCENE_UNITS
@@ -68,8 +68,8 @@ def draw_editing(state: AppState) -> None:
 def _draw_tools(state: AppState, editing: Editing) -> None:
     for tool, width in in_line(TOOLS, 0.25):
         label = {"rectangle": "Rect"}.get(tool, tool.capitalize())
-        choose, color = partial(edit_actions.choose_tool, state, tool), theme.switch(tool == editing.tool)
-        button(f"{label}###tool {tool}", choose, TOOL_TEXTS[tool], color=color, width=width)
+        choose = partial(edit_actions.choose_tool, state, tool)
+        toggle(f"{label}###tool {tool}", choose, TOOL_TEXTS[tool], on=tool == editing.tool, width=width)
     edit_actions.choose_how(state, choose_row("Result", editing.how, HOWS, HOW_TEXT))
     if editing.tool in ("sphere", "box"):
         _draw_radius(state, editing)

@@ -14,7 +14,7 @@ from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing, Column
 from app.gui.style import theme
-from app.gui.style.widgets import button, centered, choose, em, explain, muted, shortened, within
+from app.gui.style.widgets import button, centered, choose, em, explain, mark_row, muted, shortened, within
 from app.gui.work.listing import Entry
 from renderer.clip import ByteImage
 
@@ -163,6 +163,8 @@ def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, tex
     room = imgui.get_content_region_avail().x - em(PICTURE + 0.6)
     clicked, _ = imgui.selectable(f"##{place}", marked, can, ImVec2(0, height))
     in_sight = imgui.is_item_visible()
+    if marked:
+        mark_row()
     if clicked:
         browse_actions.mark(browsing, entry)
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):

@@ -12,7 +12,7 @@ from app.gui.actions import guide_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import FLAT, button, em, muted, within
+from app.gui.style.widgets import FLAT, button, em, mark_row, muted, within
 from app.gui.views.key_words import with_keys
 from app.gui.work.shipped import Block, Guide, Page
 from renderer.clip import ByteImage
@@ -59,6 +59,8 @@ def draw_guide(state: AppState, textures: ShowsPictures) -> None:
 def _draw_list(state: AppState, guide: Guide) -> None:
     for place, page in enumerate(guide.pages):
         chosen, _ = imgui.selectable(f"{place + 1}   {page.title}", place == state.guide.page)
+        if place == state.guide.page:
+            mark_row()
         if chosen:
             guide_actions.turn_to(state, place)
 

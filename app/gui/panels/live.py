@@ -17,7 +17,19 @@ from app.gui.state.app_state import AppState
 from app.gui.state.live import EYES, RATES, SIZES
 from app.gui.state.live_words import counts, delay_text, not_live, pace
 from app.gui.style import theme
-from app.gui.style.widgets import button, choose, choose_row, em, explain, floating, muted, note, row, tall
+from app.gui.style.widgets import (
+    button,
+    choose,
+    choose_row,
+    em,
+    explain,
+    floating,
+    muted,
+    note,
+    row,
+    tall,
+    toggle,
+)
 from app.gui.views.clip_time import clock
 from app.live.address import Device
 from app.live.recorder import WHATS
@@ -64,8 +76,8 @@ def draw_live_bar(state: AppState) -> None:
     with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, tall()):
         frozen = live.still is not None
         freeze = partial(live_actions.toggle_freeze, state)
-        color = theme.switch(frozen, caution=True)
-        button("Frozen###hold" if frozen else "Freeze###hold", freeze, FREEZE_TEXT, color=color, width=7.8)
+        label = "Frozen###hold" if frozen else "Freeze###hold"
+        toggle(label, freeze, FREEZE_TEXT, on=frozen, caution=True, width=7.8)
         imgui.same_line()
         _draw_record(state)
         imgui.same_line()
@@ -104,14 +116,14 @@ def _draw_record(state: AppState) -> None:
 
 
 def _draw_send(state: AppState) -> None:
-    sending, toggle = state.live.sending, partial(live_actions.toggle_sending, state)
+    sending, turn = state.live.sending, partial(live_actions.toggle_sending, state)
     if sending is None:
-        button("Send###send", toggle, SEND_TEXT, width=7.5)
+        button("Send###send", turn, SEND_TEXT, width=7.5)
         return
     said = f"{sending}; {sending.sent} images sent, {sending.left_out} left out. Click to end it."
     said = f"{said[0].upper()}{said[1:]}\n{state.live.endpoint.warning}".strip()
-    color = theme.switch(True, caution=not state.live.endpoint.is_local)
-    button("Sending###send", toggle, said, color=color, width=7.5)
+    far = not state.live.endpoint.is_local
+    toggle("Sending###send", turn, said, on=True, caution=far, width=7.5)
 
 
 def _draw_signal(state: AppState) -> None:

@@ -27,6 +27,7 @@ from app.gui.style.widgets import (
     note,
     percent,
     row,
+    toggle,
 )
 from app.gui.views.picture_view import Placement
 from app.gui.work.masking import BY_HAND, FROM_FOLDER, FrameMask
@@ -122,8 +123,8 @@ def _has_any(masking: Masking) -> bool:
 
 def _draw_tools(state: AppState, masking: Masking) -> None:
     for (tool, text), width in in_line(tuple(TOOL_TEXTS.items()), 0.25):
-        choose, color = partial(masking_actions.choose_tool, state, tool), theme.switch(tool == masking.tool)
-        button(f"{capital(tool)}###mask {tool}", choose, text, color=color, width=width)
+        choose = partial(masking_actions.choose_tool, state, tool)
+        toggle(f"{capital(tool)}###mask {tool}", choose, text, on=tool == masking.tool, width=width)
     across = masking.shown.mask.shape[1] if masking.shown is not None else 0
     row("Brush", SIZE_TEXT, -4.0)
     flags = imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp

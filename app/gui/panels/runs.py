@@ -16,7 +16,7 @@ from app.gui.panels.run_measures import draw_run_measures
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.style import theme
-from app.gui.style.widgets import beside, button, em, explain, muted, note, shortened
+from app.gui.style.widgets import beside, button, em, explain, mark_row, muted, note, shortened, toggle
 from app.gui.work.runs import ListedRun
 
 BESIDE = "Open beside"
@@ -93,6 +93,8 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     name = shortened(legible(run.path.name), left - em(0.5) - imgui.get_cursor_pos_x())
     if imgui.selectable(f"{as_label(name)}###open", shown)[0]:
         run_actions.open_run(state, run)
+    if shown:
+        mark_row()
     lit = shown or imgui.is_item_hovered()
     imgui.end_disabled()
     how = "Open it beside the one in training: " if state.runs.reconstruction.is_alive else "Open "
@@ -124,7 +126,7 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
 def _draw_beside(state: AppState, run: ListedRun) -> None:
     shown, reason = run_actions.is_beside(state, run), run_actions.why_not_beside(state, run)
     label, act = f"{BESIDE}###beside", partial(run_actions.toggle_beside, state, run)
-    button(label, act, CLOSE_TEXT if shown else BESIDE_TEXT, reason=reason, color=theme.switch(shown))
+    toggle(label, act, CLOSE_TEXT if shown else BESIDE_TEXT, on=shown, reason=reason)
 
 
 def _draw_changes(state: AppState, run: ListedRun) -> None:

@@ -14,7 +14,7 @@ from app.gui.commands.commands import has_something
 from app.gui.panels.live import draw_live_bar
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import TALL, Area, button, em, explain, percent, tall
+from app.gui.style.widgets import TALL, Area, button, em, explain, percent, tall, toggle
 from app.gui.views.clip_time import clock, seconds_at
 from app.gui.views.frame_scale import PADDING, FrameScale
 from app.gui.views.key_words import with_keys
@@ -127,9 +127,9 @@ def _draw_trim(state: AppState) -> None:
 
 def _draw_mask(state: AppState) -> None:
     tool, mask = state.picture.mask_tool, state.source.part.mask
-    color, enabled = theme.switch(bool(tool), caution=True), state.source.clip is not None
-    label = f"{'Drag now' if tool else 'Mask'}###mask"
-    button(label, partial(imgui.open_popup, "mask"), MASK_TEXT, enabled=enabled, color=color, width=RIGHT)
+    label, opens = f"{'Drag now' if tool else 'Mask'}###mask", partial(imgui.open_popup, "mask")
+    enabled = state.source.clip is not None
+    toggle(label, opens, MASK_TEXT, on=bool(tool), caution=True, enabled=enabled, width=RIGHT)
     with imgui_ctx.begin_popup("mask") as popup:
         if not popup:
             return

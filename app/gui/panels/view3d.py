@@ -29,6 +29,7 @@ from app.gui.style.widgets import (
     em,
     explain,
     stack_tags,
+    toggle,
 )
 from app.gui.views.measurement import LEAST_CORNERS, Measurement
 from app.kernels.progress import rounded
@@ -133,10 +134,9 @@ def _draw_toolbar(state: AppState) -> None:
     reset = partial(camera_actions.reset_view, state)
     button(f"{icons.ICON_FA_HOME}  Clip camera", reset, "Shift+C: the clip camera's view.")
     beside(FLY)
-    button(FLY, lambda: camera_actions.toggle_flight(state), FLY_TEXT, color=theme.switch(viewer.flying))
+    toggle(FLY, lambda: camera_actions.toggle_flight(state), FLY_TEXT, on=viewer.flying)
     beside(MEASURE)
-    measure, color = partial(camera_actions.toggle_measuring, state), theme.switch(viewer.measuring)
-    button(MEASURE, measure, MEASURE_TEXT, color=color)
+    toggle(MEASURE, partial(camera_actions.toggle_measuring, state), MEASURE_TEXT, on=viewer.measuring)
     beside(SECOND)
     _draw_second(state)
     _draw_snap(state)
@@ -155,7 +155,7 @@ def _draw_toolbar(state: AppState) -> None:
 
 def _draw_second(state: AppState) -> None:
     shown = state.scene.second.shown is not None
-    button(SECOND, lambda: imgui.open_popup("second"), SECOND_TEXT, color=theme.switch(shown))
+    toggle(SECOND, lambda: imgui.open_popup("second"), SECOND_TEXT, on=shown)
     beside(FRAME)
     with imgui_ctx.begin_popup("second") as popup:
         if popup:
@@ -164,8 +164,8 @@ def _draw_second(state: AppState) -> None:
 
 def _draw_snap(state: AppState) -> None:
     snapped = state.scene.viewer.snapped
-    snap, color = partial(camera_actions.toggle_snap, state), theme.switch(snapped)
-    button(FRAME, snap, FRAME_TEXT, enabled=state.has_frames, color=color)
+    snap = partial(camera_actions.toggle_snap, state)
+    toggle(FRAME, snap, FRAME_TEXT, on=snapped, enabled=state.has_frames)
     if not snapped:
         return
     beside_of(em(8))

@@ -38,6 +38,8 @@ class Colors:
     recording: ImVec4
     """A button that ends what it has begun."""
     grab: ImVec4
+    thumb: ImVec4
+    """Of scrollbars."""
     warning: ImVec4
     danger: ImVec4
     alarm: ImVec4
@@ -65,7 +67,8 @@ DARK = Colors(
     lit=ImVec4(0.23, 0.40, 0.59, 1.0),
     caution=ImVec4(0.57, 0.34, 0.03, 1.0),
     recording=ImVec4(0.62, 0.16, 0.14, 1.0),
-    grab=ImVec4(0.29, 0.49, 0.71, 1.0),
+    grab=ImVec4(0.31, 0.51, 0.73, 1.0),
+    thumb=grey(0.43),
     warning=ImVec4(0.95, 0.72, 0.30, 1.0),
     danger=ImVec4(0.97, 0.50, 0.46, 1.0),
     alarm=ImVec4(0.30, 0.13, 0.12, 0.98),
@@ -78,7 +81,8 @@ LIGHT = Colors(
     lit=ImVec4(0.62, 0.78, 0.95, 1.0),
     caution=ImVec4(0.96, 0.75, 0.36, 1.0),
     recording=ImVec4(0.96, 0.66, 0.62, 1.0),
-    grab=ImVec4(0.53, 0.70, 0.90, 1.0),
+    grab=ImVec4(0.24, 0.44, 0.68, 1.0),
+    thumb=grey(0.52),
     warning=ImVec4(0.50, 0.29, 0.00, 1.0),
     danger=ImVec4(0.66, 0.11, 0.09, 1.0),
     alarm=ImVec4(0.99, 0.86, 0.84, 0.98),
@@ -186,8 +190,8 @@ def _roles(colors: Colors) -> dict[imgui.Col_, ImVec4]:
         c.checkbox_selected_bg: shade(0.21),
         c.separator: shade(0.24), c.separator_hovered: shade(0.38), c.separator_active: colors.accent,
         c.resize_grip: shade(0.25), c.resize_grip_hovered: shade(0.35), c.resize_grip_active: colors.accent,
-        c.scrollbar_bg: grey(0, 0), c.scrollbar_grab: shade(0.28), c.scrollbar_grab_hovered: shade(0.36),
-        c.scrollbar_grab_active: shade(0.44),
+        c.scrollbar_bg: grey(0, 0), c.scrollbar_grab: colors.thumb, c.scrollbar_grab_hovered: colors.muted,
+        c.scrollbar_grab_active: colors.muted,
         c.nav_cursor: colors.accent, c.drag_drop_target: colors.accent, c.text_selected_bg: colors.lit,
         c.drag_drop_target_bg: grey(0, 0), c.input_text_cursor: colors.text,
         c.nav_windowing_highlight: colors.accent, c.text_link: colors.accent,

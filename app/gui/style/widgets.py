@@ -264,6 +264,34 @@ def button(
     return pressed
 
 
+def toggle(
+    label: str,
+    action: Callable[[], object],
+    text: str = "",
+    *,
+    on: bool,
+    caution: bool = False,
+    enabled: bool = True,
+    reason: str = "",
+    width: float = 0.0,
+) -> None:
+    """A button that says whether something is on, by its colour and by a bar; `caution`: and that it should
+    be noticed."""
+    color = theme.switch(on, caution=caution)
+    button(label, action, text, enabled=enabled, reason=reason, color=color, width=width)
+    if on:
+        low, high, inset = imgui.get_item_rect_min(), imgui.get_item_rect_max(), em(0.3)
+        corner, end = ImVec2(low.x + inset, high.y - em(0.12)), ImVec2(high.x - inset, high.y)
+        imgui.get_window_draw_list().add_rect_filled(corner, end, imgui.get_color_u32(theme.now().text))
+
+
+def mark_row() -> None:
+    """A bar at the left end of the row before, which says by more than a shade that it is chosen."""
+    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    ink, end = imgui.get_color_u32(theme.now().accent), ImVec2(low.x + em(0.2), high.y)
+    imgui.get_window_draw_list().add_rect_filled(low, end, ink)
+
+
 def in_line(controls: Sequence[T], gap: float = 0.5) -> Iterator[tuple[T, float]]:
     """One after the other, to be drawn beside the one before, with the width in em that is an equal share of
     what is left of the line; `gap` in em."""

@@ -12,6 +12,7 @@ from app.gui.frame import dockings
 from app.gui.frame.dockings import MOST
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
+from app.gui.style.widgets import toggle
 from app.gui.work.settings import TEXT_PERCENTS, Places, Settings, Theme, load_settings
 from tests.app.gui.settling import keep_all
 from tests.app.gui.test_window import Driver, wait
@@ -64,9 +65,35 @@ def test_every_text_can_be_read(ui: Ui, name: Theme) -> None:
         bright[f"text on {ground}"] = contrast(worn.text, getattr(worn, ground))
     assert {pair: round(value, 2) for pair, value in bright.items() if value < READABLE} == {}
     # What moves over the middle of its own number.
-    assert all(
-        contrast(worn.text, style(grab)) >= TOLD_APART for grab in ("slider_grab", "slider_grab_active")
-    )
+    assert contrast(worn.text, style("slider_grab")) >= TOLD_APART
+
+
+@pytest.mark.parametrize("name", BOTH)
+def test_what_says_something_without_words_stands_out(ui: Ui, name: Theme) -> None:
+    """Handles, bars of scrolling, and the bars on what is on or chosen."""
+    theme.wear(name, 100)
+    worn = theme.now()
+    pairs = [(style("slider_grab"), style("frame_bg")), (style("scrollbar_grab"), style("window_bg"))]
+    pairs += [(worn.text, worn.lit), (worn.text, worn.caution)]
+    pairs += [
+        (worn.accent, style(ground)) for ground in ("popup_bg", "header", "header_hovered", "window_bg")
+    ]
+    assert [round(contrast(*pair), 2) for pair in pairs if contrast(*pair) < TOLD_APART] == []
+
+
+def test_what_is_on_says_so_by_more_than_its_color(ui: Ui) -> None:
+    """More is drawn of it: a bar."""
+    drawn: list[int] = []
+
+    def draw() -> None:
+        for on in (False, True):
+            before = imgui.get_window_draw_list().vtx_buffer.size()
+            toggle("Zebra", lambda: None, on=on)
+            drawn.append(imgui.get_window_draw_list().vtx_buffer.size() - before)
+
+    ui.frame(draw)
+    off, on = drawn
+    assert 0 < off < on
 
 
 @pytest.mark.parametrize(
