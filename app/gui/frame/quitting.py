@@ -9,7 +9,7 @@ from app.files.legible import legible
 from app.gui.actions import queue_actions, session_actions
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
-from app.gui.style.widgets import ask
+from app.gui.style.asking import ask
 
 
 def ask_before_quitting(state: AppState) -> None:

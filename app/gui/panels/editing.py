@@ -16,7 +16,8 @@ from app.gui.panels.scene_marks import Sight
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import TOOLS, Editing, Tool
 from app.gui.style import theme
-from app.gui.style.widgets import Area, ask, button, choose_row, em, explain, in_line, muted, row, tag, toggle
+from app.gui.style.asking import ask
+from app.gui.style.widgets import Area, button, choose_row, em, explain, in_line, muted, row, tag, toggle
 from app.gui.work.selecting import TRAITS, Limits
 from app.scenes.free_camera import Vector
 from app.scenes.view_kinds import SCENE_UNITS

@@ -19,12 +19,12 @@ from app.gui.actions import history_actions as history
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
+from app.gui.style.asking import ask
 from app.gui.style.fields import NUMBERS, amount, declared, number, slide, slide_auto, slider, with_beside
 from app.gui.style.naming import ask_name
 from app.gui.style.widgets import (
     FLAT,
     NAMES,
-    ask,
     beside,
     beside_of,
     button,

@@ -14,10 +14,10 @@ from app.gui.actions import actions, clip_actions, masking_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.masking import THICKEST, THINNEST, Masking
 from app.gui.style import theme
+from app.gui.style.asking import ask
 from app.gui.style.fields import number
 from app.gui.style.widgets import (
     Area,
-    ask,
     button,
     choose_row,
     em,

@@ -15,7 +15,8 @@ from app.gui.commands.keys import FLIGHT_TEXT, LEAVE_TEXT, MOUSE, PANELS_TEXT, P
 from app.gui.commands.modes import MASKING_TEXT, PRESENTATION_TEXT, TILE_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import button, cell, em, explain, in_table, muted, note, question, within
+from app.gui.style.asking import close_question, question, take_enter
+from app.gui.style.widgets import button, cell, em, explain, in_table, muted, note, within
 from app.gui.style.writing import text_area
 from app.gui.views.key_words import with_keys
 
@@ -58,9 +59,10 @@ def draw_notice(state: AppState) -> None:
         imgui.spacing()
         with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
             understood = imgui.button("I understand", ImVec2(-1, em(2)))
+        take_enter()
         if understood:
             actions.acknowledge(state)
-            imgui.close_current_popup()
+            close_question()
 
 
 def draw_banner(state: AppState) -> None:
@@ -220,5 +222,7 @@ def draw_recovery(state: AppState) -> None:
         for label, act in (("Restore", session_actions.recover), ("Start fresh", session_actions.decline)):
             if imgui.button(label, ImVec2(em(12), em(2))):
                 act(state)
-                imgui.close_current_popup()
+                close_question()
+            if label == "Restore":
+                take_enter()
             imgui.same_line()

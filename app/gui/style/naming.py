@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from app.gui.style.widgets import button, in_line, muted, question, shortened
+from app.gui.style.asking import question
+from app.gui.style.widgets import button, in_line, muted, shortened
 
 
 def ask_name(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -337,40 +336,6 @@ def seconds(duration: float) -> str:
     if whole < 3600:
         return f"{whole // 60} min {whole % 60:02d} s"
     return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
-
-
-@contextmanager
-def question(title: str, width: float) -> Iterator[bool]:
-    """A window of `width` text heights in the middle, which everything waits for; whether it is drawn."""
-    imgui.open_popup(title)
-    imgui.set_next_window_pos(imgui.get_main_viewport().get_center(), imgui.Cond_.always, ImVec2(0.5, 0.5))
-    imgui.set_next_window_size(ImVec2(within(width, 0).x, 0))
-    flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move
-    with imgui_ctx.begin_popup_modal(title, flags) as opened:
-        yield bool(opened)
-
-
-def ask(title: str, sentences: Iterable[str], replies: Sequence[str], *, moot: bool = False) -> str:
-    """A question that everything waits for: the reply that is given in this frame, or nothing.
-
-    Escape gives the last reply, and so does a question that is `moot`.
-    """
-    reply = ""
-    with question(title, 27) as opened:
-        if not opened:
-            return reply
-        with imgui_ctx.push_text_wrap_pos(0):
-            for sentence in sentences:
-                imgui.text_unformatted(sentence)
-        imgui.spacing()
-        for label, width in in_line(replies):
-            if imgui.button(label, ImVec2(em(width), em(2))):
-                reply = label
-        if moot or imgui.is_key_pressed(imgui.Key.escape):
-            reply = reply or replies[-1]
-        if reply:
-            imgui.close_current_popup()
-    return reply
 
 
 def floating(width: float) -> int:
