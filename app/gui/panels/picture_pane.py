@@ -54,6 +54,8 @@ def draw_pane(
         _draw_image(state, textures, slot, pane, area)
         if state.masking.active:
             draw_brush(state, _placement(state, pane.image, area), area)
+        if state.picture.mask_tool and imgui.is_item_hovered():
+            _cross_at(imgui.get_mouse_pos())
         if pointer is None and len(read) == 1:
             _draw_cross(state, pane.image, area)
         if is_not_live(state.live):
@@ -154,8 +156,10 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
         _draw_mask(state, image, area)
     elif state.masking.active and not imgui.is_mouse_down(imgui.MouseButton_.right):
         follow_brush(state, _placement(state, image, area), area)
-    elif by.x or by.y:
-        picture_actions.pan(state, (by.x, by.y), picture, pane)
+    elif imgui.is_item_active():
+        imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
+        if by.x or by.y:
+            picture_actions.pan(state, (by.x, by.y), picture, pane)
     zoom = state.picture.view.place(picture, pane).zoom
     laid_out.size_picture(state, io.display_framebuffer_scale.x * zoom)
 
@@ -163,8 +167,6 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
 def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
     """A drag draws the box or the circle that was asked for."""
     at = _placement(state, image, area).picture_at(*area.mouse())
-    if imgui.is_item_hovered():
-        imgui.set_mouse_cursor(imgui.MouseCursor_.resize_all)
     if imgui.is_item_activated():
         picture_actions.begin_mask(state, at)
     if imgui.is_item_active() and state.picture.mask_start is not None and at != state.picture.mask_start:
@@ -252,7 +254,11 @@ def _draw_cross(state: AppState, image: ByteImage, area: Area) -> None:
         return
     place = _placement(state, image, area)
     column, row = state.picture.pointer
-    at, draw = area.corner + place.pane_at(column + 0.5, row + 0.5), imgui.get_window_draw_list()
+    _cross_at(area.corner + place.pane_at(column + 0.5, row + 0.5))
+
+
+def _cross_at(at: ImVec2) -> None:
+    draw = imgui.get_window_draw_list()
     for color, weight in ((theme.grey(0.0, 0.8), 3.0), (theme.grey(1.0), 1.0)):
         for reach in ((em(0.5), 0), (0, em(0.5))):
             draw.add_line(at - reach, at + reach, imgui.get_color_u32(color), weight)
