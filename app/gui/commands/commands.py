@@ -83,10 +83,11 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
             synonyms=("load", "case", "directory", "dataset"),
         ),
         Command(
-            "Open image, video, session or report…",
+            "Open file…",
             open_file,
             ("Ctrl+I",),
-            synonyms=("load", "file", "movie", "still", "run"),
+            text="an image, a video, a session or a report",
+            synonyms=("load", "image", "video", "session", "report", "movie", "still", "run"),
         ),
         Command(
             "Open live source…",
@@ -275,13 +276,13 @@ def _clip() -> tuple[Section, ...]:
                 text="last frame of the clip, or of its trimmed part", synonyms=("end", "finish")),
     )  # fmt: skip
     parts = (
-        Command("Start here", partial(clip_actions.trim_here, start=True), ("Shift+I",),
+        Command("In: start here", partial(clip_actions.trim_here, start=True), ("Shift+I",),
                 text="start the clip at this frame", applies=has_clip,
                 synonyms=("trim", "cut", "in", "point")),
-        Command("End here", partial(clip_actions.trim_here, start=False), ("Shift+O",),
+        Command("Out: end here", partial(clip_actions.trim_here, start=False), ("Shift+O",),
                 text="end the clip at this frame", applies=has_clip,
                 synonyms=("trim", "cut", "out", "point")),
-        Command("Whole clip", clip_actions.untrim, text="from its first frame to its last",
+        Command("All: whole clip", clip_actions.untrim, text="from its first frame to its last",
                 applies=lambda s: s.source.part.trim is not None),
         # Two: macOS puts the window away by its own Cmd+M.
         Command("Mask tools by hand", masking_actions.toggle, ("Ctrl+Shift+M", "Ctrl+M"),

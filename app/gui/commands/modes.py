@@ -44,7 +44,7 @@ TILE_TEXT: Final = (
     ("Esc", "back to the grid"),
 )
 PRESENTATION_TEXT: Final = (
-    ("1, 2 or 3", "left image, right image or 3D view; also Up and Down"),
+    ("1, 2 or 3", "left pane, right pane or 3D view; also Up and Down"),
     ("L", "labels on or off"),
     ("Esc or F5", "end the presentation"),
 )

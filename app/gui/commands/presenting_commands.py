@@ -9,7 +9,7 @@ from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
 from app.gui.views.comparison import PaneName
 
-PANE_LABELS: dict[PaneName, str] = {"left": "Left image", "right": "Right image", "3D view": "3D view"}
+PANE_LABELS: dict[PaneName, str] = {"left": "Left pane", "right": "Right pane", "3D view": "3D view"}
 
 
 def presenting_commands() -> tuple[Command, ...]:

@@ -149,7 +149,7 @@ def _draw_mask(state: AppState) -> None:
             masking_actions.toggle(state)
         explain(reason or "Mask surgical tools with a brush; other frames are learned from a few.")
         imgui.separator()
-        if imgui.menu_item_simple("Tint tools and masked areas", "Shift+M", state.picture.overlay, True):
+        if imgui.menu_item_simple("Tint masked areas", "Shift+M", state.picture.overlay, True):
             clip_actions.toggle_overlay(state)
 
 
