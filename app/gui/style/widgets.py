@@ -285,10 +285,13 @@ def toggle(
 
 
 def mark_row() -> None:
-    """A bar at the left end of the row before, which says by more than a shade that it is chosen."""
-    low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-    ink, end = imgui.get_color_u32(theme.now().accent), ImVec2(low.x + em(0.2), high.y)
-    imgui.get_window_draw_list().add_rect_filled(low, end, ink)
+    """A bar at the left end of the row before, which says by more than a shade that it is chosen; at the
+    right end where the left one is out of sight."""
+    draw, low, high = imgui.get_window_draw_list(), imgui.get_item_rect_min(), imgui.get_item_rect_max()
+    right = min(high.x, draw.get_clip_rect_max().x)
+    x = low.x if low.x >= draw.get_clip_rect_min().x else right - em(0.2)
+    ink = imgui.get_color_u32(theme.now().accent)
+    draw.add_rect_filled(ImVec2(x, low.y), ImVec2(x + em(0.2), high.y), ink)
 
 
 def in_line(controls: Sequence[T], gap: float = 0.5) -> Iterator[tuple[T, float]]:
