@@ -63,15 +63,16 @@ def _draw_files(state: AppState) -> None:
 def _draw_view(state: AppState, index: int, one: NamedCamera) -> None:
     with imgui_ctx.push_id(f"view {index}"):
         width = imgui.get_content_region_avail().x - em(5.2)
-        short = shortened(legible(one.name), width)
-        if imgui.selectable(f"{as_label(short)}###go", False, 0, ImVec2(width, 0))[0]:
-            path_actions.go_to(state, one.camera)
+        short, size = shortened(legible(one.name), width), ImVec2(width, imgui.get_frame_height())
+        with imgui_ctx.push_style_var(imgui.StyleVar_.selectable_text_align, ImVec2(0, 0.5)):
+            if imgui.selectable(f"{as_label(short)}###go", False, 0, size)[0]:
+                path_actions.go_to(state, one.camera)
         explain(f"{one.name}: view the reconstruction from here.")
         imgui.same_line()
-        button(f"{icons.ICON_FA_EDIT}###rename", lambda: imgui.open_popup("name"), "Rename", small=True)
+        button(f"{icons.ICON_FA_EDIT}###rename", lambda: imgui.open_popup("name"), "Rename")
         imgui.same_line()
         delete = partial(path_actions.delete_view, state, index)
-        button(f"{icons.ICON_FA_TRASH}###delete", delete, "Delete", small=True)
+        button(f"{icons.ICON_FA_TRASH}###delete", delete, "Delete")
         with imgui_ctx.begin_popup("name") as popup:
             if popup:
                 _draw_rename(state, index, one.name)
@@ -152,5 +153,5 @@ def _draw_keyframe(state: AppState, model: Scene, index: int, key: Keyframe) -> 
         (icons.ICON_FA_TRASH, "Delete", partial(path_actions.delete_keyframe, state, index)),
     )
     for icon, text, act in acts:
-        button(f"{icon}###{text}", act, text, small=True)
+        button(f"{icon}###{text}", act, text)
         imgui.same_line()

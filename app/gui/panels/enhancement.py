@@ -97,7 +97,7 @@ def draw_presets(state: AppState, texture: Texture) -> None:
             imgui.separator()
         for name in sorted(state.enhancement.presets):
             with imgui_ctx.push_id(as_label(name)):
-                _draw_preset(state, name, shown, texture, beside=em(4.2))
+                _draw_preset(state, name, shown, texture, beside=em(5.2))
                 _draw_changes(state, name)
         if state.enhancement.preset_doomed or state.enhancement.preset_renamed:
             imgui.close_current_popup()
@@ -123,9 +123,9 @@ def _draw_changes(state: AppState, name: str) -> None:
         (f"{icons.ICON_FA_EDIT}###rename", preset_actions.ask_rename, "Rename"),
         (f"{icons.ICON_FA_TRASH}###delete", preset_actions.ask_forget, "Delete"),
     ):
-        imgui.same_line(0, em(0.2))
-        imgui.set_cursor_pos_y(top + em(HEIGHT) / 2 - imgui.get_text_line_height() / 2)
-        button(label, partial(act, state, name), f"{text} {legible(name)}.", small=True)
+        imgui.same_line(0, em(0.5))
+        imgui.set_cursor_pos_y(top + em(HEIGHT) / 2 - imgui.get_frame_height() / 2)
+        button(label, partial(act, state, name), f"{text} {legible(name)}.")
 
 
 def _draw_rename(state: AppState) -> None:
