@@ -8,7 +8,7 @@ from app.files.legible import legible
 from app.gui.commands.command import Section
 from app.gui.commands.finding import Found, find
 from app.gui.state.app_state import AppState
-from app.gui.style.widgets import em, explain, mark_row, muted
+from app.gui.style.widgets import em, explain, mark_row, muted, shortened
 from app.gui.views.key_words import with_keys
 
 NAME = "##palette"
@@ -76,7 +76,8 @@ def _draw_row(one: Found, place: int, marked: bool) -> bool:
     """Name on the left, menu and key on the right; greyed when it does not apply now."""
     start, can = imgui.get_cursor_pos_x(), imgui.SelectableFlags_
     flags = can.none if one.applies else can.disabled
-    clicked, _ = imgui.selectable(f"{legible(one.name)}##{place}", marked, flags)
+    name = shortened(legible(one.name), em(19.5))
+    clicked, _ = imgui.selectable(f"{name}##{place}", marked, flags)
     if marked:
         mark_row()
     explain(one.command.text, below=False)  # Where the next row is.
