@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.image_mask import NO_MASK
@@ -68,11 +68,26 @@ def _draw_slider(state: AppState, count: int, across: int) -> None:
     imgui.set_next_item_width(across)
     label = in_folder(state) or place(state)
     now, most, flags = state.moment + 1, max(count, 2), imgui.SliderFlags_.always_clamp
-    grab = imgui.get_style().color_(imgui.Col_.slider_grab) if count > 1 else theme.grey(0, 0)
-    with imgui_ctx.push_style_color(imgui.Col_.slider_grab, grab):
+    said = label.replace("%d", str(now)).replace("%%", "%")
+    grab = _handle(FrameScale(0, across, count, imgui.get_style().grab_min_size), now - 1, said)
+    color = imgui.Col_
+    with (
+        imgui_ctx.push_style_color(color.slider_grab, grab),
+        imgui_ctx.push_style_color(color.slider_grab_active, grab),
+    ):
         changed, frame = imgui.slider_int("##frame", now, 1, most, label, flags)
     if changed:
         actions.seek(state, frame - 1)
+
+
+def _handle(scale: FrameScale, frame: int, label: str) -> ImVec4:
+    """Its colour: none where there is one frame; one that leaves the label legible while it is below that."""
+    if scale.count < 2:
+        return theme.grey(0, 0)
+    left, right = scale.ends(frame, frame)
+    middle, half = scale.width / 2, imgui.calc_text_size(label).x / 2
+    below = left < middle + half and right > middle - half
+    return theme.now().lit if below else theme.now().grab
 
 
 def in_folder(state: AppState) -> str:

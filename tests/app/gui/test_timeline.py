@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import pytest
-from imgui_bundle import imgui
+from imgui_bundle import ImVec4, imgui
 
 from app.gui.panels.timeline import draw_timeline
 from app.gui.state.app_state import AppState
@@ -31,15 +31,15 @@ class Drawn:
 
         def draw() -> None:
             draw_timeline(self.state, no_texture)
-            grab = imgui.get_color_u32(imgui.Col_.slider_grab)
-            found.extend(_ends(color) for color in (grab, imgui.get_color_u32(theme.INK)))
+            found.extend((_ends(theme.now().grab, theme.now().lit), _ends(theme.INK)))
 
         self.ui.frame(draw)
         return found[0], found[1]
 
 
-def _ends(color: int) -> tuple[float, float]:
-    at = [one.pos.x for one in imgui.get_window_draw_list().vtx_buffer if one.col == color]
+def _ends(*colors: ImVec4) -> tuple[float, float]:
+    packed = [imgui.get_color_u32(color) for color in colors]
+    at = [one.pos.x for one in imgui.get_window_draw_list().vtx_buffer if one.col in packed]
     return min(at), max(at)
 
 
@@ -116,3 +116,19 @@ def test_the_frame_of_a_place_is_the_one_whose_handle_is_nearest() -> None:
     assert (scale.frame_at(-1e6), scale.frame_at(1e6)) == (0, 9)
     assert scale.ends(0, 9) == (102.0, 402.0)
     assert FrameScale(0.0, 100.0, 1, 11.0).frame_at(99.0) == 0
+
+
+def test_the_handle_leaves_its_label_legible(drawn: Drawn) -> None:
+    """Another colour where it is below the label, in the middle."""
+    drawn.state.source.clip = make_clip(drawn.state.places.runs, 41)
+    found: list[bool] = []
+
+    def draw() -> None:
+        draw_timeline(drawn.state, no_texture)
+        lit = imgui.get_color_u32(theme.now().lit)
+        found.append(any(one.col == lit for one in imgui.get_window_draw_list().vtx_buffer))
+
+    for index in (0, 20, 40):
+        drawn.state.timeline.frame_index = index
+        drawn.ui.frame(draw)
+    assert found == [False, True, False]
