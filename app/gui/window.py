@@ -23,8 +23,8 @@ from app.gui.actions import (
     presenting,
     preset_actions,
     queue_actions,
+    recovering,
     remembered,
-    session_actions,
 )
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
@@ -109,7 +109,7 @@ def run_app(
     remembered.begin(window.state)
     if not is_prepared():
         window.prepare(Preparer(preset_of(window.state.enhancement.params)))
-    session_actions.offer_recovery(window.state)
+    recovering.offer_recovery(window.state)
     if path is not None:
         actions.open_path(window.state, path)
     elif live is not None:
@@ -373,7 +373,7 @@ class Window:
         """While OpenGL is still there: end the background work and give everything back."""
         self._end_work()
         if not self._has_signal():
-            session_actions.end(self.state)
+            recovering.end(self.state)
         queue_actions.keep_now(self.state)
         if self._second_window is not None:
             self._second_window.close()

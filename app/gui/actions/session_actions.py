@@ -1,4 +1,4 @@
-"""The session: taken from the state, given back to it, autosaved, and offered after a crash."""
+"""The session: taken from the state, given back to it, and autosaved."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from datetime import datetime
 from functools import partial
 from itertools import groupby
 from pathlib import Path
@@ -24,13 +23,12 @@ from app.gui.session_file import (
     SummaryPicture,
     UnsavedEdits,
     autosave_path,
-    recoverable,
 )
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Kind
 from app.gui.views.key_words import with_keys
 from app.gui.work.background import Failure
-from app.gui.work.opening import OpenRequest, SourceLost
+from app.gui.work.opening import Opened, OpenRequest, SourceLost
 from app.gui.work.writing import SessionRequest
 from app.runs.run_edits import packed, unpacked
 
@@ -132,8 +130,7 @@ def restore(state: AppState, session: Session, second: Path | None = None) -> No
     _restore_views(state, session)
     draft = state.runs.reconstruction
     draft.name, draft.kept = session.run_name, session.kept
-    if not draft.is_alive:
-        draft.config, draft.input = session.config, session.input
+    draft.config, draft.input = session.config, session.input
     if len(session.varied) == 2:
         state.tuning.choices = (session.varied[0], session.varied[1])
     state.tuning.shown = session.tuning_shown
@@ -352,49 +349,27 @@ def take_written(state: AppState, request: SessionRequest, answer: Path | Failur
             actions.fail(state, f"the session cannot be autosaved: {answer.message}")
 
 
-def offer_recovery(state: AppState) -> None:
-    """At the start: whether an earlier session ended without an end."""
-    try:
-        state.session.recoverable = found = recoverable(state.places.config)
-        if found is not None:
-            saved = datetime.fromtimestamp(found.stat().st_mtime).astimezone()
-            state.session.recoverable_since = saved.strftime("%Y-%m-%d %H:%M")
-    except OSError as error:
-        actions.say(state, f"earlier sessions cannot be listed: {error}")
+def hides_model(state: AppState, opened: Opened) -> bool:
+    """What the session shows gives way to another reconstruction that is in training."""
+    run = state.runs.reconstruction
+    if not run.is_alive or opened.model is None:
+        return False
+    return opened.run is None or opened.run.path != run.run_path
 
 
-def recover(state: AppState) -> None:
-    """Open what a crash left; its file goes only when all of it is open."""
-    if state.session.recoverable is not None:
-        actions.open_path(state, state.session.recoverable)
-    state.session.recoverable = None
-
-
-def decline(state: AppState) -> None:
-    """Start afresh; the file is kept under another name, for a second thought."""
-    if state.session.recoverable is not None:
-        kept = state.session.recoverable.with_name(f"declined{SUFFIX}")
-        with suppress(OSError):
-            os.replace(state.session.recoverable, kept)
-            actions.say(state, f"the earlier session was saved as {kept}")
-    state.session.recoverable = None
-
-
-def taken_up(state: AppState, path: Path) -> None:
-    """A session is open: one on disk is saved there again, one that a crash left is this process's now."""
+def taken_up(state: AppState, opened: Opened, path: Path) -> None:
+    """A session is open: one on disk is saved there again, unless that would leave out its reconstruction;
+    one that a crash left is this process's now."""
     if path.parent == state.places.config:
         with suppress(OSError):
             os.replace(path, autosave_path(state.places.config))
-    else:
-        session = snapshot(state, path.parent)
-        state.session.path, state.session.saved, state.session.saved_case = (
-            path,
-            session.substance,
-            session.case,
+        return
+    session, kept = snapshot(state, path.parent), state.session
+    kept.saved_case = session.case
+    if hides_model(state, opened):
+        waits = "is not shown while another is in training: open it again afterwards"
+        actions.fail(
+            state, f"the reconstruction of {path.name} {waits}; until then Save asks for another file"
         )
-
-
-def end(state: AppState) -> None:
-    """The window closes as it should: nothing needs to be recovered."""
-    with suppress(OSError):
-        autosave_path(state.places.config).unlink()
+    else:
+        kept.path, kept.saved = path, session.substance

@@ -9,7 +9,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import capital
 from app.files.provenance import NOTICE
-from app.gui.actions import actions, notes_actions, session_actions
+from app.gui.actions import actions, notes_actions, recovering
 from app.gui.commands.command import Section
 from app.gui.commands.keys import FLIGHT_TEXT, LEAVE_TEXT, MOUSE, PANELS_TEXT, PEEK_TEXT, WALK_TEXT
 from app.gui.commands.modes import MASKING_TEXT, PRESENTATION_TEXT, TILE_TEXT
@@ -219,7 +219,7 @@ def draw_recovery(state: AppState) -> None:
             imgui.text_unformatted(f"It was last saved {state.session.recoverable_since}.")
         imgui.text_unformatted("Restore the open files, settings, views and notes?")
         imgui.spacing()
-        for label, act in (("Restore", session_actions.recover), ("Start fresh", session_actions.decline)):
+        for label, act in (("Restore", recovering.recover), ("Start fresh", recovering.decline)):
             if imgui.button(label, ImVec2(em(12), em(2))):
                 act(state)
                 close_question()

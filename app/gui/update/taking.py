@@ -156,7 +156,7 @@ def _show_opened(state: AppState, request: OpenRequest, answer: Opened) -> None:
     if answer.session is not None:
         session_actions.restore(state, answer.session, answer.second)
         summary_actions.restore(state, answer.session.summary, answer.pictures)
-        session_actions.taken_up(state, request.path)
+        session_actions.taken_up(state, answer, request.path)
 
 
 def take_other(side: Side, state: AppState, request: OtherRequest, answer: Other | Failure) -> None:

@@ -18,7 +18,15 @@ from imgui_bundle import imgui
 
 from app.enhancement.image_mask import PictureMask
 from app.errors import UserError
-from app.gui.actions import actions, clip_actions, comparing, edit_actions, history_actions, session_actions
+from app.gui.actions import (
+    actions,
+    clip_actions,
+    comparing,
+    edit_actions,
+    history_actions,
+    recovering,
+    session_actions,
+)
 from app.gui.actions.session_actions import snapshot
 from app.gui.panels.overlays import draw_notes, draw_recovery
 from app.gui.session_file import (
@@ -197,7 +205,7 @@ def test_saved_in_passing_after_each_change_and_only_then(worked: tuple[AppState
     actions.set_params(state, VesselParams(lift=0.3))
     turn(state, channels)
     assert mended_session(path)[0].params == VesselParams(lift=0.3)
-    session_actions.end(state)
+    recovering.end(state)
     assert not path.exists()
 
 
@@ -214,10 +222,10 @@ def test_what_a_dead_process_left_is_found_and_kept_until_taken_up(
     own.rename(left)
     os.utime(left, (1_700_000_000, 1_700_000_000))
     later = AppState(places, Settings(acknowledged=True))
-    session_actions.offer_recovery(later)
+    recovering.offer_recovery(later)
     assert later.session.recoverable == left
     assert later.session.recoverable_since.startswith("2023-11-1")  # The day depends on where one is.
-    session_actions.recover(later)
+    recovering.recover(later)
     channels = Channels()
     for _ in range(4):
         turn(later, channels)
@@ -225,8 +233,8 @@ def test_what_a_dead_process_left_is_found_and_kept_until_taken_up(
     assert (left.exists(), own.exists()) == (False, True)
     assert not any("autosave" in recent for recent in later.settings.recent)
     own.rename(left)
-    session_actions.offer_recovery(later)
-    session_actions.decline(later)
+    recovering.offer_recovery(later)
+    recovering.decline(later)
     assert later.session.recoverable is recoverable(places.config) is None
     assert mended_session(places.config / "declined.vesselsplat")[0].notes == state.session.notes
 
@@ -374,7 +382,7 @@ def test_a_killed_window_is_restored_by_the_next(tmp_path: Path) -> None:
     places = places_in(tmp_path)
     driver = Driver(places, Settings(acknowledged=True), [])
     state = driver.state
-    session_actions.offer_recovery(state)
+    recovering.offer_recovery(state)
     assert state.session.recoverable is not None
     expected = mended_session(state.session.recoverable)[0]
 

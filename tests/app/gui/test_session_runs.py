@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from app.gui.actions import (
     browse_actions,
     changing_runs,
     edit_actions,
+    job_actions,
     notes_actions,
     session_actions,
 )
@@ -155,3 +157,28 @@ def test_a_session_whose_run_is_gone_says_so_and_asks_where_it_is(
     assert again.scene.model is not None
     assert (again.scene.model.path, again.window.banner) == (moved, None)
     assert again.editing.is_unsaved
+
+
+def test_a_session_opened_beside_a_training_keeps_what_it_does_not_show(
+    places: Places, clip: Path, run: Path, file: Path, tmp_path: Path
+) -> None:
+    first = opened_state(places, run)
+    job_actions.choose_method(first[0], "vesselsplat", 6000)
+    job_actions.choose_input(first[0], "enhanced")
+    notes_actions.write_notes(first[0], "polyp")
+    session_actions.save_to(first[0], file)
+    settle(first)
+    before = file.read_bytes()
+    window = opened_state(places, Path(shutil.copytree(clip, tmp_path / "other" / "liver")))
+    state, training = window[0], window[0].runs.reconstruction
+    training.status, training.config = "running", replace(training.config, iterations=500)
+    actions.open_path(state, file)
+    settle(window)
+    assert (training.config.iterations, training.input) == (6000, "enhanced")
+    assert state.window.banner is not None
+    assert "not shown while another is in training" in state.window.banner.message
+    assert not session_actions.loses_case(state)
+    session_actions.save(state)
+    settle(window)
+    asked = actions.taken_choice(state)
+    assert (asked is not None and asked.purpose, file.read_bytes()) == ("session", before)

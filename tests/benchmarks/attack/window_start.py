@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from app.__main__ import keep_quiet
-from app.gui.actions import session_actions
+from app.gui.actions import recovering
 from app.gui.state.app_state import AppState
 from app.gui.window import Window
 from app.gui.work.settings import Places, load_settings
@@ -25,7 +25,7 @@ def main() -> None:
     folder = Path(sys.argv[1])
     places = Places(folder, folder / "runs", folder / "pictures")
     window = Window(AppState(places, load_settings(places.settings_file)))
-    session_actions.offer_recovery(window.state)
+    recovering.offer_recovery(window.state)
     params = window.runner_params()
     frames = iter(range(FRAMES))
 

@@ -22,6 +22,7 @@ from app.gui.actions import (
     job_actions,
     notes_actions,
     preset_actions,
+    recovering,
     session_actions,
 )
 from app.gui.state.app_state import AppState
@@ -120,7 +121,7 @@ class Attended(Window):
             self._frame += 1
 
     def _close(self) -> None:
-        session_actions.recover(self.state)
+        recovering.recover(self.state)
         if self.state.source.opening is None:
             self._frame += 1
         if self._frame == LAST:
