@@ -178,9 +178,22 @@ def _wish(state: AppState, model: DynamicGaussians, training: Training) -> None:
         state.runs.model_wish = ModelRequest(job.request, job.clip, model, training)
 
 
+def model_wish(state: AppState) -> ModelRequest | None:
+    """What is to be shown of the present run or of the last one: nothing while the model of another is
+    edited."""
+    wish, editing = state.runs.model_wish, state.editing
+    is_other = wish is not None and editing.run_path not in (None, wish.run.run_path)
+    return None if is_other and editing.is_under_way else wish
+
+
+def waits_for_edits(state: AppState) -> bool:
+    """There is a model to show, in place of one that is edited."""
+    return state.runs.model_wish is not None and model_wish(state) is None
+
+
 def take_model(state: AppState, request: ModelRequest, scene: Scene) -> None:
     """Show it; what something else has taken the place of is dropped."""
-    wish, before = state.runs.model_wish, state.scene.model
+    wish, before = model_wish(state), state.scene.model
     if wish is None or wish.run is not request.run:
         return
     if scene.live and before is not None and before.cameras == scene.cameras:

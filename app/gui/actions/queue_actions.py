@@ -17,8 +17,7 @@ from app.runs.train_run import TrainRequest
 
 def why_held(state: AppState) -> str:
     """Why the next one does not start by itself, in a sentence; empty when it does."""
-    editing = state.editing
-    if editing.active or editing.is_unsaved or editing.leaving is not None:
+    if state.editing.is_under_way:
         return "The next one starts when you leave edit mode and the edits are saved or discarded."
     return ""
 

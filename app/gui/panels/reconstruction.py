@@ -40,6 +40,7 @@ LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the inte
 FIRST_USE = "Once on a computer: about a minute, longer while it is busy."
 """Kernels are compiled then."""
 PAUSES = "Pauses are not counted."
+WAITS_FOR_EDITS = "Its model is shown when you leave edit mode and the edits are saved or discarded."
 PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, at the end all; all their pixels."
 DEPTH = "RMS error along z on the same held-out frames, where both the clip and the model have depth."
 LOSS = "Mean since the previous point."
@@ -141,6 +142,8 @@ def _draw_status(state: AppState, run: Reconstruction) -> None:
     if run.clip is not None and (clip is None or not clip.lies_at(run.clip.path)):
         note(f"Of another clip: {legible(run.clip.name)}", theme.now().warning)
     note(words, theme.now().text)
+    if job_actions.waits_for_edits(state):
+        note(WAITS_FOR_EDITS)
     if run.request is not None:
         needs = f"\n{capital(run.planned)}." if run.planned else ""
         explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}{needs}")

@@ -75,6 +75,11 @@ class Editing:
         return (present.deleted, present.hidden) != (saved.deleted, saved.hidden)
 
     @property
+    def is_under_way(self) -> bool:
+        """In edit mode, or edits are neither saved nor discarded: no other model comes by itself."""
+        return self.active or self.is_unsaved or self.leaving is not None
+
+    @property
     def takes_drags(self) -> bool:
         """The left button belongs to a tool."""
         return self.active and self.tool != "look"

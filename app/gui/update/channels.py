@@ -201,7 +201,7 @@ class Channels:
             Row(self.scales, told("the view has no scale for the whole clip", taking.take_scale, actions.say),
                 wishes.scale_wish, forgets=False),
             Row(self.models, told("the reconstruction cannot be shown", job_actions.take_model),
-                lambda s: s.runs.model_wish),
+                job_actions.model_wish),
             Row(self.left, told("what the run has left cannot be told", run_actions.take_left),
                 lambda s: s.runs.reconstruction.ended),
             Row(self.picks, told("the point cannot be located", camera_actions.take_point),
