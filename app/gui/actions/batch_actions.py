@@ -112,13 +112,20 @@ def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
     count, folder = answer.step.count, located(request.output)
     done = _written(answer)
     state.batches.written = request.output if done else None
-    if not answer.failed:
-        actions.announce(state, f"{count} of {count} enhanced into {folder}")
-        return
+    for note in answer.noted:
+        actions.say(state, f"{note.name}: {note.notice}")
     for one in answer.failed:
         actions.say(state, f"{one.name} could not be enhanced: {one.reason}")
-    state.batches.shown = True
-    actions.fail(state, f"{done} of {count} enhanced into {folder}; see the list for what failed")
+    said, is_whole = f"{done} of {count} enhanced into {folder}", True
+    if answer.failed:
+        said, is_whole = f"{said}; {len(answer.failed)} could not be enhanced: see the list", False
+    elif any(note.is_loss for note in answer.noted):
+        said, is_whole = f"{said}; not all of it could be read: see the list", False
+    elif answer.noted:
+        said = f"{said}; the list has notices"
+    state.batches.shown = state.batches.shown or not is_whole
+    tell = actions.announce if is_whole else actions.fail
+    tell(state, said)
 
 
 def _written(answer: Progressed) -> int:

@@ -7,13 +7,13 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.enhancement.batch import Failed
 from app.files.legible import legible
 from app.gui.actions import actions, batch_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Kind
 from app.gui.style import theme
 from app.gui.style.widgets import FLAT, button, em, explain, floating, muted, note, row
+from app.gui.work.batching import Progressed
 
 TEXT = (
     "Enhances every image and video in the list, subfolders included, with the current settings into "
@@ -47,8 +47,8 @@ def draw_batches(state: AppState) -> None:
         _draw_choices(state)
         imgui.separator()
         _draw_progress(state)
-        if batches.progressed is not None and batches.progressed.failed:
-            _draw_failed(batches.progressed.failed)
+        if batches.progressed is not None:
+            _draw_told(batches.progressed)
 
 
 def _draw_adding(state: AppState) -> None:
@@ -119,12 +119,22 @@ def _draw_written(state: AppState) -> None:
     button("Show in folder###reveal", partial(batch_actions.reveal, state), SHOW_TEXT, width=10)
 
 
-def _draw_failed(failed: tuple[Failed, ...]) -> None:
-    imgui.text_colored(theme.now().warning, f"{len(failed)} could not be enhanced")
-    height = min(len(failed), LISTED) * 2 * imgui.get_text_line_height_with_spacing() + em(1.1)
+def _draw_told(progressed: Progressed) -> None:
+    failed = tuple(f"{one.name}: {one.reason}" for one in progressed.failed)
+    if failed:
+        imgui.text_colored(theme.now().warning, f"{len(failed)} could not be enhanced")
+        _draw_lines("failed", failed)
+    noted = tuple(f"{one.name}: {one.notice}" for one in progressed.noted)
+    if noted:
+        muted("1 notice" if len(noted) == 1 else f"{len(noted)} notices")
+        _draw_lines("noted", noted)
+
+
+def _draw_lines(name: str, lines: tuple[str, ...]) -> None:
+    height = min(len(lines), LISTED) * 2 * imgui.get_text_line_height_with_spacing() + em(1.1)
     with (
-        imgui_ctx.begin_child("failed", ImVec2(0, height), imgui.ChildFlags_.borders),
+        imgui_ctx.begin_child(name, ImVec2(0, height), imgui.ChildFlags_.borders),
         imgui_ctx.push_text_wrap_pos(0),
     ):
-        for one in failed:
-            imgui.text_unformatted(legible(f"{one.name}: {one.reason}"))
+        for line in lines:
+            imgui.text_unformatted(legible(line))

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from app.enhancement.batch import Failed, Step, enhance_batch, items_in
 from app.enhancement.enhance_files import Setting
+from renderer.readers.cut_off import CUT_OFF
+from renderer.readers.passed_over import NOT_READABLE
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,17 +23,33 @@ class BatchRequest:
 
 
 @dataclass(frozen=True)
+class Noted:
+    """A sentence about what was written."""
+
+    name: str
+    """Of the item."""
+    notice: str
+
+    @property
+    def is_loss(self) -> bool:
+        """Of the source, not all could be read."""
+        return self.notice.startswith((CUT_OFF, NOT_READABLE))
+
+
+@dataclass(frozen=True)
 class Progressed:
-    """How far a batch has come, with all that has failed so far: answers in between may be passed over."""
+    """How far a batch has come, with all that has failed or is to be told so far: answers in between may be
+    passed over."""
 
     step: Step
     failed: tuple[Failed, ...]
+    noted: tuple[Noted, ...] = ()
     has_ended: bool = False
 
 
 def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
     """Raises OSError or UserError where there is nothing to enhance; what fails later is in the answers."""
-    failed: tuple[Failed, ...] = ()
+    failed, noted = tuple[Failed, ...](), tuple[Noted, ...]()
     items = items_in(request.inputs, request.output, below=True)
     steps = enhance_batch(items, request.setting)
     try:
@@ -41,6 +59,7 @@ def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
             if step.written is not None:
                 item = items[step.place - 1]
                 failed += tuple(Failed(item, one.reason, one.name) for one in step.written.failed)
-            yield Progressed(step, failed, has_ended=step.place == step.count)
+                noted += tuple(Noted(item.name, notice) for notice in step.written.notices)
+            yield Progressed(step, failed, noted, has_ended=step.place == step.count)
     finally:
         steps.close()

@@ -169,12 +169,40 @@ def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> Non
     assert files(output) == {"scope.mp4", "scope.mp4.json", "stills/0.png", "stills/2.png"}
     assert person.state.window.banner is not None
     assert "2 of 3 enhanced" in person.state.window.banner.message
+    assert "2 could not be enhanced" in person.state.window.banner.message
     assert person.state.batches.progressed is not None
     failed = person.state.batches.progressed.failed
     assert [one.name for one in failed] == ["case/broken.mp4", "case/stills/1.png"]
     assert person.state.batches.shown
     ui.frame(lambda: draw_batches(person.state))
     ui.frame(lambda: draw_batches(person.state))
+
+
+def test_what_is_said_of_what_was_written_is_listed_and_a_loss_stands_out(
+    places: Places, case: Path, ui: Ui
+) -> None:
+    person = Person(places)
+    (case / "stills/notes.txt").write_text("no image")
+    person.begin(case)
+    person.finish()
+    state = person.state
+    assert state.window.toast is not None
+    assert "2 of 2 enhanced" in state.window.toast.message
+    assert "notices" in state.window.toast.message
+    assert not state.batches.shown
+    assert "case/stills: left out, not images: notes.txt" in state.window.log
+    path = case / "cut.avi"
+    write_avi(path, 60)
+    path.write_bytes(path.read_bytes()[: int(0.6 * path.stat().st_size)])
+    person.begin(case)
+    person.finish()
+    assert state.window.banner is not None
+    assert "3 of 3 enhanced" in state.window.banner.message
+    assert "not all of it could be read" in state.window.banner.message
+    assert state.batches.shown
+    assert state.batches.progressed is not None
+    assert any(one.name == "case/cut.avi" and one.is_loss for one in state.batches.progressed.noted)
+    ui.frame(lambda: draw_batches(state))
 
 
 def test_the_settings_are_all_in_sight(ui: Ui, places: Places) -> None:
