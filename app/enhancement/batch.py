@@ -18,6 +18,7 @@ from app.files.stepping import map_steps
 from enhance import ImageError
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
+from renderer.readers.clip_options import ClipOptions
 from renderer.readers.listing import listed
 from renderer.readers.picture_kinds import left_out, map_folders
 from renderer.readers.pictures import is_frame, is_visible, moves, natural_key
@@ -37,6 +38,8 @@ class Item:
     called: str = ""
     """The name of a picture's output without suffix, where that of its file is taken; empty: as its file."""
     is_video: bool = False
+    clip_options: ClipOptions | None = None
+    """How it is read; None: as all."""
 
     @property
     def folder(self) -> Path:
@@ -192,11 +195,14 @@ def enhance_batch(
     for place, item in enumerate(items):
         try:
             yield Step(place, len(items), item.name)
-            series = open_series(item.source, setting.clip_options, apart)
+            chosen = setting
+            if item.clip_options is not None:
+                chosen = replace(setting, clip_options=item.clip_options)
+            series = open_series(item.source, chosen.clip_options, apart)
             names = (item.called,) if item.called else series.names
             series = replace(series, names=names, notices=(*item.notices, *series.notices))
             step = partial(Step, place, len(items), item.name, total=len(series))
-            written = yield from map_steps(enhance_into(item.output, series, setting, watch), step)
+            written = yield from map_steps(enhance_into(item.output, series, chosen, watch), step)
         except (OSError, UserError, ClipError, ImageError) as error:
             failed = Failed(item, sentence(error))
             yield Step(place + 1, len(items), item.name, failed=failed)

@@ -18,6 +18,7 @@ from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
 from app.gui.work.batching import BatchRequest, Progressed
 from app.gui.work.revealing import RevealRequest
+from renderer.readers.clip_options import ClipOptions
 
 SCOPES_SAID: Final[Mapping[Scope, str]] = MappingProxyType(
     {
@@ -71,9 +72,16 @@ def summary(state: AppState) -> str:
 
 
 def present_setting(state: AppState) -> Setting:
-    """How files are enhanced: as the Enhancement panel says."""
-    chosen = state.enhancement
-    return Setting(preset_of(chosen.params), chosen.params, chosen.scope, chosen.pixels)
+    """How files are enhanced: as the Enhancement panel says, and read as was said at the start."""
+    chosen, reading = state.enhancement, _reading(state.source.clip_options)
+    return Setting(preset_of(chosen.params), chosen.params, chosen.scope, chosen.pixels, reading)
+
+
+def _reading(options: ClipOptions) -> ClipOptions:
+    """What of them counts for files that are enhanced: all frames, without depth."""
+    return ClipOptions(
+        deinterlacing=options.deinterlacing, calibration=options.calibration, stereo=options.stereo
+    )
 
 
 def why_not_start(state: AppState) -> str:
@@ -88,7 +96,8 @@ def batch_request(state: AppState) -> BatchRequest | None:
     if why_not_start(state):
         return None
     target = results_folder(state) / f"enhanced-{stamp()}"
-    request = BatchRequest(state.batches.inputs, target, present_setting(state))
+    own = {path: _reading(state.source.first_options(Path(path))) for path in state.source.known}
+    request = BatchRequest(state.batches.inputs, target, present_setting(state), own)
     state.batches.under_way, state.batches.progressed, state.batches.written = request, None, None
     return request
 

@@ -23,6 +23,10 @@ KINDS: dict[Kind, str] = {
     "folder": "A folder of images, videos or subfolders, or a clip.",
     "file": "One image or one video.",
 }
+SETTINGS_TEXT = (
+    "Set in the Enhancement panel. Eyes and lens chosen for a clip apply to that clip; masks drawn on a clip "
+    "are not used."
+)
 REMOVE_TEXT = "Remove from the list; no file is touched."
 RUNS_TEXT = "Runs in the background; the window stays usable. Each file records how it was made."
 SHOW_TEXT = "Open the folder of the results in the system's file manager."
@@ -77,7 +81,7 @@ def _draw_inputs(state: AppState) -> None:
 
 
 def _draw_choices(state: AppState) -> None:
-    row("Settings", "Set in the Enhancement panel. Masks drawn on a clip apply to that clip only.")
+    row("Settings", SETTINGS_TEXT)
     note(batch_actions.summary(state), theme.now().text)
     row("Into", "Each batch goes into a new folder there; nothing is overwritten.")
     choose = partial(actions.choose_path, state, "folder", batch_actions.choose_folder, "results")

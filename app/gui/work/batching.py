@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from dataclasses import dataclass
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from app.enhancement.batch import Failed, Step, enhance_batch, items_in
 from app.enhancement.enhance_files import Setting
+from renderer.readers.clip_options import ClipOptions
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.passed_over import NOT_READABLE
 
@@ -20,6 +21,8 @@ class BatchRequest:
     output: Path
     """A folder that is not there yet, with the structure of the inputs."""
     setting: Setting
+    clip_options: Mapping[str, ClipOptions] = field(default_factory=dict)
+    """How clips are read for which eyes or a lens were chosen, by path."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,10 @@ class Progressed:
 def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
     """Raises OSError or UserError where there is nothing to enhance; what fails later is in the answers."""
     failed, noted = tuple[Failed, ...](), tuple[Noted, ...]()
-    items = items_in(request.inputs, request.output, below=True)
+    items = [
+        replace(item, clip_options=request.clip_options.get(str(item.source)))
+        for item in items_in(request.inputs, request.output, below=True)
+    ]
     steps = enhance_batch(items, request.setting)
     try:
         for step in steps:

@@ -22,10 +22,12 @@ from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.background import Worker
 from app.gui.work.revealing import RevealRequest
-from app.gui.work.settings import Places, Settings
+from app.gui.work.settings import KnownClip, Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams
+from renderer.readers.clip_options import ClipOptions
+from renderer.sources import open_clip
 from tests.app.conftest import tissue
 from tests.app.enhancement.test_batch import files, write_avi
 from tests.app.gui.settling import served
@@ -107,6 +109,26 @@ def test_scope_and_tissue_are_those_of_the_panel(places: Places, case: Path) -> 
     facts = read_provenance(output / "stills/0.png")
     assert (facts["method"], facts["pixels"], facts["statistics"]["scope"]) == ("vessel", "tissue", "clip")
     assert (output / "scope.mp4").is_file()
+
+
+def test_a_video_of_both_eyes_is_read_as_was_said_at_the_start_or_chosen_for_it(
+    places: Places, case: Path
+) -> None:
+    write_avi(case / "other.avi")
+    person = Person(places)
+    source = person.state.source
+    source.known = {
+        str(case / "scope.avi"): KnownClip(stereo="side-by-side"),
+        str(case / "other.avi"): KnownClip(stereo="top-bottom"),
+    }
+    output = person.begin(case)
+    person.finish()
+    assert [open_clip(output / name).size for name in ("scope.mp4", "other.mp4")] == [(32, 48), (64, 24)]
+    source.clip_options = ClipOptions(stereo="side-by-side", frame_step=2)
+    output = person.begin(case / "other.avi")
+    person.finish()
+    clip = open_clip(output / "case/other.mp4")
+    assert (clip.size, len(clip)) == ((32, 48), 4)
 
 
 def test_pictures_are_served_meanwhile_and_cancel_keeps_what_is_whole(places: Places, case: Path) -> None:
