@@ -46,6 +46,9 @@ ANIMATED = frozenset({"PNG", "WEBP"})
 
 VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
 
+RARER_VIDEOS = frozenset({".3gp", ".asf", ".flv", ".gif", ".m2ts", ".m2v", ".mxf", ".ts", ".vob", ".y4m"})
+"""Other names of what the reader of videos opens."""
+
 SYSTEM_FILES = frozenset({"thumbs.db", "ehthumbs.db", "desktop.ini"})
 """What a file manager leaves in folders of pictures."""
 
@@ -99,7 +102,7 @@ def opens(path: Path) -> bool:
 
 def moves(path: Path) -> bool:
     """Whether a file is a video: by its name, or DICOM as above."""
-    return path.suffix.lower() in VIDEOS or _kind(path) == "clip"
+    return path.suffix.lower() in VIDEOS | RARER_VIDEOS or _kind(path) == "clip"
 
 
 def require_moving(path: Path, frames: int) -> None:

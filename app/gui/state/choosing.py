@@ -10,7 +10,7 @@ from typing import Final, Literal
 from app.gui.session_file import SUFFIX
 from renderer.readers.coded_picture import CODED
 from renderer.readers.dicom.opening import SUFFIXES as DICOM
-from renderer.readers.pictures import SUFFIXES, VIDEOS
+from renderer.readers.pictures import RARER_VIDEOS, SUFFIXES, VIDEOS
 from renderer.splat_files import SUFFIXES as SPLATS
 
 Kind = Literal["folder", "file", "save"]
@@ -58,9 +58,7 @@ class Question:
     """Of folders: a file opens as well where its path is typed."""
 
 
-ALSO_READ: Final = (
-    ".3gp", ".apng", ".asf", ".flv", ".gif", ".m2ts", ".m2v", ".mxf", ".ts", ".vob", ".y4m",
-)  # fmt: skip
+ALSO_READ: Final = (".apng", *sorted(RARER_VIDEOS))
 """Rarer names of what the reader of videos opens."""
 ALL: Final = Filter("All files")
 IMAGES: Final = Filter("Images", (*sorted(SUFFIXES | CODED), ".npy"))

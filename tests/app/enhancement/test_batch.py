@@ -11,6 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from app.enhancement.batch import enhance_batch, items_in
 from app.enhancement.enhance_files import Setting, Stream
@@ -271,3 +272,13 @@ def test_what_cannot_be_is_one_line(cases: Path, tmp_path: Path, vesselsplat: Cl
     assert not (tmp_path / "out").exists()
     with pytest.raises(UserError, match="no such file"):
         items_in((tmp_path / "none",), tmp_path / "out", below=False)
+
+
+def test_an_animation_is_a_video_of_its_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "case"
+    folder.mkdir()
+    first, *others = (Image.fromarray(tissue(index)) for index in range(4))
+    first.save(folder / "scope.gif", save_all=True, append_images=others, duration=100)
+    steps = list(enhance_batch(items_in([folder], tmp_path / "out", below=True), SETTING))
+    assert [step.failed for step in steps if step.failed is not None] == []
+    assert len(open_clip(tmp_path / "out/scope.mp4")) == 4
