@@ -22,7 +22,7 @@ def require_outside(output: Path, folders: Iterable[Path]) -> None:
     holding = identities((output.resolve(), *output.resolve().parents))
     for folder in folders:
         if not holding.isdisjoint(identities((folder,))):
-            raise UserError(f"expected OUTPUT outside of the input folder {folder}, got {output}")
+            raise UserError(f"expected an output outside of the input folder {folder}, got {output}")
 
 
 def require_other(outputs: Iterable[Path], inputs: set[Identity]) -> None:

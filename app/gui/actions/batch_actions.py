@@ -16,7 +16,7 @@ from app.files.provenance import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
-from app.gui.work.batching import BatchRequest, Progressed
+from app.gui.work.batching import NAMED, BatchRequest, Progressed
 from app.gui.work.revealing import RevealRequest
 from renderer.readers.clip_options import ClipOptions
 
@@ -95,7 +95,7 @@ def batch_request(state: AppState) -> BatchRequest | None:
     """The batch by the present setting, which is then under way; None where `why_not_start` says why."""
     if why_not_start(state):
         return None
-    target = results_folder(state) / f"enhanced-{stamp()}"
+    target = results_folder(state) / f"{NAMED}{stamp()}"
     own = {path: _reading(state.source.first_options(Path(path))) for path in state.source.known}
     request = BatchRequest(state.batches.inputs, target, present_setting(state), own)
     state.batches.under_way, state.batches.progressed, state.batches.written = request, None, None

@@ -104,7 +104,8 @@ def _draw_progress(state: AppState) -> None:
         share, said = 0.0, "looking for images…"
     else:
         share = (step.place + (step.done / step.total if step.total else 0.0)) / step.count
-        said = f"{step.place} of {step.count} done   {legible(step.name)}: {step.done} / {step.total}"
+        stands = f"{step.done} / {step.total}" if step.total else "preparing…"
+        said = f"{step.place} of {step.count} done   {legible(step.name)}: {stands}"
     imgui.progress_bar(min(share, 1.0), ImVec2(-em(7), 0), said)
     imgui.same_line()
     text = "Finished files are kept; no file is left incomplete."

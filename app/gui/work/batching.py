@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Generator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Final
 
 from app.enhancement.batch import Failed, Step, enhance_batch, items_in
 from app.enhancement.enhance_files import Setting
+from app.gui.work.tidying import clear_below
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.passed_over import NOT_READABLE
+
+NAMED: Final = "enhanced-"
+"""How the name of a batch's folder begins."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +58,10 @@ class Progressed:
 
 
 def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
-    """Raises OSError or UserError where there is nothing to enhance; what fails later is in the answers."""
+    """Raises OSError or UserError where there is nothing to enhance; what fails later is in the answers. Ends
+    without folders that hold nothing, and without what killed windows have left of earlier ones beside it."""
+    for earlier in request.output.parent.glob(f"{NAMED}*"):
+        clear_below(earlier)
     failed, noted = tuple[Failed, ...](), tuple[Noted, ...]()
     items = [
         replace(item, clip_options=request.clip_options.get(str(item.source)))
@@ -69,3 +79,6 @@ def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
             yield Progressed(step, failed, noted, has_ended=step.place == step.count)
     finally:
         steps.close()
+        for folder, _, _ in os.walk(request.output, topdown=False):
+            with suppress(OSError):
+                os.rmdir(folder)

@@ -24,6 +24,13 @@ def rest() -> None:
     give_back()
 
 
+def clear_below(root: Path) -> None:
+    """A folder and those in it, whoever has left something there."""
+    for folder, below, _ in os.walk(root):
+        below[:] = [name for name in below if not name.startswith(".")]
+        clear(Path(folder))
+
+
 def clear_places(places: Places) -> Iterator[None]:
     """Answers with nothing: sets of files that were whole are complete, the rest is gone.
 
@@ -32,9 +39,7 @@ def clear_places(places: Places) -> Iterator[None]:
     clear_blocks()
     clear(places.config)
     # Batches write folders of their own into that of the pictures.
-    for folder, below, _ in os.walk(places.pictures):
-        below[:] = [name for name in below if not name.startswith(".")]
-        clear(Path(folder))
+    clear_below(places.pictures)
     clear(places.runs)
     for run in sorted(places.runs.iterdir()) if places.runs.is_dir() else ():
         if run.is_dir() and not run.is_symlink():

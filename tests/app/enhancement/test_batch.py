@@ -254,7 +254,7 @@ def test_pictures_of_one_name_are_written_in_a_format_that_holds_them(tmp_path: 
 def test_what_cannot_be_is_one_line(cases: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     (tmp_path / "empty").mkdir()
     wrong: list[tuple[tuple[object, ...], str]] = [
-        ((cases, cases / "out", "--recursive"), "OUTPUT outside"),
+        ((cases, cases / "out", "--recursive"), "output outside"),
         ((cases / "a", cases / "none", tmp_path / "out"), "no such file"),
         ((tmp_path / "empty", tmp_path / "out", "--recursive"), "found none"),
         ((cases / "a/stills", cases / "b/clip", tmp_path / "out.png"), "expected a folder"),
@@ -282,3 +282,9 @@ def test_an_animation_is_a_video_of_its_folder(tmp_path: Path) -> None:
     steps = list(enhance_batch(items_in([folder], tmp_path / "out", below=True), SETTING))
     assert [step.failed for step in steps if step.failed is not None] == []
     assert len(open_clip(tmp_path / "out/scope.mp4")) == 4
+
+
+def test_a_folder_with_nothing_to_enhance_beside_others_is_named(cases: Path, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    first, *_ = items_in((tmp_path / "empty", cases / "a/stills"), tmp_path / "out", below=True)
+    assert first.notices == ("left out, nothing to enhance in empty",)

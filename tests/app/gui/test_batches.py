@@ -26,6 +26,7 @@ from app.gui.work.settings import KnownClip, Places, Settings
 from assets import phantom_path
 from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams
+from renderer.leftovers import machine
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from tests.app.conftest import tissue
@@ -169,6 +170,27 @@ def test_a_folder_is_named_only_with_something_in_it(places: Places, case: Path)
     person.turn(2)
     assert not output.exists()
     assert person.state.batches.written is None
+
+
+def test_a_batch_that_is_cancelled_at_once_leaves_no_folder_and_clears_away_what_others_left(
+    places: Places, case: Path, tmp_path: Path
+) -> None:
+    person, chosen = Person(places), tmp_path / "results"
+    left = chosen / "enhanced-1/.a.mp4-999999999.5-PLACE.partial".replace("PLACE", machine())
+    left.parent.mkdir(parents=True)
+    left.write_bytes(b"half")
+    batch_actions.choose_folder(person.state, chosen)
+    output = person.begin(case)
+    for _ in range(50):
+        person.turn()
+        if output.exists():
+            break
+    assert output.is_dir()
+    person.channels.batches.cancel()
+    batch_actions.cancelled(person.state)
+    person.turn(2)
+    assert not output.exists()
+    assert not left.exists()
 
 
 def test_closing_meanwhile_is_asked_about(places: Places, case: Path) -> None:
