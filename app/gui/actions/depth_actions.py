@@ -142,6 +142,7 @@ def take_depth(state: AppState, request: DepthRequest, answer: Clip | Failure) -
     state.source.depth_wish = None
     if isinstance(answer, Failure):
         clip_actions.keep_reading(state, state.source.options)
+        _forget_reading(state)
         actions.fail(state, f"the depth of the clip stays as it is: {answer.message}")
         return
     before, state.source.clip, state.source.options = state.source.clip, answer, request.options
@@ -154,6 +155,14 @@ def take_depth(state: AppState, request: DepthRequest, answer: Clip | Failure) -
     for notice in answer.notices:
         if notice not in known:
             actions.say(state, notice)
+
+
+def _forget_reading(state: AppState) -> None:
+    """The newest step of undo does not lead to depth that cannot be read."""
+    past, now = state.enhancement.past, state.source.options
+    past[-1] = replace(past[-1], depth=now.depth, baseline=now.baseline, field_of_view=now.field_of_view)
+    if past[-2:-1] == past[-1:]:
+        past.pop()
 
 
 def _carry_over(state: AppState, before: Clip, now: Clip) -> None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from app.enhancement.image_mask import PictureMask
+from app.errors import UserError
 from app.gui.actions import (
     actions,
     arriving,
@@ -21,6 +22,7 @@ from app.gui.actions import (
 from app.gui.state.app_state import AppState
 from app.gui.state.enhancement import SettingsSnapshot
 from app.gui.views.picture_view import PictureView
+from app.gui.work.background import Failure
 from app.gui.work.opening import Opened
 from app.gui.work.settings import Places, load_clips
 from app.runs.clip_selection import ClipPart
@@ -146,3 +148,25 @@ def test_no_step_leads_into_another_clip(state: AppState, places: Places, *, tri
         history_actions.undo(state)
     assert state.source.part == ClipPart()
     assert state.enhancement.params == EnhanceParams()
+
+
+def test_undo_gets_past_depth_that_cannot_be_read(state: AppState) -> None:
+    def fails() -> None:
+        wish = state.source.depth_wish
+        if wish is not None:
+            depth_actions.take_depth(state, wish, Failure(UserError("the drive is gone")))
+        actions.settle_params(state)
+
+    state.source.bare = state.source.clip
+    actions.set_params(state, EnhanceParams(d_factor=2.0))
+    actions.settle_params(state)
+    depth_actions.choose_source(state, "brightness")
+    actions.settle_params(state)
+    fails()
+    assert [step.depth for step in state.enhancement.past] == ["auto", "auto"]
+    history_actions.undo(state)
+    fails()
+    assert state.enhancement.params == EnhanceParams()
+    history_actions.redo(state)
+    fails()
+    assert state.enhancement.params == EnhanceParams(d_factor=2.0)
