@@ -56,6 +56,10 @@ def take_up(state: AppState) -> None:
         actions.say(state, f"the queue of the earlier session cannot be restored: {error}")
         return
     state.runs.queue = tuple(Waiting(None, request, asleep=True) for request in requests)
+    if requests:
+        count = len(requests)
+        waiting = "1 reconstruction is" if count == 1 else f"{count} reconstructions are"
+        actions.announce(state, f"{waiting} queued since an earlier session: see Runs")
     if damage:
         actions.fail(state, damage)
 

@@ -213,6 +213,8 @@ def test_what_waits_is_there_after_a_restart_and_starts_at_a_word(
     state: AppState, later: AppState, jobs: Jobs
 ) -> None:
     before = [waiting.request for waiting in state.runs.queue]
+    assert later.window.toast is not None
+    assert later.window.toast.message.startswith("3 reconstructions are queued")
     assert [waiting.request for waiting in later.runs.queue] == before
     new, channels = Jobs(), Channels()
     for _ in range(3):
