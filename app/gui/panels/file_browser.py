@@ -41,7 +41,7 @@ EMPTY = {
 }
 UP_TEXT = "Backspace or Alt+Up: the folder above."
 HINTS = {
-    "folder": "Enter goes into a folder; there, Enter once more opens it.",
+    "folder": "Enter goes in; Enter again opens the folder.",
     "file": "Enter opens, Backspace goes up, Esc cancels.",
     "save": "Enter saves, Esc cancels.",
 }
