@@ -206,7 +206,7 @@ def enhance_batch(
             series = replace(series, names=names, notices=(*item.notices, *series.notices))
             step = partial(Step, place, len(items), item.name, total=len(series))
             written = yield from map_steps(enhance_into(item.output, series, chosen, watch), step)
-        except (OSError, UserError, ClipError, ImageError) as error:
+        except (OSError, UserError, ClipError, ImageError, MemoryError) as error:
             failed = Failed(item, sentence(error))
             yield Step(place + 1, len(items), item.name, failed=failed)
         else:

@@ -108,13 +108,24 @@ def take_progress(state: AppState, request: BatchRequest, answer: Progressed | F
     if batches.under_way is not request:
         return
     if isinstance(answer, Failure):
-        batches.under_way = None
-        actions.fail(state, f"nothing was enhanced: {answer.message}")
+        _stopped(state, request, answer)
         return
     batches.progressed = answer
     if answer.has_ended:
         batches.under_way = None
         _tell(state, request, answer)
+
+
+def _stopped(state: AppState, request: BatchRequest, failure: Failure) -> None:
+    """What is whole stays."""
+    batches, now = state.batches, state.batches.progressed
+    batches.under_way = None
+    if now is None or not _written(now):
+        actions.fail(state, f"nothing was enhanced: {failure.message}")
+        return
+    batches.written = request.output
+    done = f"{_written(now)} of {now.step.count} enhanced into {located(request.output)}"
+    actions.fail(state, f"{done}, then the batch stopped: {failure.message}")
 
 
 def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:

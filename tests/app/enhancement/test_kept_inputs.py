@@ -34,7 +34,7 @@ def contents(folder: Path) -> dict[Path, bytes]:
 def refused(inputs: list[Path], output: Path, *, below: bool) -> None:
     root = output.absolute().parents[0]
     before = contents(root)
-    with pytest.raises(UserError, match="(OUTPUT|output)"):
+    with pytest.raises(UserError, match=r"OUTPUT|output"):
         items_in(inputs, output, below=below)
     assert contents(root) == before
 

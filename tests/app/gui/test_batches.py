@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.enhancement.enhance_files import enhance_into
 from app.exports.replay.again import replay
 from app.files.image_files import read_image
+from app.files.image_series import Series
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, batch_actions, queue_actions
 from app.gui.commands.keys import chord
@@ -247,6 +250,24 @@ def test_what_is_said_of_what_was_written_is_listed_and_a_loss_stands_out(
     assert state.batches.progressed is not None
     assert any(one.name == "case/cut.avi" and one.is_loss for one in state.batches.progressed.noted)
     ui.frame(lambda: draw_batches(state))
+
+
+def test_a_batch_that_stops_says_what_is_there(
+    places: Places, case: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def of_folders(output: Path, series: Series, *others: Any) -> Any:
+        if not series.is_video:
+            raise RuntimeError("unforeseen")
+        return enhance_into(output, series, *others)
+
+    person = Person(places)
+    monkeypatch.setattr("app.enhancement.batch.enhance_into", of_folders)
+    output = person.begin(case / "scope.avi", case / "stills")
+    person.finish()
+    assert person.state.window.banner is not None
+    assert "1 of 2 enhanced" in person.state.window.banner.message
+    assert "stopped: unforeseen" in person.state.window.banner.message
+    assert person.state.batches.written == output
 
 
 def test_the_settings_are_all_in_sight(ui: Ui, places: Places) -> None:
