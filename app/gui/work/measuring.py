@@ -49,8 +49,8 @@ class Measured:
     which brightening opens."""
 
 
-LEAST = 0.02
-"""Share of the original's colour difference: less is nobody's loss."""
+LEAST = 0.5
+"""Of the colour difference (CIEDE2000, where 1 is just noticeable): less is nobody's loss."""
 
 
 class Measurer:
@@ -93,7 +93,7 @@ class Measurer:
 
 def _loses(before: float, after: float) -> bool:
     """False where either cannot be measured."""
-    return after < (1 - LEAST) * before
+    return after < before - LEAST
 
 
 def spread(image: ByteImage) -> Spread:

@@ -79,6 +79,7 @@ def lines(vessel: tuple[int, int, int] | None, crease: tuple[int, int, int] | No
     [
         ((VESSEL, None), ((190, 105, 98), None), True),
         ((VESSEL, None), ((181, 90, 85), None), False),
+        ((VESSEL, None), ((181, 91, 86), None), False),
         ((None, CREASE), (None, (90, 35, 30)), False),
         ((VESSEL, CREASE), ((170, 70, 65), (110, 50, 45)), False),
         ((VESSEL, CREASE), ((190, 105, 98), (110, 50, 45)), True),
