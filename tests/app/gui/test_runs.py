@@ -32,6 +32,7 @@ from app.scenes.scene import Scene
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Evaluated, Finished
@@ -245,6 +246,18 @@ def test_a_failure_says_what_can_be_done(
     run_actions.look(state, run.run_path)
     assert state.scene.model is not None
     assert state.scene.model.model is model
+
+
+def test_without_depth_from_motion_another_depth_is_the_way_out(state: AppState, make_job: MakeFake) -> None:
+    state.source.options = ClipOptions(depth="motion")
+    job_actions.start_reconstruction(state)
+    start_due(state, make_job)
+    run = state.runs.reconstruction
+    assert isinstance(run.job, FakeJob)
+    run.job.inbox = [Failed("the camera only turns")]
+    update(state, Channels(), 0.1)
+    follow_run(state)
+    assert "choose Guessed (no scale) for Depth" in run.way_out
 
 
 def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model: DynamicGaussians) -> None:
