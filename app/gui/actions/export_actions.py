@@ -71,10 +71,10 @@ def why_not_export(state: AppState, what: What) -> str:
     """What it still lacks, in a sentence; empty when it can start."""
     if state.exports.under_way is not None:
         return "Another export is running."
-    return _lacks(state, OFFERS[what])
+    return lacks(state, OFFERS[what])
 
 
-def _lacks(state: AppState, offer: Offer) -> str:
+def lacks(state: AppState, offer: Offer) -> str:
     """What there is nothing to show for, then what nothing can write here."""
     return _lacks_content(state, offer) or _lacks_package(format_of(state, offer.form))
 
@@ -226,7 +226,7 @@ def _say_what_shifts(state: AppState, request: ExportRequest) -> None:
 
 def why_not_save(state: AppState) -> str:
     """What an image of all that is shown lacks, in a sentence; empty when it can be saved."""
-    return _waits(state) or _lacks(state, OFFERS["panes and 3D view"])
+    return _waits(state) or lacks(state, OFFERS["panes and 3D view"])
 
 
 def _waits(state: AppState) -> str:

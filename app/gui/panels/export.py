@@ -126,7 +126,7 @@ def _draw_list(state: AppState) -> None:
 
 def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
     """Quiet where something is lacking, which its tooltip and the right side say."""
-    reason = export_actions.why_not_export(state, what) if state.exports.under_way is None else ""
+    reason = export_actions.lacks(state, offer)
     color = theme.now().muted if reason else theme.now().text
     with imgui_ctx.push_style_color(imgui.Col_.text, color):
         clicked, _ = imgui.selectable(f"{offer.label}###{what}", state.exports.what == what)

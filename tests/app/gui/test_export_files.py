@@ -311,3 +311,19 @@ def test_by_hand_splats_in_another_format(places: Places, runs: dict[str, Path])
     assert state.exports.last is not None
     assert state.exports.last.name == "original-frame-1-splats.spz"
     assert same(state.exports.last, runs["original"])
+
+
+def test_what_an_export_lacks_is_said_also_while_another_runs(
+    opened: AppState, ui: Ui, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[str] = []
+    monkeypatch.setattr("app.gui.panels.export.explain", lambda text, below=True: told.append(text))
+    opened.exports.shown = True
+    ui.frame(lambda: draw_export(opened))
+    before = [text for text in told if text]
+    assert before
+    told.clear()
+    opened.exports.under_way = export_actions.export_request(opened, "measures of both panes")
+    assert opened.exports.under_way is not None
+    ui.frame(lambda: draw_export(opened))
+    assert [text for text in told if text in before] == before
