@@ -207,9 +207,11 @@ def _draw_messages(run: Reconstruction) -> None:
     with imgui_ctx.push_text_wrap_pos(0):
         for warning in run.warnings[-3:]:
             imgui.text_colored(theme.now().warning, capital(legible(without_flags(warning))))
+    if run.omitted and imgui.tree_node("What is left out###left out"):
         for omission in run.omitted:
-            muted(f"Left out: {omission.what}")
-            explain(f"{capital(omission.why)}. Saves {omission.saves}.")
+            note(f"{capital(omission.what)}: {omission.why}")
+            explain(f"Saves {omission.saves}.")
+        imgui.tree_pop()
 
 
 def _draw_curves(run: Reconstruction) -> None:

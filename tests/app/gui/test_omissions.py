@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from imgui_bundle import imgui
 
 from app.gui.actions import actions, history_actions, job_actions
 from app.gui.panels import reconstruction
@@ -113,12 +114,21 @@ def test_what_is_kept_reaches_the_job_as_from_the_command_line_and_is_undone(
     assert state.runs.reconstruction.config == TrainConfig()
 
 
-def test_what_a_run_left_out_is_explained_in_sentences(
+def test_what_a_run_left_out_is_explained_where_a_person_unfolds_it(
     ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run, said = opened.runs.reconstruction, list[str]()
     run.status = "running"
     run.started = Started(0, 100, 30, (Omission("tiles", "no tissue to compare with", "24% of the tiles"),))
-    monkeypatch.setattr(reconstruction, "explain", said.append)
+    monkeypatch.setattr(reconstruction, "note", lambda text, color=None: said.append(text))
     ui.frame(lambda: draw_reconstruction(opened))
-    assert "No tissue to compare with. Saves 24% of the tiles." in said
+    assert not any("Tiles" in text for text in said)
+    fold = imgui.tree_node
+
+    def unfolded(label: str) -> bool:
+        imgui.set_next_item_open(True)
+        return fold(label)
+
+    monkeypatch.setattr(imgui, "tree_node", unfolded)
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert "Tiles: no tissue to compare with" in said
