@@ -105,11 +105,11 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
         inside = list(_items_of(given, output, taken, links, alone=len(inputs) == 1, below=below))
         found += inside
         bare += [] if inside else [given.name]
-    said = (_left_links(links),) if links else ()
+    said = [_left_links(links)] if links else []
     if not found:
         names = ", ".join(given.name for given in inputs)
         raise UserError("; ".join((f"expected images or videos, found none in {names}", *said)))
-    said += (f"left out, nothing to enhance in {listed(bare)}",) if bare else ()
+    said += [f"left out, nothing to enhance in {listed(bare)}"] if bare else []
     found[0] = replace(found[0], notices=(*found[0].notices, *said))
     read = [path for item in found for path in files_of(item.source)]
     require_other((item.output for item in found if item.source.is_dir()), homes(read))

@@ -355,7 +355,7 @@ def take_written(state: AppState, request: SessionRequest, answer: Path | Failur
 def hides_model(state: AppState, opened: Opened) -> bool:
     """What the session shows gives way to another reconstruction that is in training."""
     run = state.runs.reconstruction
-    if not run.is_alive or opened.model is None:
+    if not run.is_alive or (opened.run is None and opened.splats is None):
         return False
     return opened.run is None or opened.run.path != run.run_path
 
