@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from app.console.flags import add_fields, parameters
-from app.console.startup import has_display
+from app.console.startup import has_display, take_turns_where_needed
 from app.errors import UserError
 from app.live.igtl.endpoint import PORT
 from app.live.sources.device import ask_permission, devices_for
@@ -52,7 +52,7 @@ def run(flags: argparse.Namespace) -> None:
                 f"the app needs Microsoft's Visual C++ Redistributable, see README ({error})"
             ) from error
         raise
-
+    take_turns_where_needed()
     run_app(None if flags.path is None else _plain(flags.path), options, live)
 
 

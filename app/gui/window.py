@@ -13,7 +13,6 @@ from imgui_bundle import hello_imgui, imgui, immapp
 
 from app.console.ending import noted
 from app.console.log_file import logged
-from app.console.startup import take_turns_where_needed
 from app.enhancement.methods import preset_of
 from app.errors import UserError
 from app.files.provenance import version
@@ -103,7 +102,6 @@ def run_app(
     Raises:
         UserError: there is no screen, or no OpenGL 3.3 on it.
     """
-    take_turns_where_needed()
     places = Places.of_user()
     window = Window(AppState(places, load_settings(places.settings_file), Source(clip_options)))
     remembered.begin(window.state)

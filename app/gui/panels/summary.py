@@ -103,8 +103,8 @@ def _draw_item(state: AppState, place: int, item: Item, texture: Texture) -> Non
     imgui.same_line()
     with imgui_ctx.begin_group():
         imgui.align_text_to_frame_padding()
-        room = imgui.get_content_region_avail().x - em(MOVING + 0.5)
-        imgui.text_unformatted(shortened(f"{place + 1}.  {legible(item.path.name)}", room))
+        width = imgui.get_content_region_avail().x - em(MOVING + 0.5)
+        imgui.text_unformatted(shortened(f"{place + 1}.  {legible(item.path.name)}", width))
         _draw_moving(state, place)
         size = ImVec2(-0.1, em(HEIGHT) - imgui.get_frame_height_with_spacing())
         changed, text = text_area("##note", "", item.note, size)

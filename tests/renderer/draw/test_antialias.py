@@ -89,3 +89,12 @@ def test_extreme_scales_keep_a_share_of_their_opacity(scales: tuple[float, float
         np.testing.assert_allclose(kept, splats.opacities[drawn], rtol=1e-6)
     if max(scales) < 1e-20:
         assert not drawn.any()
+
+
+@pytest.mark.gl
+def test_unknown_ways_of_drawing_are_refused(ctx: moderngl.Context) -> None:
+    splats, camera, other = random_splats(1, CAMERA, 0), CAMERA, "Mip"
+    with pytest.raises(ValueError, match="mode must be default or mip, got 'Mip'"):
+        render_offscreen(ctx, splats, camera, mode=other)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="precision must be byte, half, float or None, got 'Mip'"):
+        render_offscreen(ctx, splats, camera, precision=other)  # type: ignore[arg-type]

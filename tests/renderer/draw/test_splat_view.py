@@ -159,14 +159,6 @@ def test_splats_that_pass_beside_the_camera_agree_with_the_reference(ctx: modern
     assert psnr(oracle, reference(joined(*parts[20:]), camera, BACKGROUND).image.numpy()) < 50
 
 
-def test_unknown_ways_of_drawing_are_refused(ctx: moderngl.Context) -> None:
-    splats, camera, other = splat((0.0, 0.0, 2.0)), Camera.from_fov(60, 24, 16), "Mip"
-    with pytest.raises(ValueError, match="mode must be default or mip, got 'Mip'"):
-        render_offscreen(ctx, splats, camera, mode=other)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="precision must be byte, half, float or None, got 'Mip'"):
-        render_offscreen(ctx, splats, camera, precision=other)  # type: ignore[arg-type]
-
-
 def test_the_near_plane_is_configurable(ctx: moderngl.Context) -> None:
     splats = joined(splat((0.0, 0.0, 2.0)), splat((0.0, 0.0, 3.0)))
     camera = Camera.from_fov(60, 24, 16)
