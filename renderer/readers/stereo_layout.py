@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Final, cast
+from typing import TYPE_CHECKING, Final
 
 import cv2
 import numpy as np
@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import Stereo, StereoLayout
+from renderer.readers.video_shape import said_with
 
 if TYPE_CHECKING:
     from av import VideoFrame
-    from av.buffer import Buffer
 
 TOLD: Final[Mapping[int, StereoLayout]] = {1: "side-by-side", 2: "top-bottom"}
 """As FFmpeg numbers them."""
@@ -51,10 +51,9 @@ def chosen_layout(stereo: Stereo, told: StereoLayout | None) -> StereoLayout | N
 
 def told_layout(first: VideoFrame) -> StereoLayout | None:
     """What a video says with its first frame; None: nothing, or a layout that is not read."""
-    found = cast("Buffer | None", first.side_data.get("STEREO3D"))
-    if found is None:
+    tag = said_with(first, "STEREO3D")
+    if tag is None:
         return None
-    tag = bytes(found)
     kind, flags = (int.from_bytes(tag[at : at + 4], sys.byteorder) for at in (0, 4))
     return None if flags & RIGHT_FIRST else TOLD.get(kind)
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from renderer.clip import ByteImage
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
     from av import VideoFrame
     from av.buffer import Buffer
     from av.video.stream import VideoStream
@@ -24,6 +26,19 @@ HD = 720
 def usual_matrix(height: int) -> str:
     """Of a picture that names none, as swscale calls it."""
     return "ITU709" if height >= HD else "ITU601"
+
+
+def said_with(frame: VideoFrame, kind: str) -> bytes | None:
+    """What a video says with a frame, by FFmpeg's name of it.
+
+    `VideoFrame.side_data` would be kept by the frame, which it keeps: its megabytes, and the threads of its
+    conversion, would wait for a collection of cycles, and that counts objects alone.
+    """
+    from av.sidedata.sidedata import SideDataContainer
+
+    all_of = cast("Callable[[VideoFrame], Mapping[str, Buffer]]", SideDataContainer)
+    found = all_of(frame).get(kind)
+    return None if found is None else bytes(found)
 
 
 def lies_down(frame: VideoFrame) -> bool:
@@ -45,10 +60,10 @@ def _display_matrix(frame: VideoFrame) -> NDArray[np.int64]:
 
     Source: ISO/IEC 14496-12, 8.3.2 (matrix of a track), as FFmpeg hands it on.
     """
-    told = cast("Buffer | None", frame.side_data.get("DISPLAYMATRIX"))
+    told = said_with(frame, "DISPLAYMATRIX")
     if told is None:
         return np.eye(2, dtype=np.int64)
-    return np.frombuffer(bytes(told), np.int32).astype(np.int64).reshape(3, 3)[:2, :2]
+    return np.frombuffer(told, np.int32).astype(np.int64).reshape(3, 3)[:2, :2]
 
 
 def pixel_aspect(stream: VideoStream, frame: VideoFrame) -> Fraction:

@@ -7,6 +7,7 @@ import os
 import sys
 from pathlib import Path
 
+import av
 import numpy as np
 import psutil
 import pytest
@@ -35,6 +36,20 @@ def test_a_dropped_video_lets_its_decoder_go_without_a_search_for_garbage(
         assert held() == 1
         del clip
         assert held() == 0
+    finally:
+        gc.enable()
+
+
+def test_frames_that_were_read_are_let_go_without_a_search_for_garbage(tmp_path: Path) -> None:
+    """Each is of megabytes, and such a search waits for many small objects."""
+    clip = open_video(opencv_video(tmp_path / "a.mp4", "mp4v", 100))
+    clip.read_image(0)
+    gc.collect()
+    gc.disable()
+    try:
+        for index in range(40):
+            clip.read_image(index)
+        assert sum(isinstance(one, av.VideoFrame) for one in gc.get_objects()) < 10
     finally:
         gc.enable()
 
