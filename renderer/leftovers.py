@@ -28,8 +28,6 @@ COMMIT: Final = ".commit"
 LONGEST: Final = 120
 """Bytes of a name; systems allow 255 with all that is added."""
 INSTALLATION: Final = Path("/etc/machine-id")
-NUMBERS: Final = Path("/proc/self/ns/pid")
-"""Its inode is that of the space in which processes have their numbers."""
 _NAME = re.compile(r"^\..*-(\d+(?:\.\d+)?)-([0-9a-f]{8})(\.partial|\.commit)(\.[^.]*)?$")
 
 
@@ -113,15 +111,10 @@ def _began(process: int) -> str:
 def machine() -> str:
     """Folders may be shared: a process is one of the machine that it runs on.
 
-    A Mac's name follows the network that it is in, so its hardware tells it. Elsewhere the name does; Linux
-    adds the installation and the space of process numbers: of containers several may have one name.
+    A Mac's name follows the network that it is in, so its hardware tells it. Elsewhere the name does, with
+    the installation, as several machines may have one of the two.
     """
-    if sys.platform == "darwin":
-        return _short(_hardware())
-    told = platform.node() + _installation()
-    with suppress(OSError):
-        told += str(NUMBERS.stat().st_ino)
-    return _short(told)
+    return _short(_hardware() if sys.platform == "darwin" else platform.node() + _installation())
 
 
 @cache

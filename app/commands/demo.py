@@ -16,7 +16,7 @@ import numpy as np
 from app.commands.evaluate import measured
 from app.commands.train import follow
 from app.console.progress import progress
-from app.console.startup import has_display
+from app.console.startup import has_display, take_turns_where_needed
 from app.enhancement.contact_sheet import Tile, sheet
 from app.errors import UserError
 from app.evaluation.evaluate import Evaluation, open_evaluation
@@ -78,6 +78,7 @@ def _open(run: Path) -> None:
     """What has been made is there, also where no window can be."""
     from app.gui.window import run_app
 
+    take_turns_where_needed()
     try:
         run_app(run)
     except UserError as error:

@@ -331,7 +331,7 @@ def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
         said = [replace(pane, statistics=one.statistics) for pane, one in pairs]
         if record.measures:
             own = made if Sizing(record.scale, record.width) == Sizing() else maker.made(frame, Sizing())
-            rows = measures_at(frame, record.measures, maker, own)
+            rows = measures_at(frame, record.measures, maker, own, noise_cut=record.noise_cut)
             said = [replace(pane, measured=row) for pane, row in zip(said, rows, strict=True)]
         record = replace(record, panes=tuple(said))
     views: list[ViewRecord] = []

@@ -245,6 +245,8 @@ class PanesPicture(PanesRecord):
     """Of a JPEG, which then keeps all of its colour's resolution."""
     measures: tuple[Measure, ...] | None = None
     """That the file tells of each pane."""
+    noise_cut: NoiseCut = "by level"
+    """Of the noise gains; by level, as before 0.4.0, of images that do not say."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

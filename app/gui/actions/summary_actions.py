@@ -50,7 +50,7 @@ def add_shown(state: AppState) -> None:
     if request is None:
         return
     if isinstance(request.record, PanesPicture) and request.record.panes:
-        request = replace(request, record=replace(request.record, measures=MEASURES))
+        request = replace(request, record=replace(request.record, measures=MEASURES, noise_cut="by rank"))
     state.summary.awaited += (request,)
     export_actions.ask_image(state, request)
 

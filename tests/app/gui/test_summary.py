@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -11,10 +12,15 @@ from imgui_bundle import imgui
 
 from app.enhancement.parameter_grid import measured
 from app.exports.html_file import facts_in
+from app.exports.make import make
+from app.exports.records import EXPORT, PanesPicture
 from app.exports.replay.again import replay
+from app.exports.replay.recorded import recorded
+from app.exports.replay.sources import Found
 from app.exports.sizing import Sizing
 from app.exports.summary.page import COLUMNS
 from app.files.provenance import read_provenance
+from app.files.stepping import run_to_end
 from app.gui.actions import actions, leaving, session_actions, summary_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.summary import draw_summary
@@ -23,6 +29,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.summary import Item
 from app.gui.work.background import Failure
 from app.gui.work.settings import Places, Settings
+from enhance.noise import NoiseCut
 from enhance.ridges import field_of_view, vessel_mask
 from tests.app.gui.exporting import Exporter
 from tests.app.gui.ui import Ui, no_thumbnail
@@ -81,6 +88,23 @@ def test_the_measures_are_those_of_the_panes(run: Exporter) -> None:
     page = run.state.exports.last.read_text()
     numbers = [(told[1]["measured"][name], form) for name, _, form in COLUMNS]
     assert all(value is None or f">{value:{form}}<" in page for value, form in numbers)
+
+
+def test_measures_come_again_by_the_noise_that_the_image_says(run: Exporter) -> None:
+    """Images of before say nothing of it."""
+    run.rest()
+    add(run)
+    (item,), clip = run.state.summary.items, run.state.source.clip
+    assert clip is not None
+    record = EXPORT.validate_python(recorded(item.path))
+    assert isinstance(record, PanesPicture)
+    gains = []
+    for cut in get_args(NoiseCut):
+        again = item.path.with_name(f"{cut}.png")
+        run_to_end(make(replace(record, noise_cut=cut, views=()), Found(item.path, (clip.path,)), again))
+        gains.append([pane["measured"]["noise_gain"] for pane in read_provenance(again)["panes"]])
+    assert record.noise_cut == "by rank"
+    assert gains[0] != gains[1]
 
 
 def test_the_measures_are_those_of_the_pixels_whatever_the_size_of_the_file(run: Exporter) -> None:
