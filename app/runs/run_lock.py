@@ -20,9 +20,9 @@ from renderer.json_files import read_json
 from renderer.leftovers import lives, mark_of
 
 NAME, LOCK = ".training.json", ".training.lock"
-_PARTIAL: Final = re.compile(r"\.?(checkpoint-\d+|model)\.safetensors(-[\d.]+-[0-9a-f]{8})?\.partial")
-"""What a training was writing, on whichever machine; of former versions without process and machine. Other
-programs end names in the same way, and may have files in its folder."""
+_PARTIAL: Final = re.compile(r"\.?(checkpoint-\d+|model)\.safetensors((-\d+)?-[\d.]+-[0-9a-f]{8})?\.partial")
+"""What a training was writing, on whichever machine; of former versions without thread, or without process
+and machine, too. Other programs end names in the same way, and may have files in its folder."""
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -18,8 +19,9 @@ from app.runs.run_lock import LOCK, NAME, locked
 from app.runs.shared_model import PREFIX
 from renderer.leftovers import COMMIT, temporary_name
 
-ELSEWHERE = ".model.safetensors-41.977-0badcafe.partial"
-"""Of a training that another machine had begun."""
+ELSEWHERE = re.sub(r"-\w+\.partial$", "-0badcafe.partial", temporary_name("checkpoint-00000010.safetensors"))
+FORMERLY = ".model.safetensors-41.977-0badcafe.partial"
+"""Of trainings that another machine had begun."""
 
 
 @pytest.fixture
@@ -77,7 +79,7 @@ def test_what_was_being_written_is_gone_and_what_was_whole_is_put_into_place(
 def test_a_run_whose_training_was_killed_is_nobodys(places: Places) -> None:
     run = places.runs / "first"
     run.mkdir(parents=True)
-    for name in (NAME, LOCK, "checkpoint-00000010.safetensors.partial", ELSEWHERE):
+    for name in (NAME, LOCK, "checkpoint-00000010.safetensors.partial", ELSEWHERE, FORMERLY):
         (run / name).write_text("")
     (run / "run.json").write_text("{}")
     start(places)
