@@ -257,7 +257,6 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
     Raises ClipError: they look like no rectified pair, or like one that is swapped or is one image twice.
     """
     every = list(_shifts(clip, right, places(len(clip))))
-    where = f"{right.names}: {clip.path}"
     if len(every[0]) < _FEWEST_FEATURES:
         # One frame may be blurred or dark; the pair that shows most stands for all.
         every = sorted(every, key=len, reverse=True)
@@ -267,7 +266,8 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
         needed = f"{_FEWEST_FEATURES} are needed"
         raise ClipError(f"expected a stereo pair, got images with {found} ({needed}): {clip.path}")
     if np.median(np.abs(shifts[:, :2])) < _SAME:
-        raise ClipError(f"expected a left and a right image, got the same image twice, {where}")
+        came = f"the same image twice for {right.names}"
+        raise ClipError(f"expected a left and a right image, got {came}: {clip.path}")
     across, rows = np.median(shifts[:, 0]), _Rows()
     own = own_offsets(every)
     apart = float(np.median(np.abs(shifts[:, 1])))
@@ -283,7 +283,8 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
             raise ClipError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
     if across <= 0:
         shift = f"the right one shows objects {-across:.0f} px farther right"
-        raise ClipError(f"expected a left and a right image, got them swapped, {shift}, {where}")
+        came = f"{right.names} swapped, {shift}"
+        raise ClipError(f"expected a left and a right image, got {came}: {clip.path}")
     return rows
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -74,6 +75,17 @@ def test_what_a_video_says_is_overruled_on_request(tmp_path, moments) -> None:
     assert not wrong.has_depth
     assert "no stereo depth" in wrong.why_no_depth
     assert "frame 0" not in wrong.why_no_depth
+
+
+def test_eyes_that_are_swapped_or_one_twice_are_told_without_the_name_of_a_frame(tmp_path, moments) -> None:
+    swapped = [replace(one, left=one.right, right=one.left) for one in moments]
+    twice = [replace(one, right=one.left) for one in moments]
+    for name, eyes, told in (
+        ("a.mp4", swapped, "got both eyes in its frames swapped, the right one shows objects"),
+        ("b.mp4", twice, "got the same image twice for both eyes in its frames: "),
+    ):
+        clip = open_clip(film(tmp_path / name, eyes, "side-by-side", told=True))
+        assert told in clip.why_no_depth
 
 
 @pytest.mark.parametrize("layout", AXES)
