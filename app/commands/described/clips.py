@@ -106,19 +106,18 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         Fact("camera", _assumed(), {"field_of_view": DEFAULTS.view_angle, "assumed": True}),
         Fact("unit", "scene units"),
         *notices([*filter(None, [cut, hint])]),
-        next_steps(
-            path,
-            ("enhance", "PATH", "OUT.mp4", *(("--stereo", looks) if looks else ())),
-            ("train", "PATH", "--run", "RUN", *_of_both_eyes(header.stereo, looks)),
-        ),
+        next_steps(path, *_video_steps(header.stereo, looks)),
     )
 
 
-def _of_both_eyes(stereo: StereoLayout | None, looks: StereoLayout | None) -> tuple[str, ...]:
-    """Flags by which depth comes of both eyes, as the video says or looks; of one eye it is guessed."""
+def _video_steps(stereo: StereoLayout | None, looks: StereoLayout | None) -> Iterator[tuple[str, ...]]:
+    """As the video says, depth of one eye guessed; then those of two eyes, if it looks like them: a person
+    decides."""
+    enhance, train = ("enhance", "PATH", "OUT.mp4"), ("train", "PATH", "--run", "RUN")
+    yield enhance
+    yield train if stereo else (*train, "--depth", "brightness")
     if looks is not None:
-        return "--stereo", looks
-    return () if stereo else ("--depth", "brightness")
+        yield from ((*step, "--stereo", looks) for step in (enhance, train))
 
 
 def _eyes(stereo: StereoLayout | None) -> tuple[Fact, ...]:
