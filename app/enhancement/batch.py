@@ -104,10 +104,10 @@ def items_in(inputs: Sequence[Path], output: Path, *, below: bool) -> list[Item]
     for given in inputs:
         inside = list(_items_of(given, output, taken, links, alone=len(inputs) == 1, below=below))
         found += inside
-        bare += [] if inside else [given.name]
+        bare += [] if inside else [given.resolve().name]
     said = [_left_links(links)] if links else []
     if not found:
-        names = ", ".join(given.name for given in inputs)
+        names = ", ".join(bare)
         raise UserError("; ".join((f"expected images or videos, found none in {names}", *said)))
     said += [f"left out, nothing to enhance in {listed(bare)}"] if bare else []
     found[0] = replace(found[0], notices=(*found[0].notices, *said))

@@ -288,3 +288,15 @@ def test_a_folder_with_nothing_to_enhance_beside_others_is_named(cases: Path, tm
     (tmp_path / "empty").mkdir()
     first, *_ = items_in((tmp_path / "empty", cases / "a/stills"), tmp_path / "out", below=True)
     assert first.notices == ("left out, nothing to enhance in empty",)
+
+
+@pytest.mark.parametrize("given", [".", "below/.."])
+def test_the_current_folder_has_its_name(
+    given: str, cases: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "empty/below").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "empty")
+    first, *_ = items_in((Path(given), cases / "a/stills"), tmp_path / "out", below=True)
+    assert first.notices == ("left out, nothing to enhance in empty",)
+    with pytest.raises(UserError, match=r"found none in empty$"):
+        items_in((Path(given),), tmp_path / "out", below=True)
