@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BeforeValidator
 
 from enhance import brightness, detail
 from enhance.field import FieldOfView
@@ -16,6 +17,13 @@ from enhance.params import EnhanceParams
 from enhance.saturation import color_share
 
 Scope = Literal["image", "clip", "live"]
+
+
+def _known(field: Any) -> Any:
+    """Of a record's field of view what is known: what another version may say besides is passed over."""
+    if not isinstance(field, dict):
+        return field
+    return {name: value for name, value in field.items() if name in FieldOfView.__dataclass_fields__}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +58,7 @@ class Statistics:
     color: float = 1.0
     """Share of the change of saturation of Eqs 11 and 12 in use, in [0, 1]: 1 where d was set; times the
     strength."""
-    field: FieldOfView | None = None
+    field: Annotated[FieldOfView | None, BeforeValidator(_known)] = None
     """Where it was measured, and is to be used; None: all pixels."""
 
     def __post_init__(self) -> None:

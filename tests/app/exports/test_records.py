@@ -106,6 +106,16 @@ def test_what_no_pixel_needs_keeps_nobody_from_replaying(tmp_path: Path) -> None
     assert replay(path, SOURCES, tmp_path / "again.png").difference.largest <= 2
 
 
+def test_what_a_later_version_says_besides_of_a_field_of_view_is_passed_over() -> None:
+    facts = said("enhanced.png")
+    field = {"width": 64, "height": 48, "circle": [32.0, 24.0, 20.0]}
+    known, more = (
+        EXPORT.validate_python(facts | {"statistics": facts["statistics"] | {"field": one}})
+        for one in (field, field | {"newly": 1})
+    )
+    assert known == more
+
+
 @pytest.mark.parametrize(
     "wrong", [{"supersampling": 0}, {"camera": {"fx": 1}}, {"renderer": 3}, {"time": "now"}, {"time": 2.0}]
 )
