@@ -71,7 +71,8 @@ class Picture:
         _, nearest = cv2.distanceTransformWithLabels(
             hidden.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5, labelType=cv2.DIST_LABEL_PIXEL
         )
-        colors = np.empty((int(nearest.max()) + 1, 3), self.dtype)
+        # Black beyond the 65 534 px that OpenCV measures, where it says 0.
+        colors = np.zeros((int(nearest.max()) + 1, 3), self.dtype)
         colors[nearest[~hidden]] = self.pixels[~hidden]
         return Picture(colors[nearest], self.alpha)
 

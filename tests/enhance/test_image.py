@@ -17,6 +17,7 @@ from enhance import (
     find_field,
     measure,
 )
+from enhance.image import Picture
 from tests.enhance.pictures import DTYPES, as_type, vessels
 
 WRONG: Any = {"z": 0.1}
@@ -152,6 +153,15 @@ def test_alpha_passes_through_and_hides_pixels_from_the_statistics() -> None:
     assert own == replace(masked, sigmas=()) != replace(enhance(color).statistics, sigmas=())
     with pytest.raises(ImageError, match="hides all"):
         enhance(np.dstack((color, np.zeros_like(alpha))))
+
+
+def test_hidden_pixels_too_far_from_visible_ones_are_black(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(np, "empty", lambda shape, dtype: np.full(shape, 7, dtype))
+    alpha = np.zeros((2, 70_000), np.uint8)
+    alpha[:, 0] = 255
+    filled = Picture(np.full((2, 70_000, 3), 9, np.uint8), alpha).filled.pixels
+    assert (filled[:, :60_000] == 9).all()
+    assert not filled[:, 69_000:].any()
 
 
 def test_views_are_read_and_never_written() -> None:
