@@ -12,6 +12,7 @@ from app.files.legible import as_label, legible
 from app.gui.actions import path_actions
 from app.gui.commands.camera_commands import export_cameras, export_path, import_views
 from app.gui.state.app_state import AppState
+from app.gui.style.handles import slide_labelled
 from app.gui.style.widgets import button, em, explain, note, shortened
 from app.scenes.scene import Scene
 from renderer.camera_files import NamedCamera
@@ -110,7 +111,7 @@ def _draw_path(state: AppState, model: Scene) -> None:
         return
     if enabled:
         imgui.set_next_item_width(-em(0.1))
-        moved, seconds = imgui.slider_float("##playhead", cameras.playhead, path.start, path.end, "%.2f s")
+        moved, seconds = slide_labelled("##playhead", cameras.playhead, path.start, path.end, "%.2f s")
         if moved:
             path_actions.seek_path(state, seconds)
     _draw_keyframes(state, model)

@@ -17,6 +17,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.editing import TOOLS, Editing, Tool
 from app.gui.style import theme
 from app.gui.style.asking import ask
+from app.gui.style.handles import slide_labelled
 from app.gui.style.widgets import Area, button, choose_row, em, explain, in_line, muted, row, tag, toggle
 from app.gui.work.selecting import TRAITS, Limits
 from app.scenes.free_camera import Vector
@@ -82,7 +83,7 @@ def _draw_radius(state: AppState, editing: Editing) -> None:
     row("Radius", text)
     flags = imgui.SliderFlags_.logarithmic | imgui.SliderFlags_.always_clamp
     shown = editing.radius * distance
-    changed, radius = imgui.slider_float("##radius", shown, 1e-3 * distance, distance, "%.3g", flags)
+    changed, radius = slide_labelled("##radius", shown, 1e-3 * distance, distance, "%.3g", flags)
     explain(text)
     if changed:
         edit_actions.choose_radius(state, radius / distance)

@@ -19,6 +19,7 @@ from app.gui.actions.export_records import format_of
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.style import theme
+from app.gui.style.handles import slide_labelled
 from app.gui.style.widgets import FLAT, button, choose, choose_row, em, explain, floating, muted, note, row
 from app.scenes.supersampling import FACTORS
 
@@ -212,9 +213,9 @@ def _draw_format(state: AppState, form: Form) -> None:
     if suffix == ".jpg":
         imgui.same_line()
         imgui.set_next_item_width(em(8))
-        _, quality = imgui.slider_int("##quality", state.exports.quality, 50, 100, "quality %d")
+        _, quality = slide_labelled("##quality", state.exports.quality, 50, 100, "quality %.0f")
         explain(QUALITY_TEXT)
-        export_actions.choose_quality(state, quality)
+        export_actions.choose_quality(state, round(quality))
 
 
 def _draw_picture_size(state: AppState) -> None:

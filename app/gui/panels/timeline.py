@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.image_mask import NO_MASK
@@ -14,6 +14,7 @@ from app.gui.commands.commands import has_something
 from app.gui.panels.live import draw_live_bar
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
+from app.gui.style.handles import handle
 from app.gui.style.widgets import TALL, Area, button, em, explain, percent, tall, toggle
 from app.gui.views.clip_time import clock, seconds_at
 from app.gui.views.frame_scale import PADDING, FrameScale
@@ -69,7 +70,9 @@ def _draw_slider(state: AppState, count: int, across: int) -> None:
     label = in_folder(state) or place(state)
     now, most, flags = state.moment + 1, max(count, 2), imgui.SliderFlags_.always_clamp
     said = label.replace("%d", str(now)).replace("%%", "%")
-    grab = _handle(FrameScale(0, across, count, imgui.get_style().grab_min_size), now - 1, said)
+    scale = FrameScale(0, across, count, imgui.get_style().grab_min_size)
+    # None where there is one frame.
+    grab = handle(said, scale.ends(now - 1, now - 1), across) if count > 1 else theme.CLEAR
     color = imgui.Col_
     with (
         imgui_ctx.push_style_color(color.slider_grab, grab),
@@ -78,16 +81,6 @@ def _draw_slider(state: AppState, count: int, across: int) -> None:
         changed, frame = imgui.slider_int("##frame", now, 1, most, label, flags)
     if changed:
         actions.seek(state, frame - 1)
-
-
-def _handle(scale: FrameScale, frame: int, label: str) -> ImVec4:
-    """Its colour: none where there is one frame; one that leaves the label legible while it is below that."""
-    if scale.count < 2:
-        return theme.grey(0, 0)
-    left, right = scale.ends(frame, frame)
-    middle, half = scale.width / 2, imgui.calc_text_size(label).x / 2
-    below = left < middle + half and right > middle - half
-    return theme.now().lit if below else theme.now().grab
 
 
 def in_folder(state: AppState) -> str:

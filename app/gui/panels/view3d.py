@@ -18,6 +18,7 @@ from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks, is_on_
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import frame_share, hides_enhancement
 from app.gui.style import theme
+from app.gui.style.handles import slide_labelled
 from app.gui.style.widgets import (
     Area,
     beside,
@@ -171,7 +172,7 @@ def _draw_snap(state: AppState) -> None:
     beside_of(em(8))
     imgui.set_next_item_width(em(8))
     share, form, flags = 100 * state.scene.viewer.blend, "frame %.0f %%", imgui.SliderFlags_.always_clamp
-    changed, percent = imgui.slider_float("##blend", share, 0, 100, form, flags)
+    changed, percent = slide_labelled("##blend", share, 0, 100, form, flags)
     explain("[ and ]: from the reconstruction alone (0) to the frame alone (100).")
     if changed:
         camera_actions.blend(state, percent / 100)
@@ -196,7 +197,7 @@ def _draw_time(state: AppState) -> None:
     number, form = model.number_at(state.time), f"frame {model.form(state.time)}"
     # Also to moments between frames.
     flags = imgui.SliderFlags_.no_round_to_format
-    changed, number = imgui.slider_float("##time", number, first, last, form, flags)
+    changed, number = slide_labelled("##time", number, first, last, form, flags)
     explain(f"The moment that is shown, also between frames: time {state.time:.3f} (0 to 1).")
     if changed:
         actions.seek_view(state, model.time_of(number))

@@ -64,8 +64,6 @@ def test_every_text_can_be_read(ui: Ui, name: Theme) -> None:
     for ground in ("lit", "caution", "recording", "alarm"):
         bright[f"text on {ground}"] = contrast(worn.text, getattr(worn, ground))
     assert {pair: round(value, 2) for pair, value in bright.items() if value < READABLE} == {}
-    # What moves over the middle of its own number.
-    assert contrast(worn.text, style("slider_grab")) >= TOLD_APART
 
 
 @pytest.mark.parametrize("name", BOTH)
