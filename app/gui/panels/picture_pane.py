@@ -49,12 +49,12 @@ def draw_pane(
     Without `labels` it says only what could mislead; what it says at the bottom stands above so many pixels
     that are `covered`. Returns the picture position under the mouse if that is here.
     """
-    pointer = _button(state, slot, pane.image, area)
+    pointer, crosses = _button(state, slot, pane.image, area), _draws_mask_here(state)
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
         _draw_image(state, textures, slot, pane, area)
         if state.masking.active:
             draw_brush(state, _placement(state, pane.image, area), area)
-        if state.picture.mask_tool and imgui.is_item_hovered():
+        if crosses:
             _cross_at(imgui.get_mouse_pos())
         if pointer is None and len(read) == 1:
             _draw_cross(state, pane.image, area)
@@ -72,7 +72,7 @@ def draw_divider(
 ) -> Pointer | None:
     """Left and right of a line that can be dragged; each side has its own tags."""
     imgui.set_next_item_allow_overlap()
-    pointer = _button(state, "wipe", left.image, area)
+    pointer, crosses = _button(state, "wipe", left.image, area), _draws_mask_here(state)
     x = _drag_line(state, area)
     across = _placement(state, left.image, area).picture_at(x - area.corner.x, 0)[0] / left.image.shape[1]
     laid_out.place_wipe(state, across)
@@ -84,6 +84,8 @@ def draw_divider(
         if is_not_live(state.live):
             _draw_rim(area)
         _draw_line(area, x)
+        if crosses:
+            _cross_at(imgui.get_mouse_pos())
         _draw_readout(state, (left, right), area, covered)
     return pointer
 
@@ -127,6 +129,11 @@ def _button(state: AppState, name: str, image: ByteImage, area: Area) -> Pointer
     x, y = _placement(state, image, area).picture_at(*area.mouse())
     inside = 0 <= x < image.shape[1] and 0 <= y < image.shape[0]
     return (int(x), int(y)) if inside else None
+
+
+def _draws_mask_here(state: AppState) -> bool:
+    """A box or a circle is asked for, and the pointer is on the pane, which is the item before."""
+    return bool(state.picture.mask_tool) and imgui.is_item_hovered()
 
 
 def _pane_at(state: AppState, name: str, area: Area) -> Side:

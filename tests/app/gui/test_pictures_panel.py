@@ -8,6 +8,8 @@ import pytest
 from imgui_bundle import ImVec2
 
 from app.enhancement.methods import VESSEL
+from app.enhancement.settable import MODES, Mode
+from app.gui.actions import clip_actions, comparing
 from app.gui.panels import picture_pane
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, pane
@@ -35,6 +37,20 @@ def test_left_is_the_original_and_right_the_enhanced(ui: Ui, opened: AppState) -
     ui.frame(compare(opened, shown))
     assert shown.images["left"] is pictures(opened).original
     assert shown.images["right"] is pictures(opened).enhanced
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_a_cross_shows_where_a_mask_begins(
+    ui: Ui, opened: AppState, mode: Mode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    crosses: list[tuple[float, float]] = []
+    monkeypatch.setattr(picture_pane, "_cross_at", lambda at: crosses.append((at.x, at.y)))
+    comparing.choose_mode(opened, mode)
+    clip_actions.draw_mask(opened, "text")
+    ui.io.add_mouse_pos_event(200, 350)
+    for _ in range(3):
+        ui.frame(compare(opened, Shown()))
+    assert (200, 350) in crosses
 
 
 def test_the_right_pane_says_enhanced_exactly_when_it_is(opened: AppState) -> None:
