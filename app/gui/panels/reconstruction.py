@@ -142,8 +142,6 @@ def _draw_status(state: AppState, run: Reconstruction) -> None:
     if run.clip is not None and (clip is None or not clip.lies_at(run.clip.path)):
         note(f"Of another clip: {legible(run.clip.name)}", theme.now().warning)
     note(words, theme.now().text)
-    if job_actions.waits_for_edits(state):
-        note(WAITS_FOR_EDITS)
     if run.request is not None:
         needs = f"\n{capital(run.planned)}." if run.planned else ""
         explain(f"{named(run.request.config.method)}, {run.request.input} frames: {run.run_path}{needs}")
@@ -155,6 +153,8 @@ def _draw_status(state: AppState, run: Reconstruction) -> None:
         note(capital(run.planned))
     if progress is not None and not run.is_alive:
         _draw_took(progress)
+    if job_actions.waits_for_edits(state):
+        note(WAITS_FOR_EDITS)
     if run.status != "finished" and (share := share_done(run)) is not None:
         imgui.progress_bar(share, ImVec2(-1, em(1.25)), percent(share))
         if progress is not None:

@@ -7,12 +7,18 @@ from dataclasses import replace
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, history_actions, path_actions
+from app.gui.actions import actions, history_actions, job_actions, path_actions
 from app.gui.panels import reconstruction
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.menus import SEPARATOR, fitting
-from app.gui.panels.reconstruction import CONTINUES, FIRST_USE, STARTS_OVER, draw_reconstruction
+from app.gui.panels.reconstruction import (
+    CONTINUES,
+    FIRST_USE,
+    STARTS_OVER,
+    WAITS_FOR_EDITS,
+    draw_reconstruction,
+)
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import CHOICES, draw_welcome
 from app.gui.state.app_state import AppState
@@ -86,6 +92,21 @@ def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, st
     run.warnings = ["a warning"]
     ui.frame(lambda: draw_reconstruction(opened))
     ui.frame(lambda: draw_reconstruction(opened))
+
+
+def test_what_waits_for_edits_stands_below_what_became_of_the_run(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(job_actions, "waits_for_edits", lambda state: True)
+    for name in ("note", "muted"):
+        monkeypatch.setattr(reconstruction, name, lambda text, *rest: said.append(text))
+    run = opened.runs.reconstruction
+    run.status, run.progress = "cancelled", Progress(50, 100, 0.1, 25.0, 61.0, 3700.0, 30_000)
+    ui.frame(lambda: reconstruction.draw_reconstruction(opened))
+    (took,) = (text for text in said if text.endswith(("training", "in total")))
+    at = said.index(took)
+    assert said[at - 1 : at + 2] == [doing(opened), took, WAITS_FOR_EDITS]
 
 
 def test_a_warning_names_no_flag_of_the_command_line(
