@@ -15,6 +15,7 @@ from app.gui.commands.commands import sections
 from app.gui.commands.finding import find
 from app.gui.commands.keys import Keyboard, chord
 from app.gui.panels import menus
+from app.gui.panels.editing import HOW_TEXT
 from app.gui.panels.palette import draw_palette
 from app.gui.state.app_state import AppState
 from app.gui.views.key_words import with_keys
@@ -77,6 +78,8 @@ def test_keys_are_called_as_on_this_system(ui: Ui, empty: AppState, monkeypatch:
     assert not [keys for keys in drawn if "Ctrl" in keys or keys in ("Cmd+M", "Cmd+H")]
     assert [found.name for found in find(every, "cmd+shift+s", empty)] == ["Save session as…"]
     assert with_keys("Shift adds, Ctrl subtracts (Ctrl+A)") == "Shift adds, Cmd subtracts (Cmd+A)"
+    assert with_keys(HOW_TEXT).count("Cmd") == HOW_TEXT.count("Ctrl") == 2
+    assert with_keys("/cases/Ctrl-03 Ctrl/Ctrl.mp4") == "/cases/Ctrl-03 Ctrl/Ctrl.mp4"
     monkeypatch.setattr(sys, "platform", "linux")
     assert with_keys("Ctrl+A") == "Ctrl+A"
 
