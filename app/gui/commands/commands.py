@@ -86,7 +86,7 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
             "Open file…",
             open_file,
             ("Ctrl+I",),
-            text="an image, a video, a session or a report",
+            text="open an image, a video, a session or a report",
             synonyms=("load", "image", "video", "session", "report", "movie", "still", "run"),
         ),
         Command(
