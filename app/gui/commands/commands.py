@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from functools import partial
 
 from imgui_bundle import imgui
@@ -284,8 +285,9 @@ def _clip() -> tuple[Section, ...]:
                 synonyms=("trim", "cut", "out", "point")),
         Command("All: whole clip", clip_actions.untrim, text="from its first frame to its last",
                 applies=lambda s: s.source.part.trim is not None),
-        # Two: macOS puts the window away by its own Cmd+M.
-        Command("Mask tools by hand", masking_actions.toggle, ("Ctrl+Shift+M", "Ctrl+M"),
+        # macOS puts the window away by its own Cmd+M.
+        Command("Mask tools by hand", masking_actions.toggle,
+                ("Ctrl+Shift+M",) if sys.platform == "darwin" else ("Ctrl+Shift+M", "Ctrl+M"),
                 text="mask surgical tools with a brush, or stop", ticked=lambda s: s.masking.active,
                 applies=lambda s: not clip_actions.why_no_clip(s),
                 synonyms=("instruments", "brush", "paint", "segment", "segmentation", "erase")),

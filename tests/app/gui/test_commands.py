@@ -75,6 +75,7 @@ def test_keys_are_called_as_on_this_system(ui: Ui, empty: AppState, monkeypatch:
     for section in every:
         ui.frame(lambda section=section: menus.draw_commands(empty, section.commands))  # type: ignore[misc]
     assert {"Cmd+S", "Cmd+Shift+M", "Shift+M", ""} < set(drawn)
+    assert "Ctrl+M" not in {keys for one in commands(empty) for keys in one.keys}
     assert not [keys for keys in drawn if "Ctrl" in keys or keys in ("Cmd+M", "Cmd+H")]
     assert [found.name for found in find(every, "cmd+shift+s", empty)] == ["Save session as…"]
     assert with_keys("Shift adds, Ctrl subtracts (Ctrl+A)") == "Shift adds, Cmd subtracts (Cmd+A)"
