@@ -32,6 +32,7 @@ from app.gui.style.widgets import (
     em,
     explain,
     in_line,
+    mark_row,
     muted,
     row,
 )
@@ -143,6 +144,8 @@ def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, besid
     size = ImVec2(max(em(9), imgui.get_content_region_avail().x - beside), em(HEIGHT))
     with imgui_ctx.push_style_var(imgui.StyleVar_.selectable_text_align, ImVec2(0, 0.5)):
         chosen = imgui.selectable(as_label(name), name == shown, size=size)[0] or chosen
+    if name == shown:
+        mark_row()
     if chosen:
         preset_actions.choose(state, name)
         imgui.close_current_popup()

@@ -20,7 +20,19 @@ from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.style import theme
 from app.gui.style.handles import slide_labelled
-from app.gui.style.widgets import FLAT, button, choose, choose_row, em, explain, floating, muted, note, row
+from app.gui.style.widgets import (
+    FLAT,
+    button,
+    choose,
+    choose_row,
+    em,
+    explain,
+    floating,
+    mark_row,
+    muted,
+    note,
+    row,
+)
 from app.scenes.supersampling import FACTORS
 
 OTHER_WIDTH, OTHER_SIZE = Sizing(width=1024), (1024, 1024)
@@ -131,6 +143,8 @@ def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
     color = theme.now().muted if reason else theme.now().text
     with imgui_ctx.push_style_color(imgui.Col_.text, color):
         clicked, _ = imgui.selectable(f"{offer.label}###{what}", state.exports.what == what)
+    if state.exports.what == what:
+        mark_row()
     explain(reason, below=False)
     if clicked:
         export_actions.choose_what(state, what)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import glfw
 import pytest
 from imgui_bundle import ImVec4, glfw_utils, imgui
@@ -10,13 +12,15 @@ from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.frame.dockings import MOST
+from app.gui.panels import enhancement, export
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import toggle
+from app.gui.work.presets import BUILT_IN, preset_name
 from app.gui.work.settings import TEXT_PERCENTS, Places, Settings, Theme, load_settings
 from tests.app.gui.settling import keep_all
 from tests.app.gui.test_window import Driver, wait
-from tests.app.gui.ui import Ui
+from tests.app.gui.ui import Ui, no_thumbnail
 
 READABLE = 4.5
 """WCAG 2.2, success criterion 1.4.3, level AA."""
@@ -92,6 +96,24 @@ def test_what_is_on_says_so_by_more_than_its_color(ui: Ui) -> None:
     ui.frame(draw)
     off, on = drawn
     assert 0 < off < on
+
+
+def test_the_chosen_line_of_a_list_has_a_bar(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    marked: list[str] = []
+    for panel in (export, enhancement):
+        monkeypatch.setattr(panel, "mark_row", partial(marked.append, panel.__name__))
+    opened.exports.shown = True
+    preset = preset_name(opened.enhancement.params, {})
+
+    def draw() -> None:
+        export.draw_export(opened)
+        for name in BUILT_IN:
+            enhancement._draw_preset(opened, name, preset, no_thumbnail)
+
+    ui.frame(draw)
+    assert marked == [export.__name__, enhancement.__name__]
 
 
 @pytest.mark.parametrize(
