@@ -39,6 +39,7 @@ def odd_frames() -> list[Frame]:
     depth[0, :3] = np.nan, np.inf, -0.0
     tall = replace(
         frames[2],
+        camera=replace(frames[2].camera, width=7, height=31),
         image=rng.integers(0, 255, (31, 7, 3), dtype=np.uint8),
         tissue_mask=rng.random((31, 7)) > 0.5,
         evaluation_mask=np.zeros((31, 7), bool),
