@@ -12,7 +12,7 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.files.legible import located
-from app.gui.actions import actions, edit_actions, job_actions, second_actions
+from app.gui.actions import actions, edit_actions, second_actions
 from app.gui.session_file import (
     MOST_STEPS,
     SUFFIX,
@@ -79,11 +79,10 @@ def snapshot(state: AppState, folder: Path) -> Session:
 
 def _run_of_source(state: AppState) -> Path | None:
     """The reconstruction that is shown, where it is of what is open: another clip may have been opened since
-    it was begun. Of one that is edited while another is made, that one."""
+    it was begun. Where a model has unsaved edits, the one that they are of; None for a file of splats."""
     run, clip, editing = state.runs.reconstruction, state.source.clip, state.editing
-    is_other_made = run.is_alive or job_actions.waits_for_edits(state)
-    if is_other_made and editing.is_unsaved and editing.is_of_run:
-        return editing.run_path
+    if editing.is_unsaved and editing.run_path != run.run_path:
+        return editing.run_path if editing.is_of_run else None
     if run.request is None or clip is None or state.source.path == run.run_path:
         return run.run_path
     return run.run_path if clip.lies_at(run.request.clip_path) else None

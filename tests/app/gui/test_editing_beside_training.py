@@ -11,8 +11,10 @@ from app.gui.actions import edit_actions, job_actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.jobs import start_due
 from app.gui.work.settings import Places
+from app.runs.job import Failed
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
+from renderer.splat_files import write_splats
 from renderer.train.events import Finished, Started
 from tests.app.gui.conftest import FakeJob, make_model
 from tests.app.gui.test_opening import make_run
@@ -83,3 +85,35 @@ def test_a_finished_model_waits_until_edits_are_left_and_then_is_edited_in_peace
     settle(window)
     assert state.editing.is_unsaved
     assert kept_run(state, places) == made
+
+
+def test_edits_come_back_with_their_run_where_the_other_one_fails(
+    edited: tuple[Window, FakeJob, Path], places: Places, tmp_path: Path
+) -> None:
+    window, job, run = edited
+    window[0].source.path = tmp_path / "liver"  # As after training in the window.
+    job.inbox = [Failed("no depth", "")]
+    settle(window)
+    assert not window[0].runs.reconstruction.is_alive
+    file = tmp_path / "a.vesselsplat"
+    session_actions.save_to(window[0], file)
+    settle(window)
+    again = opened_state(places, file)
+    settle(again)
+    assert (again[0].editing.run_path, again[0].editing.is_unsaved) == (run, True)
+
+
+def test_edits_of_splats_are_kept_without_the_run_of_a_training(
+    edited: tuple[Window, FakeJob, Path], places: Places, tmp_path: Path, model: DynamicGaussians
+) -> None:
+    (trained, _), splats = edited[0], tmp_path / "a.ply"
+    write_splats(splats, model.raw)
+    window = opened_state(places, splats)
+    state = window[0]
+    edit_actions.toggle(state)
+    edit_actions.select_all(state)
+    edit_actions.hide(state)
+    state.runs.reconstruction = trained.runs.reconstruction
+    assert state.editing.is_unsaved
+    assert state.runs.reconstruction.run_path is not None
+    assert session_actions.snapshot(state, places.pictures).run is None
