@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import chain, count, tee
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 
@@ -40,6 +40,9 @@ from renderer.clip import ClipError
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 VIDEO = MP4
+
+STOPPED: Final = "stopped after"
+"""How the notice of a video that is decoded in part begins, by which it is known."""
 
 Tissue = Callable[[ArrayImage], BoolImage | None]
 Stream = Generator[Any, None, None]
@@ -156,7 +159,7 @@ def _pictures(
             image = series.read(index)
         except (UserError, ClipError, OSError) as error:
             if series.is_video and found:
-                notice = f"stopped after {index} of {len(series)} frames: {error}"
+                notice = f"{STOPPED} {index} of {len(series)} frames: {error}"
                 notices.extend({notice}.difference(notices))
                 return
             if series.is_video:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -136,16 +136,25 @@ def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
         actions.say(state, f"{note.name}: {note.notice}")
     for one in answer.failed:
         actions.say(state, f"{one.name} could not be enhanced: {one.reason}")
-    said, is_whole = f"{done} of {count} enhanced into {folder}", True
-    if answer.failed:
-        said, is_whole = f"{said}; {len(answer.failed)} could not be enhanced: see the list", False
-    elif any(note.is_loss for note in answer.noted):
-        said, is_whole = f"{said}; not all of it could be read: see the list", False
+    said, losses = f"{done} of {count} enhanced into {folder}", tuple(_losses(answer))
+    if losses:
+        said = f"{'; '.join((said, *losses))}: see the list"
     elif answer.noted:
         said = f"{said}; the list has notices"
-    state.batches.shown = state.batches.shown or not is_whole
-    tell = actions.announce if is_whole else actions.fail
+    state.batches.shown = state.batches.shown or bool(losses)
+    tell = actions.fail if losses else actions.announce
     tell(state, said)
+
+
+def _losses(answer: Progressed) -> Iterator[str]:
+    """What is lacking: items, images of folders, and parts of videos."""
+    images = sum(bool(one.image) for one in answer.failed)
+    if items := len(answer.failed) - images:
+        yield f"{items} could not be enhanced"
+    if images:
+        yield f"{images} image{'s' if images > 1 else ''} could not be read"
+    if any(note.is_loss for note in answer.noted):
+        yield "not all of it could be read"
 
 
 def _written(answer: Progressed) -> int:

@@ -148,7 +148,9 @@ class Channels:
         self.saving = Channel(export, depth=2 * export_actions.MOST_SAVING)
         self.cells = Channel(CellMaker().make)
         self.sessions, self.autosaves = Channel(write, depth=4), Channel(write)
-        self.exports, self.batches = SteppedChannel(export), SteppedChannel(batch)
+        self.exports = SteppedChannel(export)
+        # So deep, a failure leaves the step before it, which tells what is whole.
+        self.batches = SteppedChannel(batch, depth=2)
         self.strip, self.left_out = Channel(make_strip), Channel(left_out)
         self.measures = Channel(Measurer().measure)
         self.omissions = Channel(look)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from app.enhancement.batch import Failed, Step, enhance_batch, items_in
-from app.enhancement.enhance_files import Setting
+from app.enhancement.enhance_files import STOPPED, Setting
 from app.gui.work.tidying import clear_below
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.cut_off import CUT_OFF
@@ -43,7 +43,7 @@ class Noted:
     @property
     def is_loss(self) -> bool:
         """Of the source, not all could be read."""
-        return self.notice.startswith((CUT_OFF, NOT_READABLE))
+        return self.notice.startswith((CUT_OFF, NOT_READABLE, STOPPED))
 
 
 @dataclass(frozen=True)

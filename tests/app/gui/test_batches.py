@@ -50,6 +50,11 @@ def case(tmp_path: Path) -> Path:
     return root
 
 
+def write_cut(path: Path) -> None:
+    write_avi(path, 60)
+    path.write_bytes(path.read_bytes()[: int(0.6 * path.stat().st_size)])
+
+
 class Person:
     """The window without its drawing."""
 
@@ -211,12 +216,14 @@ def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> Non
     person = Person(places)
     (case / "stills/1.png").write_bytes(b"no picture")
     (case / "broken.mp4").write_bytes(b"no video")
+    write_cut(case / "scope.avi")
     output = person.begin(case)
     person.finish()
     assert files(output) == {"scope.mp4", "scope.mp4.json", "stills/0.png", "stills/2.png"}
     assert person.state.window.banner is not None
     assert "2 of 3 enhanced" in person.state.window.banner.message
-    assert "2 could not be enhanced" in person.state.window.banner.message
+    losses = "1 could not be enhanced; 1 image could not be read; not all of it could be read"
+    assert losses in person.state.window.banner.message
     assert person.state.batches.progressed is not None
     failed = person.state.batches.progressed.failed
     assert [one.name for one in failed] == ["case/broken.mp4", "case/stills/1.png"]
@@ -238,9 +245,7 @@ def test_what_is_said_of_what_was_written_is_listed_and_a_loss_stands_out(
     assert "notices" in state.window.toast.message
     assert not state.batches.shown
     assert "case/stills: left out, not images: notes.txt" in state.window.log
-    path = case / "cut.avi"
-    write_avi(path, 60)
-    path.write_bytes(path.read_bytes()[: int(0.6 * path.stat().st_size)])
+    write_cut(case / "cut.avi")
     person.begin(case)
     person.finish()
     assert state.window.banner is not None
@@ -250,6 +255,20 @@ def test_what_is_said_of_what_was_written_is_listed_and_a_loss_stands_out(
     assert state.batches.progressed is not None
     assert any(one.name == "case/cut.avi" and one.is_loss for one in state.batches.progressed.noted)
     ui.frame(lambda: draw_batches(state))
+
+
+def test_a_video_with_a_damaged_middle_is_a_loss(places: Places, case: Path) -> None:
+    write_avi(case / "scope.avi", 60)
+    content = bytearray((case / "scope.avi").read_bytes())
+    middle = len(content) // 2
+    content[middle : middle + 3000] = bytes(index * 37 % 256 for index in range(3000))
+    (case / "scope.avi").write_bytes(content)
+    person = Person(places)
+    person.begin(case)
+    person.finish()
+    assert person.state.batches.progressed is not None
+    noted = person.state.batches.progressed.noted
+    assert [note.is_loss for note in noted if note.notice.startswith("stopped after")] == [True]
 
 
 def test_a_batch_that_stops_says_what_is_there(
@@ -263,6 +282,8 @@ def test_a_batch_that_stops_says_what_is_there(
     person = Person(places)
     monkeypatch.setattr("app.enhancement.batch.enhance_into", of_folders)
     output = person.begin(case / "scope.avi", case / "stills")
+    while person.channels.batches.run_waiting():  # All of it between two frames of the window.
+        pass
     person.finish()
     assert person.state.window.banner is not None
     assert "1 of 2 enhanced" in person.state.window.banner.message
