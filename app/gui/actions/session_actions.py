@@ -361,14 +361,16 @@ def hides_model(state: AppState, opened: Opened) -> bool:
 
 def taken_up(state: AppState, opened: Opened, path: Path) -> None:
     """A session is open: one on disk is saved there again, unless that would leave out its reconstruction;
-    one that a crash left is this process's now."""
-    if path.parent == state.places.config:
+    one that a crash left is this process's now, where all of it is shown."""
+    is_left, hides = path.parent == state.places.config, hides_model(state, opened)
+    if is_left and not hides:
         with suppress(OSError):
             os.replace(path, autosave_path(state.places.config))
         return
     session, kept = snapshot(state, path.parent), state.session
-    kept.saved_case = session.case
-    if hides_model(state, opened):
+    if not is_left:
+        kept.saved_case = session.case
+    if hides:
         waits = "is not shown while another is in training: open it again afterwards"
         actions.fail(
             state, f"the reconstruction of {path.name} {waits}; until then Save asks for another file"

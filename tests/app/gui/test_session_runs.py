@@ -182,3 +182,19 @@ def test_a_session_opened_beside_a_training_keeps_what_it_does_not_show(
     settle(window)
     asked = actions.taken_choice(state)
     assert (asked is not None and asked.purpose, file.read_bytes()) == ("session", before)
+
+
+def test_what_a_crash_left_stays_where_it_is_opened_beside_a_training(
+    noted: Window, places: Places, clip: Path, file: Path, tmp_path: Path
+) -> None:
+    session_actions.save(noted[0])
+    settle(noted)
+    left = file.rename(places.config / "declined.vesselsplat")
+    before = left.read_bytes()
+    window = opened_state(places, Path(shutil.copytree(clip, tmp_path / "other" / "liver")))
+    window[0].runs.reconstruction.status = "running"
+    actions.open_path(window[0], left)
+    settle(window)
+    assert window[0].window.banner is not None
+    assert "not shown while another is in training" in window[0].window.banner.message
+    assert left.read_bytes() == before
