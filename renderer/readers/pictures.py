@@ -25,7 +25,7 @@ from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 from renderer.readers.picture_files import opened, read_npy
 from renderer.readers.tiff_layouts import TiffLayout, tiff_layout
-from renderer.regular_files import what_else
+from renderer.regular_files import require_regular, what_else
 
 
 class SeveralSizes(ClipError):
@@ -101,8 +101,30 @@ def opens(path: Path) -> bool:
 
 
 def moves(path: Path) -> bool:
-    """Whether a file is a video: by its name, or DICOM as above."""
-    return path.suffix.lower() in VIDEOS | RARER_VIDEOS or _kind(path) == "clip"
+    """Whether a file is a video: by its name, but for a GIF of one image and a text named .ts; or DICOM as
+    above."""
+    suffix = path.suffix.lower()
+    if suffix in VIDEOS | RARER_VIDEOS:
+        return not (suffix == ".gif" and _is_still(path)) and not (suffix == ".ts" and _is_text(path))
+    return _kind(path) == "clip"
+
+
+def _is_still(path: Path) -> bool:
+    try:
+        with opened(path) as picture:
+            return not getattr(picture, "is_animated", False)
+    except BROKEN:
+        return False
+
+
+def _is_text(path: Path) -> bool:
+    """By its beginning: the tables of a stream, with which it begins, have zeros."""
+    try:
+        require_regular(path)
+        with path.open("rb") as file:
+            return b"\0" not in file.read(4096)
+    except OSError:
+        return False
 
 
 def require_moving(path: Path, frames: int) -> None:

@@ -10,6 +10,7 @@ from PIL import Image
 
 from renderer.readers.frames import open_images
 from renderer.readers.picture_kinds import frame_folder, kind_by_name, kinds_of
+from renderer.readers.pictures import moves
 
 SHAPE = (24, 32)
 
@@ -120,3 +121,12 @@ def test_one_name_in_two_formats_is_refused(tmp_path):
     image(tmp_path / "1.jpg")
     with pytest.raises(ValueError, match=r"1\.jpg and 1\.png"):
         open_images(tmp_path)
+
+
+def test_stills_and_texts_under_names_of_videos_do_not_move(tmp_path):
+    dark, bright = (Image.new("L", (8, 8), value) for value in (0, 200))
+    dark.save(tmp_path / "logo.gif")
+    dark.save(tmp_path / "film.gif", save_all=True, append_images=[bright])
+    (tmp_path / "code.ts").write_text("const a = 1")
+    (tmp_path / "scope.ts").write_bytes(b"G@\x00\x10\x00" + bytes(183))
+    assert [path.name for path in sorted(tmp_path.iterdir()) if moves(path)] == ["film.gif", "scope.ts"]
