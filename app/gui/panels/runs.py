@@ -176,7 +176,7 @@ def _draw_waiting(state: AppState, waiting: Waiting, *, first: bool) -> None:
     explain(f"{legible(waiting.clip_name)}: {request.run_path}.{since}")
     imgui.same_line(end)
     front, remove = partial(queue_actions.to_front, state, waiting), "Remove from the queue."
-    text = "Move to the front of the queue: it starts at once where nothing is in training."
+    text = "Move to the front of the queue."
     button(f"{icons.ICON_FA_ARROW_UP}###to front", front, text, enabled=not first)
     imgui.same_line(0, em(0.3))
     button(f"{icons.ICON_FA_TIMES}###withdraw", partial(queue_actions.withdraw, state, waiting), remove)
