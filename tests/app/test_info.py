@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shlex
 import shutil
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +15,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from app.commands.described.fact import command
 from app.files.image_files import write_image
 from app.files.provenance import provenance
 from app.gui.session_file import Session, SessionSource, write_session
@@ -136,12 +134,6 @@ def test_the_commands_that_come_next_work(
             words = [place if word in ("OUT", "RUN") else word for word in shlex.split(line)]
             extra = ("--iterations", 2) if words[1] == "train" else ()
             assert vesselsplat(*words[1:], *extra).code == 0
-
-
-def test_commands_are_written_as_the_systems_shell_takes_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "platform", "win32")
-    assert command("replay", r"C:\a b\film.mp4") == r'vesselsplat replay "C:\a b\film.mp4"'
-    assert command("replay", r"C:\a\film.mp4") == r"vesselsplat replay C:\a\film.mp4"
 
 
 def test_a_video_by_its_header(tmp_path: Path, vesselsplat: Cli) -> None:
