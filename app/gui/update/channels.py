@@ -72,7 +72,7 @@ from app.gui.work.strip import left_out, make_strip
 from app.gui.work.swept import read_swept_image
 from app.gui.work.taking_up import TakeUpRequest, take_up
 from app.gui.work.thumbnails import make_thumbnails
-from app.gui.work.tidying import clear_places
+from app.gui.work.tidying import clear_places, clear_results
 from app.gui.work.tuning import CellMaker
 from app.gui.work.writing import SessionRequest, WriteRequest, keep, write, write_file
 from app.scenes.drawer import draw_view
@@ -174,7 +174,7 @@ class Channels:
         self.names, self.encoders = NewestChannel(name_of), Channel(encoder_of)
         self.reveals = Channel(reveal, depth=4)
         self.devices = NewestChannel(find_devices)
-        self.clearing = Channel(clear_places)
+        self.clearing, self.clearing_results = Channel(clear_places), Channel(clear_results)
 
     @cached_property
     def rows(self) -> Sequence[Row[Any, Any]]:
@@ -247,6 +247,7 @@ class Channels:
             Row(self.about, told("the versions cannot be listed", about_actions.take_about),
                 lambda s: s.scene.drawn_by if s.about.shown else None, SECOND, forgets=False),
             Row(self.clearing, taking.take_nothing, lambda s: s.places, SECOND),
+            Row(self.clearing_results, taking.take_nothing, wishes.results_wish, SECOND),
             Row(self.saving, summary_actions.take_saved),
             Row(self.summary_pictures, summary_actions.take_thumbnail, summary_actions.thumbnail_wish,
                 "apart"),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from app.enhancement.clip_statistics import StatisticsRequest
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.methods import PAPER, VESSEL, preset_of
 from app.exports.comparison_images import OtherRequest
-from app.gui.actions import queue_actions
+from app.gui.actions import batch_actions, queue_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
 from app.gui.views.comparison import Side
@@ -206,3 +208,9 @@ def clip_wish(state: AppState) -> TakeUpRequest | None:
     """The clip of the reconstruction that is to be made next, where it is of an earlier session."""
     wanted = queue_actions.without_clip(state)
     return TakeUpRequest(wanted, state.runs.wakings) if wanted is not None else None
+
+
+def results_wish(state: AppState) -> frozenset[Path]:
+    """Where what killed windows have left of batches is cleared away: where the next one writes, and others
+    have."""
+    return frozenset({batch_actions.results_folder(state), state.places.pictures})

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
-from app.enhancement.batch import Failed, Step, enhance_batch, items_in
+from app.enhancement.batch import Failed, Item, Step, enhance_batch, items_in
 from app.enhancement.enhance_files import STOPPED, Setting
-from app.gui.work.tidying import clear_below
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.passed_over import NOT_READABLE
@@ -59,9 +57,7 @@ class Progressed:
 
 def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
     """Raises OSError or UserError where there is nothing to enhance; what fails later is in the answers. Ends
-    without folders that hold nothing, and without what killed windows have left of earlier ones beside it."""
-    for earlier in request.output.parent.glob(f"{NAMED}*"):
-        clear_below(earlier)
+    without folders that hold nothing."""
     failed, noted = tuple[Failed, ...](), tuple[Noted, ...]()
     items = [
         replace(item, clip_options=request.clip_options.get(str(item.source)))
@@ -79,6 +75,13 @@ def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
             yield Progressed(step, failed, noted, has_ended=step.place == step.count)
     finally:
         steps.close()
-        for folder, _, _ in os.walk(request.output, topdown=False):
-            with suppress(OSError):
-                os.rmdir(folder)
+        _remove_empty(request.output, items)
+
+
+def _remove_empty(output: Path, items: Iterable[Item]) -> None:
+    """Folders that were made for items of which nothing came."""
+    own = {item.folder for item in items}
+    made = {place for folder in own for place in (folder, *folder.parents) if place.is_relative_to(output)}
+    for folder in sorted(made, reverse=True):  # Those within others come first.
+        with suppress(OSError):
+            folder.rmdir()

@@ -7,8 +7,10 @@ import gc
 import os
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 
+from app.gui.work.batching import NAMED
 from app.gui.work.settings import Places
 from app.runs.memory import give_back
 from app.runs.run_folder import RunFolder
@@ -24,26 +26,32 @@ def rest() -> None:
     give_back()
 
 
-def clear_below(root: Path) -> None:
-    """A folder and those in it, whoever has left something there."""
-    for folder, below, _ in os.walk(root):
-        below[:] = [name for name in below if not name.startswith(".")]
-        clear(Path(folder))
-
-
 def clear_places(places: Places) -> Iterator[None]:
     """Answers with nothing: sets of files that were whole are complete, the rest is gone.
 
     What living processes are writing stays, as does what cannot be moved.
     """
     clear_blocks()
-    clear(places.config)
-    # Batches write folders of their own into that of the pictures.
-    clear_below(places.pictures)
-    clear(places.runs)
-    for run in sorted(places.runs.iterdir()) if places.runs.is_dir() else ():
-        if run.is_dir() and not run.is_symlink():
-            clear(run)
-            with suppress(OSError):
-                clear_training(run, is_run=RunFolder(run).is_run)
+    for folder in (places.config, places.pictures, places.runs):
+        clear(folder)
+    # An export of several files has a folder of its own.
+    for export in _folders_in(places.pictures):
+        clear(export)
+    for run in _folders_in(places.runs):
+        clear(run)
+        with suppress(OSError):
+            clear_training(run, is_run=RunFolder(run).is_run)
     yield None
+
+
+def clear_results(folders: frozenset[Path]) -> Iterator[None]:
+    """The same in all of the batches whose results lie in these folders."""
+    for batch in chain.from_iterable(folder.glob(f"{NAMED}*") for folder in folders):
+        for folder, _, _ in os.walk(batch):
+            clear(Path(folder))
+    yield None
+
+
+def _folders_in(folder: Path) -> list[Path]:
+    inside = sorted(folder.iterdir()) if folder.is_dir() else []
+    return [path for path in inside if path.is_dir() and not path.is_symlink()]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from app.gui.actions import batch_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
@@ -43,7 +44,11 @@ def shared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def start(places: Places) -> None:
     """The window without its drawing, for a frame."""
-    state, channels = AppState(places), Channels()
+    serve(AppState(places))
+
+
+def serve(state: AppState) -> None:
+    channels = Channels()
     update(state, channels, 0.0)
     for channel in channels.of("second"):
         channel.run_waiting()
@@ -74,6 +79,20 @@ def test_what_was_being_written_is_gone_and_what_was_whole_is_put_into_place(
     start(places)
     assert left(places) == []
     assert (places.pictures / "a.mp4.json").read_text() == "new"
+
+
+def test_batches_are_cleared_where_they_write_and_no_folder_of_others_is_searched(
+    places: Places, tmp_path: Path, dead: int
+) -> None:
+    state, chosen = AppState(places), tmp_path / "results"
+    names = ("enhanced-1/below", "enhanced-2", "mine/below")
+    for folder in (root / name for root in (chosen, places.pictures) for name in names):
+        folder.mkdir(parents=True)
+        (folder / name_of(dead, "a")).write_text("x")
+    batch_actions.choose_folder(state, chosen)
+    serve(state)
+    found = {path.relative_to(tmp_path).parts[-3:-1] for path in tmp_path.rglob(name_of(dead, "a"))}
+    assert found == {("mine", "below")}
 
 
 def test_a_run_whose_training_was_killed_is_nobodys(places: Places) -> None:
