@@ -135,12 +135,16 @@ class SteppedChannel(Channel[Request, Answer]):
 
     def run_waiting(self, on_answer: Callable[[], None] = lambda: None) -> bool:
         """Do one step of what is under way or waits. False when there is nothing."""
+        given_up = None
         with self._lock:
             if self._cancelled.is_set():
-                self._end()
+                self._cancelled.clear()
+                given_up, self._under_way = self._under_way, None
             if self._under_way is None and self._waiting:
                 request = self._waiting.popleft()
                 self._under_way = request, iter(self._work(request))
+        # Without the lock, for which the window's thread would wait.
+        _end(given_up)
         if self._under_way is None:
             return False
         request, steps = self._under_way
@@ -157,14 +161,14 @@ class SteppedChannel(Channel[Request, Answer]):
 
     def close(self) -> None:
         """What is under way leaves nothing half-written."""
-        self._end()
-
-    def _end(self) -> None:
-        """Close the steps, which removes what they had begun to write."""
-        self._cancelled.clear()
-        if self._under_way is not None and isinstance(self._under_way[1], Generator):
-            self._under_way[1].close()
+        _end(self._under_way)
         self._under_way = None
+
+
+def _end(work: tuple[Any, Iterator[Any]] | None) -> None:
+    """Close its steps, which removes what they had begun to write."""
+    if work is not None and isinstance(work[1], Generator):
+        work[1].close()
 
 
 class Worker:

@@ -8,7 +8,7 @@ from weakref import ref
 import pytest
 
 from app.gui.work import background
-from app.gui.work.background import Channel, Failure, Worker
+from app.gui.work.background import Channel, Failure, SteppedChannel, Worker
 
 SECONDS = 5.0
 
@@ -81,6 +81,27 @@ def test_nothing_wanted_keeps_nothing_alive() -> None:
     assert kept() is not None
     channel.want(None)
     assert kept() is None
+
+
+def test_the_window_may_go_on_while_what_is_given_up_is_cleared_away() -> None:
+    free = list[bool]()
+
+    def work(request: int) -> Iterator[int]:
+        try:
+            while True:
+                yield request
+        finally:
+            window = threading.Thread(target=channel.take, daemon=True)
+            window.start()
+            window.join(0.5)
+            free.append(not window.is_alive())
+
+    channel = SteppedChannel(work)
+    channel.ask(1)
+    channel.run_waiting()
+    channel.cancel()
+    assert not channel.run_waiting()
+    assert free == [True]
 
 
 def test_an_exception_is_an_answer() -> None:
