@@ -168,7 +168,6 @@ class Channels:
         self.recents, self.job_images = Channel(find_recents), Channel(read_swept_image)
         self.welcome, self.guide = Channel(read_welcome), Channel(read_guide)
         self.about = Channel(read_about)
-        self.kept = Channel(keep)
         self.listing, self.small_files = NewestChannel(list_folder), NewestChannel(thumbnail_of)
         self.summary_pictures = NewestChannel(thumbnail_of)
         self.names, self.encoders = NewestChannel(name_of), Channel(encoder_of)
@@ -251,8 +250,8 @@ class Channels:
             Row(self.saving, summary_actions.take_saved),
             Row(self.summary_pictures, summary_actions.take_thumbnail, summary_actions.thumbnail_wish,
                 "apart"),
-            Row(self.sessions, session_actions.take_written),
-            Row(self.autosaves, session_actions.take_written),
+            Row(self.sessions, session_actions.take_written, server=SECOND),
+            Row(self.autosaves, session_actions.take_written, server=SECOND),
             Row(self.exports, export_actions.take_step, lambda s: s.exports.under_way),
             Row(self.batches, batch_actions.take_progress, lambda s: s.batches.under_way),
             Row(self.listing, browse_actions.take_listing, browse_actions.list_wish, "apart"),

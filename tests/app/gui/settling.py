@@ -13,8 +13,8 @@ from renderer.gaussians import DynamicGaussians
 
 
 def served(channels: Channels) -> list[Channel[Any, Any]]:
-    """All but what the second worker does."""
-    return [*channels.of("first"), *channels.of("apart")]
+    """All but what the second worker does, and of that what is saved of a session."""
+    return [*channels.of("first"), *channels.of("apart"), channels.sessions, channels.autosaves]
 
 
 def keep_all(state: AppState) -> None:
