@@ -139,26 +139,33 @@ def open_phantom(state: AppState) -> None:
 
 def open_path(state: AppState, path: Path) -> None:
     """Ask for a clip or a run; what is open stays until the new one is there, what is unsaved for good."""
-
-    go = partial(_begin_opening, state, path.absolute())
     if path.suffix.lower() not in VIEW_SUFFIXES:
-        leave_clip(state, go)
+        open_request(state, _request_of(state, path))
     elif state.source.opening is not None:
         fail(state, f"{path.name} joins what is open: wait until {state.source.opening.path.name} is there")
     else:
-        go()  # It ends no edits.
+        _begin_opening(state, _request_of(state, path))  # It ends no edits.
 
 
 def open_run(state: AppState, path: Path) -> None:
     """Ask for a run of the clip that is open: the session goes on with it, so nothing is asked about that."""
-    leave(state, partial(_leave_masks, state, partial(_begin_opening, state, path.absolute())))
+    go = partial(_begin_opening, state, _request_of(state, path))
+    leave(state, partial(_leave_masks, state, go))
 
 
-def _begin_opening(state: AppState, path: Path) -> None:
-    clip, options = state.source.clip, state.source.first_options(path)
+def open_request(state: AppState, request: OpenRequest) -> None:
+    """Open this in the clip's place, after what is unsaved."""
+    leave_clip(state, partial(_begin_opening, state, request))
+
+
+def _request_of(state: AppState, path: Path) -> OpenRequest:
+    path, clip = path.absolute(), state.source.clip
     beside = clip.path if clip is not None else None
-    state.source.opening = OpenRequest(path, options, beside=beside)
-    state.window.banner = None
+    return OpenRequest(path, state.source.first_options(path), beside=beside)
+
+
+def _begin_opening(state: AppState, request: OpenRequest) -> None:
+    state.source.opening, state.window.banner = request, None
     state.live.stop_connecting()
 
 
@@ -240,15 +247,9 @@ def step(state: AppState, frames: int) -> None:
 def _open_beside(state: AppState, by: int) -> None:
     """Another image of the folder; nothing where there is none left, or while one is on its way."""
     images = state.source.neighbours.onward(state.source.path, by)
-    if not images or state.source.opening is not None:
-        return
-
-    def go() -> None:
+    if images and state.source.opening is None:
         first, *onward = images
-        state.source.opening = OpenRequest(first, state.source.first_options(first), tuple(onward))
-        state.window.banner = None
-
-    leave_clip(state, go)
+        open_request(state, OpenRequest(first, state.source.first_options(first), tuple(onward)))
 
 
 def go_to_end(state: AppState, *, last: bool) -> None:

@@ -13,7 +13,6 @@ from app.gui.work.opening import OpenRequest
 from app.gui.work.settings import UNKNOWN, KnownClip
 from app.runs.clip_selection import ClipPart
 from enhance.field_search import find_field
-from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions, Stereo
 from renderer.readers.frames import is_seen_by_assumption
 
@@ -119,7 +118,8 @@ def choose_eyes(state: AppState, stereo: Stereo) -> None:
     clip = state.source.clip
     if clip is None or not is_video(state) or stereo == state.source.options.stereo:
         return
-    _open_again(state, OpenRequest(clip.path, replace(_first_options(state, clip), stereo=stereo)))
+    options = replace(state.source.first_options(clip.path), stereo=stereo)
+    actions.open_request(state, OpenRequest(clip.path, options))
 
 
 def may_be_calibrated(state: AppState) -> bool:
@@ -133,24 +133,15 @@ def may_be_calibrated(state: AppState) -> bool:
 def choose_calibration(state: AppState, path: Path) -> None:
     """Open the clip again, undistorted by that of a file; what is unsaved comes first."""
     if (clip := state.source.clip) is not None:
-        _open_again(state, OpenRequest(clip.path, _first_options(state, clip), calibration=path))
+        options = state.source.first_options(clip.path)
+        actions.open_request(state, OpenRequest(clip.path, options, calibration=path))
 
 
 def drop_calibration(state: AppState) -> None:
     """Open the clip again as its files are."""
     if (clip := state.source.clip) is not None:
-        _open_again(state, OpenRequest(clip.path, replace(_first_options(state, clip), calibration=None)))
-
-
-def _first_options(state: AppState, clip: Clip) -> ClipOptions:
-    return state.source.first_options(clip.path)
-
-
-def _open_again(state: AppState, request: OpenRequest) -> None:
-    def go() -> None:
-        state.source.opening, state.window.banner = request, None
-
-    actions.leave_clip(state, go)
+        options = replace(state.source.first_options(clip.path), calibration=None)
+        actions.open_request(state, OpenRequest(clip.path, options))
 
 
 def keep_lens(state: AppState, request: OpenRequest) -> None:

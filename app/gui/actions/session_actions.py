@@ -150,11 +150,7 @@ def offer_to_find(state: AppState, lost: SourceLost) -> None:
     opened with that."""
 
     def open_with(state: AppState, source: Path) -> None:
-        def go() -> None:
-            state.source.opening = OpenRequest(lost.asked, source=source)
-            state.window.banner = None
-
-        actions.leave_clip(state, go)
+        actions.open_request(state, OpenRequest(lost.asked, source=source))
 
     kind: Kind = "file" if lost.old.suffix else "folder"
     if state.window.banner is not None:

@@ -9,7 +9,7 @@ import pytest
 from imgui_bundle import imgui
 from PIL import Image
 
-from app.gui.actions import actions, browse_actions, clip_actions
+from app.gui.actions import actions, browse_actions, clip_actions, live_actions
 from app.gui.state.source import Source
 from app.gui.work.settings import Places, Settings, load_clips
 from renderer.readers.clip_options import ClipOptions
@@ -61,6 +61,17 @@ def test_a_calibration_gives_depth_in_mm_is_there_the_next_time_and_can_be_remov
     np.testing.assert_array_equal(again.source.clip.read_image(0), before)
     assert again.source.known[str(video)].calibration is None
     assert again.source.known[str(video)].stereo == "side-by-side"
+
+
+def test_a_live_source_that_is_waited_for_gives_way_to_the_calibrated_clip(
+    places: Places, video: Path, file: Path
+) -> None:
+    state, _ = opened(places, video)
+    live_actions.play_file(state, video)
+    assert state.live.connects
+    clip_actions.choose_calibration(state, file)
+    assert state.source.opening is not None
+    assert not state.live.connects
 
 
 def test_one_that_does_not_fit_is_refused_and_the_clip_stays(places: Places, video: Path, file: Path) -> None:
