@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.gui.actions import camera_actions
+from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.scene import MAX_SPEED, MIN_SPEED
-from app.gui.state.window import Toast
 from app.gui.views.measurement import Located, Measurement
 from app.gui.work.selecting import PickRequest, Purpose
 from app.scenes.free_camera import FreeView, Vector, vector
@@ -17,7 +16,7 @@ from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED, ViewKind
 from app.scenes.view_request import ViewRequest
 
-TOAST_SECONDS = 4.0
+NO_SURFACE = "No surface under the pointer"
 LONGEST_STEP = 0.1
 """Seconds: after a pause of the window, flight does not jump."""
 
@@ -106,7 +105,7 @@ def take_point(state: AppState, request: PickRequest, point: Located | None) -> 
     if all(request.view.scene.cameras != model.cameras for model in models):
         return
     if point is None:
-        state.window.toast = Toast("No surface under the pointer", state.window.now + TOAST_SECONDS)
+        actions.announce(state, NO_SURFACE)
     elif request.purpose == "orbit":
         state.scene.viewer.pivot, state.scene.viewer.flying = point.point, False
     else:
@@ -162,7 +161,7 @@ def choose_view(state: AppState, kind: ViewKind) -> None:
     """A difference is to the frame, so it is seen through the clip's camera."""
     state.scene.kind = kind
     if kind == "difference" and not state.scene.viewer.snapped:
-        camera_actions.toggle_snap(state)
+        toggle_snap(state)
 
 
 def next_view(state: AppState) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from itertools import takewhile
 
-from app.gui.actions import actions, history_actions
+from app.gui.actions import actions, camera_actions, history_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import Change, Editing, Step, Tool, tinted_model
 from app.gui.work.background import Failure
@@ -187,7 +187,7 @@ def _take_selection(state: AppState, request: SelectRequest, answer: Selected) -
     if mask is not None:
         _do(state, _changed(lambda edits: edits.selecting(mask, request.how)))
     elif request.wish is not None:
-        actions.announce(state, "No surface under the pointer")
+        actions.announce(state, camera_actions.NO_SURFACE)
 
 
 def _go_on(state: AppState) -> None:
