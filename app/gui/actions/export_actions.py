@@ -210,9 +210,14 @@ def export_request(state: AppState, what: What, stem: str = "") -> ExportRequest
         return None
     seen = live_actions.held(state)
     request = request_of(seen, what, stem or default_name(seen, what))
-    state.exports.under_way, state.exports.pace, state.exports.failure = request, Pace(), ""
+    begin(state, request)
     _say_what_shifts(state, request)
     return request
+
+
+def begin(state: AppState, request: ExportRequest) -> None:
+    """It is under way."""
+    state.exports.under_way, state.exports.pace, state.exports.failure = request, Pace(), ""
 
 
 def _say_what_shifts(state: AppState, request: ExportRequest) -> None:

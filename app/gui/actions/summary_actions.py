@@ -15,7 +15,6 @@ from app.gui.actions.export_names import why_not_name
 from app.gui.session_file import MOST_ITEMS, SummaryDraft
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import SAVED
-from app.gui.state.pace import Pace
 from app.gui.state.summary import Item
 from app.gui.work.background import Failure
 from renderer.clip import ByteImage
@@ -126,8 +125,8 @@ def write_page(state: AppState) -> None:
     pictures = tuple((item.path, item.note) for item in chosen.items)
     wanted = Summary(title, date.today().isoformat(), chosen.notes, pictures)
     stem = title if not why_not_name(title) and chosen.title.strip() else STEM
-    request = ExportRequest(state.export_folder, stem, ".html", wanted, Opened(files=wanted.files))
-    state.exports.under_way, state.exports.pace = request, Pace()
+    opened = Opened(files=wanted.files)
+    export_actions.begin(state, ExportRequest(state.export_folder, stem, ".html", wanted, opened))
 
 
 def restore(state: AppState, draft: SummaryDraft, places: tuple[Path | None, ...]) -> None:
