@@ -22,7 +22,6 @@ KEYFRAME_STEP = 2.0
 LEAST_STEP = 0.01
 EXPORT_RATE = 15.0
 """Cameras a second of an exported path."""
-OUR_FORMAT, THEIR_FORMAT = "views", "cameras"
 
 
 def present_camera(state: AppState) -> Camera | None:
@@ -205,8 +204,11 @@ def add_views(state: AppState, read: Views, path: Path) -> None:
 
 
 def save_views(state: AppState) -> None:
-    """All named views and the path, for this app and `vesselsplat export --path`."""
-    _write(state, OUR_FORMAT, views_json(state.scene.cameras.views))
+    """All named views and the path, for this app and `vesselsplat export --path`: a JSON file among the
+    exports, named after what is open and the time."""
+    name = Path(state.scene.model.name).stem if state.scene.model is not None else "vesselsplat"
+    path, content = state.export_folder / f"{name}-views-{stamp()}.json", views_json(state.scene.cameras.views)
+    state.window.wishes += (WriteRequest(path, content, "the cameras were not saved", announced=True),)
 
 
 def clip_cameras(model: Scene) -> CameraSet:
@@ -220,10 +222,3 @@ def path_cameras(model: Scene, path: CameraPath) -> CameraSet:
     keys = path.moments(EXPORT_RATE)
     named = tuple(NamedCamera(f"path-{at:06d}", key.camera) for at, key in enumerate(keys))
     return CameraSet(named, tuple(key.time for key in keys), model.model)
-
-
-def _write(state: AppState, kind: str, content: bytes) -> None:
-    """A JSON file among the exports, named after what is open and the time."""
-    name = Path(state.scene.model.name).stem if state.scene.model is not None else "vesselsplat"
-    path = state.export_folder / f"{name}-{kind}-{stamp()}.json"
-    state.window.wishes += (WriteRequest(path, content, "the cameras were not saved", announced=True),)

@@ -18,7 +18,7 @@ from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.tool_masks import ToolMasks
 from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWays
-from renderer.readers.clip_options import DEFAULTS, ClipOptions, DepthSource
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 
 @dataclass
@@ -85,11 +85,6 @@ class Source:
     def reading(self) -> ClipOptions:
         """How the open clip is read, or will be in a moment."""
         return self.options if self.depth_wish is None else self.depth_wish.options
-
-    @property
-    def depth(self) -> DepthSource:
-        """Where it comes from in the open clip, or will in a moment."""
-        return self.reading.depth
 
     def first_options(self, path: Path) -> ClipOptions:
         """With which to open it: as said at the start, else the eyes and lens that were chosen for it."""
