@@ -18,9 +18,9 @@ from app.runs.run_changes import Footprint, folder_name
 
 def why_not_change(state: AppState, run: ListedRun) -> str:
     """Why it can be neither renamed nor deleted now, in a sentence; empty when it can."""
-    if run_actions.is_present(state, run) or run.made == "training":
+    if run_actions.is_in_training(state, run):
         return "It is in training."
-    if any(waiting.request.run_path == run.path for waiting in state.runs.queue):
+    if state.runs.is_queued(run.path):
         return "It is queued: remove it from the queue first."
     if not is_shown(state, run.path):
         return ""

@@ -129,11 +129,8 @@ def _run_path(state: AppState, suffix: str) -> Path:
     stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
     wanted = (state.runs.reconstruction.name.strip() or f"{state.source.clip.name}-{stamp}") + suffix
     base = folder_name(wanted) or "run"
-    promised = {waiting.request.run_path for waiting in state.runs.queue} | {
-        state.runs.reconstruction.run_path
-    }
     path, number = state.places.runs / base, 2
-    while path.exists() or path in promised:
+    while path.exists() or state.runs.is_queued(path) or path == state.runs.reconstruction.run_path:
         path, number = state.places.runs / f"{base}-{number}", number + 1
     return path
 

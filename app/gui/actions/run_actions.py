@@ -28,6 +28,11 @@ def is_present(state: AppState, run: ListedRun) -> bool:
     return state.runs.reconstruction.is_alive and state.runs.reconstruction.run_path == run.path
 
 
+def is_in_training(state: AppState, run: ListedRun) -> bool:
+    """In this window or by another process."""
+    return is_present(state, run) or run.made == "training"
+
+
 def shown_from_elsewhere(state: AppState) -> Path | None:
     """The run that is shown, where it lies in another folder than the clip's listed ones."""
     model = state.editing.base or state.scene.model
@@ -52,7 +57,7 @@ def why_not_open(state: AppState, run: ListedRun) -> str:
         return "This one is in training: see Reconstruction."
     if not state.runs.reconstruction.is_alive:
         return ""
-    if run.made != "finished" and not run.has_checkpoint:
+    if not run.has_model:
         return "It has no model to show beside the one in training."
     return "" if state.scene.model is not None else "Wait for the first preview of the one in training."
 
@@ -78,7 +83,7 @@ def why_not_beside(state: AppState, run: ListedRun) -> str:
         return "Open another reconstruction first."
     if model.path == run.path or is_present(state, run):
         return "It is the one that is shown: open another one beside it."
-    return "" if run.made == "finished" or run.has_checkpoint else "It has no model to show."
+    return "" if run.has_model else "It has no model to show."
 
 
 def continue_run(state: AppState, run: ListedRun) -> None:
@@ -92,9 +97,9 @@ def why_not_continue(state: AppState, run: ListedRun) -> str:
     """In a sentence; empty when it can go on."""
     if run.made == "finished":
         return "It is finished."
-    if is_present(state, run) or run.made == "training":
+    if is_in_training(state, run):
         return "It is in training."
-    if any(waiting.request.run_path == run.path for waiting in state.runs.queue):
+    if state.runs.is_queued(run.path):
         return "It is queued."
     if not run.request.clip_options.reads_as(state.source.options):
         return "It was started with other options for reading the clip: open it first."

@@ -26,7 +26,7 @@ def offered(state: AppState) -> tuple[Path, ...]:
         return ()
     found = state.runs.found
     of_clip = found.runs if found is not None and found.request.clip is state.source.clip else ()
-    runs = (run.path for run in of_clip if run.made == "finished" or run.has_checkpoint)
+    runs = (run.path for run in of_clip if run.has_model)
     made = state.runs.reconstruction.run_path if state.runs.reconstruction.is_alive else None
     shown = {state.scene.model.path, made}
     if state.scene.second.shown is not None:

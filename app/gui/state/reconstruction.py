@@ -179,6 +179,10 @@ class Runs:
         """The reconstruction that is to be made next: the first that is not asleep."""
         return next((waiting for waiting in self.queue if not waiting.asleep), None)
 
+    def is_queued(self, path: Path) -> bool:
+        """The run of that folder waits for its turn."""
+        return any(waiting.request.run_path == path for waiting in self.queue)
+
 
 def quality_of(iterations: int) -> str:
     """The word for a number of iterations; OWN for one without a word."""

@@ -54,6 +54,11 @@ class ListedRun:
     """Of an unfinished run: what it has said so far."""
 
     @property
+    def has_model(self) -> bool:
+        """There is something of it to show."""
+        return self.made == "finished" or self.has_checkpoint
+
+    @property
     def iteration(self) -> int:
         """Steps that are known to be done."""
         if self.made == "finished":
