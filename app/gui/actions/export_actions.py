@@ -15,7 +15,7 @@ from app.exports.splats import fourdgs
 from app.exports.usd_file import NO_USD, has_usd
 from app.files.codecs import HEVC, WEBM
 from app.files.dicom.choices import DicomChoices
-from app.files.legible import located
+from app.files.legible import capital, located
 from app.files.video_encoder import NO_ENCODER, VideoEncoder, is_encoded
 from app.gui.actions import actions, live_actions
 from app.gui.actions.export_names import default_name, why_not_name
@@ -142,7 +142,7 @@ def is_of_dicom(path: Path) -> bool:
 
 def _lacks_package(suffix: str) -> str:
     is_there, lacking = PACKAGES.get(suffix, (lambda: True, ""))
-    return "" if is_there() else f"{lacking[0].upper()}{lacking[1:]}."
+    return "" if is_there() else f"{capital(lacking)}."
 
 
 def _too_large(state: AppState) -> str:

@@ -128,13 +128,8 @@ def view_wish(state: AppState) -> ViewRequest | None:
     """What the processor is to draw of the 3D view, smaller while it moves when a whole one takes long; None
     where the card draws."""
     request = state.view_request if state.scene.is_drawn_by_processor and not state.lacks("3D view") else None
-    moving = (
-        state.scene.dragged
-        or state.scene.viewer.moving
-        or state.timeline.playing
-        or state.scene.cameras.playing
-    )
-    if request is None or not moving or not _is_slow(state.scene.view, state.scene.second.view):
+    moves = state.scene.dragged or state.moves
+    if request is None or not moves or not _is_slow(state.scene.view, state.scene.second.view):
         return request
     return request.scaled(REDUCED)
 
