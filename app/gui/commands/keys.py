@@ -152,10 +152,10 @@ def _pressed(state: AppState, sections: Iterable[Section], modal: Keys, walks: b
 
 def _is_pressed(code: int, repeats: bool) -> bool:
     """Exactly this chord; a held key counts again only where that is wanted."""
-    held, wanted = _held(), code & MODIFIERS
-    if held != wanted and not (code & ~MODIFIERS == PLUS and held == wanted | SHIFT):
+    if not imgui.is_key_pressed(imgui.Key(code & ~MODIFIERS), repeats):
         return False
-    return imgui.is_key_pressed(imgui.Key(code & ~MODIFIERS), repeats)
+    held, wanted = _held(), code & MODIFIERS
+    return held == wanted or (code & ~MODIFIERS == PLUS and held == wanted | SHIFT)
 
 
 def _held() -> int:
