@@ -27,7 +27,6 @@ from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tuning import CellRequest
 from app.gui.work.writing import KeepRequest
 from app.kernels.progress import Kind
-from app.runs.queue_file import queue_file
 from app.scenes.drawer import View
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
@@ -190,7 +189,7 @@ def models_wish(state: AppState) -> BesideRequest | None:
 
 def to_keep(state: AppState) -> KeepRequest:
     """The queue, as the next session is to find it."""
-    return KeepRequest(queue_file(state.places.config), queue_actions.to_keep(state))
+    return KeepRequest(state.places.config, queue_actions.to_keep(state))
 
 
 def to_seal(state: AppState) -> SealRequest | None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from app.files.atomic import write_bytes
 from app.files.provenance import digest
 from app.gui.session_file import Session, SessionSource, write_session
-from app.runs.queue_file import keep_queue
+from app.runs.queue_file import keep_queue, queue_file
 from app.runs.train_run import TrainRequest
 
 
@@ -34,16 +34,17 @@ def write_file(request: WriteRequest) -> Iterator[Path]:
 
 @dataclass(frozen=True)
 class KeepRequest:
-    """What the file is to hold."""
+    """What this process's file in a folder is to hold."""
 
-    path: Path
+    folder: Path
     waiting: tuple[TrainRequest, ...]
 
 
 def keep(request: KeepRequest) -> Iterator[Path]:
     """Answers a KeepRequest. Raises OSError or UserError."""
-    keep_queue(request.path, request.waiting)
-    yield request.path
+    path = queue_file(request.folder)
+    keep_queue(path, request.waiting)
+    yield path
 
 
 @dataclass(frozen=True, eq=False)
