@@ -321,6 +321,16 @@ def choose_method(state: AppState, method: type[EnhancementSettings]) -> None:
     state.enhancement.params = latest(state, method)
 
 
+def choose_scope(state: AppState, scope: Scope) -> None:
+    """What the automatic values are taken from."""
+    state.enhancement.scope = scope
+
+
+def choose_pixels(state: AppState, pixels: Pixels) -> None:
+    """What counts in the statistics."""
+    state.enhancement.pixels = pixels
+
+
 def settle_params(state: AppState) -> None:
     """Called while no control is held: one drag of a slider is one step of undo."""
     chosen = state.chosen

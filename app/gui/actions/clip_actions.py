@@ -24,6 +24,11 @@ def why_no_clip(state: AppState) -> str:
     return "Record the live source, then open the recording." if state.source.is_live_frame else ""
 
 
+def dismiss_notices(state: AppState) -> None:
+    """What is said of the open video has been read."""
+    state.source.notices = ()
+
+
 def trim_here(state: AppState, *, start: bool) -> None:
     """The clip begins, or ends, with the present frame; where that lies beyond the other end, this goes back
     to that of the whole."""
@@ -49,6 +54,11 @@ def draw_mask(state: AppState, shape: str) -> None:
     """The next drag over a picture draws this: "text", "view", or nothing for ""."""
     state.picture.mask_tool = "" if state.picture.mask_tool == shape else shape
     state.picture.overlay = state.picture.overlay or bool(state.picture.mask_tool)
+
+
+def begin_mask(state: AppState, at: tuple[float, float]) -> None:
+    """A drag that draws the mask starts here in the picture."""
+    state.picture.mask_start = at
 
 
 def finish_mask(state: AppState) -> None:

@@ -46,7 +46,12 @@ def reset_sources(state: AppState) -> None:
 def move_wipe(state: AppState, by: float) -> None:
     """Move the line of the wipe by a share of the pane, where there is one."""
     if state.comparing.chosen.mode == "wipe":
-        state.comparing.chosen = state.comparing.chosen.wiped(state.comparing.chosen.wipe + by)
+        set_wipe(state, state.comparing.chosen.wipe + by)
+
+
+def set_wipe(state: AppState, wipe: float) -> None:
+    """The line of the wipe, as a share of the pane's width."""
+    state.comparing.chosen = state.comparing.chosen.wiped(wipe)
 
 
 def toggle_zebra(state: AppState) -> None:

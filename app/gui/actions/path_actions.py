@@ -207,8 +207,9 @@ def save_views(state: AppState) -> None:
     """All named views and the path, for this app and `vesselsplat export --path`: a JSON file among the
     exports, named after what is open and the time."""
     name = Path(state.scene.model.name).stem if state.scene.model is not None else "vesselsplat"
-    path, content = state.export_folder / f"{name}-views-{stamp()}.json", views_json(state.scene.cameras.views)
-    state.window.wishes += (WriteRequest(path, content, "the cameras were not saved", announced=True),)
+    path, trouble = state.export_folder / f"{name}-views-{stamp()}.json", "the cameras were not saved"
+    content = views_json(state.scene.cameras.views)
+    state.window.wishes += (WriteRequest(path, content, trouble, announced=True),)
 
 
 def clip_cameras(model: Scene) -> CameraSet:

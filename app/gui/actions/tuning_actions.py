@@ -13,7 +13,7 @@ from app.errors import UserError
 from app.gui.actions import actions, presenting
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
-from app.gui.views.picture_view import PictureView, Room
+from app.gui.views.picture_view import PictureView
 from app.gui.work.background import Failure
 from app.gui.work.tuning import CellRequest, Grid, GridCell
 
@@ -124,28 +124,6 @@ def resize_tiles(state: AppState, size: float) -> None:
 def sort_by(state: AppState, measure: str) -> None:
     """The best first by a measure; empty: as varied."""
     state.tuning.sort = measure
-
-
-def pan_cell(state: AppState, by: tuple[float, float], picture: tuple[int, int], pane: Room) -> None:
-    """The cell that is looked at, along with the hand."""
-    state.tuning.view = state.tuning.view.panned(by, picture, pane)
-
-
-def zoom_cell(
-    state: AppState, factor: float, at: tuple[float, float], picture: tuple[int, int], pane: Room
-) -> None:
-    """Nearer for a factor above 1, around a place in the pane; the original beside it as well."""
-    state.tuning.view = state.tuning.view.zoomed(factor, at, picture, pane)
-
-
-def fit_cell(state: AppState) -> None:
-    """As a whole."""
-    state.tuning.view = state.tuning.view.fitted()
-
-
-def one_to_one(state: AppState, zoom: float) -> None:
-    """One pixel of the frame a pixel of the screen, which `zoom` of a window's units are."""
-    state.tuning.view = state.tuning.view.one_to_one(zoom)
 
 
 def use_setting(state: AppState, setting: Setting) -> None:

@@ -195,8 +195,8 @@ def _picture(state: AppState) -> tuple[Section, ...]:
                 synonyms=("hold", "still")),
     )  # fmt: skip
     zooms = (
-        Command("Fit", picture_actions.fit, ("0",), text="fit the whole frame", applies=has_clip,
-                synonyms=("zoom", "out", "reset", "view")),
+        Command("Fit", lambda s: picture_actions.fit(s.picture), ("0",), text="fit the whole frame",
+                applies=has_clip, synonyms=("zoom", "out", "reset", "view")),
         Command("1:1", one_to_one, ("1",), text="actual pixels (1:1)", applies=has_clip,
                 synonyms=("zoom", "magnify", "100%", "actual", "size", "native")),
     )  # fmt: skip
@@ -300,4 +300,4 @@ def _clip() -> tuple[Section, ...]:
 
 def one_to_one(state: AppState) -> None:
     """One picture pixel a pixel of the screen, also where the window counts in larger units."""
-    picture_actions.one_to_one(state, 1 / imgui.get_io().display_framebuffer_scale.x)
+    picture_actions.one_to_one(state.picture, 1 / imgui.get_io().display_framebuffer_scale.x)

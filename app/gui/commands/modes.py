@@ -8,7 +8,7 @@ from typing import Final
 
 from imgui_bundle import imgui
 
-from app.gui.actions import masking_actions, presenting, tuning_actions
+from app.gui.actions import masking_actions, picture_actions, presenting, tuning_actions
 from app.gui.commands.command import Act
 from app.gui.state.app_state import AppState
 
@@ -26,7 +26,7 @@ TILE: Final[Keys] = {
     imgui.Key.right_arrow: partial(tuning_actions.go, right=1),
     imgui.Key.up_arrow: partial(tuning_actions.go, down=-1),
     imgui.Key.down_arrow: partial(tuning_actions.go, down=1),
-    imgui.Key._0: tuning_actions.fit_cell,
+    imgui.Key._0: lambda state: picture_actions.fit(state.tuning),
 }
 MASKING: Final[Keys] = {
     imgui.Key.left_bracket: partial(masking_actions.scale_radius, steps=-1),

@@ -10,7 +10,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.settable import MODES, SLOTS, SOURCES
 from app.files.legible import capital, without_flags
-from app.gui.actions import actions, comparing, laid_out, live_actions, picture_actions
+from app.gui.actions import actions, clip_actions, comparing, laid_out, live_actions, picture_actions
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.fainter import draw_fainter
@@ -86,7 +86,7 @@ def _draw_toolbar(state: AppState) -> None:
     toggle("Zebra", partial(comparing.toggle_zebra, state), ZEBRA_TEXT, on=chosen.zebra)
     fit = f"{icons.ICON_FA_EXPAND}  Fit"
     beside(fit)
-    button(fit, partial(picture_actions.fit, state), "0 or double click: fit the whole frame.")
+    button(fit, partial(picture_actions.fit, state.picture), "0 or double click: fit the whole frame.")
     beside("1:1")
     button("1:1", partial(one_to_one, state), "1: actual pixels (1:1).")
     beside_of(em(4))
@@ -161,7 +161,7 @@ def _draw_notices(state: AppState) -> None:
     start = 0.0
     for place, notice in enumerate(state.source.notices):
         if place == 0:
-            button("OK##notices", partial(picture_actions.dismiss_notices, state), NOTICES_TEXT, small=True)
+            button("OK##notices", partial(clip_actions.dismiss_notices, state), NOTICES_TEXT, small=True)
             start = imgui.get_item_rect_size().x
         else:
             imgui.dummy(ImVec2(start, 0))

@@ -14,7 +14,7 @@ from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings
 from app.enhancement.settable import Pixels, Scope
 from app.enhancement.setting_words import VESSEL_LABELS, before_strength
 from app.files.legible import as_label, legible, named
-from app.gui.actions import actions, picture_actions, preset_actions
+from app.gui.actions import actions, preset_actions
 from app.gui.actions import history_actions as history
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
 from app.gui.state import scales
@@ -210,8 +210,8 @@ def _draw_settings(state: AppState) -> None:
     elif isinstance(params, EnhanceParams):
         used = None if shown is None else before_strength(params, shown)
         _change(state, _draw_windows(_draw_paper(params, used), used))
-    picture_actions.choose_scope(state, choose_row("Statistics", chosen.scope, SCOPES, SCOPE_TEXT))
-    picture_actions.choose_pixels(state, choose_row("Pixels", chosen.pixels, PIXELS, PIXELS_TEXT))
+    actions.choose_scope(state, choose_row("Statistics", chosen.scope, SCOPES, SCOPE_TEXT))
+    actions.choose_pixels(state, choose_row("Pixels", chosen.pixels, PIXELS, PIXELS_TEXT))
 
 
 def _change(state: AppState, params: EnhancementSettings) -> None:

@@ -8,7 +8,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.exports.comparison_images import heat_scale
-from app.gui.actions import clip_actions, laid_out, picture_actions, presenting
+from app.gui.actions import clip_actions, comparing, laid_out, picture_actions, presenting
 from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
 from app.gui.panels.masking import draw_brush, follow_brush
 from app.gui.state.app_state import AppState
@@ -154,9 +154,9 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
     if imgui.is_item_hovered():
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         if io.mouse_wheel != 0:
-            picture_actions.zoom(state, WHEEL_STEP**io.mouse_wheel, area.mouse(), picture, pane)
+            picture_actions.zoom(state.picture, WHEEL_STEP**io.mouse_wheel, area.mouse(), picture, pane)
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left) and not state.masking.active:
-            picture_actions.fit(state)
+            picture_actions.fit(state.picture)
             return
     by = dragged()
     if state.picture.mask_tool:
@@ -166,7 +166,7 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
     elif imgui.is_item_active():
         imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
         if by.x or by.y:
-            picture_actions.pan(state, (by.x, by.y), picture, pane)
+            picture_actions.pan(state.picture, (by.x, by.y), picture, pane)
     zoom = state.picture.view.place(picture, pane).zoom
     laid_out.size_picture(state, io.display_framebuffer_scale.x * zoom)
 
@@ -175,7 +175,7 @@ def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:
     """A drag draws the box or the circle that was asked for."""
     at = _placement(state, image, area).picture_at(*area.mouse())
     if imgui.is_item_activated():
-        picture_actions.begin_mask(state, at)
+        clip_actions.begin_mask(state, at)
     if imgui.is_item_active() and state.picture.mask_start is not None and at != state.picture.mask_start:
         tool, start, aspect = (
             state.picture.mask_tool,
@@ -280,9 +280,9 @@ def _drag_line(state: AppState, area: Area) -> float:
     if imgui.is_item_hovered() or imgui.is_item_active():
         imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
     if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-        picture_actions.center_wipe(state)
+        comparing.set_wipe(state, 0.5)
     elif imgui.is_item_active() and imgui.get_io().mouse_delta.x:
-        picture_actions.set_wipe(state, area.mouse()[0] / area.size.x)
+        comparing.set_wipe(state, area.mouse()[0] / area.size.x)
     return area.corner.x + state.comparing.chosen.wipe * area.size.x
 
 

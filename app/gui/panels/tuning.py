@@ -13,7 +13,7 @@ from app.enhancement.methods import EnhancementSettings
 from app.enhancement.parameter_grid import DEFINITIONS, SMALLER_IS_BETTER, Measures, Setting
 from app.enhancement.settable import MOST_VALUES
 from app.enhancement.setting_words import LABELS, VESSEL_LABELS, in_the_paper, said
-from app.gui.actions import laid_out, tuning_actions
+from app.gui.actions import laid_out, picture_actions, tuning_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.enhancement_measured import measure_text
 from app.gui.panels.overlays import make_room
@@ -272,10 +272,12 @@ def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> Non
     button("Take these settings###use", use, text, color=theme.now().lit, width=11)
     fit = f"{icons.ICON_FA_EXPAND}  Fit"
     beside(fit, 1)
-    button(f"{fit}###fit", partial(tuning_actions.fit_cell, state), "0 or double click: fit the whole frame.")
+    button(
+        f"{fit}###fit", partial(picture_actions.fit, state.tuning), "0 or double click: fit the whole frame."
+    )
     beside("1:1")
     zoom = 1 / imgui.get_io().display_framebuffer_scale.x
-    button("1:1", partial(tuning_actions.one_to_one, state, zoom), "Actual pixels (1:1).")
+    button("1:1", partial(picture_actions.one_to_one, state.tuning, zoom), "Actual pixels (1:1).")
     cell = state.tuning.cells.get(setting)
     words = f"{said(setting)}   {in_words(cell.measures) if cell is not None else '…'}"
     beside_of(imgui.calc_text_size(words).x, 1)
@@ -326,9 +328,10 @@ def _look_around(state: AppState, picture: tuple[int, int], area: Area) -> None:
     if imgui.is_item_hovered():
         imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
         if io.mouse_wheel:
-            tuning_actions.zoom_cell(state, WHEEL_STEP**io.mouse_wheel, area.mouse(), picture, area.inside)
+            factor = WHEEL_STEP**io.mouse_wheel
+            picture_actions.zoom(state.tuning, factor, area.mouse(), picture, area.inside)
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
-            tuning_actions.fit_cell(state)
+            picture_actions.fit(state.tuning)
     by = dragged()
     if by.x or by.y:
-        tuning_actions.pan_cell(state, (by.x, by.y), picture, area.inside)
+        picture_actions.pan(state.tuning, (by.x, by.y), picture, area.inside)

@@ -9,7 +9,7 @@ import pytest
 from imgui_bundle import imgui
 from PIL import Image
 
-from app.gui.actions import arriving, depth_actions, picture_actions
+from app.gui.actions import arriving, clip_actions, depth_actions
 from app.gui.panels import compare
 from app.gui.state.app_state import AppState
 from app.gui.work.depths import DepthRequest
@@ -81,7 +81,7 @@ def test_with_another_depth_they_say_what_is_true_of_it(state: AppState, tmp_pat
     take(video(*SAID, "4.5 mm apart"), 4.5)
     assert state.source.notices == (*SAID, "4.5 mm apart")
     # Those that have been read do not come back, and what is new is shown.
-    picture_actions.dismiss_notices(state)
+    clip_actions.dismiss_notices(state)
     take(video(*SAID, "5 mm apart"), 5.0)
     assert state.source.notices == ("5 mm apart",)
     take(replace(bare, format="images"), 5.5)

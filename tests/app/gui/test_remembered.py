@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.gui.actions import actions, comparing, history_actions, picture_actions, remembered
+from app.gui.actions import actions, comparing, history_actions, remembered
 from app.gui.state.app_state import AppState
 from app.gui.work.settings import load_settings
 from enhance import EnhanceParams
@@ -38,8 +38,8 @@ def test_a_first_window_opens_with_vessels_and_nothing_to_undo(begun: AppState) 
 
 def test_method_statistics_pixels_and_comparison_come_back(begun: AppState) -> None:
     actions.choose_method(begun, EnhanceParams)
-    picture_actions.choose_scope(begun, "image")
-    picture_actions.choose_pixels(begun, "all")
+    actions.choose_scope(begun, "image")
+    actions.choose_pixels(begun, "all")
     comparing.choose_mode(begun, "wipe")
     later = next_start(begun)
     chosen = later.enhancement
@@ -58,7 +58,7 @@ def test_what_is_undone_or_reset_does_not_come_back(begun: AppState) -> None:
     actions.choose_method(begun, EnhanceParams)
     actions.settle_params(begun)
     history_actions.undo(begun)
-    picture_actions.choose_pixels(begun, "all")
+    actions.choose_pixels(begun, "all")
     actions.reset_params(begun)
     later = next_start(begun).enhancement
     assert (later.params, later.pixels) == (VesselParams(), "automatic")
