@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from datetime import datetime
 from pathlib import Path
 from typing import Final
 
@@ -64,6 +65,11 @@ def named(method: str) -> str:
 def grouped(number: int) -> str:
     """Thousands apart: 28,310."""
     return f"{number:,}"
+
+
+def to_minute(moment: datetime) -> str:
+    """In the hours of this place, ISO 8601: 2026-02-14 09:30."""
+    return moment.astimezone().strftime("%Y-%m-%d %H:%M")
 
 
 def without_flags(text: str) -> str:

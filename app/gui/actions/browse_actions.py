@@ -6,7 +6,7 @@ import os
 from datetime import datetime
 from pathlib import Path
 
-from app.files.legible import legible
+from app.files.legible import legible, to_minute
 from app.gui.actions import actions
 from app.gui.actions.export_names import why_not_name
 from app.gui.state.app_state import AppState
@@ -106,9 +106,9 @@ def why_not(browsing: Browsing) -> str:
         return _why_not_saved(browsing)
     path = typed_path(browsing)
     if browsing.choosing.kind == "folder":
-        taken = is_folder(path) or (browsing.choosing.question.takes_files and _is_file(path))
-        return "" if taken else "Choose a folder." if _is_file(path) else "There is no such folder."
-    if _is_file(path):
+        taken = is_folder(path) or (browsing.choosing.question.takes_files and os.path.isfile(path))
+        return "" if taken else "Choose a folder." if os.path.isfile(path) else "There is no such folder."
+    if os.path.isfile(path):
         return ""
     return "Choose a file." if is_folder(path) else "There is no such file."
 
@@ -139,13 +139,6 @@ def target(browsing: Browsing) -> Path:
 def replaces(browsing: Browsing) -> bool:
     """There is a file of that name."""
     return os.path.lexists(target(browsing))
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
 
 
 def choose(state: AppState, browsing: Browsing) -> None:
@@ -225,4 +218,4 @@ def scrolled(browsing: Browsing) -> None:
 
 def dated(entry: Entry) -> str:
     """When it was changed last."""
-    return datetime.fromtimestamp(entry.modified).astimezone().strftime("%Y-%m-%d %H:%M")
+    return to_minute(datetime.fromtimestamp(entry.modified))

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import LONGEST_NAME, InputKind
+from app.files.legible import to_minute
 from app.gui.actions import clip_actions, depth_actions
 from app.gui.actions.actions import announce, leave
 from app.gui.session_file import KeptSettings
@@ -21,8 +22,6 @@ from app.runs.train_run import TrainRequest
 from app.scenes.scene import Scene, Training
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import Method, Part
-
-DAY, MINUTE = "%Y-%m-%d", "%Y-%m-%d %H:%M"
 
 
 def choose_input(state: AppState, frames: InputKind) -> None:
@@ -46,14 +45,13 @@ def link_settings(state: AppState, *, linked: bool) -> None:
 
 def keep_settings_now(state: AppState) -> None:
     """Those of the image as it is now, whatever it is set to later."""
-    since = datetime.now().astimezone().strftime(MINUTE)
-    state.runs.reconstruction.kept = KeptSettings(state.enhancement.params, since)
+    state.runs.reconstruction.kept = KeptSettings(state.enhancement.params, to_minute(datetime.now()))
 
 
 def moment(kept: KeptSettings) -> str:
     """When they were kept, as a person says it: the time of a day, or the day."""
     day, _, time = kept.since.partition(" ")
-    return time if day == datetime.now().astimezone().strftime(DAY) else day
+    return time if day == datetime.now().date().isoformat() else day
 
 
 def choose_method(state: AppState, method: Method, iterations: int) -> None:

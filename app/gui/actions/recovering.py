@@ -6,6 +6,7 @@ import os
 from contextlib import suppress
 from datetime import datetime
 
+from app.files.legible import to_minute
 from app.gui.actions import actions
 from app.gui.session_file import SUFFIX, autosave_path, recoverable
 from app.gui.state.app_state import AppState
@@ -16,8 +17,8 @@ def offer_recovery(state: AppState) -> None:
     try:
         state.session.recoverable = found = recoverable(state.places.config)
         if found is not None:
-            saved = datetime.fromtimestamp(found.stat().st_mtime).astimezone()
-            state.session.recoverable_since = saved.strftime("%Y-%m-%d %H:%M")
+            saved = datetime.fromtimestamp(found.stat().st_mtime)
+            state.session.recoverable_since = to_minute(saved)
     except OSError as error:
         actions.say(state, f"earlier sessions cannot be listed: {error}")
 

@@ -9,7 +9,7 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.files.legible import as_label, legible, named
+from app.files.legible import as_label, legible, named, to_minute
 from app.gui.actions import changing_runs, laid_out, queue_actions, run_actions
 from app.gui.panels.reconstruction import CONTINUES, LOOK_TEXT, STARTS_OVER
 from app.gui.panels.run_measures import draw_run_measures
@@ -160,7 +160,7 @@ def _made(state: AppState, run: ListedRun) -> str:
 def _when(created: str) -> str:
     """In the hours of this place."""
     try:
-        return datetime.fromisoformat(created).astimezone().strftime("%Y-%m-%d %H:%M")
+        return to_minute(datetime.fromisoformat(created))
     except ValueError:
         return legible(created)
 
