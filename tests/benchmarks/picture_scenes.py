@@ -13,9 +13,9 @@ from app.gui.actions import (
     about_actions,
     actions,
     clip_actions,
+    closing,
     edit_actions,
     export_actions,
-    queue_actions,
     second_actions,
     tuning_actions,
 )
@@ -193,7 +193,7 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.ctx.window_focus("//Reconstruction")
     state.window.closing = "asked"
     yield "question closing"
-    queue_actions.answer_closing(state, close=False)
+    closing.answer_closing(state, close=False)
     person.ctx.popup_close_all()
     person.ctx.window_focus("//Reconstruction")
     state.runs.queue = ()

@@ -6,7 +6,7 @@ import glfw
 from imgui_bundle import glfw_utils, hello_imgui
 
 from app.files.legible import legible
-from app.gui.actions import queue_actions, session_actions
+from app.gui.actions import closing, session_actions
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.style.asking import ask
@@ -21,11 +21,11 @@ def ask_before_quitting(state: AppState) -> None:
     if params.app_shall_exit:
         changed = session_actions.look_for_changes(state) or session_actions.loses_case(state)
         unsaved = changed or state.editing.is_unsaved
-        if unsaved or not queue_actions.may_close(state):
+        if unsaved or not closing.may_close(state):
             params.app_shall_exit = False
             glfw.set_window_should_close(glfw_utils.glfw_window_hello_imgui(), 0)
         if unsaved:
-            queue_actions.answer_closing(state, close=False)
+            closing.answer_closing(state, close=False)
             session_actions.leave_case(state, dockings.quit_app)
     _draw_unsaved(state)
     _draw_new_case(state)
@@ -64,11 +64,11 @@ def _draw_new_case(state: AppState) -> None:
 def _draw_question(state: AppState) -> None:
     if state.window.closing != "asked":
         return
-    said = (queue_actions.at_stake(state), queue_actions.what_is_kept(state))
+    said = (closing.at_stake(state), closing.what_is_kept(state))
     # All may have ended while the question stood there.
     reply = ask("Close VesselSplat?", said, ("Close", "Stay"), moot=not said[0])
     if reply:
-        queue_actions.answer_closing(state, close=reply == "Close")
+        closing.answer_closing(state, close=reply == "Close")
     if reply == "Close":
         dockings.quit_app()
     elif reply:

@@ -16,7 +16,7 @@ from app.exports.replay.again import replay
 from app.files.image_files import read_image
 from app.files.image_series import Series
 from app.files.provenance import read_provenance
-from app.gui.actions import actions, batch_actions, queue_actions
+from app.gui.actions import actions, batch_actions, closing
 from app.gui.commands.keys import chord
 from app.gui.panels.batches import draw_batches
 from app.gui.state.app_state import AppState
@@ -195,13 +195,13 @@ def test_a_batch_that_is_cancelled_at_once_leaves_no_folder(places: Places, case
 
 def test_closing_meanwhile_is_asked_about(places: Places, case: Path) -> None:
     person = Person(places)
-    assert queue_actions.may_close(person.state)
+    assert closing.may_close(person.state)
     person.begin(case)
-    assert not queue_actions.may_close(person.state)
-    assert "enhanced" in queue_actions.at_stake(person.state)
-    assert "Finished files are kept" in queue_actions.what_is_kept(person.state)
+    assert not closing.may_close(person.state)
+    assert "enhanced" in closing.at_stake(person.state)
+    assert "Finished files are kept" in closing.what_is_kept(person.state)
     person.finish()
-    assert not queue_actions.at_stake(person.state)
+    assert not closing.at_stake(person.state)
 
 
 def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> None:

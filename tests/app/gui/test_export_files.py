@@ -14,7 +14,7 @@ from app.exports.replay.again import replay
 from app.files.image_files import read_image, write_image
 from app.files.provenance import read_provenance
 from app.files.video_encoder import VideoEncoder
-from app.gui.actions import actions, export_actions, queue_actions
+from app.gui.actions import actions, closing, export_actions
 from app.gui.actions.export_names import default_name, why_not_name
 from app.gui.actions.export_offers import OFFERS
 from app.gui.commands.commands import sections
@@ -81,13 +81,13 @@ def test_a_name_that_is_taken_while_a_video_is_made_is_not_replaced(run: Exporte
     export_actions.start(run.state)
     run.turn(3)
     assert run.state.exports.under_way is not None
-    assert "export" in queue_actions.at_stake(run.state)
-    assert "discarded" in queue_actions.what_is_kept(run.state)
+    assert "export" in closing.at_stake(run.state)
+    assert "discarded" in closing.what_is_kept(run.state)
     taken = run.state.export_folder / "small-frames-1-10-both.mp4"
     taken.parent.mkdir(exist_ok=True)
     taken.write_text("meanwhile")
     run.turn(40)
-    assert not queue_actions.at_stake(run.state)
+    assert not closing.at_stake(run.state)
     assert run.state.exports.last == taken.with_stem(f"{taken.stem}-2")
     assert taken.read_text() == "meanwhile"
     assert run.state.exports.last.with_name(f"{run.state.exports.last.name}.json").is_file()
@@ -104,11 +104,11 @@ def test_closing_tells_of_a_run_a_batch_and_an_export_that_go_on_together(
     state.runs.reconstruction.status = "running"
     request = TrainRequest(clip_path=tmp_path, run_path=tmp_path / "run", config=TrainConfig())
     state.runs.reconstruction.request, state.runs.queue = request, (Waiting(None, request),)
-    assert queue_actions.at_stake(state) == (
+    assert closing.at_stake(state) == (
         "run is still running, and 1 more is queued. Files and folders are still being enhanced. "
         "An export is still being written."
     )
-    assert queue_actions.what_is_kept(state) == (
+    assert closing.what_is_kept(state) == (
         "The iterations that are done are kept: Continue resumes from there. The queue is kept for the next "
         "start. Finished files are kept; the rest are not written. "
         "What the export has written so far is discarded."

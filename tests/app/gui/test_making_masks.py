@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, masking_actions, queue_actions
+from app.gui.actions import actions, closing, masking_actions
 from app.gui.panels.masking import draw_masking_question
 from app.gui.state.app_state import AppState
 from app.gui.update import taking
@@ -148,17 +148,17 @@ def test_closing_asks_while_masks_are_made_and_another_clip_says_that_they_were_
     masking: AppState, folder: Path
 ) -> None:
     channels = settle(masking)
-    assert queue_actions.at_stake(masking) == ""
+    assert closing.at_stake(masking) == ""
     masking_actions.make_all(masking)
-    assert queue_actions.at_stake(masking) == "Tools are still being masked."
-    assert queue_actions.what_is_kept(masking) == "Masks made so far stay."
+    assert closing.at_stake(masking) == "Tools are still being masked."
+    assert closing.what_is_kept(masking) == "Masks made so far stay."
     for _ in range(3):
         update(masking, channels, 2.0)
         channels.made_masks.run_waiting()
     masking.source.opening = request = OpenRequest(folder)
     (opened,) = open_path(request)
     taking.take_opened(masking, request, opened)
-    assert queue_actions.at_stake(masking) == ""
+    assert closing.at_stake(masking) == ""
     assert masking.window.toast is not None
     assert masking.window.toast.message == "tool masks of clip were interrupted: those made so far stay"
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from app.enhancement.image_mask import PictureMask
-from app.gui.actions import actions, clip_actions, job_actions, queue_actions
+from app.gui.actions import actions, clip_actions, closing, job_actions, queue_actions
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
@@ -154,25 +154,25 @@ def test_nothing_is_taken_from_under_the_hand_that_edits(
 
 
 def test_closing_is_asked_about_exactly_while_something_would_be_lost(state: AppState, jobs: Jobs) -> None:
-    assert queue_actions.may_close(state)
+    assert closing.may_close(state)
     queued(state, jobs, 100, 200)
-    assert not queue_actions.may_close(state)
-    assert "1 more is queued" in queue_actions.at_stake(state)
-    assert "next start" in queue_actions.what_is_kept(state)
+    assert not closing.may_close(state)
+    assert "1 more is queued" in closing.at_stake(state)
+    assert "next start" in closing.what_is_kept(state)
     state.runs.reconstruction.status = "paused"
-    assert "is paused, and 1 more is queued" in queue_actions.at_stake(state)
+    assert "is paused, and 1 more is queued" in closing.at_stake(state)
     state.runs.reconstruction.status = "running"
-    queue_actions.answer_closing(state, close=False)
-    assert not queue_actions.may_close(state)
-    queue_actions.answer_closing(state, close=True)
-    assert queue_actions.may_close(state)
+    closing.answer_closing(state, close=False)
+    assert not closing.may_close(state)
+    closing.answer_closing(state, close=True)
+    assert closing.may_close(state)
     state.window.closing, state.runs.reconstruction.status = "no", "finished"
-    assert queue_actions.may_close(state)  # What waits is kept.
+    assert closing.may_close(state)  # What waits is kept.
     actions.remember_recent(state, False)
-    assert not queue_actions.may_close(state)
-    assert "discarded" in queue_actions.what_is_kept(state)
+    assert not closing.may_close(state)
+    assert "discarded" in closing.what_is_kept(state)
     state.window.closing, state.runs.queue = "no", ()
-    assert queue_actions.may_close(state)
+    assert closing.may_close(state)
 
 
 def test_the_list_of_what_waits_draws(ui: Ui, state: AppState, jobs: Jobs) -> None:

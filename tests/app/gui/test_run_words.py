@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import job_actions, queue_actions
+from app.gui.actions import closing, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.pace import Pace
 from app.gui.state.run_words import COMPILING, FIRST_STEP, LONG_STEP, doing, share_done
@@ -72,7 +72,7 @@ def test_a_run_that_resumes_counts_from_its_checkpoint_before_its_first_event(
     follow_job(going)
     assert going.runs.model_wish is not None
     assert going.runs.model_wish.training.iteration == 71
-    assert "Continue resumes" in queue_actions.what_is_kept(going)
+    assert "Continue resumes" in closing.what_is_kept(going)
 
 
 def test_the_first_step_beside_the_one_time_preparation_compiles(going: AppState) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.gui.actions import export_actions, queue_actions, summary_actions, window_actions
+from app.gui.actions import closing, export_actions, summary_actions, window_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.work.background import Failure
@@ -31,17 +31,17 @@ def test_closing_asks_while_images_are_still_being_saved(opened: AppState) -> No
     export_actions.ask_image(opened, window_actions.window_request(opened, np.zeros((2, 2, 3), np.uint8)))
     channels.ask_once(opened)
     channels.saving.run_waiting()
-    assert queue_actions.at_stake(opened) == "3 images are still being saved."
-    assert queue_actions.what_is_kept(opened) == "Images not saved yet are lost."
-    assert not queue_actions.may_close(opened)
+    assert closing.at_stake(opened) == "3 images are still being saved."
+    assert closing.what_is_kept(opened) == "Images not saved yet are lost."
+    assert not closing.may_close(opened)
     write_all(opened, channels)
     assert written(opened) == 3
-    assert queue_actions.at_stake(opened) == queue_actions.what_is_kept(opened) == ""
+    assert closing.at_stake(opened) == closing.what_is_kept(opened) == ""
     summary_actions.add_shown(opened)
-    assert queue_actions.at_stake(opened) == "1 image is still being saved."
+    assert closing.at_stake(opened) == "1 image is still being saved."
     (request,) = opened.exports.saving
     summary_actions.take_saved(opened, request, Failure(OSError("the disk is full")))
-    assert not queue_actions.at_stake(opened)
+    assert not closing.at_stake(opened)
 
 
 def test_more_images_than_can_wait_are_refused_aloud_and_the_page_is_not_locked(opened: AppState) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.enhancement.frame_enhancer import PictureRequest, Pictures
-from app.gui.actions import actions, arriving, camera_actions, job_actions, queue_actions
+from app.gui.actions import actions, arriving, camera_actions, closing, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
@@ -335,7 +335,7 @@ def test_what_has_not_done_a_step_is_not_said_to_be_resumed(
 ) -> None:
     job_actions.start_reconstruction(state)
     start_due(state, make_job)
-    assert queue_actions.what_is_kept(state) == "It has not done an iteration yet."
+    assert closing.what_is_kept(state) == "It has not done an iteration yet."
     assert isinstance(state.runs.reconstruction.job, FakeJob)
     state.runs.reconstruction.job.inbox = [STARTED, Cancelled()]
     update(state, channels, 0.1)
