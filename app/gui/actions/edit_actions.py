@@ -54,11 +54,6 @@ def _show(state: AppState) -> None:
     editing.tinted = tinted_model(editing.edited, edits) if editing.active else None
 
 
-def may_edit(state: AppState) -> bool:
-    """There is a model: one that cannot be edited says why."""
-    return state.scene.model is not None
-
-
 def why_not_edit(state: AppState) -> str:
     """Why there is nothing to edit, in a sentence."""
     model = state.scene.model

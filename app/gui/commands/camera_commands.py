@@ -6,7 +6,7 @@ from functools import partial
 
 from app.gui.actions import actions, camera_actions, export_actions, path_actions, second_actions
 from app.gui.commands import recent_commands
-from app.gui.commands.command import Command, Section, menu
+from app.gui.commands.command import Command, Section, has_model, menu
 from app.gui.state.app_state import AppState
 
 BLEND_STEP = 0.1
@@ -18,7 +18,7 @@ export_path = partial(export_actions.choose_what, what="cameras of the path")
 def camera_sections(state: AppState) -> tuple[Section, ...]:
     views = (
         Command("Clip camera", camera_actions.reset_view, ("Shift+C",),
-                text="return the 3D view to the clip's camera", applies=_has_model,
+                text="return the 3D view to the clip's camera", applies=has_model,
                 synonyms=("reset", "home", "view", "centre", "center")),
         Command("Frame overlay", camera_actions.toggle_snap, ("C",),
                 text="3D view from the clip's camera, with its frame over it",
@@ -29,33 +29,33 @@ def camera_sections(state: AppState) -> tuple[Section, ...]:
         Command("More of the frame", lambda s: _blend(s, BLEND_STEP), ("]",),
                 applies=lambda s: s.scene.viewer.snapped, repeats=True),
         Command("Next kind of view", camera_actions.next_view, ("N",),
-                text="3D view: colour, depth, normals and others", applies=_has_model,
+                text="3D view: colour, depth, normals and others", applies=has_model,
                 synonyms=("depth", "normals", "opacity", "motion", "ellipsoids", "points", "colour", "map")),
         Command("Measure", camera_actions.toggle_measuring, ("M",),
                 text="measure between two clicks on the 3D view",
-                applies=_has_model, ticked=lambda s: s.scene.viewer.measuring,
+                applies=has_model, ticked=lambda s: s.scene.viewer.measuring,
                 synonyms=("distance", "ruler", "length", "size", "mm")),
         Command("Fly", camera_actions.toggle_flight, ("G",),
                 text="fly through the 3D view, or return to orbiting",
-                applies=_has_model, ticked=lambda s: s.scene.viewer.flying,
+                applies=has_model, ticked=lambda s: s.scene.viewer.flying,
                 synonyms=("walk", "navigate", "first", "person")),
     )  # fmt: skip
     path = (
         Command("Add this view", path_actions.save_view, ("B",),
-                text="add this 3D view under a name", applies=_has_model,
+                text="add this 3D view under a name", applies=has_model,
                 synonyms=("bookmark", "save", "camera")),
         Command("Add a keyframe", path_actions.add_keyframe, ("I",),
-                text="add this 3D view to the camera path", applies=_has_model,
+                text="add this 3D view to the camera path", applies=has_model,
                 synonyms=("animation", "path", "record")),
         Command("Play the path", path_actions.toggle_path, ("L",), text="play the camera path",
                 applies=lambda s: len(s.scene.cameras.views.path.keyframes) > 1,
                 ticked=lambda s: s.scene.cameras.playing),
     )  # fmt: skip
     files = (
-        Command("Import views…", import_views, applies=_has_model),
+        Command("Import views…", import_views, applies=has_model),
         Command("Save views and path", path_actions.save_views,
                 applies=lambda s: bool(s.scene.cameras.views.path.keyframes or s.scene.cameras.views.named)),
-        Command("Export the clip's cameras…", export_cameras, applies=_has_model),
+        Command("Export the clip's cameras…", export_cameras, applies=has_model),
         Command("Export the path's cameras…", export_path,
                 applies=lambda s: bool(s.scene.cameras.views.path.keyframes)),
     )  # fmt: skip
@@ -66,8 +66,8 @@ def second_commands(state: AppState) -> tuple[Command, ...]:
     """What to see beside the first 3D view."""
     choose = partial(actions.choose_path, take=second_actions.open_second)
     return (
-        Command("Run folder beside…", partial(choose, kind="folder", purpose="run"), applies=_has_model),
-        Command("Splat file beside…", partial(choose, kind="file", purpose="splats"), applies=_has_model),
+        Command("Run folder beside…", partial(choose, kind="folder", purpose="run"), applies=has_model),
+        Command("Splat file beside…", partial(choose, kind="file", purpose="splats"), applies=has_model),
         *recent_commands.beside(state),
         Command("Close the second view", second_actions.close_second,
                 applies=lambda s: s.scene.second.shown is not None),
@@ -76,7 +76,3 @@ def second_commands(state: AppState) -> tuple[Command, ...]:
 
 def _blend(state: AppState, by: float) -> None:
     camera_actions.blend(state, state.scene.viewer.blend + by)
-
-
-def _has_model(state: AppState) -> bool:
-    return state.scene.model is not None

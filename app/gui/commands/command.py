@@ -19,6 +19,14 @@ def never(state: AppState) -> bool:
     return False
 
 
+def has_clip(state: AppState) -> bool:
+    return state.source.clip is not None
+
+
+def has_model(state: AppState) -> bool:
+    return state.scene.model is not None
+
+
 @dataclass(frozen=True)
 class Command:
     """Menus, keyboard, help and palette are all made from these."""

@@ -24,7 +24,7 @@ from app.gui.actions import (
 )
 from app.gui.commands import export_commands, recent_commands
 from app.gui.commands.camera_commands import camera_sections
-from app.gui.commands.command import Act, Asks, Command, Section, WindowServices, menu
+from app.gui.commands.command import Act, Command, Section, WindowServices, has_clip, menu
 from app.gui.commands.edit_commands import edit_sections
 from app.gui.commands.help_commands import help_sections
 from app.gui.commands.job_commands import job_sections
@@ -61,10 +61,6 @@ def sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
         *view_sections(outside),
         *help_sections(),
     )
-
-
-def has_clip(state: AppState) -> bool:
-    return state.source.clip is not None
 
 
 def has_time(state: AppState) -> bool:
@@ -236,12 +232,9 @@ def _compare() -> tuple[Section, ...]:
 
 def _mode(mode: Mode) -> Command:
     act: Act = comparing.flip if mode == "flip" else partial(comparing.choose_mode, mode=mode)
-    ticked: Asks = lambda state: state.comparing.chosen.mode == mode  # noqa: E731
-    keys = (MODE_KEYS[mode],)
-    return Command(
-        mode.capitalize(), act, keys,
-        text=MODE_TEXTS[mode], applies=has_clip, ticked=ticked, synonyms=MODE_SYNONYMS[mode],
-    )  # fmt: skip
+    return Command(mode.capitalize(), act, (MODE_KEYS[mode],), text=MODE_TEXTS[mode], applies=has_clip,
+                   synonyms=MODE_SYNONYMS[mode],
+                   ticked=lambda s: s.comparing.chosen.mode == mode)  # fmt: skip
 
 
 def _wipe(steps: int) -> Act:

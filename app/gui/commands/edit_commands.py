@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from app.gui.actions import edit_actions
-from app.gui.commands.command import Command, Section, menu
+from app.gui.commands.command import Command, Section, has_model, menu
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import Tool
 
@@ -19,7 +18,7 @@ def edit_sections() -> tuple[Section, ...]:
     """All but the first need edit mode."""
     mode = (
         Command("Edit mode", edit_actions.toggle, ("Ctrl+E",), "edit the reconstruction, or stop editing",
-                applies=edit_actions.may_edit, lacks=edit_actions.why_not_edit, ticked=_active,
+                applies=has_model, lacks=edit_actions.why_not_edit, ticked=_active,
                 synonyms=("clean", "remove", "gaussians", "floaters", "crop")),
     )  # fmt: skip
     select = (
@@ -45,9 +44,9 @@ def edit_sections() -> tuple[Section, ...]:
 
 
 def _tool(tool: Tool) -> Command:
-    ticked: Callable[[AppState], bool] = lambda state: state.editing.tool == tool  # noqa: E731
     choose = partial(edit_actions.choose_tool, tool=tool)
-    return Command(tool.capitalize(), choose, (TOOL_KEYS[tool],), f"edit: {tool}", _active, ticked)
+    return Command(tool.capitalize(), choose, (TOOL_KEYS[tool],), f"edit: {tool}", _active,
+                   lambda s: s.editing.tool == tool)  # fmt: skip
 
 
 def _active(state: AppState) -> bool:

@@ -27,21 +27,19 @@ def presenting_commands() -> tuple[Command, ...]:
 
 def second_section() -> Section:
     """What the second window shows."""
-    panes = tuple(
-        Command(
-            f"Second window: {label}",
-            partial(presenting.show_in_second, pane=pane),
-            ticked=lambda s, pane=pane: s.second_window.shown and s.second_window.pane == pane,  # type: ignore[misc]
-        )
-        for pane, label in PANE_LABELS.items()
-    )
     labels = (
         Command("Second window: labels", presenting.toggle_second_labels, applies=_is_open,
                 ticked=lambda s: s.second_window.labels),
         Command("Second window: full screen", _fill, applies=_is_open,
                 ticked=lambda s: s.second_window.full_screen),
     )  # fmt: skip
-    return Section("View", (*panes, *labels), "Second window shows")
+    return Section("View", (*map(_in_second, PANE_LABELS), *labels), "Second window shows")
+
+
+def _in_second(pane: PaneName) -> Command:
+    show = partial(presenting.show_in_second, pane=pane)
+    return Command(f"Second window: {PANE_LABELS[pane]}", show,
+                   ticked=lambda s: s.second_window.shown and s.second_window.pane == pane)  # fmt: skip
 
 
 def _is_open(state: AppState) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from app.gui.actions import actions, notes_actions, path_actions, window_actions
-from app.gui.commands.command import Asks, Command, Section, WindowServices, menu
+from app.gui.commands.command import Command, Section, WindowServices, has_model, menu
 from app.gui.commands.presenting_commands import presenting_commands, second_section
 from app.gui.state.app_state import AppState
 from app.gui.work.settings import TEXT_PERCENTS, Theme
@@ -13,18 +13,10 @@ from app.scenes.backgrounds import BACKGROUNDS, EXPLAINED, BackgroundName
 
 
 def view_sections(outside: WindowServices) -> tuple[Section, ...]:
-    panels = tuple(
-        Command(
-            name,
-            partial(_toggle, outside=outside, name=name),
-            text=text,
-            ticked=lambda s, name=name: outside.panel_shown(name),  # type: ignore[misc]
-        )
-        for name, text in (
-            ("Log", "panel: messages of this session"),
-            ("Notes", "panel: notes saved with the session"),
-            ("Report", "panel: an opened report of measurements"),
-        )
+    panels = (
+        _panel("Log", "panel: messages of this session", outside),
+        _panel("Notes", "panel: notes saved with the session", outside),
+        _panel("Report", "panel: an opened report of measurements", outside),
     )
     whole = (
         Command("Images alone", window_actions.toggle_panels, ("Tab",),
@@ -50,6 +42,11 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
     return Section("View", whole), second_section(), others[0], unobserved, *others[1:]
 
 
+def _panel(name: str, text: str, outside: WindowServices) -> Command:
+    toggle = partial(_toggle, outside=outside, name=name)
+    return Command(name, toggle, text=text, ticked=lambda s: outside.panel_shown(name))
+
+
 def _toggle(state: AppState, outside: WindowServices, name: str) -> None:
     outside.toggle_panel(name)
     if name == "Notes":
@@ -58,17 +55,16 @@ def _toggle(state: AppState, outside: WindowServices, name: str) -> None:
 
 def _background(name: BackgroundName) -> Command:
     choose = partial(actions.choose_background, name=name)
-    ticked: Asks = lambda s: s.settings.background == name  # noqa: E731
     words = ("background", "unseen", "fill", "empty", "observed")
-    return Command(f"{name.capitalize()} background", choose, text=EXPLAINED[name], ticked=ticked,
-                   applies=lambda s: s.scene.model is not None, synonyms=words)  # fmt: skip
+    return Command(f"{name.capitalize()} background", choose, text=EXPLAINED[name], applies=has_model,
+                   ticked=lambda s: s.settings.background == name, synonyms=words)  # fmt: skip
 
 
 def _theme(theme: Theme) -> Command:
     choose = partial(actions.choose_theme, theme=theme)
-    ticked: Asks = lambda s: s.settings.theme == theme  # noqa: E731
     words = ("appearance", "colours", "mode")
-    return Command(f"{theme.capitalize()} theme", choose, ticked=ticked, synonyms=words)
+    return Command(f"{theme.capitalize()} theme", choose, ticked=lambda s: s.settings.theme == theme,
+                   synonyms=words)  # fmt: skip
 
 
 TEXT_SIZE = (
