@@ -2,58 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import lru_cache, partial
 from pathlib import Path
-from typing import Final
 
-from app.enhancement.settable import RENDER
 from app.exports.camera_set import ENDINGS, CameraSet
 from app.exports.exporting import ExportRequest, Step
 from app.exports.sizing import Sizing
-from app.exports.splats import fourdgs
-from app.exports.usd_file import NO_USD, has_usd
-from app.files.codecs import HEVC, WEBM
 from app.files.dicom.choices import DicomChoices
-from app.files.legible import capital, located
-from app.files.video_encoder import NO_ENCODER, VideoEncoder, is_encoded
+from app.files.legible import located
+from app.files.video_encoder import VideoEncoder
 from app.gui.actions import actions, live_actions
+from app.gui.actions.export_lacks import lacks
 from app.gui.actions.export_names import default_name, why_not_name
 from app.gui.actions.export_offers import (
-    DICOM,
     FOLDERS,
-    OF_MODEL,
-    OF_TISSUE,
     OFFERS,
     Form,
-    Offer,
 )
-from app.gui.actions.export_records import format_of, request_of, sized
+from app.gui.actions.export_records import format_of, request_of
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.state.pace import Pace
-from app.gui.state.panes import why_not
 from app.gui.work.background import Failure
 from app.gui.work.naming import NameRequest
 from app.gui.work.revealing import RevealRequest
-from app.live.picture import LIVE
 from renderer.camera_files import off_center
-from renderer.readers.dicom.opening import NO_PYDICOM, has_pydicom, is_dicom
 
-MOST_DRAWN = 2**25
-"""Pixels of the 3D view drawn at once: 3840 × 2160 at 2×, some 0.7 GB while they are averaged."""
 MOST_SAVING = 64
 """Images of what is shown that wait to be written; each keeps alive what it is of."""
 SETTLING = 3
 """Frames after which the menu or the panel that was clicked has gone."""
-PACKAGES: Final[Mapping[str, tuple[Callable[[], bool], str]]] = {
-    ".usdc": (has_usd, NO_USD),
-    fourdgs.SUFFIX: (fourdgs.has_fourdgs, fourdgs.NO_FOURDGS),
-    ".dcm": (has_pydicom, NO_PYDICOM),
-    WEBM: (partial(is_encoded, WEBM), NO_ENCODER),
-    HEVC: (partial(is_encoded, HEVC), NO_ENCODER),
-}
-"""Of formats that need one: whether it is there, and what to say where it is not."""
 
 
 def toggle_export(state: AppState) -> None:
@@ -72,110 +49,6 @@ def why_not_export(state: AppState, what: What) -> str:
     if state.exports.under_way is not None:
         return "Another export is running."
     return lacks(state, OFFERS[what])
-
-
-def lacks(state: AppState, offer: Offer) -> str:
-    """What there is nothing to show for, then what nothing can write here."""
-    return _lacks_content(state, offer) or _lacks_package(format_of(state, offer.form))
-
-
-def _lacks_content(state: AppState, offer: Offer) -> str:
-    if offer.form in OF_MODEL:
-        return _lacks_model(state, offer)
-    if offer.form in DICOM:
-        return _lacks_dicom(state, offer)
-    needs_view = offer.sees != "no" and not (offer.sides and state.source.clip is not None)
-    if needs_view and state.plain_view_request is None:
-        return "There is no 3D view yet."
-    if offer.sees != "no" and (reason := _too_large(state)):
-        return reason
-    if offer.form == "view video" and state.scene.model is not None and state.scene.model.live:
-        return "The reconstruction is not finished: wait for it or continue it."
-    if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
-        return "There is no camera path yet: create one in the Cameras panel."
-    seen = offer.sees == "time" and state.scene.viewer.snapped
-    if offer.form == "view video" and state.scene.kind == "difference" and not seen:
-        return "A difference is shown from the clip's camera only: press C or choose another view."
-    if not offer.sides or (offer.sees == "still" and state.source.clip is None):
-        return ""
-    if state.source.clip is None:
-        return "Open a clip first."
-    if offer.form == "panes video" and not state.source.clip.has_one_size:
-        return "The images differ in size: no video can show them."
-    if offer.as_shown:
-        return ""
-    sources = [state.comparing.chosen.source(side) for side in offer.sides]
-    reasons = (why_not(state, source) for source in sources)
-    missing = next((reason for reason in reasons if reason), "")
-    return missing or (_covers_less(state) if offer.form != "picture" and RENDER in sources else "")
-
-
-def _covers_less(state: AppState) -> str:
-    """Why the open reconstruction cannot stand beside every frame from In to Out."""
-    model, (first, last) = state.scene.model, state.source.span
-    if model is None or (model.has_clip_frame(first) and model.has_clip_frame(last)):
-        return ""
-    start, end = model.start + 1, model.start + len(model.cameras)
-    return f"The reconstruction covers frames {start} to {end}: set In and Out within them."
-
-
-def _lacks_dicom(state: AppState, offer: Offer) -> str:
-    clip = state.source.clip
-    if clip is None:
-        return "Open a clip first."
-    if clip.format == LIVE:
-        return "A live frame is in no file yet: save the image, then open it."
-    if offer.form == "DICOM video" and len(clip) == 1:
-        return "One image is no video: export the enhanced frame."
-    if offer.form == "DICOM video" and not clip.has_one_size:
-        return "The images differ in size: no video can show them."
-    if state.exports.dicom.keep_identity and not is_of_dicom(clip.path):
-        return "The source is not DICOM: there is no patient to keep."
-    return ""
-
-
-@lru_cache(maxsize=8)
-def is_of_dicom(path: Path) -> bool:
-    """Asked at every frame of the panel, and read once."""
-    return is_dicom(path)
-
-
-def _lacks_package(suffix: str) -> str:
-    is_there, lacking = PACKAGES.get(suffix, (lambda: True, ""))
-    return "" if is_there() else f"{capital(lacking)}."
-
-
-def _too_large(state: AppState) -> str:
-    """What cannot be drawn at once, of the 3D view as large and as fine as chosen; empty when it can."""
-    if state.plain_view_request is None:
-        return ""
-    factor = state.exports.supersampling
-    camera = sized(state.plain_view_request, state.exports.view_size).camera
-    drawn, size = camera.width * camera.height * factor**2, f"{camera.width} × {camera.height}"
-    if drawn <= MOST_DRAWN:
-        return ""
-    return f"{size} at {factor}× needs {drawn / 1e6:.0f} million pixels; the limit is {MOST_DRAWN / 1e6:.0f}."
-
-
-def _lacks_model(state: AppState, offer: Offer) -> str:
-    model = state.scene.model
-    if model is None:
-        return "There is no 3D model yet: reconstruct the clip or open a run."
-    if offer.form != "cameras" and model.live:
-        return "The reconstruction is not finished: wait for it or continue it."
-    if model.is_series and offer.form in OF_TISSUE:
-        return f"This is {model.split_by_time}, not one model that moves."
-    if offer.form == "tracks" and not _is_measured(state):
-        return "Nothing is measured yet: press M and click the tissue in the 3D view."
-    if offer.sees == "path" and not state.scene.cameras.views.path.keyframes:
-        return "There is no camera path yet: create one in the Cameras panel."
-    return ""
-
-
-def _is_measured(state: AppState) -> bool:
-    """A point of the model that is open."""
-    model, measured = state.scene.model, state.scene.viewer.measurement
-    return model is not None and bool(measured.points) and measured.of == model.identity
 
 
 def stem_of(state: AppState) -> str:

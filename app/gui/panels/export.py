@@ -14,6 +14,7 @@ from app.files.dicom.choices import DicomChoices
 from app.files.legible import legible, located
 from app.gui.actions import actions, export_actions
 from app.gui.actions.export_doubts import doubts
+from app.gui.actions.export_lacks import lacks
 from app.gui.actions.export_offers import DICOM, FORMATS, GROUPS, OFFERS, VIDEOS, Form, Offer
 from app.gui.actions.export_records import format_of
 from app.gui.state.app_state import AppState
@@ -139,7 +140,7 @@ def _draw_list(state: AppState) -> None:
 
 def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
     """Quiet where something is lacking, which its tooltip and the right side say."""
-    reason = export_actions.lacks(state, offer)
+    reason = lacks(state, offer)
     color = theme.now().muted if reason else theme.now().text
     with imgui_ctx.push_style_color(imgui.Col_.text, color):
         clicked, _ = imgui.selectable(f"{offer.label}###{what}", state.exports.what == what)
