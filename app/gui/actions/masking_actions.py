@@ -59,7 +59,7 @@ def radius_in(state: AppState, width: int) -> float:
     return state.masking.radius * width
 
 
-def wished(state: AppState) -> MaskRequest | None:
+def mask_wish(state: AppState) -> MaskRequest | None:
     """The mask of the frame on screen, while it is not there; one that is being written comes later."""
     clip, masking = state.masks_clip, state.masking
     if clip is None or not masking.active or state.timeline.playing or state.picture.pictures is None:
@@ -91,7 +91,7 @@ def _know(state: AppState, there: MasksThere) -> None:
 
 
 def take_mask(state: AppState, request: MaskRequest, frame: FrameMask) -> None:
-    if request == wished(state):
+    if request == mask_wish(state):
         _finish_line(state)
         state.masking.shown, state.masking.past = frame, ()
 

@@ -44,7 +44,7 @@ def at_rest(state: AppState) -> bool:
     return not moves and state.window.now - state.picture.asked_at >= REST
 
 
-def to_measure(state: AppState) -> Pictures | None:
+def measure_wish(state: AppState) -> Pictures | None:
     """The pictures on screen, once both are there."""
     pictures = state.picture.pictures
     if pictures is None or pictures.enhanced is None or not at_rest(state) or state.pictures_are_stale:
@@ -187,12 +187,12 @@ def models_wish(state: AppState) -> BesideRequest | None:
     return BesideRequest(state.settings.recent, state.runs.reconstruction.status)
 
 
-def to_keep(state: AppState) -> KeepRequest:
+def queue_wish(state: AppState) -> KeepRequest:
     """The queue, as the next session is to find it."""
     return KeepRequest(state.places.config, queue_actions.to_keep(state))
 
 
-def to_seal(state: AppState) -> SealRequest | None:
+def layout_wish(state: AppState) -> SealRequest | None:
     """The layout, whenever the runner has written it."""
     changes = state.window.layout_changes
     return SealRequest(state.places.config / NAME, changes) if changes else None
