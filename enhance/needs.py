@@ -13,6 +13,7 @@ the image, its reach, does not depend on P, z or the d-factor: it holds for all 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numba import njit, prange
@@ -52,8 +53,8 @@ def decide(
         omitted.append(Omission("saturation", "d_factor is 0", 0.0))
     elif used.color == 0:
         omitted.append(Omission("saturation", "colours are no clearer than their noise", 0.0))
-    chosen = left_out(used.p, reaches, params.omit_below)
     bounds = [scale_bound(p, reach, len(used.p)) for p, reach in zip(used.p, reaches, strict=True)]
+    chosen = left_out(bounds, params.omit_below)
     if all(chosen):
         omitted.append(Omission("local detail", "it changes almost nothing here", sum(bounds)))
         return chosen, tuple(omitted)
@@ -63,11 +64,10 @@ def decide(
     return chosen, tuple(omitted)
 
 
-def left_out(p: tuple[float, ...], reaches: tuple[float, ...], limit: float) -> tuple[bool, ...]:
+def left_out(bounds: Sequence[float], limit: float) -> tuple[bool, ...]:
     """The scales, least effect first, whose bounds together stay below `limit` grey levels or are 0."""
-    bounds = [scale_bound(one, reach, len(p)) for one, reach in zip(p, reaches, strict=True)]
-    chosen, total = [False] * len(p), 0.0
-    for index in sorted(range(len(p)), key=bounds.__getitem__):
+    chosen, total = [False] * len(bounds), 0.0
+    for index in sorted(range(len(bounds)), key=bounds.__getitem__):
         total += bounds[index]
         chosen[index] = total < limit or total == 0
     return tuple(chosen)

@@ -36,20 +36,19 @@ def test_scale_bound_is_reached(p: float, reach: float) -> None:
 
 
 def test_scale_bound_at_the_ends() -> None:
-    assert needs.left_out((0.0, 1.0), (math.inf, math.inf), 0.0) == (True, False)
+    assert needs.scale_bound(0.0, math.inf, 2) == 0
     assert needs.scale_bound(1.0, math.inf, 3) == pytest.approx(85)
     assert needs.scale_bound(1.0, 0.0, 3) == 0
 
 
 def test_scales_of_least_effect_go_first_until_the_limit() -> None:
-    reaches = (0.02, 0.001, 0.004)
-    bounds = [needs.scale_bound(1.0, reach, 3) for reach in reaches]
+    bounds = [needs.scale_bound(1.0, reach, 3) for reach in (0.02, 0.001, 0.004)]
     assert bounds[1] < bounds[2] < bounds[0]
-    assert needs.left_out((1.0,) * 3, reaches, bounds[1] * 1.01) == (False, True, False)
-    assert needs.left_out((1.0,) * 3, reaches, (bounds[1] + bounds[2]) * 1.01) == (False, True, True)
-    assert needs.left_out((1.0,) * 3, reaches, sum(bounds) * 1.01) == (True, True, True)
-    assert needs.left_out((1.0,) * 3, reaches, 0.0) == (False, False, False)
-    assert needs.left_out((0.0, 1.0), (5.0, 5.0), 0.0) == (True, False)
+    assert needs.left_out(bounds, bounds[1] * 1.01) == (False, True, False)
+    assert needs.left_out(bounds, (bounds[1] + bounds[2]) * 1.01) == (False, True, True)
+    assert needs.left_out(bounds, sum(bounds) * 1.01) == (True, True, True)
+    assert needs.left_out(bounds, 0.0) == (False, False, False)
+    assert needs.left_out((0.0, 255.0), 0.0) == (True, False)
 
 
 def true_reach(value: NDArray[np.float64], radius: int, params: EnhanceParams) -> float:
