@@ -12,8 +12,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.image import AnyImage, BoolImage, ImageError
-from enhance.metrics import grey_levels, kept
+from enhance.image import AnyImage, BoolImage
+from enhance.metrics import check_sizes, grey_levels, kept
 from enhance.ridges import glare
 
 Grey = NDArray[np.float64]
@@ -98,8 +98,7 @@ def _greys(
 ) -> tuple[Grey, Grey, BoolImage]:
     """Of the original and the image, 0 to 255; and which pixels count."""
     before, after = grey_levels(original), grey_levels(image)
-    if before.shape != after.shape:
-        raise ImageError(f"expected image and original of one size, got {after.shape} and {before.shape}")
+    check_sizes(after, before)
     return before, after, kept(original, tissue_mask) & kept(image)
 
 

@@ -99,8 +99,7 @@ def dvbv_local(
         True
     """
     before, after = _local_variance(grey_levels(original)), _local_variance(grey_levels(image))
-    if before.shape != after.shape:
-        raise ImageError(f"expected image and original of one size, got {after.shape} and {before.shape}")
+    check_sizes(after, before)
     counted = _whole_windows(kept(original, tissue_mask) & kept(image))
     detail = before > (_mean(before[counted]) if threshold is None else threshold)
     return _ratio(_mean(after[detail & counted]), _mean(after[~detail & counted]))
@@ -245,7 +244,7 @@ def colors_of(image: AnyImage) -> Float32Image:
     return read_picture(image).seen.colors
 
 
-def check_sizes(image: Float32Image, original: Float32Image) -> None:
+def check_sizes(image: AnyImage, original: AnyImage) -> None:
     """Raises ImageError where they differ."""
     if image.shape != original.shape:
         raise ImageError(f"expected image and original of one size, got {image.shape} and {original.shape}")

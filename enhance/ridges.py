@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, Picture, read_mask, read_picture
+from enhance.metrics import colors_of, green
 
 SIGMAS: Final = (1.5, 2.5, 4.0)
 """Gaussian scales in pixels: vessels some 3 to 12 pixels wide."""
@@ -59,9 +60,8 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
         raise ImageError("expected at least one sigma, got none")
     if wrong := [sigma for sigma in sigmas if not LEAST_SIGMA <= sigma < np.inf]:
         raise ImageError(f"expected sigmas of at least {LEAST_SIGMA} pixels, got {wrong[0]}")
-    colors = read_picture(image).seen.colors
-    green = (colors if colors.ndim == 2 else colors[..., 1]).astype(np.float64)
-    return np.asarray(np.max([_ridge(green, sigma) for sigma in sigmas], axis=0), dtype=np.float32)
+    plane = green(colors_of(image)).astype(np.float64)
+    return np.asarray(np.max([_ridge(plane, sigma) for sigma in sigmas], axis=0), dtype=np.float32)
 
 
 def field_of_view(image: AnyImage) -> BoolImage:
@@ -121,7 +121,7 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
 
 def glare(image: AnyImage) -> BoolImage:
     """Visible specular highlights, (H, W): where all channels are at 235 of 255 or above."""
-    colors = read_picture(image).seen.colors
+    colors = colors_of(image)
     return np.asarray((colors if colors.ndim == 2 else colors.min(axis=2)) >= np.float32(GLARE))
 
 
@@ -143,9 +143,7 @@ def creases(image: AnyImage) -> BoolImage:
         >>> np.flatnonzero(creases(image)[48]).tolist()
         [60, 61, 62, 63]
     """
-    colors = read_picture(image).seen.colors
-    green = np.ascontiguousarray(colors if colors.ndim == 2 else colors[..., 1], np.float32)
-    smooth = cv2.GaussianBlur(green, (0, 0), SIGMAS[0])
+    smooth = cv2.GaussianBlur(np.ascontiguousarray(green(colors_of(image))), (0, 0), SIGMAS[0])
     around = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, _disc(CREASE_RADIUS))
     return np.asarray(smooth < CREASE * around)
 

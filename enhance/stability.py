@@ -22,7 +22,6 @@ from enhance.reference import enhance_reference, window_mean
 from enhance.shown import found_in
 from enhance.vessel import enhance_vessels
 
-Image = NDArray[np.float64]
 WHOLE: Final = EnhanceParams(omit_below=0.0)
 PLAIN: Final = EnhanceParams(omit_below=0.0, keep_black=False)
 
