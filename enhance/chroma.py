@@ -40,7 +40,10 @@ def chroma_snr(
     if count == 0:
         return None
     to_levels = 255 / full
-    noise = to_levels * max(_median(found[1, :count]), _median(found[2, :count])) / PER_DEVIATION
+    # As np.median, in a fraction of its time.
+    middle = [(count - 1) // 2, count // 2]
+    medians = np.partition(found[1:, :count], middle, axis=1)[:, middle].mean(axis=1)
+    noise = to_levels * float(medians.max()) / PER_DEVIATION
     return float((found[0, :count] * to_levels).mean()) / max(noise, ROUNDING)
 
 
@@ -75,12 +78,3 @@ def _sample(
             found[1, count], found[2, count] = abs(red), abs(blue)
             count += 1
     return count
-
-
-@njit(cache=True, error_model="numpy")
-def _median(values: NDArray[np.float64]) -> float:
-    """As np.median, in a fraction of its time."""
-    upper = len(values) // 2
-    parted = np.partition(values, upper)
-    below = parted[upper] if len(values) % 2 else parted[:upper].max()
-    return float(0.5 * (below + parted[upper]))
