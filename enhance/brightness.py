@@ -7,7 +7,7 @@ from typing import Any, Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.image import BoolImage, Float32Image
+from enhance.image import Float32Image
 
 Float = TypeVar("Float", bound=np.floating[Any])
 
@@ -20,9 +20,9 @@ def value(colors: Float32Image) -> Float32Image:
     return colors if colors.ndim == 2 else colors.max(axis=2)
 
 
-def value_histogram(value: Float32Image, keep: BoolImage) -> NDArray[np.int64]:
-    """(256,) counts of V, rounded to 8 bits, over the kept pixels."""
-    levels = np.rint(value[keep] * np.float32(255)).astype(np.uint8)
+def value_histogram(value: Float32Image) -> NDArray[np.int64]:
+    """(256,) counts of V, rounded to 8 bits; of any shape."""
+    levels = np.rint(value.ravel() * np.float32(255)).astype(np.uint8)
     return np.bincount(levels, minlength=256)
 
 

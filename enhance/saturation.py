@@ -27,11 +27,11 @@ def pull(mean: float, d_factor: float) -> float:
     return b / a if b < MOST_PULL * a else MOST_PULL
 
 
-def gain_at_mean(mean: float, d_factor: float = 1.0) -> float:
+def gain_at_mean(mean: float) -> float:
     """dS*/dS of Eqs 11 and 12 at S = S_m: how much chroma noise grows there; infinite at 0 and 1."""
     if not 0 < mean < 1 or mean**2 == 0:
         return math.inf
-    of_white = pull(mean, d_factor) * (1 - mean) ** 2
+    of_white = pull(mean, 1.0) * (1 - mean) ** 2
     stretched = mean**2 / (mean**2 + of_white)
     return 2 * stretched * (1 - stretched) / (mean * (1 - mean))
 

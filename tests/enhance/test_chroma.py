@@ -25,12 +25,12 @@ def faint(noise: float, chroma: float = 0.06, seed: int = 0) -> ByteImage:
     return np.rint(np.clip(color, 0, 255)).astype(np.uint8)
 
 
-@given(st.floats(0.02, 0.98), st.floats(0.05, 4))
-def test_the_gain_is_the_slope_of_the_stretch_at_the_mean(mean: float, d_factor: float) -> None:
+@given(st.floats(0.02, 0.98))
+def test_the_gain_is_the_slope_of_the_stretch_at_the_mean(mean: float) -> None:
     step = 1e-3 * min(mean, 1 - mean)
     around = np.array([[mean - step, mean + step]], np.float64)
-    low, high = stretch(Saturation(around, 1 - around), mean, d_factor)[0]  # type: ignore[arg-type]
-    assert gain_at_mean(mean, d_factor) == pytest.approx((high - low) / (2 * step), rel=2e-3, abs=1e-3)
+    low, high = stretch(Saturation(around, 1 - around), mean, 1.0)[0]  # type: ignore[arg-type]
+    assert gain_at_mean(mean) == pytest.approx((high - low) / (2 * step), rel=2e-3, abs=1e-3)
 
 
 @given(st.floats(0, 1), st.floats(0, 100))
