@@ -7,6 +7,7 @@ from typing import Final
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from enhance.brightness import BLACK, value
 from enhance.image import AnyImage, BoolImage, ImageError, read_picture
@@ -18,33 +19,24 @@ RIM: Final = 2
 
 
 def inside(images: Iterable[AnyImage]) -> BoolImage:
-    """(H, W) True = picture, False = the black surround and its half-dark rim.
+    """(H, W) True = picture, False = the black surround and its half-dark rim: what is dark and connected to
+    the border of the picture.
 
-    Dark corners of less than a hundredth of the picture are shadow, and what is black from edge to edge has
-    no surround. Of several images of one size, one mask for all: see `surround`.
-
-    Raises:
-        ImageError: as `surround`.
-    """
-    outside = surround(images, least_share=LEAST_SHARE).astype(np.uint8)
-    kernel = np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)
-    kept = np.asarray(cv2.dilate(outside, kernel) == 0)
-    return kept if kept.any() else np.ones_like(kept)
-
-
-def surround(images: Iterable[AnyImage], *, least_share: float = 0.0) -> BoolImage:
-    """(H, W) True = dark, and connected to the border of the picture.
-
-    Dark is V below 24 of 255 after a 5x5 median: camera noise and compression included. Of several images,
-    what is dark in more than half of them, so that neither a flash nor a dark moment moves it. Dark tissue
-    that touches the border is taken for it, too.
-
-    Args:
-        least_share: of the picture; smaller parts are none of it.
+    Dark is V below 24 of 255 after a 5x5 median: camera noise and compression included. Dark tissue that
+    touches the border is taken for it, too; dark corners of less than a hundredth of the picture are shadow,
+    and what is black from edge to edge has no surround. Of several images of one size, one mask for all: of
+    what is dark in more than half of them, so that neither a flash nor a dark moment moves it.
 
     Raises:
         ImageError: an image that cannot be used, images of two sizes, or none.
     """
+    kernel = np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)
+    kept = np.asarray(cv2.dilate(_surround(_mostly_dark(images)), kernel) == 0)
+    return kept if kept.any() else np.ones_like(kept)
+
+
+def _mostly_dark(images: Iterable[AnyImage]) -> NDArray[np.uint8]:
+    """(H, W) 1 where more than half of the images are dark."""
     votes, count = np.zeros((0, 0), np.int32), 0
     for image in images:
         dark = cv2.medianBlur(_levels(image), 5) < 255 * BLACK
@@ -53,14 +45,18 @@ def surround(images: Iterable[AnyImage], *, least_share: float = 0.0) -> BoolIma
         votes, count = votes + dark if count else dark.astype(np.int32), count + 1
     if count == 0:
         raise ImageError("expected at least one image, got none")
-    mostly = (2 * votes > count).astype(np.uint8)
-    _, labels, facts, _ = cv2.connectedComponentsWithStats(mostly, connectivity=4)
+    return (2 * votes > count).astype(np.uint8)
+
+
+def _surround(dark: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """(H, W) 1 in the large dark parts that touch the border."""
+    _, labels, facts, _ = cv2.connectedComponentsWithStats(dark, connectivity=4)
     outer = np.zeros(len(facts), dtype=bool)
     for side in (labels[0], labels[-1], labels[:, 0], labels[:, -1]):
         outer[side] = True
-    outer &= facts[:, cv2.CC_STAT_AREA] >= least_share * mostly.size
+    outer &= facts[:, cv2.CC_STAT_AREA] >= LEAST_SHARE * dark.size
     outer[0] = False
-    return np.asarray(outer[labels])
+    return np.asarray(outer[labels], np.uint8)
 
 
 def _levels(image: AnyImage) -> AnyImage:
