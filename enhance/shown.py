@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property, partial
 from typing import Any, Final, Literal, get_args
 
 import cv2
@@ -26,18 +27,6 @@ ALL_KEPT: NDArray[np.uint8] = np.empty((0, 0), np.uint8)
 
 
 @dataclass(frozen=True, eq=False)
-class Search:
-    """Looks for the field of view of a picture once, however often it is asked for."""
-
-    picture: Picture
-
-    @cached_property
-    def found(self) -> FieldOfView:
-        """See `found_in`."""
-        return found_in(self.picture)
-
-
-@dataclass(frozen=True, eq=False)
 class Shown:
     """One image, read."""
 
@@ -45,7 +34,8 @@ class Shown:
     """As it came."""
     picture: Picture
     """Filled, so that what is stored where alpha is 0 does not reach pixels beside it."""
-    search: Search
+    find: Callable[[], FieldOfView]
+    """`found_in` the picture, looked for once, however often it is called."""
     pixels: NDArray[Any]
     """(H, W, 3), C-contiguous, uint8 or float32; grey three times."""
     keep: NDArray[np.uint8]
@@ -76,7 +66,7 @@ class Shown:
         pixels = np.ascontiguousarray(pixels)
         if pixels.ndim == 2:
             pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB))
-        return cls(given, picture, Search(picture), pixels, keep, wanted)
+        return cls(given, picture, cache(partial(found_in, picture)), pixels, keep, wanted)
 
     def within(self, statistics: Statistics | None) -> Shown:
         """Itself, or the same image within the field of view that is wanted, or that of given statistics."""
@@ -90,7 +80,7 @@ class Shown:
             return None
         if statistics is not None and (statistics.field is None or statistics.field.fits(self.pixels)):
             return statistics.field
-        return self.search.found
+        return self.find()
 
     @property
     def full(self) -> int:
@@ -113,13 +103,6 @@ class Shown:
     def counts_all(self) -> bool:
         """Every pixel counts in the statistics."""
         return len(self.keep) == 0 and len(self.spans) == 0
-
-    def kept(self) -> NDArray[np.uint8]:
-        """(H, W), 1 = counts in the statistics; empty: all do."""
-        if self.field is None or self.field.is_whole:
-            return self.keep
-        inside = self._inside().view(np.uint8)
-        return inside & self.keep if len(self.keep) else inside
 
     def finished(self, out: NDArray[Any]) -> AnyImage:
         """`out`, shaped as `pixels`, in the input's shape and type; alpha, what it hides, and what lies
