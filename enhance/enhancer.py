@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -55,6 +54,13 @@ class _Made:
     """None: left out."""
 
 
+def curve_of(z: float) -> Float32Image:
+    """(256,) log2 of Vn (Eq 1) of each grey level."""
+    lifted = brightness.brighten(np.arange(BINS) / 255, z)
+    logs = np.log2(lifted, where=lifted > 0, out=np.full(BINS, float(LOG2_ZERO)))
+    return logs.astype(np.float32)
+
+
 class Enhancer:
     """Show it an image, then enhance it as often as the parameters change.
 
@@ -74,7 +80,7 @@ class Enhancer:
 
     def __init__(self, live: LiveStatistics | None = None) -> None:
         """live: smooth the statistics from image to image; None: each image has its own."""
-        self._stream = Stream(live) if live is not None else None
+        self._stream = Stream(live)
         self._shown: Shown | None = None
         self._survey: Survey | None = None
         self._chroma: float | None = None
@@ -82,7 +88,6 @@ class Enhancer:
         self._low = Grids(np.empty((0, 0, 0), np.float32), np.empty((0, 0, 0), np.float32))
         self._moments: dict[Window, Moments] = {}
         self._reaches: dict[Window, float] = {}
-        self._curve_z, self._curve = math.nan, NO_CURVE
         self._made: _Made | None = None
         self._values_of: _Made | None = None
         self._values = NO_VALUES
@@ -97,8 +102,7 @@ class Enhancer:
         Raises:
             ImageError: an image, mask or field that cannot be used; the previous image is kept.
         """
-        shown = Shown.of(image, tissue_mask, pixels)
-        self._take(shown if self._stream is None else self._stream.next(shown, pixels))
+        self._take(self._stream.next(Shown.of(image, tissue_mask, pixels), pixels))
 
     def _take(self, shown: Shown) -> None:
         self._shown = shown
@@ -185,8 +189,6 @@ class Enhancer:
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
         snr = self._chroma_snr(params)
         measured = statistics_of(params, seen, sigmas, snr, self._now)
-        if self._stream is None:
-            return measured
         return self._stream.smoothed(measured, seen.histogram).resolved(params)
 
     def _chroma_snr(self, params: EnhanceParams) -> float | None:
@@ -250,7 +252,7 @@ class Enhancer:
             np.array(filtered),
             np.array(measured),
             np.array([-1.0 if one is None or one.p is None else one.p for one in made.scales], np.float32),
-            self._curve_of(made.z) if now.full > 1 else NO_CURVE,
+            curve_of(made.z) if now.full > 1 else NO_CURVE,
             np.float32(made.z),
             np.float32(saturation.pull(color[0], params.k)),
             np.float32(color[1]),
@@ -268,14 +270,6 @@ class Enhancer:
             if is_new:
                 self._moments[one] = Moments.of(total, seen)
         return out
-
-    def _curve_of(self, z: float) -> Float32Image:
-        """(256,) log2 of Vn (Eq 1) of each grey level; that of the last z is at hand."""
-        if z != self._curve_z:
-            lifted = brightness.brighten(np.arange(BINS) / 255, z)
-            logs = np.log2(lifted, where=lifted > 0, out=np.full(BINS, float(LOG2_ZERO)))
-            self._curve_z, self._curve = z, logs.astype(np.float32)
-        return self._curve
 
     def _values_for(self, made: _Made) -> Float32Image:
         """Where V* is or goes: it is kept from the second time on that it is made (a moved d-factor)."""

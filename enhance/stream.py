@@ -18,21 +18,22 @@ class CutWatch:
     A scene is another one once two images in a row differ from it and not from each other.
     """
 
-    def __init__(self, cut: float) -> None:
-        """cut: distance of two histograms of V from which on they are of two scenes, in grey levels."""
-        self._cut = cut
+    def __init__(self) -> None:
         self._scene: NDArray[np.float64] | None = None
         self._odd: NDArray[np.float64] | None = None
 
-    def sees_cut(self, histogram: NDArray[np.int64]) -> bool:
-        """Whether the next image, with this histogram of V, is the second one of another scene."""
+    def sees_cut(self, histogram: NDArray[np.int64], cut: float) -> bool:
+        """Whether the next image, with this histogram of V, is the second one of another scene.
+
+        cut: distance of two histograms from which on they are of two scenes, in grey levels.
+        """
         shares = np.cumsum(histogram) / max(int(histogram.sum()), 1)
-        is_cut = self._odd is not None and self._apart(shares, self._odd) < self._cut
-        if self._scene is not None and self._apart(shares, self._scene) >= self._cut and not is_cut:
+        is_other = self._scene is not None and self._apart(shares, self._scene) >= cut
+        is_cut = is_other and self._odd is not None and self._apart(shares, self._odd) < cut
+        if is_other and not is_cut:
             self._odd = shares
-            return False
-        is_cut = is_cut and self._scene is not None and self._apart(shares, self._scene) >= self._cut
-        self._scene, self._odd = shares, None
+        else:
+            self._scene, self._odd = shares, None
         return is_cut
 
     @staticmethod
@@ -42,11 +43,12 @@ class CutWatch:
 
 
 class Stream:
-    """Follows one stream: what each image is enhanced with depends on those before."""
+    """Follows one stream: what each image is enhanced with depends on those before. Without `live`, each
+    image stands alone."""
 
-    def __init__(self, live: LiveStatistics) -> None:
+    def __init__(self, live: LiveStatistics | None) -> None:
         self._live = live
-        self._tracker, self._watch = FieldTracker(), CutWatch(live.cut)
+        self._tracker, self._watch = FieldTracker(), CutWatch()
         self._before: Statistics | None = None
         self._last: Statistics | None = None
         self._looked = False
@@ -54,15 +56,17 @@ class Stream:
     def next(self, shown: Shown, pixels: Pixels) -> Shown:
         """The next image, within the field of view of the stream where that is looked for."""
         self._before, self._looked = self._last, False
-        if pixels != "automatic":
+        if self._live is None or pixels != "automatic":
             return shown
         return replace(shown, wanted=self._tracker.follow(shown.picture))
 
     def smoothed(self, measured: Statistics, histogram: NDArray[np.int64]) -> Statistics:
         """What is used of the image in place of what was measured on it; z and P are to be resolved again."""
+        if self._live is None:
+            return measured
         if not self._looked:
             self._looked = True
-            if self._watch.sees_cut(histogram):
+            if self._watch.sees_cut(histogram, self._live.cut):
                 self._before = None
         self._last = self._live.follow(self._before, measured)
         return self._last

@@ -155,9 +155,8 @@ class VesselEnhancer:
 
     def __init__(self, live: LiveStatistics | None = None) -> None:
         """live: as of `Enhancer`."""
-        self._stream = Stream(live) if live is not None else None
+        self._stream = Stream(live)
         self._shown: Shown | None = None
-        self._seen: Shown | None = None
         self._found: _Found | None = None
         self._ground: _Ground | None = None
         self._models = WindowModels()
@@ -171,8 +170,11 @@ class VesselEnhancer:
         Raises:
             ImageError: an image, mask or field that cannot be used; the previous image is kept.
         """
-        shown = Shown.of(image, tissue_mask, pixels)
-        self._shown = shown if self._stream is None else self._stream.next(shown, pixels)
+        self._take(self._stream.next(Shown.of(image, tissue_mask, pixels), pixels))
+
+    def _take(self, shown: Shown) -> None:
+        self._shown, self._moments, self._ground = shown, (), None
+        self._models.forget()
 
     def enhance(
         self, params: VesselParams = VESSEL, *, statistics: Statistics | None = None
@@ -186,8 +188,8 @@ class VesselEnhancer:
         require_classes(params, VesselParams, statistics)
         now = self._look_within(statistics)
         found, ground = self._find(now, params)
-        dark = self._level(found) if statistics is None else statistics.level
-        tone = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
+        dark = statistics or self._statistics(EnhanceParams(d_factor=0.0), found)
+        tone = EnhanceParams(z=1 - (1 - z_from_level(dark.level)) * params.lift, d_factor=0.0)
         if statistics is not None:
             used = statistics.resolved(tone)
             return EnhanceResult(self._draw(params, tone, used, found, ground), used, ())
@@ -202,10 +204,9 @@ class VesselEnhancer:
         """The shown image within its field of view, or that of the statistics."""
         if self._shown is None:
             raise ImageError("expected an image to be shown before it is enhanced")
-        self._shown = now = self._shown.within(statistics)
-        if now is not self._seen:
-            self._seen, self._moments, self._ground = now, (), None
-            self._models.forget()
+        now = self._shown.within(statistics)
+        if now is not self._shown:
+            self._take(now)
         return now
 
     def _find(self, now: Shown, params: VesselParams) -> tuple[_Found, _Ground]:
@@ -224,20 +225,12 @@ class VesselEnhancer:
         return found, ground
 
     def _statistics(self, tone: EnhanceParams, found: _Found) -> Statistics:
-        """Of the shown image; likely sigmas where Q is not measured."""
+        """Of the shown image, smoothed if the stream is live; likely sigmas where Q is not measured."""
         survey = found.survey
         sigmas = tuple(one.sigma(survey.count) for one in self._moments)
         sigmas = sigmas or (LIKELY_SIGMA,) * len(tone.radii)
         measured = statistics_of(tone, survey, sigmas, None, found.shown)
-        if self._stream is None:
-            return measured
         return self._stream.smoothed(measured, survey.histogram).resolved(tone)
-
-    def _level(self, found: _Found) -> float:
-        """L of Eq 2, smoothed if the stream is live."""
-        if self._stream is None:
-            return found.survey.level
-        return self._statistics(EnhanceParams(d_factor=0.0), found).level
 
     def _draw(
         self, params: VesselParams, tone: EnhanceParams, used: Statistics, found: _Found, ground: _Ground

@@ -66,7 +66,7 @@ def _equations() -> list[Fault]:
             "float16",
             "Eq 1, bytes",
             parts_of("bytes", "constants"),
-            replaced(f"{ENHANCER}:Enhancer._curve_of", in_half),
+            replaced(f"{ENHANCER}:curve_of", in_half),
         ),
         edit(
             "dropped",
