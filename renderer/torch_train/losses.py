@@ -43,13 +43,7 @@ class Target:
 def picture_loss(
     picture: Rendered, frame: TrainFrame, weights: LossWeights, size: float
 ) -> tuple[Tensor, Tensor]:
-    """The loss, and the mean squared error over supervised pixels and channels.
-
-    Raises:
-        ValueError: a term that only the kernels for the processor have.
-    """
-    if weights.dissimilarity > 0:
-        raise ValueError("expected a loss without dissimilarity, which is not available on a GPU")
+    """The loss, and the mean squared error over supervised pixels and channels."""
     target = Target.of(frame, picture.image.device)
     per_color = 1.0 / max(3 * frame.n_colors, 1)
     errors = (picture.image - target.colors) * target.mask[:, :, None]

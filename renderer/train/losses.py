@@ -28,7 +28,6 @@ from renderer.rasterize.tiles import (
 )
 from renderer.stack_arrays import stack_array
 from renderer.train.frames import TrainFrame
-from renderer.train.similarity import add_dissimilarity
 from renderer.train.variation import add_variation
 
 # Columns of the sums that each picture row leaves.
@@ -55,8 +54,6 @@ class LossWeights:
     """Of |depth - measured| / scene size."""
     inverse_depth: float = 0.0
     """Of |1 / depth - 1 / measured| times the scene size."""
-    dissimilarity: float = 0.0
-    """Of 1 - SSIM over tissue."""
     image_variation: float = 0.0
     """Of the total variation of the whole picture, tools and all."""
     inverse_depth_variation: float = 0.0
@@ -66,11 +63,6 @@ class LossWeights:
     def takes_whole_picture(self) -> bool:
         """Every tile must be drawn, not only those with tissue."""
         return self.image_variation > 0 or self.inverse_depth_variation > 0
-
-    @property
-    def has_extra(self) -> bool:
-        """A term that is not of each pixel alone."""
-        return self.takes_whole_picture or self.dissimilarity > 0
 
 
 @dataclass(frozen=True)
@@ -89,7 +81,7 @@ def picture_loss(rasterizer: Rasterizer, frame: TrainFrame, weights: LossWeights
     per_depth = weights.depth / (max(frame.n_depths, 1) * size)
     per_inverse = weights.inverse_depth * size / max(frame.n_depths, 1)
     rows = np.empty((frame.color_mask.shape[0], N_SUMS))
-    loss, extra = _extra_terms(rasterizer, frame, weights, size)
+    loss, extra = _variation(rasterizer.planes, frame, weights, size)
     depth = _fitted(rasterizer.planes, frame) if frame.depth_is_guess else frame.depth
     masked_loss(
         rasterizer.planes, frame.colors, frame.color_mask, frame.unseen, depth, rasterizer.wanted,
@@ -124,25 +116,18 @@ def guess_line(
     return aligned(ONE / np.where(guess > 0, guess, ONE), inverse_drawn, compared)
 
 
-def _extra_terms(
-    rasterizer: Rasterizer, frame: TrainFrame, weights: LossWeights, size: float
+def _variation(
+    planes: NDArray[np.float32], frame: TrainFrame, weights: LossWeights, size: float
 ) -> tuple[float, NDArray[np.float32]]:
     """The terms over neighbourhoods and their gradient, (4, H, W) or, where there is none, empty."""
-    if not weights.has_extra:
+    if not weights.takes_whole_picture:
         return 0.0, np.empty((0, 0, 0), np.float32)
-    planes = rasterizer.planes
-    extra, loss = np.zeros((4, *planes.shape[1:]), np.float32), 0.0
-    if weights.takes_whole_picture:
-        inside = slice(frame.camera.height), slice(frame.camera.width)
-        loss += add_variation(
-            planes[:, *inside], weights.image_variation, weights.inverse_depth_variation * size,
-            extra[:, *inside],
-        )  # fmt: skip
-    if weights.dissimilarity > 0:
-        image = frame.colors * BYTE
-        mask = frame.color_mask.astype(np.float32)
-        picture = planes[PLANE_RED : PLANE_BLUE + 1]
-        loss += add_dissimilarity(picture, image, mask, weights.dissimilarity, extra)
+    extra = np.zeros((4, *planes.shape[1:]), np.float32)
+    inside = slice(frame.camera.height), slice(frame.camera.width)
+    loss = add_variation(
+        planes[:, *inside], weights.image_variation, weights.inverse_depth_variation * size,
+        extra[:, *inside],
+    )  # fmt: skip
     return loss, extra
 
 

@@ -103,14 +103,6 @@ def test_loss_and_every_gradient(weights: LossWeights, guess: bool, bands: int, 
     assert np.count_nonzero(other.seen) > 0.7 * np.count_nonzero(one.seen)
 
 
-def test_a_term_without_counterpart_is_refused() -> None:
-    frame = noisy_frame(turned_camera(40, 30))
-    with pytest.raises(ValueError, match="dissimilarity"):
-        through_torch().loss_and_gradients(
-            blobs(20), frame, LossWeights(dissimilarity=0.2), 50.0, every_tile=True
-        )
-
-
 def test_gradients_that_are_no_numbers_are_seen_and_so_left_out() -> None:
     raw = blobs(50)
     raw.colors[7] = np.nan

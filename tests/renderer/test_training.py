@@ -232,7 +232,7 @@ def test_loss_adjoint_is_the_slope_of_the_loss() -> None:
     )  # fmt: skip
     rasterizer = Rasterizer(*SIZE)
     weights = LossWeights(
-        color=0.7, opacity=0.5, depth=0.2, inverse_depth=0.3, dissimilarity=0.1, image_variation=0.1,
+        color=0.7, opacity=0.5, depth=0.2, inverse_depth=0.3, image_variation=0.1,
         inverse_depth_variation=0.4,
     )  # fmt: skip
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,8 +15,6 @@ from renderer.train.losses import CLEAR, LossWeights
 FloatArray = NDArray[np.float64]
 STEP: Final = 1e-7
 """Of the differences that slopes are."""
-LEAST_SHARE: Final = 1e-3
-"""Of a window of SSIM that must be tissue."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +44,6 @@ class ExactLoss:
         left = planes[LEFT]
         through = np.maximum(left - np.float64(CLEAR), 0)[mask].sum() + (1 - left)[self.unseen].sum()
         loss += weights.opacity * through / max(1, mask.sum() + self.unseen.sum())
-        if mask.any():
-            loss += weights.dissimilarity * (1 - _similarity(picture, image, mask))
         loss += weights.image_variation * sum(_steps(picture[..., c]) for c in range(3)) / picture.size
         alpha = 1 - planes[LEFT]
         drawn = (alpha > 0.5) & (planes[PLANE_DEPTH] > 0)
@@ -80,25 +75,3 @@ class ExactLoss:
 def _steps(values: FloatArray) -> float:
     """Sum of the absolute differences of neighbours, NaN being none."""
     return float(sum(np.nansum(np.abs(np.diff(values, axis=axis))) for axis in (0, 1)))
-
-
-def _similarity(picture: FloatArray, image: FloatArray, mask: NDArray[np.bool_]) -> float:
-    """Mean SSIM over tissue; a window with next to no tissue is alike."""
-    share = _window(mask.astype(np.float64))
-    counts, total = mask & (share > LEAST_SHARE), 0.0
-    for channel in range(3):
-        x, y = picture[..., channel] * mask, image[..., channel] * mask
-        parts = (_window(each)[counts] / share[counts] for each in (x, y, x * x, y * y, x * y))
-        mean_x, mean_y, square_x, square_y, product = parts
-        alike = (2 * mean_x * mean_y + 1e-4) * (2 * (product - mean_x * mean_y) + 9e-4)
-        spread = square_x - mean_x**2 + square_y - mean_y**2
-        alike /= (mean_x**2 + mean_y**2 + 1e-4) * (spread + 9e-4)
-        total += float(alike.sum()) + int(np.count_nonzero(mask & ~counts))
-    return total / (3 * int(mask.sum()))
-
-
-def _window(plane: FloatArray) -> FloatArray:
-    """Gaussian sums of sigma 1.5 over 11 x 11 pixels; nothing lies beyond the border."""
-    kernel = cv2.getGaussianKernel(11, 1.5, cv2.CV_64F)
-    sums = cv2.sepFilter2D(plane, cv2.CV_64F, kernel, kernel, borderType=cv2.BORDER_CONSTANT)
-    return np.asarray(sums, np.float64)

@@ -40,10 +40,9 @@ from renderer.train.config import Method, TrainConfig
 
 NEVER_CALLED = {
     "renderer.deformation.row_products._block",
-    "renderer.train.similarity._slopes",
     "renderer.rasterize.picture.adjoint_of",
 }
-"""By Python, or by the app: part of another kernel; of a loss that no method has yet; of drawing by torch."""
+"""By Python, or by the app: part of another kernel; of drawing by torch."""
 SHORT = ClipPart(trim=(2, 15))
 """Other frames, and more, than those of the preparation."""
 SETTINGS: tuple[EnhancementSettings, ...] = (

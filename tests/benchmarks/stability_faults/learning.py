@@ -6,8 +6,8 @@ from typing import Any
 
 from tests.benchmarks.stability_faults.faults import Fault, edited, rounded
 
-LOSSES, SIMILARITY = "renderer.train.losses", "renderer.train.similarity"
-VARIATION, ADAM, GUARDS = "renderer.train.variation", "renderer.train.adam", "renderer.train.guards"
+LOSSES, VARIATION = "renderer.train.losses", "renderer.train.variation"
+ADAM, GUARDS = "renderer.train.adam", "renderer.train.guards"
 DENSIFY, INITIALIZE = "renderer.train.densify", "renderer.train.initialize"
 FRAMES = "renderer.train.frames"
 
@@ -54,30 +54,6 @@ def _losses() -> list[Fault]:
             "max(3 * frame.n_colors, 1e-30)",
         ),
         edit("guard", "an empty mask", LOSSES, "max(3 * frame.n_colors, 1)", "(3 * frame.n_colors)"),
-        edit("sign", "of dissimilarity's slope", SIMILARITY, "gain = -scale * unit", "gain = scale * unit"),
-        edit(
-            "dropped",
-            "a term of dissimilarity's slope",
-            SIMILARITY,
-            "* (ONE / b1 - ONE / b2)",
-            "* (ONE / b1)",
-        ),
-        edit(
-            "swapped",
-            "picture and image in a slope",
-            SIMILARITY,
-            "TWO * x * by_square + y * by_product",
-            "TWO * y * by_square + x * by_product",
-        ),
-        Fault("loss", "float16", "windows", ("losses",), rounded(f"{SIMILARITY}:_window")),
-        edit(
-            "guard",
-            "a window with no tissue",
-            SIMILARITY,
-            "mask[row, column] > ZERO and part > FAINT",
-            "part > -ONE",
-        ),
-        edit("guard", "dissimilarity of nothing", SIMILARITY, "if count == 0:", "if count < 0:"),
         edit(
             "sign",
             "of variation's slope",
