@@ -28,7 +28,10 @@ COMMIT: Final = ".commit"
 LONGEST: Final = 120
 """Bytes of a name; systems allow 255 with all that is added."""
 INSTALLATION: Final = Path("/etc/machine-id")
-_NAME = re.compile(r"^\..*-(\d+(?:\.\d+)?)-([0-9a-f]{8})(\.partial|\.commit)(\.[^.]*)?$")
+_NAME = re.compile(
+    r"\.(?P<name>.*?)(-\d+)?-(?P<mark>\d+(\.\d+)?)-(?P<machine>[0-9a-f]{8})"
+    r"(?P<kind>\.partial|\.commit)(?P<suffix>\.[^.]*)?"
+)
 
 
 def temporary_name(name: str, suffix: str = "") -> str:
@@ -37,6 +40,19 @@ def temporary_name(name: str, suffix: str = "") -> str:
     if len(whole) > LONGEST:
         name = f"{whole[:LONGEST].decode(errors='ignore')}-{crc32(whole):08x}"
     return f".{name}-{get_native_id()}-{mark_of(os.getpid())}-{machine()}{PARTIAL}{suffix}"
+
+
+def written_as(temporary: str) -> str | None:
+    """The name that a file under this temporary one is to have, whoever writes it; None: it is none."""
+    found = _NAME.fullmatch(temporary)
+    if found is not None and found["kind"] == PARTIAL:
+        name = found["name"] + (found["suffix"] or "")
+    elif temporary.endswith(PARTIAL):
+        name = temporary.removesuffix(PARTIAL)  # Of versions before 0.4.0.
+    else:
+        return None
+    # Those wrote a model beside a file that was being written itself.
+    return written_as(name) or name
 
 
 def commit_name(temporary: str) -> str:
@@ -59,15 +75,15 @@ def clear(folder: Path) -> None:
     Those of living processes and of other machines stay, and so does what cannot be moved. A folder that is
     itself being written holds none: of tens of thousands of files, each would look at all before it.
     """
-    if _NAME.match(folder.name):
+    if _NAME.fullmatch(folder.name):
         return
     with suppress(OSError):
         # Of a folder of thousands of files the few with such names are sorted and looked at.
-        for found in sorted(filter(None, map(_NAME.match, os.listdir(folder))), key=lambda found: found[0]):
-            item = folder / found[0]
-            if found[2] in machines() and not lives(found[1]):
+        names = filter(None, map(_NAME.fullmatch, os.listdir(folder)))
+        for found in sorted(names, key=lambda found: found[0]):
+            if found["machine"] in machines() and not lives(found["mark"]):
                 with suppress(OSError):
-                    _settle(item, found[3])
+                    _settle(folder / found[0], found["kind"])
 
 
 def _settle(item: Path, kind: str) -> None:

@@ -6,7 +6,6 @@ Run folders are private: run.json names the clip by its absolute path, so that t
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass as plain_dataclass
@@ -24,7 +23,7 @@ from app.console.flags import problem
 from app.enhancement.methods import RecordedSettings
 from app.enhancement.settable import FrameNumber
 from app.errors import UserError
-from app.files.atomic import make_folder, replaced, write_bytes
+from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import digests, strict_json
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.device import Device
@@ -37,6 +36,7 @@ from renderer.clip import Clip, SparsePoints, held_out_frames
 from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed, read_text
+from renderer.leftovers import written_as
 from renderer.poses.lost_frame import LostFrame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.train.config import TrainConfig
@@ -44,7 +44,6 @@ from renderer.train.events import Finished, Omission, TrainEvent
 from renderer.train.window_files import FOLDER as WINDOWS
 
 Input = Literal["original", "enhanced"]
-PARTIAL = re.compile(r"^\..*\.partial(\..*)?$")
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
@@ -240,13 +239,13 @@ class RunFolder:
     def require_vacant(self) -> None:
         """Raises UserError: something is here that a new run could harm."""
         there = self.path
-        if there.exists() and not there.is_dir():
+        if not there.exists():
+            return
+        if not there.is_dir():
             raise UserError(f"expected an empty or new folder for the run, got a file: {there}")
         # The lock is of a process that is about to begin a run here, or was killed then.
-        is_vacant = there.is_dir() and all(
-            each.name in (NAME, LOCK) or PARTIAL.match(each.name) for each in there.iterdir()
-        )
-        if there.exists() and not is_vacant:
+        others = (each.name for each in there.iterdir() if each.name not in (NAME, LOCK))
+        if not all(name.startswith(".") and written_as(name) for name in others):
             raise UserError(f"expected an empty or new folder for the run, got one with other files: {there}")
 
     def create(self, record: RunRecord) -> None:
@@ -318,8 +317,7 @@ class RunFolder:
 
     def save_model(self, model: DynamicGaussians) -> DynamicGaussians:
         """The same to go on with: one in windows reads them from its own file, and theirs are removed."""
-        with replaced(unlinked(self.model_path)) as temporary:
-            model.save(temporary)
+        model.save(unlinked(self.model_path))
         if isinstance(model.motion, WindowedMotion):
             model = DynamicGaussians.load(self.model_path)
             self.clear_windows()

@@ -17,12 +17,12 @@ from app.errors import UserError
 from app.files.atomic import write_bytes
 from renderer.atomic_files import patiently, unlinked
 from renderer.json_files import read_json
-from renderer.leftovers import lives, mark_of
+from renderer.leftovers import lives, mark_of, written_as
 
 NAME, LOCK = ".training.json", ".training.lock"
-_PARTIAL: Final = re.compile(r"\.?(checkpoint-\d+|model)\.safetensors((-\d+)?-[\d.]+-[0-9a-f]{8})?\.partial")
-"""What a training was writing, on whichever machine; of former versions without thread, or without process
-and machine, too. Other programs end names in the same way, and may have files in its folder."""
+_WRITTEN: Final = re.compile(r"(checkpoint-\d+|model)\.safetensors")
+"""What a training writes. Other programs end names of temporary files in the same way, and may have files in
+its folder."""
 
 
 @contextmanager
@@ -55,7 +55,7 @@ def locked(run: Path) -> Iterator[None]:
 
 
 def _partial_files(run: Path) -> list[Path]:
-    found = (path for path in run.iterdir() if _PARTIAL.fullmatch(path.name))
+    found = (path for path in run.iterdir() if _WRITTEN.fullmatch(written_as(path.name) or ""))
     return [path for path in found if path.is_symlink() or path.is_file()]
 
 

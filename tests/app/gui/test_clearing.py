@@ -21,8 +21,12 @@ from app.runs.shared_model import PREFIX
 from renderer.leftovers import COMMIT, temporary_name
 
 ELSEWHERE = re.sub(r"-\w+\.partial$", "-0badcafe.partial", temporary_name("checkpoint-00000010.safetensors"))
-FORMERLY = ".model.safetensors-41.977-0badcafe.partial"
-"""Of trainings that another machine had begun."""
+FORMERLY = (
+    "checkpoint-00000010.safetensors.partial",
+    ".model-41-0badcafe.partial.safetensors",
+    "..model-7-41.977-0badcafe.partial.safetensors-7-41.977-0badcafe.partial",
+)
+"""Of trainings that another machine had begun, the latter of versions to 0.3.0 and of 0.4.0."""
 
 
 @pytest.fixture
@@ -98,7 +102,7 @@ def test_batches_are_cleared_where_they_write_and_no_folder_of_others_is_searche
 def test_a_run_whose_training_was_killed_is_nobodys(places: Places) -> None:
     run = places.runs / "first"
     run.mkdir(parents=True)
-    for name in (NAME, LOCK, "checkpoint-00000010.safetensors.partial", ELSEWHERE, FORMERLY):
+    for name in (NAME, LOCK, ELSEWHERE, *FORMERLY):
         (run / name).write_text("")
     (run / "run.json").write_text("{}")
     start(places)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import json
 import os
 import signal
@@ -7,12 +8,16 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
 
 from app.errors import UserError
+from app.runs.run_folder import RunFolder
 from app.runs.run_lock import NAME, holder, locked
+from renderer.leftovers import machine
+from tests.app.fake_steps import model_of
 
 HOLDS = """
 import sys, time
@@ -97,6 +102,26 @@ def test_it_is_held_whatever_becomes_of_the_clock(tmp_path: Path, monkeypatch: p
 def test_a_damaged_file_holds_nothing(tmp_path: Path, text: str) -> None:
     (tmp_path / NAME).write_text(text)
     assert holder(tmp_path) is None
+
+
+def test_a_model_that_was_half_written_goes_whichever_machine_wrote_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = list[str]()
+
+    def write(path: Path, *given: Any) -> None:
+        names.extend(each.name for each in tmp_path.iterdir())
+        path.write_bytes(b"half")
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("renderer.gaussians.write_arrays", write)
+    with pytest.raises(OSError, match="No space left"):
+        RunFolder(tmp_path).save_model(model_of(3))
+    (name,) = names
+    (tmp_path / name.replace(machine(), "0badcafe")).write_bytes(b"half")
+    with locked(tmp_path):
+        pass
+    assert list(tmp_path.iterdir()) == []
 
 
 RACES = """
