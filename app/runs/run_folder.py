@@ -107,6 +107,12 @@ class ClipRecord:
             Camera.from_json(camera)
 
     @property
+    def seen_from(self) -> tuple[Camera, ...]:
+        """The camera of each frame."""
+        cameras = tuple(map(Camera.from_json, self.cameras))
+        return cameras if len(cameras) == self.frames else cameras * self.frames
+
+    @property
     def wanted(self) -> ClipPart:
         """What was asked for of the clip, without what training found."""
         return ClipPart(trim=self.part.trim if self.poses is None else self.asked, mask=self.part.mask)
@@ -115,7 +121,7 @@ class ClipRecord:
         """The part of the clip, with the cameras that were estimated, if any were, and the points."""
         if self.poses is None:
             return part
-        seen = part.through(tuple(Camera.from_json(each) for each in self._one_each()))
+        seen = part.through(self.seen_from)
         bridged, points = frozenset(self.poses.bridged), self.poses.sparse_points or part.points
         return replace(seen, passed_over=bridged, points=points)
 
@@ -127,13 +133,9 @@ class ClipRecord:
         """The same of the whole clip: frames outside the part have the camera of the nearest one in it."""
         if self.poses is None:
             return clip
-        cameras = [Camera.from_json(each) for each in self._one_each()]
-        start = self.part.first or 0
+        cameras, start = self.seen_from, self.part.first or 0
         places = (min(max(at - start, 0), len(cameras) - 1) for at in range(len(clip)))
         return clip.through(tuple(cameras[place] for place in places))
-
-    def _one_each(self) -> tuple[dict[str, Any], ...]:
-        return self.cameras if len(self.cameras) == self.frames else self.cameras * self.frames
 
     def is_of(self, path: Path) -> bool:
         """Whether the clip there has the bytes of this one. Raises OSError: there is none."""
@@ -168,13 +170,12 @@ class RunRecord:
 
     def camera(self, index: int) -> Camera:
         """The camera of frame `index`."""
-        cameras = self.clip.cameras
-        return Camera.from_json(cameras[index if len(cameras) > 1 else 0])
+        return self.cameras[index]
 
     @property
     def cameras(self) -> tuple[Camera, ...]:
         """One a frame."""
-        return tuple(self.camera(index) for index in range(self.clip.frames))
+        return self.clip.seen_from
 
     @property
     def unit(self) -> str:
