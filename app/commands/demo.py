@@ -21,6 +21,7 @@ from app.enhancement.contact_sheet import Tile, sheet
 from app.errors import UserError
 from app.evaluation.evaluate import Evaluation, open_evaluation
 from app.files.atomic import make_folder, write_bytes
+from app.files.evenly import evenly
 from app.files.provenance import NOTICE, provenance, strict_json, write_png
 from app.files.records import Source
 from app.runs.run_folder import Input, RunFolder
@@ -151,7 +152,7 @@ def _difference(evaluation: Evaluation, index: int, drawn: Drawn) -> ByteImage:
 def _strip(evaluations: dict[Input, Evaluation]) -> ByteImage:
     """A few moments from left to right: frames above, renders of both runs below."""
     clip = evaluations["original"].clip
-    indices = np.unique(np.linspace(0, len(clip) - 1, STRIP_COLUMNS).round().astype(int)).tolist()
+    indices = evenly(0, len(clip) - 1, STRIP_COLUMNS)
     tiles = [Tile(f"Original, time {clip.times[index]:.2f}", clip.read_image(index)) for index in indices]
     for name, evaluation in evaluations.items():
         tiles += [Tile(f"Render of {name}", _draw(evaluation, index).bytes) for index in indices]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.evaluation.mean import mean_of_finite
+from app.files.evenly import evenly
 from enhance import EnhanceParams, enhance
 from enhance.baselines import BASELINES, TAO_STAND_INS
 from enhance.color_difference import vessel_color_difference
@@ -66,7 +67,7 @@ def of_clip(path: Path, count: int) -> Iterator[Sample]:
         ClipError: when it cannot be read.
     """
     clip = open_clip(path)
-    for index in np.unique(np.linspace(0, len(clip) - 1, count).round().astype(int)).tolist():
+    for index in evenly(0, len(clip) - 1, count):
         frame = clip.read_frame(index)
         tissue = frame.evaluation_mask
         yield sample(frame.image, field_of_view(frame.image) if tissue.all() else tissue)

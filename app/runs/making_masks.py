@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Final
 
-import numpy as np
 from annotated_types import Ge, Interval
 
+from app.files.evenly import some_of
 from app.runs.dark_surround import lit_part
 from renderer.clip import BoolImage, Clip, Frame
 from renderer.readers.nonzero_masks import read_nonzero
@@ -21,7 +21,7 @@ from renderer.tools.onnx_model import OnnxTools
 from renderer.tools.search import find_tools
 
 MOST_EXAMPLES: Final = 24
-"""Frames that are learned from: each takes 6 MB."""
+"""Frames that are learned from, evenly spread: each takes 6 MB."""
 Share = Annotated[float, Interval(ge=0, le=1)]
 Find = Callable[[Frame], BoolImage]
 
@@ -61,7 +61,8 @@ def make_masks(
     """
     lit = lit_part(clip)
     learns = model is None and len(by_hand.files) < len(clip)
-    examples = [_example(lit, index, by_hand) for index in _taught_by(by_hand)] if learns else []
+    taught_by = some_of(sorted(by_hand.files), MOST_EXAMPLES) if learns else []
+    examples = [_example(lit, index, by_hand) for index in taught_by]
     report = MaskReport(0, len(by_hand.files), learned_well(examples), notices=by_hand.notices)
     yield report
     find, found_by = _finder(examples, model)
@@ -85,13 +86,6 @@ def _kept(path: Path, found: BoolImage, found_by: MaskOrigin) -> BoolImage:
         return read_nonzero(path, (found.shape[1], found.shape[0]))
     write_mask(path, found, found_by)
     return found
-
-
-def _taught_by(by_hand: MaskFiles) -> list[int]:
-    """The frames to learn from: all, or as many as memory holds, evenly."""
-    indices = sorted(by_hand.files)
-    places = np.linspace(0, len(indices) - 1, min(MOST_EXAMPLES, len(indices))).round().astype(int)
-    return [indices[place] for place in places]
 
 
 def _example(clip: Clip, index: int, by_hand: MaskFiles) -> Example:

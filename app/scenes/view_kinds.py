@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Final, Literal, Protocol, TypeVar
+from typing import Final, Literal, Protocol
 
 import cv2
 import numpy as np
@@ -54,10 +54,9 @@ LEAST_DIFFERENCE = 8.0
 """Grey levels at the end of the scale, at least. It ends at the 90th percentile: tools, which are not
 reconstructed, do not flatten it."""
 LOOKED_AT = 8
-"""Moments of a video, whose values its scale holds."""
+"""Moments of a video, evenly spread, whose values its scale holds."""
 NO_EXTENT = 2e-9
 """Scales that are shorter are of values all alike, as motion is at the start."""
-Looked = TypeVar("Looked")
 
 
 @dataclass(frozen=True)
@@ -173,13 +172,6 @@ def composed(
         scale = scale or Scale(0.0, end, "grey levels", "inferno")
         return Composed(scale.colored(away, np.ones(away.shape, bool)), scale)
     return Composed(drawn.over(background))
-
-
-def spread(moments: Sequence[Looked]) -> list[Looked]:
-    """A few of them, evenly, the first and the last among them: their values stand for those of all."""
-    last = len(moments) - 1
-    places = {round(last * place / (LOOKED_AT - 1)) for place in range(LOOKED_AT)}
-    return [moments[place] for place in sorted(places)]
 
 
 def holding(scales: Sequence[Scale]) -> Scale:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from app.files.evenly import some_of
 from app.files.records import extended
 from app.scenes.backgrounds import Background
 from app.scenes.cpu_rendering import Draw, Drawn
@@ -14,6 +15,7 @@ from app.scenes.scene import Scene
 from app.scenes.supersampling import supersampled
 from app.scenes.surfaces import drawing_surface
 from app.scenes.view_kinds import (
+    LOOKED_AT,
     SHAPES,
     Composed,
     Scale,
@@ -24,7 +26,6 @@ from app.scenes.view_kinds import (
     holding,
     laid_over,
     splats_for,
-    spread,
 )
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip
@@ -156,7 +157,7 @@ def steady(views: Sequence[ViewRequest], draw: Draw) -> Generator[ViewRequest, N
     if views[0].scale is not None:
         return tuple(views)
     scales = []
-    for view in spread(views) if has_scale(views[0].kind) else ():
+    for view in some_of(views, LOOKED_AT) if has_scale(views[0].kind) else ():
         scales.append(view.picture(draw).scale)
         yield view
     found = [scale for scale in scales if scale is not None]

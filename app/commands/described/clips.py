@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from app.commands.described.fact import Fact, next_steps, notices
+from app.files.evenly import evenly
 from app.files.image_files import read_image
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
@@ -169,8 +170,8 @@ def _looked_at(clip: Clip) -> list[Frame]:
     """A few frames from all over the clip, the fewer the slower they are read."""
     found: list[Frame] = []
     began = time.perf_counter()
-    for place in np.unique(np.linspace(0, len(clip) - 1, LOOKED_AT).round().astype(int)):
-        found.append(clip.read_frame(int(place)))
+    for place in evenly(0, len(clip) - 1, LOOKED_AT):
+        found.append(clip.read_frame(place))
         if time.perf_counter() - began > SECONDS:
             break
     return found
