@@ -57,7 +57,6 @@ from renderer.train.checkpoint import read_newest_checkpoint
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Finishing, Progress, Snapshot, Started, TrainEvent, Warned
 from renderer.train.frame_store import nearest_folder
-from renderer.train.gradient_backend import GradientBackend
 from renderer.train.trainer import TrainingError, require_depth
 from renderer.train.training import train
 from renderer.train.window_files import next_of
@@ -116,14 +115,13 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     _check_vacancy(request, run)
     require_depth_source(request.clip_path, request.clip_options)
     record = run.record() if run.is_run else None
-    is_resumed = record is not None
     part = request.part if record is None else replace(record.clip.part, field_of_view=None, tools=None)
     whole = yield from told_meanwhile("opening the clip", lambda _: _opened(request, part))
     if record is not None:
         _check_same(request, record, whole)
-    copies = None if request.part.tool_masks is None else request.part.tool_masks.copied(whole, place)
-    if request.part.tool_masks is not None:
-        whole = request.part.tool_masks.told(whole)
+    masks = request.part.tool_masks
+    copies = None if masks is None else masks.copied(whole, place)
+    whole = whole if masks is None else masks.told(whole)
     if record is None:
         part = replace(part, tool_masks=copies)
     elif copies is not None:
@@ -143,24 +141,30 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     window = next_of(run.path, windows_of(seen, request.config))
     ahead = ReadAhead(clip, nearest_folder(run.path), window)
     yield from told_meanwhile(reading(clip), ahead.fill)
-    if record is not None and record.clip.poses is not None:
-        through = Posed(record.clip.through(ahead.clip))
-    elif clip.depth_origin == "motion":
-        through = yield from structured(ahead.clip, request.config, request.clip_options, start)
-    else:
-        through = yield from posed(ahead.clip, request.config, start)
+    through = yield from _through_cameras(request, record, ahead.clip, start)
+    begin: Callable[[], None] | None = None
     if record is None:
         record = yield from told_meanwhile(
             "recording the clip", lambda _: _new_record(request, through, device, copies)
         )
+        begin = partial(_begin, run, record, copies)
     ahead.hand_over()
+    through = replace(through, notices=(*clip.notices, *through.notices))
     try:
-        trained = input_clip(record.clip.part.lit(through.clip), record)
-        through = replace(through, notices=(*clip.notices, *through.notices))
-        begin = None if is_resumed else partial(_begin, run, record, copies)
-        yield from _train(record, run, trained, pictures_on(device), through, clock, begin)
+        yield from _train(record, run, through, clock, begin)
     except TrainingError as error:
         raise UserError(f"{error}; run: {run.path}") from error
+
+
+def _through_cameras(
+    request: TrainRequest, record: RunRecord | None, clip: Clip, start: int
+) -> Generator[TrainEvent, None, Posed]:
+    """The clip as the run's record has its cameras, or as they are found; `start`: see `posed`."""
+    if record is not None and record.clip.poses is not None:
+        return Posed(record.clip.through(clip))
+    if clip.depth_origin == "motion":
+        return (yield from structured(clip, request.config, request.clip_options, start))
+    return (yield from posed(clip, request.config, start))
 
 
 def _opened(request: TrainRequest, part: ClipPart) -> Clip:
@@ -180,31 +184,26 @@ def device_of(request: TrainRequest) -> Choice:
 
 
 def _train(
-    record: RunRecord,
-    run: RunFolder,
-    clip: Clip,
-    pictures: GradientBackend,
-    posed: Posed,
-    clock: WallClock,
-    begin: Callable[[], None] | None,
+    record: RunRecord, run: RunFolder, posed: Posed, clock: WallClock, begin: Callable[[], None] | None
 ) -> Generator[TrainEvent, None, None]:
     """`begin` makes the run's folder what it is; None: the run goes on. Others may begin runs meanwhile."""
+    part = record.clip.part
+    clip, config = input_clip(part.lit(posed.clip), record), as_dense(record.config, part.field_of_view)
+    pictures = pictures_on(record.device)
     with ExitStack() as meanwhile:
         if begin is None:
             meanwhile.enter_context(locked(run.path))
-        config = as_dense(record.config, record.clip.part.field_of_view)
         events = train(clip, config, folder=run.path, resume=begin is None, pictures=pictures)
         first = yield from told_meanwhile("analysing the clip", lambda _: next(events))
         # Closed while the run is locked: a checkpoint is written then.
         with closing(events):
+            # A clip that cannot be trained on has failed by now: nothing is left behind for it.
+            if begin is not None:
+                make_folder(run.path)
+                meanwhile.enter_context(locked(run.path))
+                begin()
             for event in chain((first,), events):
-                # A clip that cannot be trained on has failed by now: nothing is left behind for it.
-                if begin is not None:
-                    make_folder(run.path)
-                    meanwhile.enter_context(locked(run.path))
-                    begin()
-                    begin = None
-                yield from _told(event, run, posed, record.clip.part, clock)
+                yield from _told(event, run, posed, part, clock)
 
 
 def _begin(run: RunFolder, record: RunRecord, copies: ToolMasks | None) -> None:
@@ -228,11 +227,11 @@ def _told(
         event = replace(event, model=run.save_model(event.model))
     if isinstance(event, Progress | Finished):
         event = replace(event, wall_seconds=clock.seconds())
-    warnings = [Warned(notice) for notice in posed.notices] if isinstance(event, Started) else []
+    warnings = list[Warned]()
     if isinstance(event, Started):
         omitted, found = left_out_of(part)
         event = replace(event, omitted=(*omitted, *posed.omitted, *event.omitted))
-        warnings += map(Warned, found)
+        warnings += map(Warned, (*posed.notices, *found))
     for told in (event, *warnings):
         if not isinstance(told, Snapshot | Finishing):
             facts = _facts(told) if isinstance(told, Finished) else {}
