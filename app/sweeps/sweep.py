@@ -63,7 +63,7 @@ def run_jobs(
         finished, _ = wait(running, LOOK, FIRST_COMPLETED)
         for future in finished:
             order = running.pop(future)
-            answer = _followed_up(order, _outcome(future, engine, order, losses))
+            answer = _answer(future, engine, order, losses)
             if isinstance(answer, Order):
                 waiting.appendleft(answer)
                 continue
@@ -96,14 +96,11 @@ def _note(failed: int, running: int) -> str:
     return ", ".join([*told, *([f"{failed} failed"] if failed else [])])
 
 
-LOST: Final = Outcome("", "failed", "")
-"""In place of an outcome where the worker was lost and the job is to be tried again."""
-
-
-def _outcome(future: Future[Outcome], engine: Engine, order: Order, losses: Counter[str]) -> Outcome:
-    """What a worker said; LOST where it ended without a word, and failed after the last of several times."""
+def _answer(future: Future[Outcome], engine: Engine, order: Order, losses: Counter[str]) -> Order | Outcome:
+    """The order to give once more, or the outcome that stands: a worker may end without a word, or not see
+    the clip."""
     try:
-        return future.result()
+        outcome = future.result()
     except CancelledError as error:
         raise UserError(
             f"the connection to {engine.name} was lost: finished jobs are kept, the same command resumes"
@@ -111,15 +108,9 @@ def _outcome(future: Future[Outcome], engine: Engine, order: Order, losses: Coun
     except Exception as error:
         losses[order.job.key] += 1
         if losses[order.job.key] < MOST_LOSSES:
-            return LOST
+            return order
         reason = f"its worker ended {MOST_LOSSES} times before the job was done"
-        return Outcome(order.job.key, "failed", reason, f"{type(error).__name__}: {error}")
-
-
-def _followed_up(order: Order, outcome: Outcome) -> Order | Outcome:
-    """The order to give once more, or the outcome that stands."""
-    if outcome is LOST:
-        return order
+        return Outcome("failed", reason, f"{type(error).__name__}: {error}")
     if outcome.state != "needs the clip":
         return outcome
     try:

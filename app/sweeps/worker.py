@@ -54,7 +54,6 @@ class Order:
 class Outcome:
     """What came of an order."""
 
-    key: str
     state: Literal["finished", "failed", "needs the clip"]
     reason: str = ""
     details: str = ""
@@ -66,12 +65,11 @@ class Outcome:
 
 def carry_out_order(order: Order) -> Outcome:
     """Do a job unless it is done; never raises but for what ends the process."""
-    key = order.job.key
-    shared = JobFolder.of(order.sweep, key) if _sees(order) else None
+    shared = JobFolder.of(order.sweep, order.job.key) if _sees(order) else None
     if shared and shared.is_finished and not order.renders_again:
-        return Outcome(key, "finished")
+        return Outcome("finished")
     if order.renders_again and not shared:
-        return Outcome(key, "failed", "the worker does not see the sweep's folder, where the model is")
+        return Outcome("failed", "the worker does not see the sweep's folder, where the model is")
     limit_threads(order.threads)
     from app.sweeps.clip_transfer import Missing, located
     from app.sweeps.tasks import render_again
@@ -82,28 +80,27 @@ def carry_out_order(order: Order) -> Outcome:
         if shared and order.renders_again:
             render_again(shared.path)
             shared.forget_failure()
-            return Outcome(key, "finished")
+            return Outcome("finished")
         clip = located(order.clip, order.job.clip_sha256, order.content)
         if shared:
             shared.path.mkdir(parents=True, exist_ok=True)
             shared.finish(order.job, _done(order, clip, shared.path))
-            return Outcome(key, "finished")
+            return Outcome("finished")
         with tempfile.TemporaryDirectory(prefix="vesselsplat-job-") as folder:
             facts = _done(order, clip, Path(folder))
             picture = Path(folder, PICTURE)
-            return Outcome(
-                key, "finished", facts=facts, picture=picture.read_bytes() if picture.exists() else None
-            )
+            seen = picture.read_bytes() if picture.exists() else None
+            return Outcome("finished", facts=facts, picture=seen)
     except Missing:
-        return Outcome(key, "needs the clip")
+        return Outcome("needs the clip")
     except (UserError, ClipError, ImageError) as error:
-        return Outcome(key, "failed", " ".join(str(error).split()))
+        return Outcome("failed", " ".join(str(error).split()))
     except MemoryError:
-        return Outcome(key, "failed", "out of memory")
+        return Outcome("failed", "out of memory")
     except OSError as error:
-        return Outcome(key, "failed", sentence(error), traceback.format_exc())
+        return Outcome("failed", sentence(error), traceback.format_exc())
     except Exception as error:
-        return Outcome(key, "failed", f"{type(error).__name__}: {error}", traceback.format_exc())
+        return Outcome("failed", f"{type(error).__name__}: {error}", traceback.format_exc())
 
 
 def _done(order: Order, clip: Path, folder: Path) -> dict[str, Any]:
