@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, Final, Literal, Self
 
 import numpy as np
 from annotated_types import Interval, Len
@@ -12,10 +12,10 @@ from pydantic.dataclasses import dataclass
 
 from app.sweeps.names import BY_NAME
 
-CONFIG = ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+STRICT: Final = ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 
 
-@dataclass(frozen=True, kw_only=True, config=CONFIG)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Range:
     """Of a setting, both ends included."""
 
@@ -46,7 +46,7 @@ class Range:
         return min(max(float(f"{value:.6g}"), self.first), self.last)
 
 
-@dataclass(frozen=True, kw_only=True, config=CONFIG)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class Sample:
     """Points in the box of all ranges."""
 

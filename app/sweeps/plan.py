@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final
+from statistics import fmean
+from typing import Annotated, Final
 
 from pydantic import AfterValidator, ConfigDict, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass as checked_dataclass
@@ -121,13 +122,9 @@ def estimate(jobs: Sequence[Job], folder: Path, *, retry: bool = False) -> tuple
     every = [seconds for group in known.values() for seconds in group]
     if not every:
         return None, 0
-    return sum(_mean(known.get(_kind(job), every)) for job in left), len(every)
+    return sum(fmean(known.get(_kind(job), every)) for job in left), len(every)
 
 
 def _kind(job: Job) -> str:
-    told: dict[str, Any] = job.settings.told()
+    told = job.settings.told()
     return f"{told.get('method')} {told.get('iterations')}"
-
-
-def _mean(values: Sequence[float]) -> float:
-    return sum(values) / len(values)

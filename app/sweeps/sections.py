@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from app.report.section import Cell, Column, Plate, Section, Table
 from app.sweeps.plan import SweepRecord
@@ -55,25 +55,29 @@ def over_all(summary: Summary, measures: Sequence[str]) -> Table:
 
 def _left_out(summary: Summary, measures: Sequence[str]) -> str:
     """A sentence on clips over which no mean is taken; empty where there are none."""
-    without: dict[tuple[str, ...], list[str]] = {}
-    for name in measures:
+
+    def left(name: str) -> tuple[str, ...]:
         compared = set(summary.compared_clips(name))
-        left = tuple(clip for clip in summary.measured_clips(name) if clip not in compared)
-        if left:
-            without.setdefault(left, []).append(name)
-    told = "; ".join(f"{listed(names)} without {listed(clips)}" for clips, names in without.items())
+        return tuple(clip for clip in summary.measured_clips(name) if clip not in compared)
+
+    told = _by_clips(measures, left, "without")
     clips = f" Means are over the clips of which every setting has the measure: {told}." if told else ""
     return clips + _seeds_left_out(summary, measures)
 
 
 def _seeds_left_out(summary: Summary, measures: Sequence[str]) -> str:
     """The same on seeds of a clip."""
-    uneven: dict[tuple[str, ...], list[str]] = {}
-    for name in measures:
-        if clips := summary.uneven_clips(name):
-            uneven.setdefault(clips, []).append(name)
-    told = "; ".join(f"{listed(names)} of {listed(clips)}" for clips, names in uneven.items())
+    told = _by_clips(measures, summary.uneven_clips, "of")
     return f" Means are over the seeds with which every setting has the measure: {told}." if told else ""
+
+
+def _by_clips(measures: Sequence[str], clips_of: Callable[[str], tuple[str, ...]], word: str) -> str:
+    """Measures and their clips, those of the same clips together; empty where none has any."""
+    named: dict[tuple[str, ...], list[str]] = {}
+    for name in measures:
+        if clips := clips_of(name):
+            named.setdefault(clips, []).append(name)
+    return "; ".join(f"{listed(names)} {word} {listed(clips)}" for clips, names in named.items())
 
 
 def by_clip(summary: Summary, measures: Sequence[str]) -> Table:

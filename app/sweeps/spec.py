@@ -10,20 +10,19 @@ from pathlib import Path
 from typing import Annotated, Any, Final
 
 from annotated_types import Interval, Len
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import problem
 from app.errors import UserError
 from app.files.image_files import is_image
-from app.sweeps.design import Sample
+from app.sweeps.design import STRICT, Sample
 from app.sweeps.folder import is_in_sweep
 from app.sweeps.names import BY_NAME
 from app.sweeps.settings import Settings, TaskName, settings_of
 from renderer.readers.pictures import VIDEOS
 from renderer.regular_files import read_whole
 
-STRICT: Final = ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
 MOST_JOBS: Final = 100_000
 WILD: Final = frozenset("*?[")
 

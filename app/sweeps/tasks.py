@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from time import perf_counter
@@ -12,7 +11,7 @@ from app.enhancement.enhance_files import Setting, enhanced, pooled_statistics
 from app.enhancement.methods import MethodEnhancer, load_kernels
 from app.enhancement.parameter_grid import Measures, measured
 from app.enhancement.records import EnhancedPicture
-from app.evaluation.evaluate import Evaluation, FrameMeasures, open_evaluation
+from app.evaluation.evaluate import Evaluation, open_evaluation
 from app.evaluation.mean import mean_of_finite
 from app.files.atomic import filled
 from app.files.color_profiles import profile_of
@@ -40,13 +39,14 @@ def carry_out(job: Job, clip: Path, folder: Path, keeps: Keeps) -> Numbers:
     Raises:
         UserError, ClipError, ImageError, OSError: it cannot be done; each says why.
     """
-    if isinstance(job.settings, Enhancing):
-        return _enhance(job.settings, job.frames, clip, folder)
-    meshing = job.settings if isinstance(job.settings, Meshing) else None
-    training = job.settings.training if isinstance(job.settings, Meshing) else job.settings
-    measures = _train(training, clip, folder, keeps)
-    if meshing is not None:
-        measures |= mesh_measures(folder / RUN, folder / SURFACE, meshing)
+    settings = job.settings
+    if isinstance(settings, Enhancing):
+        return _enhance(settings, job.frames, clip, folder)
+    if isinstance(settings, Meshing):
+        measures = _train(settings.training, clip, folder, keeps)
+        measures |= mesh_measures(folder / RUN, folder / SURFACE, settings)
+    else:
+        measures = _train(settings, clip, folder, keeps)
     _clear(folder / RUN, keeps)
     return measures
 
@@ -88,7 +88,9 @@ def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Number
         if index == kept and result.dtype.kind != "f":
             profile = profile_of(series.sources[index], result)
             write_image(folder / PICTURE, result, record.signed, profile=profile)
-    return _means(found, [field.name for field in fields(Measures)]) | {"images": float(len(found))}
+    names = [field.name for field in fields(Measures)]
+    means = {name: mean_of_finite(getattr(one, name) for one in found) for name in names}
+    return means | {"images": float(len(found))}
 
 
 def _train(wanted: Training, clip: Path, folder: Path, keeps: Keeps) -> Numbers:
@@ -152,10 +154,6 @@ def _write_render(evaluation: Evaluation, index: int, path: Path) -> None:
         model.at(record.time(index)), camera, near_plane(model, camera), record.config.render_mode
     )
     write_png(path, drawn.bytes, provenance(clip=record.clip.name, frame=index, method=record.config.method))
-
-
-def _means(found: Sequence[Measures | FrameMeasures], names: Sequence[str]) -> Numbers:
-    return {name: mean_of_finite(getattr(one, name) for one in found) for name in names}
 
 
 def _finite(value: Any) -> float | None:
