@@ -25,8 +25,6 @@ FLOATS, INDICES, BYTES = 5126, 5125, 5121
 VERTICES, ELEMENTS = 34962, 34963
 METRES: Final[Mapping[str, float]] = {"mm": 1e-3}
 """By the unit of a scene; of one without a scale, its own unit stands for a metre."""
-TO_GLTF: Final = np.array([1, -1, -1], np.float32)
-"""From x right, y down, z forward to x right, y up, z backward."""
 TYPES: Final = {FLOATS: np.float32, INDICES: np.uint32, BYTES: np.uint8}
 
 

@@ -3,7 +3,7 @@ which is there while it is shown."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,24 +11,25 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.exports.gltf import ELEMENTS, METRES, TO_GLTF, VERTICES, Buffer, asset, linear, packed
+from app.exports.gltf import ELEMENTS, METRES, VERTICES, Buffer, asset, linear, packed
 from app.exports.meshes.film import Film
+from app.exports.records import SurfaceMesh
+from app.scenes.scene import Scene
+from renderer.splat_files.y_up import AXES
 from renderer.splats import Float32Array
 
 
-def glb_bytes(
-    films: Sequence[Film], unit: str, frames: int, seconds: float, name: str, facts: Mapping[str, Any]
-) -> bytes:
-    """The file; `frames` and `seconds`: of the whole clip, `facts`: provenance."""
-    scale = np.float32(METRES.get(unit, 1.0))
+def glb_bytes(films: Sequence[Film], scene: Scene, record: SurfaceMesh) -> bytes:
+    """The file of a record."""
+    scale, frames = np.float32(METRES.get(scene.unit, 1.0)), len(scene.cameras)
     buffer, document = Buffer(), _Document()
     for film in films:
-        _add(document, buffer, film, film.positions * TO_GLTF * scale, name, seconds)
+        _add(document, buffer, film, film.positions * AXES * scale, record)
     for node, film in enumerate(films):
         if film.frames != range(frames):
-            _show(document, buffer, node, film.frames, frames, seconds)
+            _show(document, buffer, node, film.frames, frames, record.seconds)
     parts = {
-        "asset": asset(unit, facts),
+        "asset": asset(scene.unit, record.signed),
         "extensionsUsed": ["KHR_materials_unlit"],
         "scene": 0,
         "scenes": [{"nodes": list(range(len(films)))}],
@@ -63,13 +64,13 @@ class _Document:
 
 
 def _add(
-    document: _Document, buffer: Buffer, film: Film, positions: Float32Array, name: str, seconds: float
+    document: _Document, buffer: Buffer, film: Film, positions: Float32Array, record: SurfaceMesh
 ) -> None:
     """A node with its mesh, its material, and its way through time. `positions`: as the file has them."""
-    node = len(document.nodes)
+    node, name = len(document.nodes), record.title
     attributes = {
         "POSITION": buffer.array(positions[0], VERTICES, bounded=True),
-        "NORMAL": buffer.array(_unit(film.mesh.normals * TO_GLTF), VERTICES),
+        "NORMAL": buffer.array(_unit(film.mesh.normals * AXES), VERTICES),
     }
     material: dict[str, Any] = {"metallicFactor": 0.0, "roughnessFactor": 1.0}
     if film.picture is not None and film.pixels is not None:
@@ -89,7 +90,7 @@ def _add(
         ways = positions[1:] - positions[0]
         primitive["targets"] = [{"POSITION": buffer.array(way, VERTICES, bounded=True)} for way in ways]
         mesh["weights"] = [0.0] * len(ways)
-        document.animate(node, "weights", _one_after_another(buffer, film.times, seconds))
+        document.animate(node, "weights", _one_after_another(buffer, film.times, record.seconds))
     document.nodes.append({"name": name, "mesh": node})
     document.meshes.append(mesh)
     # The light of the endoscope is in the colours already.

@@ -35,11 +35,9 @@ def write_surface(record: SurfaceMesh, scene: Scene, target: Path) -> Generator[
     if record.time is None and suffix in CLIPS:
         films = yield from filmed(scene, fineness)
         if suffix == ".usdc":
-            write_usd(target, films, scene.unit, len(scene.cameras), record.seconds, record.signed)
+            write_usd(target, films, scene, record)
             return
-        content = glb_bytes(
-            films, scene.unit, len(scene.cameras), record.seconds, record.title, record.signed
-        )
+        content = glb_bytes(films, scene, record)
     elif record.time is not None and suffix in MOMENTS:
         mesh = moment_of_surface(scene, record.time, fineness)
         content = MOMENTS[suffix](mesh, scene.unit, record.signed)
