@@ -230,20 +230,9 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
     errors = [one.tracks.error for one in windows if one.tracks.error is not None]
     record = replace(record, error=max(errors, default=None))
     about = f"Reconstruction of {record.trained_on}" if record.trained_on else "Reconstruction"
-    page = browser_page(
-        windows,
-        record.camera,
-        record.near,
-        scene.mode,
-        title=record.title,
-        about=", ".join(filter(None, (about, far_off(record, scene.unit)))),
-        frames=record.clip_frames,
-        start=record.start or 0,
-        seconds=record.seconds,
-        facts=record.signed,
-        poses=scene.cameras if record.moves else (),
-    )
-    write_bytes(target, page)
+    about = ", ".join(filter(None, (about, far_off(record, scene.unit))))
+    poses = scene.cameras if record.moves else ()
+    write_bytes(target, browser_page(windows, record, scene.mode, about=about, poses=poses))
 
 
 def _view_video(record: ViewVideo, sources: Sources, target: Path) -> Steps:

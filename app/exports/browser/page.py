@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import gzip
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from app.errors import UserError
 from app.exports.browser.tracks import Tracks
 from app.exports.html_file import facts_in, filled_in, found, in_script
+from app.exports.records import BrowserModel
 from app.files.provenance import NOTICE
 from renderer.camera import Camera
 from renderer.json_files import parsed
@@ -41,29 +42,17 @@ class PageWindow:
 
 def browser_page(
     windows: Sequence[PageWindow],
-    camera: Camera,
-    near: float,
+    record: BrowserModel,
     mode: RenderMode,
     *,
-    title: str,
     about: str,
-    frames: int,
-    start: int = 0,
-    seconds: float,
-    facts: Mapping[str, Any],
     poses: Sequence[Camera] = (),
 ) -> bytes:
-    """The HTML of a model as `camera` sees it first; the same bytes for the same model and facts.
+    """The HTML of a record; the same bytes for the same model and record.
 
     Args:
         windows: in the order of time.
-        near: distance in scene units before which nothing is drawn.
-        title: of the clip.
         about: what the model is a reconstruction of.
-        frames: by which the page numbers its moments.
-        start: the frame of the clip, from 0, that the first of these is.
-        seconds: that the clip takes.
-        facts: provenance.
         poses: of each frame, with which the page's camera goes; none: it stays.
 
     Raises:
@@ -72,14 +61,14 @@ def browser_page(
     parts_of_content = [one.tracks.content for one in windows]
     scene = {
         "windows": list(_told(windows, parts_of_content)),
-        "camera": camera.to_json(),
-        "near": near,
+        "camera": record.camera.to_json(),
+        "near": record.near,
         "antialiased": mode == "mip",
-        "frames": frames,
-        "seconds": seconds,
+        "frames": record.clip_frames,
+        "seconds": record.seconds,
     }
-    if start:
-        scene["start"] = start
+    if record.start:
+        scene["start"] = record.start
     if poses:
         scene["poses"] = [np.asarray(one.camera_from_world)[:3].tolist() for one in poses]
     content = base64.b64encode(gzip.compress(b"".join(parts_of_content), LEVEL, mtime=0)).decode()
@@ -89,12 +78,12 @@ def browser_page(
             "export one window of the model after the other (--window)"
         )
     parts = {
-        "TITLE": escape(title),
+        "TITLE": escape(record.title),
         "ABOUT": escape(about),
         "NOTICE": escape(NOTICE),
         "STYLE": _own("viewer.css"),
         "SCENE": in_script(scene),
-        "PROVENANCE": in_script(facts),
+        "PROVENANCE": in_script(record.signed),
         "CONTENT": content,
         "CODE": "\n".join(_own(name) for name in CODE),
     }

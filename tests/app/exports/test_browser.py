@@ -17,6 +17,7 @@ from app.errors import UserError
 from app.exports.browser.page import PageWindow, browser_page, read_page
 from app.exports.browser.samples import USUAL
 from app.exports.browser.tracks import CUBIC, LINEAR, Tracks, tracks_of
+from app.exports.records import BrowserModel
 from app.scenes.scene import open_scene
 from renderer.camera import Camera
 from renderer.deformation.motion import Still
@@ -181,20 +182,22 @@ def test_a_still_model_takes_little_memory_a_gaussian() -> None:
     assert peak / many < 300
 
 
+def record_of(title: str, frames: int, seconds: float = 1.0) -> BrowserModel:
+    return BrowserModel(title=title, camera=CAMERA, near=0.01, clip_frames=frames, seconds=seconds)
+
+
 def test_the_page_stands_alone_and_names_cannot_break_it() -> None:
     random = np.random.default_rng(5)
     model = DynamicGaussians(raw(random), Still())
     title = "</script><img src=x onerror=alert(1)>"
-    text = browser_page(
-        [PageWindow(tracks_of(model), 0, 4)], CAMERA, 0.01, "default", title=title, about="a & b",
-        frames=5, seconds=2.0, facts={"clip": title},
-    ).decode()  # fmt: skip
+    windows = [PageWindow(tracks_of(model), 0, 4)]
+    text = browser_page(windows, record_of(title, 5, 2.0), "default", about="a & b").decode()
     assert not re.search(r"https?://|<link|src=[\"']", text.replace("&lt;img src=x", ""))
     assert text.count("</script>") == 4
     assert "&lt;/script&gt;" in text
     assert "a &amp; b" in text
     facts, scene, content = read_page(text)
-    assert facts == {"clip": title}
+    assert facts["title"] == title
     assert (scene["frames"], scene["seconds"], scene["camera"]["width"]) == (5, 2.0, 32)
     assert content.tobytes() == tracks_of(model).content
 
@@ -253,11 +256,7 @@ def test_a_window_without_gaussians_is_an_empty_one() -> None:
         RawGaussians(**{name: value[:0] for name, value in model.raw.arrays().items()}), Still()
     )
     windows = [PageWindow(tracks_of(one), first, first) for first, one in enumerate((model, none))]
-    _, said, _ = read_page(
-        browser_page(
-            windows, CAMERA, 0.01, "default", title="", about="", frames=2, seconds=1.0, facts={}
-        ).decode()
-    )
+    _, said, _ = read_page(browser_page(windows, record_of("", 2), "default", about="").decode())
     assert [one["tracks"][0]["count"] for one in said["windows"]] == [COUNT, 0]
     assert said["windows"][1]["tracks"][0]["low"] == [0, 0, 0]
 
@@ -265,17 +264,8 @@ def test_a_window_without_gaussians_is_an_empty_one() -> None:
 @pytest.mark.parametrize("damage", ["", "<html></html>", "cut", "other"])
 def test_another_page_is_refused_in_one_line(damage: str) -> None:
     model = DynamicGaussians(raw(np.random.default_rng(6)), Still())
-    text = browser_page(
-        [PageWindow(tracks_of(model), 0, 4)],
-        CAMERA,
-        0.01,
-        "default",
-        title="t",
-        about="",
-        frames=1,
-        seconds=1.0,
-        facts={},
-    ).decode()
+    windows = [PageWindow(tracks_of(model), 0, 4)]
+    text = browser_page(windows, record_of("t", 1), "default", about="").decode()
     cut = re.sub(r'(id="content">.{80}).*?</script>', r"\1</script>", text, flags=re.DOTALL)
     other = re.sub(r'id="content">.*?</script>', 'id="content">!!!</script>', text, flags=re.DOTALL)
     with pytest.raises(UserError, match="expected an HTML file written by VesselSplat"):
