@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from io import StringIO
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.lib.recfunctions import structured_to_unstructured
@@ -82,35 +82,24 @@ def difference(first: Path, second: Path) -> Difference:
 
 def arrays(path: Path) -> Iterator[Array]:
     """All that a file holds: one array of a picture, one a frame of a video, one a column of a table."""
-    suffix = path.suffix.lower()
-    if suffix == ".ply":
-        return _elements(read_whole(path))
-    if suffix == ".glb":
-        return iter(read_glb(path)[1])
-    if suffix == ".usdc":
-        return iter(read_usd(path)[1])
-    if suffix == fourdgs.SUFFIX:
-        return fourdgs.read_fourdgs(path)
-    if suffix == ".obj":
-        return _of_obj(path)
-    if suffix in (".spz", ".sog"):
-        return iter(read_splats(path).raw.arrays().values())
-    if suffix == ".npz":
-        return read_members(path)
-    if suffix == ".html":
-        return _of_page(path)
-    if suffix == ".csv":
-        return _columns(path)
+    read = ARRAYS.get(path.suffix.lower())
+    if read is not None:
+        return read(path)
     return _frames(path) if moves(path) else iter((read_image(path),))
 
 
-def _elements(content: bytes) -> Iterator[Array]:
+def _elements(path: Path) -> Iterator[Array]:
     """Of a PLY file; what has lists, as the faces of a mesh, as bytes."""
+    content = read_whole(path)
     ply = read_ply(content)
     yield from (structured_to_unstructured(element.rows) for element in ply.elements)
     rows = sum(element.rows.nbytes for element in ply.elements)
     if lists := content[content.find(END) + len(END) + rows :]:
         yield np.frombuffer(lists, np.uint8)
+
+
+def _of_splats(path: Path) -> Iterator[Array]:
+    return iter(read_splats(path).raw.arrays().values())
 
 
 def _of_obj(path: Path) -> Iterator[Array]:
@@ -177,3 +166,18 @@ def _text(words: list[str]) -> Array:
 def _frames(path: Path) -> Iterator[Array]:
     video = open_video(path)
     yield from (video.read_image(number) for number in range(len(video)))
+
+
+ARRAYS: Final[Mapping[str, Callable[[Path], Iterator[Array]]]] = {
+    ".ply": _elements,
+    ".glb": lambda path: iter(read_glb(path)[1]),
+    ".usdc": lambda path: iter(read_usd(path)[1]),
+    fourdgs.SUFFIX: fourdgs.read_fourdgs,
+    ".obj": _of_obj,
+    ".spz": _of_splats,
+    ".sog": _of_splats,
+    ".npz": read_members,
+    ".html": _of_page,
+    ".csv": _columns,
+}
+"""By suffix; of all others, they are images."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from app.errors import UserError
 from app.exports.gltf import read_glb
@@ -28,46 +29,43 @@ def recorded(path: Path) -> Facts:
         what = "a folder; name one of its files" if path.is_dir() else "no such file"
         raise UserError(f"expected a file that VesselSplat wrote, got {what}: {path}")
     suffix = path.suffix.lower()
-    if suffix == ".png":
-        return read_provenance(path)
-    if suffix == ".ply":
-        return _in_comment(path)
-    if suffix == ".glb":
-        return read_glb(path)[0]
-    if suffix == ".usdc":
-        return read_usd(path)[0]
-    if suffix == ".obj":
-        text = joined(KEYWORD, obj_comments(read_whole(path)))
-        if text is None:
-            raise UserError(f"expected an OBJ file written by VesselSplat, found no provenance in {path}")
-        return facts_of(text, path)
-    if suffix == ".npz":
-        return facts_of(read_text(path, PROVENANCE), path)
+    if suffix in INSIDE:
+        return INSIDE[suffix](path)
     if is_dicom(path):
-        return _in_dicom(path)
-    if suffix == ".html":
-        return facts_in(read_whole(path).decode(errors="replace"))
+        return _facts(facts_in_dicom(path), "a DICOM file", path)
     # Before 0.2.0, JPEG and TIFF had it beside them.
     inside = carried(read_whole(path)) if suffix in CARRIERS else None
     return _beside(path) if inside is None else facts_of(inside, path)
 
 
-def _in_dicom(path: Path) -> Facts:
-    text = facts_in_dicom(path)
+def _facts(text: str | None, kind: str, path: Path) -> Facts:
     if text is None:
-        raise UserError(f"expected a DICOM file written by VesselSplat, found no provenance in {path}")
+        raise UserError(f"expected {kind} written by VesselSplat, found no provenance in {path}")
     return facts_of(text, path)
 
 
-def _in_comment(path: Path) -> Facts:
+def _in_ply(path: Path) -> Facts:
     try:
         comments = read_ply(read_whole(path)).comments
     except PlyError as error:
         raise UserError(f"{error}: {path}") from error
-    text = joined(KEYWORD, comments)
-    if text is None:
-        raise UserError(f"expected a PLY file written by VesselSplat, found no provenance in {path}")
-    return facts_of(text, path)
+    return _facts(joined(KEYWORD, comments), "a PLY file", path)
+
+
+def _in_obj(path: Path) -> Facts:
+    return _facts(joined(KEYWORD, obj_comments(read_whole(path))), "an OBJ file", path)
+
+
+INSIDE: Final[Mapping[str, Callable[[Path], Facts]]] = {
+    ".png": read_provenance,
+    ".ply": _in_ply,
+    ".glb": lambda path: read_glb(path)[0],
+    ".usdc": lambda path: read_usd(path)[0],
+    ".obj": _in_obj,
+    ".npz": lambda path: facts_of(read_text(path, PROVENANCE), path),
+    ".html": lambda path: facts_in(read_whole(path).decode(errors="replace")),
+}
+"""By suffix, how it is read from files that hold it."""
 
 
 def _beside(path: Path) -> Facts:
