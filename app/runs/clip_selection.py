@@ -29,6 +29,10 @@ class ClipPart:
     mask: PictureMask = field(default_factory=PictureMask)
     field_of_view: FieldOfView | None = None
     """What the endoscope sees, as training found it; None: there was no surround, or nobody looked for it."""
+    tools: FoundTools | None = None
+    """What training found of them; None: the clip has masks of its own, shows none, or nobody looked."""
+    tool_masks: ToolMasks | None = None
+    """Masks of them that were made for the clip; None: none but its own."""
 
     @property
     def first(self) -> int | None:
@@ -41,11 +45,6 @@ class ClipPart:
             return 0, count - 1
         first = min(max(self.trim[0], 0), count - 1)
         return first, min(max(self.trim[1], first), count - 1)
-
-    tools: FoundTools | None = None
-    """What training found of them; None: the clip has masks of its own, shows none, or nobody looked."""
-    tool_masks: ToolMasks | None = None
-    """Masks of them that were made for the clip; None: none but its own."""
 
     def of(self, clip: Clip) -> Clip:
         """These frames as a clip of their own, numbered and timed anew; what is masked is neither trained on

@@ -41,7 +41,7 @@ class WallClock:
 
 
 def in_all(wall: float | None, steps: float | None, form: str = ".1f") -> str:
-    """Both times in words: "7.7 s in all, 1.4 s of them steps"."""
+    """Both times in words: "7.7 s in total, 1.4 s training"."""
     whole = f"in total: {NOT_RECORDED}" if wall is None else f"{wall:{form}} s in total"
     own = f"training: {NOT_RECORDED}" if steps is None else f"{steps:{form}} s training"
     return f"{whole}, {own}"
