@@ -27,10 +27,9 @@ from app.files.records import Source
 from app.runs.run_folder import Input, RunFolder
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, device_of, pooled
 from app.runs.trained_clip import enhanced_clip
-from app.scenes.cpu_rendering import Drawn, colored_depth, draw_on_cpu
+from app.scenes.cpu_rendering import Drawn, colored_depth
 from assets import phantom_path
 from renderer.clip import ByteImage, Clip
-from renderer.near_plane import near_plane
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 
@@ -116,17 +115,11 @@ def _write_enhanced(folder: Path, clip: Clip) -> None:
             report(index + 1, name)
 
 
-def _draw(evaluation: Evaluation, index: int) -> Drawn:
-    camera, model = evaluation.clip.cameras[index], evaluation.model
-    mode = evaluation.record.config.render_mode
-    return draw_on_cpu(model.at(evaluation.clip.times[index]), camera, near_plane(model, camera), mode)
-
-
 def _compare(evaluations: dict[Input, Evaluation], reports: dict[Input, dict[str, Any]]) -> ByteImage:
     """A held-out frame, original and enhanced, the renders of both runs, depth."""
     original, enhanced = (evaluations[name] for name in INPUTS)
     index = original.indices[len(original.indices) // 2]
-    drawn = {name: _draw(evaluation, index) for name, evaluation in evaluations.items()}
+    drawn = {name: evaluation.drawn(index) for name, evaluation in evaluations.items()}
     depth, (near, far) = colored_depth(drawn["original"].depth)
     frames = {name: {one.index: one for one in report["frames"]} for name, report in reports.items()}
     psnr = {name: found[index].psnr for name, found in frames.items()}
@@ -155,6 +148,6 @@ def _strip(evaluations: dict[Input, Evaluation]) -> ByteImage:
     indices = evenly(0, len(clip) - 1, STRIP_COLUMNS)
     tiles = [Tile(f"Original, time {clip.times[index]:.2f}", clip.read_image(index)) for index in indices]
     for name, evaluation in evaluations.items():
-        tiles += [Tile(f"Render of {name}", _draw(evaluation, index).bytes) for index in indices]
+        tiles += [Tile(f"Render of {name}", evaluation.drawn(index).bytes) for index in indices]
     title = "VesselSplat: the same tissue through time"
     return sheet(title, tiles, FOOT, columns=len(indices), tile_width=300)

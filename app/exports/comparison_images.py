@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
 from app.enhancement.methods import EnhancementSettings
 from app.scenes.backgrounds import Background
-from app.scenes.drawer import draw_view
+from app.scenes.cpu_rendering import draw_on_cpu
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import Scale
 from app.scenes.view_request import ViewRequest
@@ -96,8 +96,7 @@ class OtherMaker:
 def _render(scene: Scene, index: int, background: Background) -> ByteImage:
     """The model through the clip's own camera of that frame."""
     seen = ViewRequest.of_clip_frame(scene, index)
-    (view,) = draw_view(replace(seen, background=background))
-    return view.image
+    return replace(seen, background=background).picture(draw_on_cpu).image
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,12 +21,10 @@ from app.files.provenance import provenance, write_png
 from app.files.records import Source
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, run_training
-from app.scenes.cpu_rendering import draw_on_cpu
 from app.sweeps.jobs import PICTURE, RENDERS, RUN, SURFACE, Job, Keeps
 from app.sweeps.settings import Enhancing, Meshing, Training
 from app.sweeps.surfaces import mesh_measures
 from enhance.ridges import field_of_view, vessel_mask
-from renderer.near_plane import near_plane
 from renderer.train.checkpoint import checkpoint_paths
 
 Numbers = dict[str, float | None]
@@ -148,12 +146,9 @@ def _write_renders(evaluation: Evaluation, folder: Path) -> None:
 
 def _write_render(evaluation: Evaluation, index: int, path: Path) -> None:
     """Of one frame, from its camera."""
-    record, model = evaluation.record, evaluation.model
-    camera = evaluation.clip.cameras[index]
-    drawn = draw_on_cpu(
-        model.at(record.time(index)), camera, near_plane(model, camera), record.config.render_mode
-    )
-    write_png(path, drawn.bytes, provenance(clip=record.clip.name, frame=index, method=record.config.method))
+    record = evaluation.record
+    facts = provenance(clip=record.clip.name, frame=index, method=record.config.method)
+    write_png(path, evaluation.drawn(index).bytes, facts)
 
 
 def _finite(value: Any) -> float | None:
