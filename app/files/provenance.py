@@ -137,12 +137,18 @@ def digests(path: Path) -> Iterator[str]:
     if not path.is_dir():
         yield hashed(path)
         return
-    if is_unpacked_sog(path):
-        # Its list counts as its images do.
-        yield _manifest(path, files_in(path), hashed)
-        return
-    yield _manifest(path, layout_of(path).files(path) or tuple(files_in(path)), hashed)
-    yield _manifest(path, former_files(path), hashed)
+    yield _manifest(path, digested_files(path), hashed)
+    if not is_unpacked_sog(path):
+        yield _manifest(path, former_files(path), hashed)
+
+
+def digested_files(path: Path) -> tuple[Path, ...]:
+    """Those that the digest of a file or folder is of."""
+    if path.is_file():
+        return (path,)
+    # The list of an unpacked SOG counts as its images do.
+    used = () if is_unpacked_sog(path) else layout_of(path).files(path)
+    return used or tuple(files_in(path))
 
 
 def _sha256(path: Path) -> str:

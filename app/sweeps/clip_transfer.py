@@ -11,10 +11,8 @@ from pathlib import Path
 from typing import Final
 
 from app.errors import UserError
-from app.files.provenance import digest
+from app.files.provenance import digest, digested_files
 from renderer.atomic_files import patiently
-from renderer.layouts import layout_of
-from renderer.readers.clip_files import files_in
 
 MOST_BYTES: Final = 2_000_000_000
 """Of a clip that is sent; larger ones are for shared folders."""
@@ -48,7 +46,7 @@ def packed(path: Path) -> bytes:
     Raises:
         UserError: it is too large to be sent, or files of it lie beside its folder.
     """
-    files = _files(path)
+    files = digested_files(path)
     size = sum(file.stat().st_size for file in files)
     if size > MOST_BYTES:
         raise UserError(
@@ -104,10 +102,5 @@ def _digest(path: Path, state: int) -> str:
 def _state(path: Path) -> int:
     """Of all files of a clip, by a look at their sizes and times: a folder's own time says nothing of a file
     that is overwritten in it. Raises OSError: one is not there."""
-    stats = ((file, file.stat()) for file in _files(path))
+    stats = ((file, file.stat()) for file in digested_files(path))
     return hash(tuple((file, found.st_size, found.st_mtime_ns) for file, found in stats))
-
-
-def _files(path: Path) -> tuple[Path, ...]:
-    """Those that the digest of a clip is of."""
-    return (path,) if path.is_file() else layout_of(path).files(path) or tuple(files_in(path))
