@@ -133,7 +133,7 @@ def run(flags: argparse.Namespace) -> None:
     export_limits.require_one_camera(flags, wanted)
     export_limits.require_movement(flags, scene)
     # What may be refused yet comes before the first file is written.
-    pen = Drawer(*drawer(flags.renderer))
+    pen = drawer(flags.renderer)
     views = view_flags.asked_for(flags, scene, wanted) if flags.video else []
     speed = _speed(flags, scene, wanted)
     mesh_export.require(flags, scene, wanted)

@@ -20,7 +20,6 @@ from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes import view_selection
 from app.scenes.depth_steps import step_of
-from app.scenes.drawer import Drawer
 from app.scenes.outside import require_outside
 from app.scenes.renderers import drawer
 from app.scenes.view_kinds import SHAPES, has_scale
@@ -65,7 +64,7 @@ def run(flags: argparse.Namespace) -> None:
     scene, wanted = view_selection.chosen(flags)
     require_outside("--out", flags.out, scene)
     form = flags.depth_format or "npy"
-    pen = Drawer(*drawer(flags.renderer))
+    pen = drawer(flags.renderer)
     views = view_flags.asked_for(flags, scene, wanted)
     sources = Opened(tuple(views), pen=pen)
     written: list[str] = []

@@ -7,7 +7,8 @@ from typing import Literal
 import numpy as np
 
 from app.errors import UserError
-from app.scenes.cpu_rendering import ON_CPU, Draw, Drawn, draw_on_cpu
+from app.scenes.cpu_rendering import Drawn
+from app.scenes.drawer import Drawer
 from renderer.camera import Camera
 from renderer.splats import RenderMode, Shape, Splats
 from renderer.torch_presence import NO_TORCH, has_torch
@@ -15,15 +16,15 @@ from renderer.torch_presence import NO_TORCH, has_torch
 Renderer = Literal["gl", "cpu", "reference"]
 
 
-def drawer(renderer: Renderer) -> tuple[Draw, str]:
-    """What draws, and its name for provenance. Raises UserError when it cannot work here."""
+def drawer(renderer: Renderer) -> Drawer:
+    """Raises UserError when it cannot work here."""
     if renderer == "gl":
         return _gl()
     if renderer == "reference":
         if not has_torch():
             raise UserError(f"the float64 reference needs torch: {NO_TORCH}. Or use --with cpu.")
-        return _reference, "float64 reference"
-    return draw_on_cpu, ON_CPU
+        return Drawer(_reference, "float64 reference")
+    return Drawer()
 
 
 def _reference(splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft") -> Drawn:
@@ -49,7 +50,7 @@ def _reference(splats: Splats, camera: Camera, near: float, mode: RenderMode, sh
     return Drawn(*(layer.numpy().astype(np.float32) for layer in layers))
 
 
-def _gl() -> tuple[Draw, str]:
+def _gl() -> Drawer:
     from moderngl import Error
 
     from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
@@ -69,4 +70,4 @@ def _gl() -> tuple[Draw, str]:
             size = f"{camera.width}x{camera.height}"
             raise UserError(f"OpenGL cannot render {size} here ({error}): choose a smaller --size") from error
 
-    return draw, f"OpenGL, {renderer_name(context)}"
+    return Drawer(draw, f"OpenGL, {renderer_name(context)}")

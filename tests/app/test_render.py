@@ -112,7 +112,7 @@ def test_opengl_is_as_exact_as_the_trainer_on_a_trained_run(
 
 @pytest.mark.gl
 def test_what_opengl_cannot_hold_is_refused_in_a_line() -> None:
-    draw, _ = drawer("gl")
+    draw = drawer("gl").draw
     with pytest.raises(UserError, match="40000x2"):
         draw(model_of(3).at(0.0), Camera.from_fov(60.0, 40_000, 2), 0.01, "default")
 
@@ -175,7 +175,7 @@ def test_splats_of_a_file_keep_their_shape_in_any_size(tmp_path: Path, vesselspl
 def test_straight_alpha_lies_over_any_background_as_if_drawn_there(renderer: Renderer) -> None:
     camera = turned_camera(96, 80)
     splats = random_splats(150, camera, 3, sigma=(2.0, 9.0))
-    draw, _ = drawer(renderer)
+    draw = drawer(renderer).draw
     picture = draw(splats, camera, 0.01, "default").straight.astype(float) / 255
     color, alpha = picture[..., :3], picture[..., 3:]
     assert (alpha == 0).any()

@@ -88,7 +88,7 @@ class Found:
         if renderer not in self._drawers:
             kinds: dict[str, Renderer] = {"OpenGL": "gl", "float64": "reference"}
             found = (kind for word, kind in kinds.items() if renderer.startswith(word))
-            self._drawers[renderer] = Drawer(*drawer(next(found, "cpu")))
+            self._drawers[renderer] = drawer(next(found, "cpu"))
         return self._drawers[renderer]
 
     def find(self, source: Source) -> Path:

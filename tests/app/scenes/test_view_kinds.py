@@ -58,7 +58,7 @@ def test_normals_are_those_of_the_surface_whatever_the_shape_of_its_splats(
 ) -> None:
     """Balls, of which no axis is the shortest, on a plane whose lower end is farther by the tilt: it faces
     down, which is less green."""
-    draw, _ = drawer(renderer)
+    draw = drawer(renderer).draw
     slope = math.tan(math.radians(tilt))
     across, down = (grid.ravel() for grid in np.meshgrid(np.arange(-2, 2, 0.05), np.arange(-2, 2, 0.05)))
     means = np.stack([across, down, 5 + slope * down], axis=1).astype(np.float32)
@@ -82,7 +82,7 @@ def test_motion_is_the_way_from_the_start_in_scene_units() -> None:
 
 @pytest.mark.parametrize("renderer", ["cpu", pytest.param("gl", marks=pytest.mark.gl)])
 def test_an_ellipsoid_ends_at_one_and_a_half_deviations(renderer: Renderer) -> None:
-    draw, _ = drawer(renderer)
+    draw = drawer(renderer).draw
     drawn = draw(flat(), EYE, 0.01, "default", "ellipsoid")
     radius = math.sqrt(drawn.alpha.sum() / math.pi)
     assert set(np.unique(drawn.alpha)) == {0.0, 1.0}
@@ -103,7 +103,7 @@ def test_an_ellipsoid_ends_at_one_and_a_half_deviations(renderer: Renderer) -> N
 def test_both_renderers_draw_the_same_bodies(shape: Shape) -> None:
     """But for pixels whose centre is on an edge."""
     splats = random_splats(400, CAMERA, 3, sigma=(1.0, 6.0))
-    own, cards = (drawer(name)[0](splats, CAMERA, 0.01, "default", shape) for name in ("cpu", "gl"))
+    own, cards = (drawer(name).draw(splats, CAMERA, 0.01, "default", shape) for name in ("cpu", "gl"))
     same = np.isclose(own.image, cards.image, atol=1e-3).all(axis=2) & np.isclose(
         own.depth, cards.depth, rtol=1e-4
     )
