@@ -105,16 +105,16 @@ class Summary:
     def of(cls, table: Iterable[Row], varied: Sequence[str]) -> Summary:
         return cls(tuple(varied), tuple(row for row in table if row.state == "finished"))
 
-    @property
+    @cached_property
     def settings(self) -> tuple[Setting, ...]:
         """In the order of the sweep."""
         return tuple(dict.fromkeys(map(self.setting, self.rows)))
 
-    @property
+    @cached_property
     def clips(self) -> tuple[str, ...]:
         return tuple(dict.fromkeys(row.clip for row in self.rows))
 
-    @property
+    @cached_property
     def measures(self) -> tuple[str, ...]:
         """Those that some job has."""
         named = (name for row in self.rows for name, value in row.measures.items() if value is not None)
