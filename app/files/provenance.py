@@ -9,7 +9,7 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError
@@ -25,7 +25,6 @@ from pydantic_core import to_jsonable_python
 from app.errors import UserError
 from app.files.atomic import write_bytes
 from app.files.embedded import KEYWORD, carried, carrying
-from app.files.former_digests import former_files
 from renderer.json_files import parsed
 from renderer.layouts import layout_of
 from renderer.ply_comments import split
@@ -124,22 +123,9 @@ def digest(path: Path) -> str:
 
     Raises OSError: there is no such file or folder, or it is something else.
     """
-    return next(digests(path))
-
-
-def digests(path: Path) -> Iterator[str]:
-    """The digest of a file or folder, then the one by which records of before may know the same files.
-
-    What was recorded is compared with both, `recorded in digests(path)`: the second is worked out only where
-    the first is another. Raises OSError as `digest`.
-    """
-    hashed = cache(_sha256)
     if not path.is_dir():
-        yield hashed(path)
-        return
-    yield _manifest(path, digested_files(path), hashed)
-    if not is_unpacked_sog(path):
-        yield _manifest(path, former_files(path), hashed)
+        return _sha256(path)
+    return _manifest(path, digested_files(path))
 
 
 def digested_files(path: Path) -> tuple[Path, ...]:
@@ -157,14 +143,14 @@ def _sha256(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _manifest(folder: Path, files: Iterable[Path], sha256: Callable[[Path], str]) -> str:
+def _manifest(folder: Path, files: Iterable[Path]) -> str:
     whole = folder.resolve()
     # By name: a reader may come upon one file by two ways.
     named = {_name_in(path, folder, whole): path for path in files}
     manifest = hashlib.sha256()
     # As Linux orders paths; those of Windows compare without case, and would give a digest of their own.
     for name in sorted(named, key=lambda name: name.parts):
-        manifest.update(os.fsencode(name.as_posix()) + f"\0{sha256(named[name])}\n".encode())
+        manifest.update(os.fsencode(name.as_posix()) + f"\0{_sha256(named[name])}\n".encode())
     return manifest.hexdigest()
 
 

@@ -24,7 +24,7 @@ from app.enhancement.methods import RecordedSettings
 from app.enhancement.settable import FrameNumber
 from app.errors import UserError
 from app.files.atomic import make_folder, write_bytes
-from app.files.provenance import digests, strict_json
+from app.files.provenance import digest, strict_json
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.device import Device
 from app.runs.run_lock import LOCK, NAME
@@ -83,9 +83,8 @@ class ClipRecord:
     """What of it counts: frames, cameras and times are of this part."""
     sha256: str
     """Of the manifest, see `app.files.provenance.digest`."""
-    files: Literal["former", "read"] = "former"
-    """Which files the manifest holds: those that are read, or, where a record does not say, it may be of
-    `app.files.former_digests`."""
+    files: Literal["read"] = "read"
+    """Which files the manifest holds: those that are read."""
     frames: int
     unit: str
     cameras: tuple[dict[str, Any], ...]
@@ -139,8 +138,7 @@ class ClipRecord:
 
     def is_of(self, path: Path) -> bool:
         """Whether the clip there has the bytes of this one. Raises OSError: there is none."""
-        known = digests(path)
-        return self.sha256 == next(known) or (self.files == "former" and self.sha256 in known)
+        return self.sha256 == digest(path)
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))

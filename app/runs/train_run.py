@@ -273,7 +273,6 @@ def _new_record(request: TrainRequest, posed: Posed, device: Device, copies: Too
             options=request.clip_options,
             part=part,
             sha256=digest(request.clip_path),
-            files="read",
             frames=len(clip),
             unit=clip.unit,
             cameras=tuple(camera.to_json() for camera in cameras),

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 from app.enhancement.clip_statistics import OfClip, StatisticsRequest
 from app.errors import UserError
 from app.files.image_series import Series, open_series
-from app.files.provenance import digests
+from app.files.provenance import digest
 from app.files.records import Source
 from app.runs.run_edits import unpacked
 from app.runs.run_folder import RunFolder
@@ -93,24 +93,24 @@ class Found:
 
     def find(self, source: Source) -> Path:
         """The file or folder with these bytes. Raises UserError: missing, or its bytes have changed."""
-        return self._found(source.name, source.sha256, digests)
+        return self._found(source.name, source.sha256, digest)
 
     def find_run(self, run: RunSource) -> RunFolder:
         """The run with this model. Raises UserError: missing, with another model, or never finished."""
         if run.model_sha256 is None:
             raise UserError(f"{self.file.name} shows {run.name} during training: that model no longer exists")
         try:
-            return RunFolder(self._found(run.name, run.model_sha256, _digests_of_model))
+            return RunFolder(self._found(run.name, run.model_sha256, _digest_of_model))
         except UserError:
             kept = _kept_run(run.name, run.model_sha256)
             if kept is None:
                 raise
             return kept
 
-    def _found(self, name: str, sha256: str, digests_of: Callable[[Path], Iterable[str]]) -> Path:
+    def _found(self, name: str, sha256: str, digest_of: Callable[[Path], str]) -> Path:
         candidates = list(dict.fromkeys(path.absolute() for path in self._candidates(name)))
         for path in candidates:
-            if sha256 in digests_of(path):
+            if digest_of(path) == sha256:
                 return path
         if not candidates and not _is_bare(name):
             said = f"{self.file.name} names its source by a path, {name}"
@@ -123,7 +123,7 @@ class Found:
         shown = candidates[0]
         raise UserError(
             f"the source has changed since {self.file.name} was made: expected SHA-256 {sha256[:12]}…, "
-            f"got {next(iter(digests_of(shown)))[:12]}…: {shown}"
+            f"got {digest_of(shown)[:12]}…: {shown}"
         )
 
     def _candidates(self, name: str) -> Iterator[Path]:
@@ -154,9 +154,9 @@ def _kept_run(name: str, sha256: str) -> RunFolder | None:
     place = runs_place()
     folders = sorted(place.iterdir(), key=lambda path: path.name != name) if place.is_dir() else []
     runs = (RunFolder(path) for path in folders if not path.is_symlink())
-    return next((run for run in runs if run.is_finished and sha256 in _digests_of_model(run.path)), None)
+    return next((run for run in runs if run.is_finished and _digest_of_model(run.path) == sha256), None)
 
 
-def _digests_of_model(path: Path) -> Iterable[str]:
+def _digest_of_model(path: Path) -> str:
     run = RunFolder(path)
-    return digests(run.model_path) if run.is_finished else ("no finished run",)
+    return digest(run.model_path) if run.is_finished else "no finished run"

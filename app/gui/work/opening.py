@@ -10,7 +10,7 @@ from typing import Final, Literal
 from app.enhancement.clip_statistics import IMAGES
 from app.errors import UserError
 from app.exports.replay.enhanced_already import enhanced_already
-from app.files.provenance import digests
+from app.files.provenance import digest
 from app.gui.session_file import SUFFIX, Session, SessionSource, mended_session
 from app.gui.work.reported import Reported, read, read_sweep_report
 from app.report.section import holds_report
@@ -285,7 +285,7 @@ def _open_session(path: Path, source: Path | None) -> Opened:
     if session.run is not None and place != run:
         lost = lost or _run_lost(session.run, path, place)
     notices = opened.notices
-    if wanted.sha256 is not None and wanted.sha256 not in digests(place):
+    if wanted.sha256 is not None and wanted.sha256 != digest(place):
         notices = (*notices, f"{place.name} has changed since the session was saved")
     second = session.second.found(path) if session.second else None
     opened = replace(opened, session=session, second=second, pictures=_pictures(session, path), lost=lost)

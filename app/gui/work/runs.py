@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from app.errors import UserError
-from app.files.provenance import digests
+from app.files.provenance import digest
 from app.gui.work.opening import request_of
 from app.runs.clip_selection import ClipPart
 from app.runs.progress_log import EMPTY_LOG, TrainingLog, told
@@ -81,7 +81,7 @@ class RunFinder:
     """Answers RunsRequests; reads again only what has changed."""
 
     _read: dict[tuple[Any, ...], tuple[RunRecord, ListedRun]] = field(default_factory=dict)
-    _digests: dict[Path, tuple[str, ...]] = field(default_factory=dict)
+    _digests: dict[Path, str] = field(default_factory=dict)
 
     def find(self, request: RunsRequest) -> Iterator[FoundRuns]:
         """Raises OSError: the folder of all runs cannot be listed."""
@@ -115,8 +115,8 @@ class RunFinder:
         if record.clip.name != clip.name and place.exists():
             return False
         if clip.path not in self._digests:
-            self._digests = {clip.path: tuple(digests(clip.path))}
-        return record.clip.sha256 in self._digests[clip.path]
+            self._digests = {clip.path: digest(clip.path)}
+        return record.clip.sha256 == self._digests[clip.path]
 
 
 def _key(run: RunFolder) -> tuple[Any, ...]:

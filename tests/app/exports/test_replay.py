@@ -324,7 +324,7 @@ def test_sources_are_looked_up_by_bare_names_alone(
     shutil.copyfile(folder / "1.png", tmp_path / "1.png")
     changed(out, source=read_provenance(out)["source"] | {"name": name})
     looked_at: list[Path] = []
-    monkeypatch.setattr("app.exports.replay.sources.digests", lambda path: [looked_at.append(path)])
+    monkeypatch.setattr("app.exports.replay.sources.digest", looked_at.append)
     call = vesselsplat("replay", out)
     assert call.code == 2
     assert call.error.count("\n") == 1

@@ -135,7 +135,7 @@ def test_runs_of_the_clip_behind_a_link_are_listed(
     opened: AppState, folder: Path, made: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By its place alone: no byte of it tells."""
-    monkeypatch.setattr("app.gui.work.runs.digests", lambda path: iter(()))
+    monkeypatch.setattr("app.gui.work.runs.digest", lambda path: "")
     (folder / "linked").symlink_to(made / "clip", target_is_directory=True)
     opened.source.clip = open_clip(folder / "linked")
     assert {run.path.name for run in found(opened).runs} == {"whole", "short"}
