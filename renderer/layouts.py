@@ -58,6 +58,8 @@ class Layout:
     """Whether its frames are picture files as they stand: else, the reader makes them of its files."""
     usual_step: Callable[[Path], int] = every_frame
     """The field keeps one frame in so many."""
+    heeds: tuple[str, ...] = ()
+    """Options that it heeds and not every layout does."""
 
     def files(self, path: Path) -> tuple[Path, ...]:
         """The files of which a clip depends under any options, each once; those of right pictures and of
@@ -139,6 +141,7 @@ LAYOUTS: Final = (
         matches=_is_still,
         open=_open_picture,
         own_files=_itself,
+        heeds=("field_of_view",),
     ),
     Layout(
         name="video",
@@ -147,6 +150,7 @@ LAYOUTS: Final = (
         open=_open_video,
         own_files=_itself,
         frames_are_files=False,
+        heeds=("field_of_view", "deinterlacing", "stereo"),
     ),
     Layout(
         name="scared",
@@ -175,6 +179,7 @@ LAYOUTS: Final = (
         own_files=stereomis.stereomis_files,
         is_data_set=True,
         frames_are_files=False,
+        heeds=("mask_polarity",),
     ),
     Layout(
         name="hamlyn",
@@ -184,6 +189,7 @@ LAYOUTS: Final = (
         own_files=hamlyn.hamlyn_files,
         is_data_set=True,
         frames_are_files=False,
+        heeds=("mask_polarity",),
     ),
     Layout(
         name="endonerf",
@@ -192,6 +198,7 @@ LAYOUTS: Final = (
         open=_open_endonerf,
         own_files=endonerf_files,
         is_data_set=True,
+        heeds=("pose_convention", "mask_polarity", "evaluation_masks", "bottom_rows"),
     ),
     Layout(
         name="stereo",
@@ -199,6 +206,7 @@ LAYOUTS: Final = (
         matches=is_stereo_folder,
         open=_open_stereo,
         own_files=_stereo_files,
+        heeds=("mask_polarity", "field_of_view"),
     ),
     Layout(
         name="images",
@@ -206,6 +214,7 @@ LAYOUTS: Final = (
         matches=lambda path: True,
         open=_open_pictures,
         own_files=lambda path: _frames_and_maps(path, frame_folder(path)),
+        heeds=("mask_polarity", "field_of_view"),
     ),
 )
 """In the order in which they are asked: a folder may look like several."""

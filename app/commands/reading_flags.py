@@ -3,39 +3,28 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from itertools import chain
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from app.errors import UserError
-from renderer.layouts import Layout, layout_of
+from renderer.layouts import LAYOUTS, Layout, layout_of
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_bare
 
-HEEDING: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
-    {
-        "pose_convention": ("endonerf",),
-        "evaluation_masks": ("endonerf",),
-        "bottom_rows": ("endonerf",),
-        "mask_polarity": ("endonerf", "hamlyn", "stereomis", "stereo", "images"),
-        "field_of_view": ("image", "video", "stereo", "images"),
-        "deinterlacing": ("video",),
-        "stereo": ("video",),
-    }
-)
-"""The layouts that heed an option; `_is_matched` says it of the baseline, and all heed the others."""
+OF_SOME: Final = frozenset(chain.from_iterable(layout.heeds for layout in LAYOUTS))
+"""Options that not every layout heeds; `_is_matched` says it of the baseline, and all heed the others."""
 
 
 def require_heeded(flags: argparse.Namespace, path: Path, options: ClipOptions) -> None:
     """Raises UserError: a flag without effect on the clip at `path`; ClipError."""
-    given = [name for name in (*HEEDING, "baseline") if name in flags]
+    given = [name for name in vars(flags) if name in OF_SOME or name == "baseline"]
     if not given or not path.exists():
         return  # What is not there is said where it is opened.
     layout = layout_of(path)
     for name in given:
         said = f"--{name.replace('_', '-')} {vars(flags)[name]} has no effect"
-        if name in HEEDING and layout.name not in HEEDING[name]:
+        if name in OF_SOME and name not in layout.heeds:
             raise UserError(f"{said} on {layout.title}: {path}")
         if name == "baseline" and not _is_matched(path, layout, options):
             raise UserError(f"{said}, as depth does not come from both eyes: {path}")
