@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from itertools import chain, count, tee
+from itertools import chain, count
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -194,9 +194,7 @@ def pooled_statistics(series: Series, setting: Setting, watch: Watch = unwatched
         measured = series.spread(POOLED_FRAMES)
         names = [series.names[index] for index in measured]
         read = watch("measure", names, _pictures(series, [], measured))
-        # Both iterables of `measure_for` walk the same pictures in step: each is decoded once and let go.
-        images, again = tee(image for _, image in read)
-        return measure_for(look, images, map(tissue, again), drawn(setting.pixels))
+        return measure_for(look, ((image, tissue(image)) for _, image in read), drawn(setting.pixels))
     except ImageError as error:
         raise UserError(f"{error}: {series.sources[0].parent}") from error
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import fields
+from itertools import tee
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
@@ -107,13 +108,15 @@ def load_kernels(look: EnhancementSettings, image: ArrayImage) -> None:
 
 def measure_for(
     look: EnhancementSettings,
-    images: Iterable[ArrayImage],
-    tissue_masks: Iterable[BoolImage | None] | None = None,
+    pictures: Iterable[tuple[ArrayImage, BoolImage | None]],
     pixels: Pixels = "automatic",
 ) -> Statistics:
-    """The statistics of a clip as this method uses them; see `enhance.measure`."""
+    """The statistics of a clip as this method uses them, of pictures with the pixels that count (None: all);
+    see `enhance.measure`."""
     paper = look if isinstance(look, EnhanceParams) else EnhanceParams()
-    return measure(images, paper, tissue_masks, pixels=pixels)
+    # `measure` walks both in step: each picture is made once and let go.
+    images, masks = tee(pictures)
+    return measure((image for image, _ in images), paper, (mask for _, mask in masks), pixels=pixels)
 
 
 def by_baseline(method: str, image: ArrayImage) -> ArrayImage:

@@ -85,7 +85,7 @@ def _enhance(preset: Preset, dtype: type[np.uint8 | np.uint16]) -> None:
     for each in (image, smooth, *_surrounded(image)):
         enhancer.show(each)
         enhancer.enhance(params)
-        enhancer.enhance(params, statistics=measure_for(params, [each]))
+        enhancer.enhance(params, statistics=measure_for(params, [(each, None)]))
 
 
 def _surrounded(image: NDArray[Any]) -> Iterator[NDArray[Any]]:

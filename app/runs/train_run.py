@@ -7,7 +7,7 @@ from contextlib import ExitStack, closing, nullcontext
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
-from itertools import chain, tee
+from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import MappingProxyType
@@ -247,12 +247,11 @@ def _facts(finished: Finished) -> dict[str, float]:
 def pooled(clip: Clip, params: EnhancementSettings, measured: Measured = "tissue") -> Enhancement:
     """`params` with statistics pooled over the training frames, so that colours agree."""
     if measured == "whole image":
-        whole = (clip.read_image(index) for index in clip.train_indices)
-        return Enhancement(params=params, statistics=measure_for(params, whole, pixels="all"))
-    # Both iterables of `measure_for` walk the same frames in step: each is decoded once and let go.
-    frames, again = tee(clip.read_frame(index) for index in clip.train_indices)
-    images, masks = (frame.image for frame in frames), (frame.tissue_mask for frame in again)
-    return Enhancement(params=params, statistics=measure_for(params, images, masks))
+        whole = ((clip.read_image(index), None) for index in clip.train_indices)
+        return Enhancement(params=params, statistics=measure_for(params, whole, "all"))
+    frames = map(clip.read_frame, clip.train_indices)
+    tissue = ((frame.image, frame.tissue_mask) for frame in frames)
+    return Enhancement(params=params, statistics=measure_for(params, tissue))
 
 
 def _new_record(request: TrainRequest, posed: Posed, device: Device, copies: ToolMasks | None) -> RunRecord:
