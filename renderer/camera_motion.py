@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
+from renderer.evenly import evenly
 from renderer.poses.pictures import trackable
 from renderer.readers.rigid import rigid_fit
 
@@ -68,10 +69,10 @@ def camera_motion(clip: Clip) -> str | None:
     """
     if not clip.camera_is_fixed or len(clip.train_indices) < 2:
         return None
-    taken = np.unique(np.linspace(0, len(clip.train_indices) - 1, _MOMENTS).round().astype(int))
+    taken = evenly(clip.train_indices, _MOMENTS)
     # Depth without a unit may be a guess, which is no witness.
     has_scale = clip.unit == "mm"
-    looked_at = (_moment(clip.read_frame(clip.train_indices[place]), has_scale) for place in taken)
+    looked_at = (_moment(clip.read_frame(index), has_scale) for index in taken)
     moments = [moment for moment in looked_at if len(_features(moment)) >= _FEWEST]
     if len(moments) < 2:
         return None

@@ -21,7 +21,6 @@ from app.enhancement.contact_sheet import Tile, sheet
 from app.errors import UserError
 from app.evaluation.evaluate import Evaluation, open_evaluation
 from app.files.atomic import make_folder, write_bytes
-from app.files.evenly import evenly
 from app.files.provenance import NOTICE, provenance, strict_json, write_png
 from app.files.records import Source
 from app.runs.run_folder import Input, RunFolder
@@ -30,6 +29,7 @@ from app.runs.trained_clip import enhanced_clip
 from app.scenes.cpu_rendering import Drawn, colored_depth
 from assets import phantom_path
 from renderer.clip import ByteImage, Clip
+from renderer.evenly import evenly
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 
@@ -145,7 +145,7 @@ def _difference(evaluation: Evaluation, index: int, drawn: Drawn) -> ByteImage:
 def _strip(evaluations: dict[Input, Evaluation]) -> ByteImage:
     """A few moments from left to right: frames above, renders of both runs below."""
     clip = evaluations["original"].clip
-    indices = evenly(0, len(clip) - 1, STRIP_COLUMNS)
+    indices = evenly(range(len(clip)), STRIP_COLUMNS)
     tiles = [Tile(f"Original, time {clip.times[index]:.2f}", clip.read_image(index)) for index in indices]
     for name, evaluation in evaluations.items():
         tiles += [Tile(f"Render of {name}", evaluation.drawn(index).bytes) for index in indices]

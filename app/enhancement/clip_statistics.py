@@ -12,10 +12,10 @@ from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.recording import are_alike, likenesses
 from app.enhancement.settable import POOLED_FRAMES, Pixels, Scope, drawn
-from app.files.evenly import evenly
 from enhance import EnhanceParams, Pool, Statistics
 from enhance.surround import inside
 from renderer.clip import BoolImage, ByteImage, Clip
+from renderer.evenly import evenly
 
 IMAGES: Final = "images"
 """Format of a clip that is a folder of images, of one recording or not."""
@@ -109,7 +109,7 @@ def _pools(request: StatisticsRequest) -> Generator[None, None, bool]:
 
 def _indices(request: StatisticsRequest) -> list[int]:
     first, last = request.span or (0, len(request.clip) - 1)
-    return evenly(first, last, POOLED_FRAMES)
+    return evenly(range(first, last + 1), POOLED_FRAMES)
 
 
 def read_frame(

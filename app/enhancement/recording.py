@@ -13,6 +13,7 @@ from app.errors import UserError
 from app.files.image_files import ArrayImage
 from enhance.image import Float32Image
 from renderer.clip import ClipError
+from renderer.evenly import evenly
 
 PAIRS: Final = 4
 """Neighbours that are looked at, evenly spread."""
@@ -34,10 +35,9 @@ def is_recording(count: int, read: Callable[[int], ArrayImage]) -> bool:
 
 def likenesses(count: int, read: Callable[[int], ArrayImage]) -> Iterator[float]:
     """Of neighbours, pair by pair, but for those that cannot be read; of fewer than two images none."""
-    firsts = np.unique(np.linspace(0, count - 2, PAIRS).round().astype(int)) if count > 1 else ()
-    for first in firsts:
+    for first in evenly(range(count - 1), PAIRS):
         with suppress(UserError, ClipError, OSError):
-            yield _likeness(read(int(first)), read(int(first) + 1))
+            yield _likeness(read(first), read(first + 1))
 
 
 def are_alike(found: Iterable[float]) -> bool:

@@ -9,11 +9,11 @@ from itertools import groupby
 from pathlib import Path
 
 from app.errors import UserError
-from app.files.evenly import evenly
 from app.files.image_files import ArrayImage, frames_in, is_still, read_image
 from app.files.records import Source
 from app.files.timing import Timing
 from renderer.clip import Clip
+from renderer.evenly import evenly
 from renderer.layouts import layout_of
 from renderer.readers.calibration import LensCalibration
 from renderer.readers.clip_files import files_in
@@ -72,7 +72,7 @@ class Series:
 
     def spread(self, count: int) -> list[int]:
         """Numbers of `count` pictures or fewer, evenly spread, the first and the last among them."""
-        return evenly(0, len(self) - 1, count)
+        return evenly(range(len(self)), count)
 
 
 def open_series(path: Path, options: ClipOptions = DEFAULTS, apart: Container[Path] = ()) -> Series:

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.evaluation.mean import mean_of_finite
-from app.files.evenly import evenly
 from enhance import EnhanceParams, enhance
 from enhance.baselines import BASELINES, TAO_STAND_INS
 from enhance.color_difference import vessel_color_difference
@@ -28,6 +27,7 @@ from enhance.noise import chroma_noise_gain, noise_gain
 from enhance.ridges import field_of_view, vessel_mask
 from enhance.vessel import enhance_vessels
 from renderer.clip import BoolImage, ByteImage
+from renderer.evenly import evenly
 from renderer.measuring.interleaved_timing import interleaved_times
 from renderer.phantom import Phantom, PhantomParams
 from renderer.sources import open_clip
@@ -67,7 +67,7 @@ def of_clip(path: Path, count: int) -> Iterator[Sample]:
         ClipError: when it cannot be read.
     """
     clip = open_clip(path)
-    for index in evenly(0, len(clip) - 1, count):
+    for index in evenly(range(len(clip)), count):
         frame = clip.read_frame(index)
         tissue = frame.evaluation_mask
         yield sample(frame.image, field_of_view(frame.image) if tissue.all() else tissue)

@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
-from app.files.evenly import some_of
 from enhance.field import FieldOfView, typical
 from enhance.field_search import find_field
 from renderer.clip import ByteImage, Clip, Frame
+from renderer.evenly import evenly
 from renderer.poses.burned_in import burned_in_borders
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission
@@ -27,7 +27,7 @@ training frames of a sinus, PSNR rises up to there: 36.5 dB with all of it, 37.4
 
 def spread(indices: Sequence[int]) -> list[int]:
     """Those of the frames that are looked at."""
-    return some_of(indices, LOOKED_AT)
+    return evenly(indices, LOOKED_AT)
 
 
 def lit_field(frames: Iterable[Frame]) -> FieldOfView | None:

@@ -10,9 +10,9 @@ from typing import Annotated, Final
 
 from annotated_types import Ge, Interval
 
-from app.files.evenly import some_of
 from app.runs.dark_surround import lit_part
 from renderer.clip import BoolImage, Clip, Frame
+from renderer.evenly import evenly
 from renderer.readers.nonzero_masks import read_nonzero
 from renderer.tools.agreement import WEAK, Agreement
 from renderer.tools.learning import Example, LearnedTools, learned_well
@@ -61,7 +61,7 @@ def make_masks(
     """
     lit = lit_part(clip)
     learns = model is None and len(by_hand.files) < len(clip)
-    taught_by = some_of(sorted(by_hand.files), MOST_EXAMPLES) if learns else []
+    taught_by = evenly(sorted(by_hand.files), MOST_EXAMPLES) if learns else []
     examples = [_example(lit, index, by_hand) for index in taught_by]
     report = MaskReport(0, len(by_hand.files), learned_well(examples), notices=by_hand.notices)
     yield report

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from app.files.evenly import some_of
 from app.files.records import extended
 from app.scenes.backgrounds import Background
 from app.scenes.cpu_rendering import Draw, Drawn
@@ -29,6 +28,7 @@ from app.scenes.view_kinds import (
 )
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip
+from renderer.evenly import evenly
 from renderer.unobserved import GREY
 
 
@@ -157,7 +157,7 @@ def steady(views: Sequence[ViewRequest], draw: Draw) -> Generator[ViewRequest, N
     if views[0].scale is not None:
         return tuple(views)
     scales = []
-    for view in some_of(views, LOOKED_AT) if has_scale(views[0].kind) else ():
+    for view in evenly(views, LOOKED_AT) if has_scale(views[0].kind) else ():
         scales.append(view.picture(draw).scale)
         yield view
     found = [scale for scale in scales if scale is not None]

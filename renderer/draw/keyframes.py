@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.draw.records import COLOR, MEAN, OPACITY, PLACE, QUAT, SCALES, TEXELS, packed, unpacked
+from renderer.evenly import evenly
 from renderer.gaussians import DynamicGaussians
 from renderer.projection import ALPHA_CUT
 from renderer.rotations import of_nearer_sign
@@ -168,8 +169,7 @@ class Baker:
         texels = int(np.any(moves, axis=(0, 1)).reshape(TEXELS, 4).any(axis=1).sum())
         fitting = most_bytes // max(8 * texels * len(self._model), 1)
         count = int(min(len(times), max(fitting, 2), MOST_KEYFRAMES))
-        kept = np.unique(np.linspace(0, len(times) - 1, count).round().astype(int))
-        return np.ascontiguousarray(times[kept])
+        return np.ascontiguousarray(times[evenly(range(len(times)), count)])
 
     @property
     def progress(self) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
+from renderer.evenly import evenly
 from renderer.poses.growing import BoolArray
 from renderer.poses.rigid_motion import local, projected
 
@@ -22,7 +23,7 @@ _LOOKED_AT = 9
 def outlying(lens: Camera, poses: FloatArray, points: FloatArray) -> BoolArray:
     """(P,) whether points (P, 3) lie far before or behind those around them in half of the views that show
     them, at poses (K, 4, 4)."""
-    looked_at = np.unique(np.linspace(0, len(poses) - 1, _LOOKED_AT).round().astype(int))
+    looked_at = evenly(range(len(poses)), _LOOKED_AT)
     shown, far = np.zeros(len(points)), np.zeros(len(points))
     for place in looked_at:
         seen = local(poses[place], points)

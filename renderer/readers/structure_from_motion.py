@@ -10,6 +10,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.evenly import evenly
 from renderer.readers.clip_files import ClipFiles, files_in, numbered_pictures, those_there
 from renderer.readers.field_of_view import is_displaced, lit_field
 from renderer.readers.listing import listed
@@ -115,8 +116,7 @@ def _seen(
     if mask_file is None:
         return np.ones(shape, dtype=bool), (f"no {MASK}: every pixel is treated as tissue",)
     mask = marked_pixels(read_stored(mask_file))
-    places = np.linspace(0, len(images) - 1, min(LOOKED_AT, len(images))).round().astype(int)
-    field = lit_field([read_rgb(images[place]) for place in places])
+    field = lit_field([read_rgb(image) for image in evenly(images, LOOKED_AT)])
     if not is_displaced(mask, field):
         return mask, ()
     beyond = f"{np.mean(~mask[field]):.0%} of what the images show is outside it"

@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from renderer.clip import Clip, ClipError
+from renderer.evenly import evenly
 from renderer.readers.tool_masks import Sample, marks_tissue
 from renderer.tools.mask_files import MaskFiles
 
@@ -19,10 +20,8 @@ def with_doubt(masks: MaskFiles, clip: Clip) -> MaskFiles:
     spread evenly. No more than a notice: tools may fill the view, or a mask keep a small part of it. Nothing
     is said where one of them cannot be read: it need not be in the part that is used.
     """
-    indices = sorted(masks.files)
-    places = np.unique(np.linspace(0, len(indices) - 1, min(_SAMPLES, len(indices))).round().astype(int))
     try:
-        samples = [_sample(masks, clip, indices[place]) for place in places]
+        samples = [_sample(masks, clip, index) for index in evenly(sorted(masks.files), _SAMPLES)]
     except ClipError:
         return masks
     if not samples or not marks_tissue(samples):

@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from renderer.clip import Clip, Frame
+from renderer.evenly import evenly
 from renderer.gaussians import DynamicGaussians
 from renderer.metrics import depth_rmse, psnr
 from renderer.near_plane import NEAR_SHARE
@@ -29,9 +30,8 @@ class HeldOut:
     """`size` is the scene size in the clip's unit."""
 
     def __init__(self, clip: Clip, indices: Sequence[int], size: float, mode: RenderMode = "default") -> None:
-        places = np.linspace(0, len(indices) - 1, min(MOST, len(indices))).round().astype(int)
         self._clip, self._size, self._mode = clip, size, mode
-        self._indices = tuple(indices[place] for place in places)
+        self._indices = tuple(evenly(indices, MOST))
         self._frames: tuple[Frame, ...] = ()
         self._next = FIRST_SECONDS
 

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from app.commands.described.fact import Fact, next_steps, notices
-from app.files.evenly import evenly
 from app.files.image_files import read_image
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.clip_depth import BY_BRIGHTNESS, BY_MAPS
 from renderer.depth.monocular import monocular_maps
 from renderer.depth.stereo_pairs import eye_folders, right_eye
+from renderer.evenly import evenly
 from renderer.layouts import LAYOUTS, layout_of
 from renderer.readers.clip_options import DEFAULTS, StereoLayout
 from renderer.readers.cut_off import cut_off
@@ -170,7 +170,7 @@ def _looked_at(clip: Clip) -> list[Frame]:
     """A few frames from all over the clip, the fewer the slower they are read."""
     found: list[Frame] = []
     began = time.perf_counter()
-    for place in evenly(0, len(clip) - 1, LOOKED_AT):
+    for place in evenly(range(len(clip)), LOOKED_AT):
         found.append(clip.read_frame(place))
         if time.perf_counter() - began > SECONDS:
             break

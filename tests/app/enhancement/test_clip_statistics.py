@@ -13,11 +13,11 @@ from app.enhancement.enhance_files import Setting, enhance_into
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.enhancement.recording import is_recording
 from app.enhancement.settable import Scope
-from app.files.evenly import evenly
 from app.files.image_files import read_image, write_image
 from app.files.image_series import open_series
 from enhance import EnhanceParams, Pool, enhance, measure
 from renderer.clip import ByteImage, Clip
+from renderer.evenly import evenly
 from renderer.sources import open_clip
 from tests.app.gui.conftest import make_clip
 from tests.enhance.pictures import vessels
@@ -88,7 +88,7 @@ def test_the_command_gives_what_the_window_shows(tmp_path: Path, scope: Scope) -
     ("first", "last", "count"), [(0, 0, 16), (0, 17, 16), (3, 90, 4), (5, 6, 2), (0, 9, 16)]
 )
 def test_frames_are_evenly_spread_from_the_first_to_the_last(first: int, last: int, count: int) -> None:
-    found = evenly(first, last, count)
+    found = evenly(range(first, last + 1), count)
     assert (found[0], found[-1], len(found)) == (first, last, min(count, last + 1 - first))
     assert max(np.diff(found), default=0) - min(np.diff(found), default=0) <= 1
 
