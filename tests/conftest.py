@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from ast import literal_eval
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import cache, lru_cache
+from hashlib import sha256
+from math import isqrt
+from pathlib import Path
+from tempfile import NamedTemporaryFile
 
 import moderngl
 import numpy as np
@@ -60,15 +65,37 @@ def ctx(gl_context: moderngl.Context) -> Iterator[moderngl.Context]:
         assert gl_context.error == "GL_NO_ERROR"
 
 
-@pytest.fixture(scope="session", autouse=True)
-def painted_once() -> Iterator[None]:
-    """Nearly all phantoms show the same tissue, and to paint it takes most of the time of a small one."""
+def pytest_collection_finish() -> None:
+    """What the suite itself consists of is half a million objects, which every full collection of garbage, as
+    of each window at rest, would go through."""
+    gc.collect()
+    gc.freeze()
 
-    @lru_cache(maxsize=3)
+
+@pytest.fixture(scope="session", autouse=True)
+def painted_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """To paint the tissue takes most of the time of a small phantom, and few seeds are used: what one process
+    of the suite has painted, all map into their memory."""
+    base = tmp_path_factory.getbasetemp()
+    folder = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+    @cache
     def painted(state: str) -> Tissue:
-        rng = np.random.default_rng()
-        rng.bit_generator.state = literal_eval(state)
-        return paint_tissue(rng)
+        path = folder / f"tissue-{sha256(state.encode()).hexdigest()[:16]}.npy"
+        if not path.exists():
+            rng = np.random.default_rng()
+            rng.bit_generator.state = literal_eval(state)
+            tissue = paint_tissue(rng)
+            with NamedTemporaryFile(dir=folder, delete=False) as file:
+                np.save(file, np.concatenate([part.ravel() for part in vars(tissue).values()]))
+            Path(file.name).replace(path)
+        stored = np.load(path, mmap_mode="c")
+        texels = len(stored) // 6
+        side = isqrt(texels)
+        albedo, vessels, relief = np.split(stored, (3 * texels, 4 * texels))
+        return Tissue(
+            albedo.reshape(side, side, 3), vessels.reshape(side, side), relief.reshape(side, side, 2)
+        )
 
     def paint(rng: np.random.Generator) -> Tissue:
         return painted(str(rng.bit_generator.state))
