@@ -27,6 +27,7 @@ from app.gui.style.widgets import (
     choose,
     choose_row,
     em,
+    end_of,
     explain,
     floating,
     mark_row,
@@ -205,21 +206,13 @@ def _draw_folder(state: AppState) -> None:
     imgui.same_line()
     imgui.align_text_to_frame_padding()
     folder = located(state.export_folder).rstrip("/") or "Home folder"
-    muted(_fitting(legible(folder), imgui.get_content_region_avail().x))
+    muted(end_of(legible(folder), imgui.get_content_region_avail().x))
     explain(legible(str(state.export_folder)))
 
 
 def choose_folder(state: AppState) -> None:
     """Where exports go from now on."""
     actions.choose_path(state, "folder", lambda state, path: None, "export")
-
-
-def _fitting(path: str, room: float) -> str:
-    """Its end, which tells most."""
-    if imgui.calc_text_size(path).x <= room:
-        return path
-    ends = (f"…{path[at:]}" for at in range(1, len(path)))
-    return next((end for end in ends if imgui.calc_text_size(end).x <= room), "…")
 
 
 def _draw_format(state: AppState, form: Form) -> None:

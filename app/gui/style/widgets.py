@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -200,13 +201,20 @@ def note(text: str, color: ImVec4 | None = None) -> None:
 
 def shortened(text: str, room: float) -> str:
     """So that it fits in so many pixels: its middle gives way, as both ends of a name tell most."""
+    return _cut(text, room, lambda kept: f"{text[: (kept + 1) // 2]}…{text[len(text) - kept // 2 :]}")
+
+
+def end_of(path: str, room: float) -> str:
+    """The same of a path, of which the end tells most."""
+    return _cut(path, room, lambda kept: f"…{path[len(path) - kept :]}")
+
+
+def _cut(text: str, room: float, short: Callable[[int], str]) -> str:
+    """With as many letters kept as fit. All of this is done in each frame: half of them is tried first."""
     if imgui.calc_text_size(text).x <= room:
         return text
-    for kept in range(len(text) - 1, 1, -1):
-        short = f"{text[: (kept + 1) // 2]}…{text[len(text) - kept // 2 :]}"
-        if imgui.calc_text_size(short).x <= room:
-            return short
-    return "…"
+    wide = bisect_right(range(1, len(text)), room, key=lambda kept: imgui.calc_text_size(short(kept)).x)
+    return short(wide)
 
 
 def centered(text: str, color: ImVec4 | None = None) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from app.gui.panels.overlays import BANNER, draw_banner
 from app.gui.panels.welcome import SAMPLES, draw_welcome
 from app.gui.session_file import SUFFIX, Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
-from app.gui.style.widgets import shortened
+from app.gui.style.widgets import end_of, shortened
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.update.wishes import recents_wish
@@ -242,6 +243,22 @@ def test_a_long_name_keeps_both_ends(ui: Ui) -> None:
     assert texts[0].startswith("case")
     assert texts[0].endswith(".mp4")
     assert "…" in texts[0]
+
+
+@pytest.mark.parametrize("short", [shortened, end_of])
+def test_as_much_stays_as_there_is_room_for(ui: Ui, short: Callable[[str, float], str]) -> None:
+    name, kept = "case 2024-11-03 right kidney 0017.mp4", set[int]()
+
+    def draw() -> None:
+        dots, whole = (round(imgui.calc_text_size(text).x) for text in ("…", name))
+        for room in range(dots + 1, whole):
+            text = short(name, room)
+            assert imgui.calc_text_size(text).x <= room
+            kept.add(len(text) - 1)
+
+    ui.frame(draw)
+    # A letter more in place of the dots may be narrower than these.
+    assert kept >= set(range(1, len(name) - 2))
 
 
 def test_they_lie_in_the_cache_folder_of_the_user(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
