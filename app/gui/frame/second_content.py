@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import moderngl
-from imgui_bundle import ImVec4
 
 from app.gui.drawing.label_image import label_image
 from app.gui.drawing.quads import Box, Quad
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.drawing.viewport import OnScreen, Viewport
-from app.gui.panels.picture_pane import TONES
-from app.gui.panels.view3d import frame_over, view_tags
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import frame_share, pane
-from app.gui.style import theme
+from app.gui.state.tags import Tag, cautions
+from app.gui.state.view_words import frame_over, view_tags
 from app.gui.views.comparison import Side
 from app.gui.views.picture_view import PictureView
 from app.scenes.color_bar import color_bar
 from renderer.clip import ByteImage
 
-NOTHING = (("Nothing to show", theme.TAG_ORIGINAL),)
 Size = tuple[int, int]
-Labels = Sequence[tuple[str, ImVec4]]
+Labels = tuple[Tag, ...]
 Drawn = tuple[tuple[Quad, ...], Labels]
+NOTHING: Labels = (Tag("Nothing to show"),)
 
 
 class SecondContent:
@@ -38,10 +36,9 @@ class SecondContent:
         """For a window of `size` pixels, with its title. Without labels it says only what could mislead."""
         name = state.second_window.pane
         drawn, tags = self._scene(state, size) if name == "3D view" else self._picture(state, name, size)
-        cautions = [one for one in tags if one[1] is theme.TAG_CAUTION]
-        if said := tags if state.second_window.labels else cautions:
+        if said := tags if state.second_window.labels else cautions(tags):
             drawn = (*drawn, self._labels(said, size))
-        return drawn, tags[0][0]
+        return drawn, tags[0].text
 
     def finish(self) -> None:
         """Before another context reads the textures: all of them are written."""
@@ -51,20 +48,19 @@ class SecondContent:
         if state.picture.pictures is None:
             return (), NOTHING
         shown = pane(state, state.picture.pictures, side)
-        tags = [(one.text, TONES[one.tone]) for one in shown.tags]
         view = PictureView(pixel_aspect=state.picture.view.pixel_aspect)
         place = view.place((shown.image.shape[1], shown.image.shape[0]), size)
         part = self._textures.part("second window", shown.image, place, size, (shown.zebra, shown.tint))
         if part is None:
-            return (), tags
+            return (), shown.tags
         box = (part.x, part.y, part.x + part.width, part.y + part.height)
-        return (Quad(part.texture, box, part),), tags
+        return (Quad(part.texture, box, part),), shown.tags
 
     def _scene(self, state: AppState, size: Size) -> Drawn:
         """As fine as the first window draws it."""
         shown = self._viewport.show(state) if state.scene.model is not None else None
         if shown is None:
-            return (), NOTHING if state.scene.model is None else view_tags(state, shown)
+            return (), NOTHING if state.scene.model is None else view_tags(state, None)
         camera = shown.request.camera
         place = PictureView().place((camera.width, camera.height), size)
         box = (*place.pane_at(0, 0), *place.pane_at(camera.width, camera.height))
@@ -75,7 +71,7 @@ class SecondContent:
             drawn.append(Quad(over, box, frame.request, share=share))
         if shown.scale is not None:
             drawn.append(self._bar(shown, size))
-        return tuple(drawn), view_tags(state, shown)
+        return tuple(drawn), view_tags(state, shown.request)
 
     def _bar(self, shown: OnScreen, size: Size) -> Quad:
         """What the colours mean, at the right edge."""
@@ -87,10 +83,9 @@ class SecondContent:
         return Quad(self._textures.whole("second window: colours", image), beside, shown.request)
 
     def _labels(self, said: Labels, size: Size) -> Quad:
-        what = tuple((text, color is theme.TAG_CAUTION) for text, color in said)
-        image = self._once("labels", (what, size), lambda: label_image(said, size))
+        image = self._once("labels", (said, size), lambda: label_image(said, size))
         box = (0.0, 0.0, float(image.shape[1]), float(image.shape[0]))
-        return Quad(self._textures.whole("second window: labels", image), box, what)
+        return Quad(self._textures.whole("second window: labels", image), box, said)
 
     def _once(self, name: str, what: object, make: Callable[[], ByteImage]) -> ByteImage:
         """The one that is made already, of the same."""

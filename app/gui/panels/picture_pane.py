@@ -14,7 +14,7 @@ from app.gui.panels.masking import draw_brush, follow_brush
 from app.gui.state.app_state import AppState
 from app.gui.state.live_words import is_not_live
 from app.gui.state.panes import Pane, pixel
-from app.gui.state.tags import Tag
+from app.gui.state.tags import Tag, cautions
 from app.gui.style import theme
 from app.gui.style.widgets import Area, dragged, em, fill_around, stack_tags, tag, tag_height
 from app.gui.views.comparison import Side
@@ -25,7 +25,6 @@ from renderer.clip import ByteImage
 LOW = 14.0
 """Text heights of a pane that has little room for labels."""
 WHEEL_STEP = 1.15
-TONES = {"plain": theme.TAG_ORIGINAL, "enhanced": theme.TAG_ENHANCED, "caution": theme.TAG_CAUTION}
 PANE_BUTTONS = imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
 BAR_STEPS = 32
 NARROW = 20.0
@@ -60,8 +59,7 @@ def draw_pane(
             _draw_cross(state, pane.image, area)
         if is_not_live(state.live):
             _draw_rim(area)
-        said = pane.tags if labels else [one for one in pane.tags if one.tone == "caution"]
-        _draw_tags(said, area.corner, area.size)
+        _draw_tags(pane.tags if labels else cautions(pane.tags), area.corner, area.size)
         if labels:
             _draw_readout(state, read, area, covered)
     return pointer
@@ -220,7 +218,7 @@ def _draw_tags(tags: Sequence[Tag], corner: ImVec2, size: ImVec2) -> None:
     """In a low pane without how the image was made, which would hide it and stands in the panel beside it."""
     low = size.y < em(LOW)
     said = [one for place, one in enumerate(tags) if not low or place == 0 or one.tone != "plain"]
-    stack_tags([(one.text, TONES[one.tone]) for one in said], corner, size.x)
+    stack_tags(said, corner, size.x)
 
 
 def _draw_readout(state: AppState, panes: Sequence[Pane], area: Area, covered: float) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.amounts import Amount
@@ -20,6 +20,7 @@ from app.gui.panels.overlays import make_room
 from app.gui.panels.picture_pane import WHEEL_STEP, draw_part, frame_text
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
+from app.gui.state.tags import Tag
 from app.gui.style import theme
 from app.gui.style.fields import amount
 from app.gui.style.widgets import (
@@ -293,14 +294,11 @@ def _draw_pair(state: AppState, textures: ShowsPictures, look: GridCell) -> None
     """The original and the cell, with one zoom and pan; the one before until the cell is there."""
     space, gap = imgui.get_content_region_avail(), em(0.3)
     size = ImVec2(max((space.x - gap) / 2, em(4)), max(space.y, em(4)))
-    tags = [("ENHANCED · TRIED", theme.TAG_ENHANCED), (said(look.request.setting), theme.TAG_ORIGINAL)]
+    tags = [Tag("ENHANCED · TRIED", "enhanced"), Tag(said(look.request.setting))]
     if not state.tuning.is_looked_at:
-        tags.insert(0, ("UPDATING…", theme.TAG_CAUTION))
+        tags.insert(0, Tag("UPDATING…", "caution"))
     frame, is_shown = _of_frame(state)
-    of_original = [
-        ("ORIGINAL", theme.TAG_ORIGINAL),
-        (frame, theme.TAG_ORIGINAL if is_shown else theme.TAG_CAUTION),
-    ]
+    of_original = [Tag("ORIGINAL"), Tag(frame, "plain" if is_shown else "caution")]
     _draw_half(state, textures, "original", look.original, of_original, Area.here(size))
     imgui.same_line(0, gap)
     _draw_half(state, textures, "tried", look.image, tags, Area.here(size))
@@ -311,7 +309,7 @@ def _draw_half(
     textures: ShowsPictures,
     name: str,
     image: ByteImage,
-    tags: list[tuple[str, ImVec4]],
+    tags: list[Tag],
     area: Area,
 ) -> None:
     imgui.invisible_button(name, area.size)

@@ -9,14 +9,15 @@ from functools import partial
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.files.legible import grouped, legible, named
 from app.gui.actions import actions, camera_actions, laid_out, presenting
 from app.gui.commands.camera_commands import second_commands
 from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.panels.menus import draw_commands
 from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks, is_on_first
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import frame_share, hides_enhancement
+from app.gui.state.panes import frame_share
+from app.gui.state.tags import cautions
+from app.gui.state.view_words import frame_over, view_tags
 from app.gui.style import theme
 from app.gui.style.handles import slide_labelled
 from app.gui.style.widgets import (
@@ -32,12 +33,9 @@ from app.gui.style.widgets import (
     stack_tags,
     toggle,
 )
-from app.gui.views.measurement import LEAST_CORNERS, Measurement
-from app.kernels.progress import rounded
 from app.scenes.backgrounds import Background
-from app.scenes.scene import Scene
 from app.scenes.view_kinds import EXPLAINED
-from app.scenes.view_request import FrameImage, ViewRequest
+from app.scenes.view_request import ViewRequest
 from renderer.clip import ByteImage
 from renderer.unobserved import GREY
 
@@ -69,7 +67,6 @@ SECOND_TEXT = (
 FRAME_TEXT = (
     "C: align with the clip's camera, with its frame over the reconstruction. Moving the view ends this."
 )
-Tag = tuple[str, ImVec4]
 
 
 def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, frame_texture: FrameTexture) -> None:
@@ -125,9 +122,8 @@ def _draw_pane(
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
         shown = viewport.show(state)
         _draw_picture(state, shown, frame_texture, area)
-        tags = view_tags(state, shown)
-        said = tags if labels else [one for one in tags if one[1] is theme.TAG_CAUTION]
-        stack_tags(said, area.corner, area.size.x)
+        tags = view_tags(state, None if shown is None else shown.request)
+        stack_tags(tags if labels else cautions(tags), area.corner, area.size.x)
 
 
 def _draw_toolbar(state: AppState) -> None:
@@ -265,110 +261,3 @@ def ground(background: Background) -> ImVec4:
     """What a pane is filled with until its picture is there, and beside it: as where nothing was observed."""
     red, green, blue = GREY if isinstance(background, str) else background
     return ImVec4(red, green, blue, 1.0)
-
-
-def frame_over(state: AppState) -> FrameImage | None:
-    """The frame that lies over the picture; a difference to it shows it already."""
-    return None if state.scene.kind == "difference" else state.frame_image
-
-
-def made_by(model: Scene, other: Scene | None) -> str:
-    """What tells a reconstruction from another: its method and frames, its name where these are the same."""
-
-    def told(one: Scene) -> str:
-        frames, config = one.record.input, one.record.config
-        if not frames or config is None:
-            return legible(one.name)
-        return f"{named(config.method)} · {frames} frames"
-
-    same = other is not None and told(other) == told(model)
-    return legible(model.name) if same else told(model)
-
-
-def view_tags(state: AppState, shown: OnScreen | None) -> list[Tag]:
-    """What the view says of itself: what it is of, how new, how fine; of two, the first speaks for both."""
-    if shown is None:
-        return _waiting_tags(state)
-    model, second = shown.request.scene, state.scene.second.shown
-    tags: list[Tag] = []
-    moment = model.moment(shown.request.time)
-    if model.live:
-        count = f"{grouped(model.iteration)} / {grouped(model.iterations)}"
-        name = "LIVE PREVIEW" if state.runs.reconstruction.is_of(model.name) else "UNFINISHED"
-        tags.append((f"{name} · iteration {count}", theme.TAG_CAUTION))
-    if second is not None:
-        other = state.scene.model if model is second else second
-        tags.append((f"{made_by(model, other)} · {moment}", theme.TAG_ENHANCED))
-    elif not model.is_of_run:
-        tags.append((f"SPLATS · {legible(model.name)}", theme.TAG_ORIGINAL))
-    else:
-        tags.append((f"RECONSTRUCTION · {moment}", theme.TAG_ORIGINAL))
-        if model.record.trained_on:
-            of_enhanced = model.record.input == "enhanced"
-            color = theme.TAG_ENHANCED if of_enhanced else theme.TAG_ORIGINAL
-            tags.append((f"from {legible(model.record.trained_on)}", color))
-    if state.shows_other_clip:
-        tags.insert(0, (f"OF ANOTHER CLIP · {legible(model.title)}", theme.TAG_CAUTION))
-    tags += _guess_tags(model)
-    if hides_enhancement(state, model) and not _is_under_frame(state):
-        tags.append((f"OF {str(model.record.input).upper()} FRAMES · not white light", theme.TAG_CAUTION))
-    if model is not second:
-        tags += _hand_tags(state, shown)
-    if shown.request.kind not in ("color", "difference"):
-        tags.append((f"{shown.request.kind.upper()} · not how it looks", theme.TAG_ENHANCED))
-    if shown.request.reduced:
-        tags.append(("REDUCED RESOLUTION while moving", theme.TAG_CAUTION))
-    return tags
-
-
-def _guess_tags(model: Scene) -> list[Tag]:
-    """What it rests on that nobody measured."""
-    guesses = (model.is_guessed, "depth"), (model.poses_are_estimated, "camera poses")
-    named = " and ".join(name for is_guess, name in guesses if is_guess)
-    return [(f"ESTIMATED {named}", theme.TAG_CAUTION)] if named else []
-
-
-def _waiting_tags(state: AppState) -> list[Tag]:
-    """Why there is no picture yet."""
-    preparation = state.window.preparation
-    if preparation is None or not state.lacks("3D view"):
-        return [("DRAWING…", theme.TAG_CAUTION)]
-    left = rounded(preparation.seconds_until("3D view"))
-    said = f"One-time preparation of the 3D view: {left} left"
-    return [("PREPARING…", theme.TAG_CAUTION), (said, theme.TAG_ORIGINAL)]
-
-
-def _is_under_frame(state: AppState) -> bool:
-    """The frame lies over the view, and can hide it."""
-    return state.scene.viewer.snapped and frame_over(state) is not None
-
-
-def _next_click(measured: Measurement) -> str:
-    """What comes next, for a line that has begun."""
-    count = len(measured.points)
-    if count < 2 or measured.closed:
-        return "click two points"
-    more = "Shift+click adds a point"
-    return more if count < LEAST_CORNERS else f"{more}, on the first one closes an area"
-
-
-def _hand_tags(state: AppState, shown: OnScreen) -> list[Tag]:
-    """What the hand does, and from where it is seen."""
-    tags: list[Tag] = []
-    viewer = state.scene.viewer
-    if viewer.flying:
-        tags.append((f"FLYING · W A S D Q E · speed {viewer.speed:.2f} · G to stop", theme.TAG_CAUTION))
-    if viewer.measuring:
-        tags.append((f"MEASURING on the model · {_next_click(viewer.measurement)}", theme.TAG_CAUTION))
-    if viewer.snapped and state.frame_image is None:
-        tags.append(("READING THE FRAME…", theme.TAG_ENHANCED))
-    elif viewer.snapped and shown.request.kind == "difference":
-        tags.append(("DIFFERENCE to the frame", theme.TAG_ENHANCED))
-    elif viewer.snapped:
-        share = frame_share(state, shown.request.scene)
-        tags.append((f"FRAME {100 * share:.0f} % over the reconstruction", theme.TAG_ENHANCED))
-    elif state.scene.kind == "difference":
-        tags.append(("DIFFERENCE only from the clip's camera: C", theme.TAG_CAUTION))
-    if viewer.free is not None:
-        tags.append(("FREE VIEW · not the endoscope's view", theme.TAG_ORIGINAL))
-    return tags

@@ -14,7 +14,7 @@ from app.exports.page import describe
 from app.files.legible import legible, named
 from app.gui.state.app_state import AppState
 from app.gui.state.live_words import live_tags
-from app.gui.state.tags import Tag
+from app.gui.state.tags import Tag, cautions
 from app.gui.views.comparison import SIDES, Side
 from app.kernels.progress import rounded
 from app.scenes.scene import Scene
@@ -232,11 +232,13 @@ def difference_pane(state: AppState, pictures: Pictures, difference: Difference)
     """The heat map, with both names; its colours are of a scale, so that none is clipped."""
     sides = [pane(state, pictures, side) for side in SIDES]
     names = " − ".join(side.tags[0].text for side in sides)
-    others = tuple(tag for tag in sides[1].tags[1:] if tag.tone == "caution")
     said = Tag(f"largest of R, G, B · mean {difference.mean:.1f} grey levels")
     stale = difference.request != difference_request(state) or any(side.stale for side in sides)
     return Pane(
-        difference.heat, (Tag(f"DIFFERENCE · {names}", "caution"), said, *others), stale, tint=tinted(state)
+        difference.heat,
+        (Tag(f"DIFFERENCE · {names}", "caution"), said, *cautions(sides[1].tags[1:])),
+        stale,
+        tint=tinted(state),
     )
 
 

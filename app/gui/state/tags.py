@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,3 +15,8 @@ class Tag:
 
     text: str
     tone: Tone = "plain"
+
+
+def cautions(tags: Iterable[Tag]) -> tuple[Tag, ...]:
+    """Those alone that keep a picture from misleading."""
+    return tuple(tag for tag in tags if tag.tone == "caution")

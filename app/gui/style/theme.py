@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from imgui_bundle import ImVec2, ImVec4, imgui, implot
 
+from app.gui.state.tags import Tone
 from app.gui.work.settings import Theme
 from app.report.colors import COLORS
 
@@ -98,6 +99,7 @@ PATH = ImVec4(0.35, 0.80, 0.95, 1.0)
 TAG_ORIGINAL = ImVec4(0.20, 0.20, 0.20, 0.88)
 TAG_ENHANCED = ImVec4(0.13, 0.36, 0.60, 0.94)
 TAG_CAUTION = ImVec4(0.58, 0.35, 0.03, 0.96)
+TONES: dict[Tone, ImVec4] = {"plain": TAG_ORIGINAL, "enhanced": TAG_ENHANCED, "caution": TAG_CAUTION}
 PLOT = implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select
 QUIET_PLOT = PLOT | implot.Flags_.no_mouse_text | implot.Flags_.no_legend
 

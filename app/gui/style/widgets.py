@@ -10,6 +10,7 @@ from typing import TypeVar
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 
 from app.files.legible import legible
+from app.gui.state.tags import Tag
 from app.gui.style import theme
 from app.gui.views.key_words import with_keys
 
@@ -181,11 +182,12 @@ def tag_height(text: str, room: float) -> float:
     return imgui.calc_text_size(legible(text), wrap_width=_inner(room)).y + em(0.36)
 
 
-def stack_tags(tags: list[tuple[str, ImVec4]], corner: ImVec2, width: float = ROOM) -> None:
+def stack_tags(tags: Iterable[Tag], corner: ImVec2, width: float) -> None:
     """Labels one below the other in the upper left corner of a picture so wide."""
     y = corner.y + em(0.4)
-    for text, color in tags:
-        y += tag(text, ImVec2(corner.x + em(0.4), y), color, width - em(0.8)) + em(0.14)
+    for one in tags:
+        at = ImVec2(corner.x + em(0.4), y)
+        y += tag(one.text, at, theme.TONES[one.tone], width - em(0.8)) + em(0.14)
 
 
 def muted(text: str) -> None:

@@ -9,13 +9,13 @@ from imgui_bundle import ImVec2, ImVec4, imgui
 
 from app.gui.actions import camera_actions
 from app.gui.panels import scene_marks
-from app.gui.panels.view3d import view_tags
 from app.gui.state.app_state import AppState
+from app.gui.state.view_words import view_tags
 from app.gui.style import theme
 from app.gui.work.selecting import pick
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
-from tests.app.gui.ui import Draw, StillViewport, Ui, texts, view3d
+from tests.app.gui.ui import Draw, Ui, texts, view3d
 
 
 def test_clicks_measure_and_drags_still_turn(
@@ -27,7 +27,7 @@ def test_clicks_measure_and_drags_still_turn(
     ui.drag(draw, (400, 300), (400, 300))
     assert opened.scene.viewer.pick is None
     camera_actions.toggle_measuring(opened)
-    assert "click two points" in texts(view_tags(opened, StillViewport().show(opened)))
+    assert "click two points" in texts(view_tags(opened, opened.view_request))
     ui.drag(draw, (400, 300), (460, 300))
     assert opened.scene.viewer.pick is None
     assert opened.scene.viewer.free is not None
@@ -86,7 +86,7 @@ def test_shift_goes_on_with_a_line_and_closes_it_on_its_first_point(
     ui.io.add_key_event(imgui.Key.mod_shift, True)
     click(480, 330)
     click(480, 370)
-    assert "closes an area" in texts(view_tags(opened, StillViewport().show(opened)))
+    assert "closes an area" in texts(view_tags(opened, opened.view_request))
     click(422, 331)
     measured, request = opened.scene.viewer.measurement, opened.view_request
     assert request is not None

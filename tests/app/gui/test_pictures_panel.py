@@ -135,7 +135,7 @@ def test_a_low_pane_says_what_it_shows_and_not_how_that_was_made(
     ui: Ui, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     said: list[list[str]] = []
-    monkeypatch.setattr(picture_pane, "stack_tags", lambda tags, *_: said.append([text for text, _ in tags]))
+    monkeypatch.setattr(picture_pane, "stack_tags", lambda tags, *_: said.append([one.text for one in tags]))
     tags = (Tag("ENHANCED", "enhanced"), Tag("UPDATING…", "caution"), Tag("Vessel · Strength 2.40"))
 
     def draw() -> None:

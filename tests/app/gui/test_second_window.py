@@ -14,7 +14,7 @@ from app.gui.commands.keys import chord
 from app.gui.drawing.label_image import label_image
 from app.gui.drawing.quads import Quad, QuadView
 from app.gui.frame import second_window
-from app.gui.style import theme
+from app.gui.state.tags import Tag
 from app.gui.views.picture_view import PictureView
 from app.gui.views.resample import visible
 from app.gui.work.settings import Places, Settings, load_settings
@@ -209,7 +209,7 @@ def test_it_comes_back_where_it_was_put(driver: Driver, seen: Seen) -> None:
 
 
 def test_labels_have_their_colours_and_fit_the_window() -> None:
-    said = [("ENHANCED", theme.TAG_ENHANCED), ("a long one " * 40, theme.TAG_ORIGINAL)]
+    said = [Tag("ENHANCED", "enhanced"), Tag("a long one " * 40)]
     image = label_image(said, (320, 240))
     assert image.shape[1] <= 320
     assert image.shape[2] == 4

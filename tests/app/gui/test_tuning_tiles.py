@@ -12,6 +12,7 @@ from app.gui.actions import actions, tuning_actions
 from app.gui.panels import tuning as panel
 from app.gui.panels.tuning import draw_tuning
 from app.gui.state.app_state import AppState
+from app.gui.state.tags import Tag
 from app.gui.style import theme
 from app.gui.update.channels import Channels
 from app.gui.work.tuning import THUMB_HEIGHT, THUMB_WIDTH, thumbnail
@@ -55,8 +56,8 @@ def test_the_grid_says_which_frame_it_is_of(
         written.append((color, said))
         text(color, said)
 
-    def stacked(tags: list[tuple[str, ImVec4]], *rest: Any) -> Any:
-        written.extend((color, said) for said, color in tags)
+    def stacked(tags: list[Tag], *rest: Any) -> Any:
+        written.extend((theme.TONES[one.tone], one.text) for one in tags)
         return stack(tags, *rest)
 
     monkeypatch.setattr(imgui, "text_colored", colored)

@@ -9,15 +9,15 @@ import pytest
 
 from app.exports.records import PanesPicture
 from app.gui.actions import actions, export_actions, job_actions
-from app.gui.panels.view3d import view_tags
 from app.gui.state.app_state import AppState
-from app.gui.style import theme
+from app.gui.state.tags import Tag
+from app.gui.state.view_words import view_tags
 from app.gui.views.measurement import Located, Measurement
 from app.scenes.records import ClipSource
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
-from tests.app.gui.ui import Draw, StillViewport, Ui, view3d
+from tests.app.gui.ui import Draw, Ui, view3d
 
 
 def test_a_tap_from_afar_turns_nothing(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
@@ -85,10 +85,7 @@ def test_another_clip_than_the_open_one_is_named_and_keeps_its_own_time(
     assert opened.has_frames
     opened.source.clip, opened.scene.model = other, replace(opened.scene.model, clip_path=None)
     opened.scene.size = (96, 80)
-    assert view_tags(opened, StillViewport().show(opened))[0] == (
-        f"OF ANOTHER CLIP · {clip.name}",
-        theme.TAG_CAUTION,
-    )
+    assert view_tags(opened, opened.view_request)[0] == Tag(f"OF ANOTHER CLIP · {clip.name}", "caution")
     request = export_actions.shown_request(opened)
     assert request is not None
     assert isinstance(request.record, PanesPicture)

@@ -14,9 +14,10 @@ from app.exports.records import PanesPicture
 from app.gui.actions import actions, camera_actions, comparing, export_actions, path_actions
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.scene_marks import Sight
-from app.gui.panels.view3d import draw_view3d, frame_over, view_tags
+from app.gui.panels.view3d import draw_view3d
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
+from app.gui.state.view_words import frame_over, view_tags
 from app.gui.style.widgets import Area
 from app.gui.work.settings import Places
 from app.kernels.progress import Preparation, tasks
@@ -32,7 +33,6 @@ from tests.app.gui.exporting import Exporter
 from tests.app.gui.settling import show_finished
 from tests.app.gui.ui import (
     Draw,
-    StillSecond,
     StillViewport,
     Ui,
     no_texture,
@@ -104,7 +104,7 @@ def test_the_frame_lies_pixel_for_pixel_over_the_snapped_view(
     corner, size = ImVec2(10, 20), ImVec2(300, 200)
     (low, high), zoom = Sight(request.camera, Area(corner, size)).bounds, 200 / 40
     assert (high.x - low.x, high.y - low.y) == (zoom * 48, zoom * 40)  # Square pixels, all of them.
-    assert "FRAME 50 %" in texts(view_tags(opened, StillViewport().show(opened)))
+    assert "FRAME 50 %" in texts(view_tags(opened, opened.view_request))
     ui.drag(draw, (400, 300), (420, 300))
     assert not opened.scene.viewer.snapped
     assert frame_over(opened) is None
@@ -117,7 +117,7 @@ def test_white_light_never_shows_an_enhanced_model_unnoticed(
     assert opened.scene.model is not None
 
     def said() -> str:
-        return texts(view_tags(opened, StillViewport().show(opened)))
+        return texts(view_tags(opened, opened.view_request))
 
     ui.frame(lambda: view3d(opened))
     actions.white_light(opened)
@@ -186,8 +186,7 @@ def test_two_reconstructions_share_camera_time_and_hand(
     actions.seek(opened, 4)
     assert opened.second_request is not None
     assert opened.second_request.time == opened.time
-    shown = [StillViewport().show(opened), StillSecond().show(opened)]
-    said = [texts(view_tags(opened, one)) for one in shown]
+    said = [texts(view_tags(opened, one)) for one in (opened.view_request, opened.second_request)]
     assert "another run" not in said[0]
     assert "another run" in said[1]
     assert "FREE VIEW" in said[0]
@@ -215,7 +214,7 @@ def test_a_moment_is_told_by_the_clip_s_own_frames(opened: AppState, model: Dyna
         assert shown.time_of(shown.number_at(time)) == pytest.approx(time, abs=0.005 / count)
     actions.seek(opened, 2)
     opened.scene.size = (64, 48)
-    assert "RECONSTRUCTION · frame 3" in texts(view_tags(opened, StillViewport().show(opened)))
+    assert "RECONSTRUCTION · frame 3" in texts(view_tags(opened, opened.view_request))
 
 
 def test_a_still_model_has_no_time_and_the_same_room(
@@ -244,13 +243,12 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
     opened.scene.size = (64, 48)
     request = opened.view_request
     assert request is not None
-    shown = OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request.scaled(0.5))
-    text = texts(view_tags(opened, shown))
+    text = texts(view_tags(opened, request.scaled(0.5)))
     assert "LIVE PREVIEW · iteration 0 / 3,000" in text
     assert "REDUCED RESOLUTION" in text
     show_finished(opened, model)
     assert opened.view_request is not None
-    text = texts(view_tags(opened, replace(shown, request=opened.view_request)))
+    text = texts(view_tags(opened, opened.view_request))
     assert "LIVE" not in text
     assert "REDUCED" not in text
 
@@ -258,17 +256,17 @@ def test_the_live_preview_and_reduced_views_are_tagged(opened: AppState, model: 
 def test_what_nobody_measured_is_said(opened: AppState, model: DynamicGaussians) -> None:
     start_live(opened, model)
     opened.scene.size = (64, 48)
-    shown = StillViewport().show(opened)
+    shown = opened.view_request
     assert shown is not None
     assert "ESTIMATED" not in texts(view_tags(opened, shown))
-    scene = shown.request.scene
+    scene = shown.scene
     for depth, poses, said in (
         (True, False, "ESTIMATED depth"),
         (False, True, "ESTIMATED camera poses"),
         (True, True, "ESTIMATED depth and camera poses"),
     ):
         guess = replace(scene, is_guessed=depth, poses_are_estimated=poses)
-        of_guess = replace(shown, request=replace(shown.request, scene=guess))
+        of_guess = replace(shown, scene=guess)
         assert said in texts(view_tags(opened, of_guess)).split(" | ")
 
 
@@ -314,7 +312,7 @@ def test_a_reconstruction_says_from_which_frames(places: Places, runs: dict[str,
     settings = record.enhancement.params if record.enhancement else None
     frames = "original frames" if settings is None else f"frames enhanced by {worded(settings)}"
     run = Exporter(places, runs[name])
-    assert f"from {frames}" in texts(view_tags(run.state, StillViewport().show(run.state)))
+    assert f"from {frames}" in texts(view_tags(run.state, run.state.view_request))
     comparing.choose_source(run.state, "left", "render")
     run.turn(6)
     assert run.state.picture.pictures is not None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
@@ -12,6 +12,7 @@ from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.compare import draw_compare
 from app.gui.panels.view3d import FrameTexture, draw_view3d
 from app.gui.state.app_state import AppState
+from app.gui.state.tags import Tag
 from app.gui.views.picture_view import Placement
 from renderer.clip import ByteImage
 
@@ -124,8 +125,8 @@ def pictures(state: AppState) -> Pictures:
     return state.picture.pictures
 
 
-def texts(tags: list[tuple[str, object]]) -> str:
-    return " | ".join(text for text, _ in tags)
+def texts(tags: Iterable[Tag]) -> str:
+    return " | ".join(one.text for one in tags)
 
 
 def compare(state: AppState, shown: Shown) -> Draw:
