@@ -18,7 +18,8 @@ from app.gui.state.editing import TOOLS, Editing, Tool
 from app.gui.style import theme
 from app.gui.style.asking import ask
 from app.gui.style.handles import slide_labelled
-from app.gui.style.widgets import Area, button, choose_row, em, explain, in_line, muted, row, tag, toggle
+from app.gui.style.labels import tag
+from app.gui.style.widgets import Area, button, choose_row, em, explain, in_line, muted, row, toggle
 from app.gui.work.selecting import TRAITS, Limits
 from app.scenes.free_camera import Vector
 from app.scenes.view_kinds import SCENE_UNITS

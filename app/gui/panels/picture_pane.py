@@ -16,7 +16,8 @@ from app.gui.state.live_words import is_not_live
 from app.gui.state.panes import Pane, pixel
 from app.gui.state.tags import Tag, cautions
 from app.gui.style import theme
-from app.gui.style.widgets import Area, dragged, em, fill_around, stack_tags, tag, tag_height
+from app.gui.style.labels import stack_tags, tag, tag_height
+from app.gui.style.widgets import Area, dragged, em, fill_around
 from app.gui.views.comparison import Side
 from app.gui.views.picture_view import PictureView, Placement
 from app.live.picture import LIVE

@@ -14,7 +14,8 @@ from app.gui.panels.view3d import FrameTexture, draw_alone
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
 from app.gui.style import theme
-from app.gui.style.widgets import Area, em, tag, tag_height
+from app.gui.style.labels import tag, tag_height
+from app.gui.style.widgets import Area, em
 from app.gui.views.comparison import Side
 
 HINT = "Esc: leave   ·   1 2 3: panes   ·   L: labels"

@@ -13,7 +13,8 @@ from imgui_bundle import ImVec2, ImVec4, imgui
 from app.gui.actions import path_actions
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import Area, em, tag
+from app.gui.style.labels import tag
+from app.gui.style.widgets import Area, em
 from app.gui.views.lines import frustum, seen
 from app.gui.views.measurement import LEAST_CORNERS, Measurement
 from app.gui.views.picture_view import PictureView, Placement

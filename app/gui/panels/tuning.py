@@ -23,6 +23,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.tags import Tag
 from app.gui.style import theme
 from app.gui.style.fields import amount
+from app.gui.style.labels import stack_tags
 from app.gui.style.widgets import (
     FLAT,
     Area,
@@ -35,7 +36,6 @@ from app.gui.style.widgets import (
     em,
     explain,
     muted,
-    stack_tags,
 )
 from app.gui.work.tuning import GridCell
 from enhance import EnhanceParams, VesselParams

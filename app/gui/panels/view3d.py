@@ -20,6 +20,7 @@ from app.gui.state.tags import cautions
 from app.gui.state.view_words import frame_over, view_tags
 from app.gui.style import theme
 from app.gui.style.handles import slide_labelled
+from app.gui.style.labels import stack_tags
 from app.gui.style.widgets import (
     Area,
     beside,
@@ -30,7 +31,6 @@ from app.gui.style.widgets import (
     dragged,
     em,
     explain,
-    stack_tags,
     toggle,
 )
 from app.scenes.backgrounds import Background

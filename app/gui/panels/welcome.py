@@ -17,7 +17,8 @@ from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.overlays import covered
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import Area, button, centered, em, explain, muted, shortened, tag
+from app.gui.style.labels import tag
+from app.gui.style.widgets import Area, button, centered, em, explain, muted, shortened
 from app.gui.work.recents import Kind, Recent
 from renderer.clip import ByteImage
 

@@ -16,7 +16,7 @@ from app.gui.frame.window_shots import read_window
 from app.gui.panels import presentation
 from app.gui.panels.presentation import draw_presentation
 from app.gui.state.app_state import AppState
-from app.gui.style import widgets
+from app.gui.style import labels
 from app.gui.style.widgets import Area
 from app.gui.views.resample import visible
 from app.gui.work.settings import Places, Settings
@@ -47,13 +47,13 @@ def presented(state: AppState, shown: Shown) -> Draw:
 def said(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """All labels that are drawn over a pane."""
     texts: list[str] = []
-    tag = widgets.tag
+    tag = labels.tag
 
     def seen(text: str, *rest: object) -> float:
         texts.append(text)
         return tag(text, *rest)  # type: ignore[arg-type]
 
-    for module in ("app.gui.style.widgets", "app.gui.panels.picture_pane", "app.gui.panels.presentation"):
+    for module in ("app.gui.style.labels", "app.gui.panels.picture_pane", "app.gui.panels.presentation"):
         monkeypatch.setattr(f"{module}.tag", seen)
     return texts
 
