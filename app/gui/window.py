@@ -80,7 +80,6 @@ from app.live.session import LiveSession
 from app.live.start import LiveStart
 from app.runs.job import TrainingJob
 from app.runs.memory import share_memory
-from renderer.clip import ByteImage
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
 IDLE_FPS = 1.0
@@ -226,7 +225,7 @@ class Window:
         ground = theme.THEMES[self.state.settings.theme].shade(0.11)
         params.callbacks.add_edge_toolbar(
             hello_imgui.EdgeToolbarType.bottom,
-            lambda: draw_timeline(self.state, partial(self._texture, "strip")),
+            lambda: self._draw_textured(draw_timeline),
             hello_imgui.EdgeToolbarOptions(size_em=5.4, window_padding_em=(0.6, 0.5), window_bg=ground),
         )
 
@@ -240,7 +239,7 @@ class Window:
         layout.main_dock_space_node_flags = imgui.DockNodeFlags_.none
         layout.dockable_windows = [
             # Before the pictures, which show in the same frame what has moved here.
-            panel("Enhancement", "Side", lambda: draw_enhancement(self.state, self._texture)),
+            panel("Enhancement", "Side", lambda: self._draw_textured(draw_enhancement)),
             panel("Images", "MainDockSpace", self._draw_pictures),
             panel("3D view", "Below", self._draw_view),
             panel(SPLATS, "MainDockSpace", self._draw_view, "by the state"),
@@ -323,14 +322,10 @@ class Window:
     def _draw_view(self) -> None:
         assert self._viewport is not None
         assert self._second_viewport is not None
-        over = partial(self._texture, "frame over view")
-        draw_view3d(self.state, self._viewport, self._second_viewport, over)
+        assert self._textures is not None
+        draw_view3d(self.state, self._viewport, self._second_viewport, self._textures)
         if self.state.scene.model is not None:
             draw_edit_tools(self.state)
-
-    def _texture(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
-        assert self._textures is not None
-        return self._textures.whole(slot, image)
 
     def _end_frame(self) -> None:
         """All is drawn and not yet shown."""
@@ -341,8 +336,7 @@ class Window:
     def _draw_over(self) -> None:
         assert self._backdrop is not None
         assert self._viewport is not None
-        over = partial(self._texture, "frame over view")
-        draw_presentation(self.state, self._backdrop, self._viewport, over)
+        draw_presentation(self.state, self._backdrop, self._viewport)
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
         overlays.draw_help(self.state, self._commands)
@@ -350,13 +344,13 @@ class Window:
         overlays.draw_notice(self.state)
         draw_export(self.state)
         draw_batches(self.state)
-        draw_summary(self.state, self._texture)
+        self._draw_textured(draw_summary)
         self._draw_textured(draw_guide)
         draw_about(self.state, imgui.set_clipboard_text)
         self._draw_textured(draw_live_choice)
         overlays.draw_recovery(self.state)
         self._dialogs.follow(self.state)
-        draw_browser(self.state, self._texture)
+        self._draw_textured(draw_browser)
         draw_palette(self.state, self._commands)
         self._keyboard.handle(self.state, self._commands)
         ask_before_quitting(self.state)

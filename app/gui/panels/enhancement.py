@@ -16,7 +16,9 @@ from app.enhancement.setting_words import VESSEL_LABELS, before_strength
 from app.files.legible import as_label, legible, named
 from app.gui.actions import actions, preset_actions
 from app.gui.actions import history_actions as history
+from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
+from app.gui.panels.small_picture import draw_small
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.style.asking import ask
@@ -25,6 +27,7 @@ from app.gui.style.naming import ask_name
 from app.gui.style.widgets import (
     FLAT,
     NAMES,
+    Area,
     beside,
     beside_of,
     button,
@@ -39,12 +42,10 @@ from app.gui.style.widgets import (
 from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
-from renderer.clip import ByteImage
 
 __all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
 METHODS: dict[type[EnhancementSettings], str] = {EnhanceParams: named(PAPER), VesselParams: named(VESSEL)}
-Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
 LESS = 2.0
 """Em of the button that removes a window, with the gap before it."""
 HEIGHT, WIDEST = 3.4, 6.0
@@ -69,13 +70,13 @@ PIXELS_TEXT = (
 )
 
 
-def draw_enhancement(state: AppState, texture: Texture) -> None:
+def draw_enhancement(state: AppState, textures: ShowsPictures) -> None:
     """Method, preset and how much of it always; all other settings, curves and measures by tab."""
     now = type(state.enhancement.params)
     chosen = choose_row("Method", now, METHODS, METHOD_TEXT)
     if chosen is not now:
         actions.choose_method(state, chosen)
-    draw_presets(state, texture)
+    draw_presets(state, textures)
     _change(state, _draw_strength(state.enhancement.params))
     _draw_edits(state)
     imgui.spacing()
@@ -86,19 +87,19 @@ def draw_enhancement(state: AppState, texture: Texture) -> None:
             _draw_tab("Measures", partial(draw_measures, state))
 
 
-def draw_presets(state: AppState, texture: Texture) -> None:
+def draw_presets(state: AppState, textures: ShowsPictures) -> None:
     row("Preset", "Named settings. Save stores the current ones under a name of yours.", -4.0)
     shown = preset_name(state.enhancement.params, state.enhancement.presets)
     is_open = imgui.begin_combo("##preset", as_label(shown), imgui.ComboFlags_.height_largest)
     preset_actions.look_at(state, is_open)
     if is_open:
         for name in BUILT_IN:
-            _draw_preset(state, name, shown, texture)
+            _draw_preset(state, name, shown, textures)
         if state.enhancement.presets:
             imgui.separator()
         for name in sorted(state.enhancement.presets):
             with imgui_ctx.push_id(as_label(name)):
-                _draw_preset(state, name, shown, texture, beside=em(5.2))
+                _draw_preset(state, name, shown, textures, beside=em(5.2))
                 _draw_changes(state, name)
         if state.enhancement.preset_doomed or state.enhancement.preset_renamed:
             imgui.close_current_popup()
@@ -137,9 +138,11 @@ def _draw_rename(state: AppState) -> None:
         preset_actions.answer_rename(state, rename=agreed)
 
 
-def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, beside: float = 0.0) -> None:
+def _draw_preset(
+    state: AppState, name: str, shown: str, textures: ShowsPictures, beside: float = 0.0
+) -> None:
     """A line of the menu; `beside` it is room for a button."""
-    chosen = _draw_thumbnail(state, name, texture)
+    chosen = _draw_thumbnail(state, name, textures)
     imgui.same_line()
     size = ImVec2(max(em(9), imgui.get_content_region_avail().x - beside), em(HEIGHT))
     with imgui_ctx.push_style_var(imgui.StyleVar_.selectable_text_align, ImVec2(0, 0.5)):
@@ -151,24 +154,19 @@ def _draw_preset(state: AppState, name: str, shown: str, texture: Texture, besid
         imgui.close_current_popup()
 
 
-def _draw_thumbnail(state: AppState, name: str, texture: Texture) -> bool:
+def _draw_thumbnail(state: AppState, name: str, textures: ShowsPictures) -> bool:
     """Room for one where it is not made yet, and why not; whether it is clicked."""
     pictures, made = state.picture.pictures, state.enhancement.thumbnails
     if pictures is None:
         imgui.dummy(ImVec2(0, em(HEIGHT)))
         return False
-    height, width = pictures.original.shape[:2]
-    scale = min(em(HEIGHT) / height, em(WIDEST) / width)
-    corner, room = imgui.get_cursor_screen_pos(), ImVec2(em(WIDEST), em(HEIGHT))
-    imgui.dummy(room)
+    area = Area.here(ImVec2(em(WIDEST), em(HEIGHT)))
+    imgui.dummy(area.size)
     clicked = imgui.is_item_clicked()
-    if made is not None and made.request.pictures.original is pictures.original and name in made.images:
-        size = ImVec2(scale * width, scale * height)
-        low, drawn = corner + (room - size) / 2, texture(f"preset {name}", made.images[name])
-        imgui.get_window_draw_list().add_image(drawn, low, low + size)
-    elif state.lacks(PAPER) or state.lacks(VESSEL):
-        low = corner + (room - imgui.calc_text_size(PREPARING)) / 2
-        imgui.get_window_draw_list().add_text(low, imgui.get_color_u32(imgui.Col_.text_disabled), PREPARING)
+    is_made = made is not None and made.request.pictures.original is pictures.original
+    image = made.images.get(name) if made is not None and is_made else None
+    waits = state.lacks(PAPER) or state.lacks(VESSEL)
+    draw_small(textures, f"preset {name}", image, area, PREPARING if waits else "")
     return clicked
 
 

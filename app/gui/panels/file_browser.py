@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
@@ -10,15 +9,25 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import legible
 from app.gui.actions import browse_actions
+from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing, Column
 from app.gui.style import theme
-from app.gui.style.widgets import button, centered, choose, em, explain, mark_row, muted, shortened, within
+from app.gui.style.widgets import (
+    Area,
+    button,
+    centered,
+    choose,
+    em,
+    explain,
+    mark_row,
+    muted,
+    shortened,
+    within,
+)
 from app.gui.work.listing import Entry
-from renderer.clip import ByteImage
 
-Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
 ENTER = (imgui.Key.enter, imgui.Key.keypad_enter)
 STEPS = {
     imgui.Key.down_arrow: 1, imgui.Key.up_arrow: -1, imgui.Key.page_down: 10, imgui.Key.page_up: -10
@@ -47,7 +56,7 @@ HINTS = {
 }
 
 
-def draw_browser(state: AppState, texture: Texture) -> None:
+def draw_browser(state: AppState, textures: ShowsPictures) -> None:
     """Everything else waits for it."""
     browsing = state.window.browsing
     if browsing is None:
@@ -65,20 +74,20 @@ def draw_browser(state: AppState, texture: Texture) -> None:
         # While a list of filters is open, keys are its own; nor do they count that have asked for the dialog.
         if not appears and not imgui.is_popup_open("", imgui.PopupFlags_.any_popup_id):
             _take_keys(state, browsing)
-        _draw_all(state, browsing, texture)
+        _draw_all(state, browsing, textures)
         if state.window.browsing is None:
             imgui.close_current_popup()
             # Else what lies below has a control in focus, which the next Space presses.
             imgui.set_nav_cursor_visible(False)
 
 
-def _draw_all(state: AppState, browsing: Browsing, texture: Texture) -> None:
+def _draw_all(state: AppState, browsing: Browsing, textures: ShowsPictures) -> None:
     saves = browsing.choosing.kind == "save"
     _draw_path(browsing, asks=not saves)
     line, flags = imgui.get_frame_height_with_spacing(), imgui.WindowFlags_.no_nav
     below = 2 * line if saves else line
     with imgui_ctx.begin_child("entries", ImVec2(0, -below), imgui.ChildFlags_.borders, flags):
-        _draw_entries(state, browsing, texture)
+        _draw_entries(state, browsing, textures)
     if saves:
         _draw_name(browsing)
     browse_actions.focused(browsing)
@@ -102,7 +111,7 @@ def _focus(wanted: bool) -> None:
     imgui.set_next_item_width(-1)
 
 
-def _draw_entries(state: AppState, browsing: Browsing, texture: Texture) -> None:
+def _draw_entries(state: AppState, browsing: Browsing, textures: ShowsPictures) -> None:
     if browsing.listing is None:
         centered("Reading…")
     elif browsing.listing.trouble:
@@ -112,10 +121,10 @@ def _draw_entries(state: AppState, browsing: Browsing, texture: Texture) -> None
     elif not browsing.entries:
         centered(EMPTY[browsing.choosing.kind])
     else:
-        _draw_table(state, browsing, texture)
+        _draw_table(state, browsing, textures)
 
 
-def _draw_table(state: AppState, browsing: Browsing, texture: Texture) -> None:
+def _draw_table(state: AppState, browsing: Browsing, textures: ShowsPictures) -> None:
     can, entries, seen = imgui.TableFlags_, browsing.entries, list[Entry]()
     flags = can.sortable | can.scroll_y | can.row_bg | can.pad_outer_x
     with imgui_ctx.begin_table("files", len(COLUMNS), int(flags)) as table:
@@ -128,7 +137,7 @@ def _draw_table(state: AppState, browsing: Browsing, texture: Texture) -> None:
             clipper.include_item_by_index(place)
         while clipper.step():
             for place in range(clipper.display_start, clipper.display_end):
-                if _draw_row(state, browsing, entries[place], place, texture):
+                if _draw_row(state, browsing, entries[place], place, textures):
                     seen.append(entries[place])
         browse_actions.see(browsing, seen)
 
@@ -153,7 +162,7 @@ def _place(browsing: Browsing) -> int | None:
     return next(found, None)
 
 
-def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, texture: Texture) -> bool:
+def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, textures: ShowsPictures) -> bool:
     """Whether it is in sight."""
     height, marked = em(ROW), browsing.marked == entry.path
     imgui.table_next_row()
@@ -173,7 +182,9 @@ def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, tex
         imgui.set_scroll_here_y()
         browse_actions.scrolled(browsing)
     if in_sight:
-        _draw_picture(browsing, entry, corner, partial(texture, f"file {place % MOST_ROWS}"))
+        image, area = browsing.thumbnails.get(entry.path), Area(corner, ImVec2(em(PICTURE), height))
+        icon = icons.ICON_FA_FOLDER if entry.kind == "folder" else icons.ICON_FA_FILE
+        draw_small(textures, f"file {place % MOST_ROWS}", image, area, icon)
     low = start.y + (height - imgui.get_text_line_height()) / 2
     imgui.set_cursor_pos(ImVec2(start.x + em(PICTURE + 0.6), low))
     short = shortened(entry.name, room)
@@ -184,14 +195,6 @@ def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, tex
         imgui.set_cursor_pos_y(low)
         muted(text)
     return in_sight
-
-
-def _draw_picture(
-    browsing: Browsing, entry: Entry, low: ImVec2, texture: Callable[[ByteImage], imgui.ImTextureRef]
-) -> None:
-    """The thumbnail, or an icon."""
-    icon = icons.ICON_FA_FOLDER if entry.kind == "folder" else icons.ICON_FA_FILE
-    draw_small(browsing.thumbnails.get(entry.path), icon, low, ImVec2(em(PICTURE), em(ROW)), texture)
 
 
 def _sized(entry: Entry) -> str:

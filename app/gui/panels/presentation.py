@@ -10,7 +10,7 @@ from app.gui.drawing.viewport import Viewport
 from app.gui.panels.editing import draw_edit_tools
 from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.panels.picture_pane import draw_pane
-from app.gui.panels.view3d import FrameTexture, draw_alone
+from app.gui.panels.view3d import draw_alone
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
 from app.gui.style import theme
@@ -28,9 +28,7 @@ HOST = "MainDockSpace"
 """The runner's window of all panels, which are hidden meanwhile."""
 
 
-def draw_presentation(
-    state: AppState, textures: ShowsPictures, viewport: Viewport, frame_texture: FrameTexture
-) -> None:
+def draw_presentation(state: AppState, textures: ShowsPictures, viewport: Viewport) -> None:
     """Nothing unless something is presented."""
     name = state.presenting.pane
     if name is None:
@@ -49,7 +47,7 @@ def draw_presentation(
         ground = imgui.get_color_u32(theme.SURROUND)
         imgui.get_window_draw_list().add_rect_filled(below.corner, below.end, ground)
         if name == "3D view":
-            draw_alone(state, viewport, area, frame_texture, labels=labels)
+            draw_alone(state, viewport, area, textures, labels=labels)
             draw_edit_tools(state)
         else:
             _draw_picture(state, textures, name, area, labels=labels)

@@ -1,29 +1,29 @@
-"""A picture in the room of a line of a list."""
+"""An image as large as it fits into a place on the screen."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from imgui_bundle import ImVec4, imgui
 
-from imgui_bundle import ImVec2, imgui
-
+from app.gui.drawing.textures import ShowsPictures
 from app.gui.style import theme
+from app.gui.style.widgets import Area, text_within
+from app.gui.views.picture_view import PictureView
 from renderer.clip import ByteImage
 
 
 def draw_small(
+    textures: ShowsPictures,
+    slot: str,
     image: ByteImage | None,
-    icon: str,
-    low: ImVec2,
-    room: ImVec2,
-    texture: Callable[[ByteImage], imgui.ImTextureRef],
+    area: Area,
+    instead: str,
+    ink: ImVec4 | None = None,
 ) -> None:
-    """In the middle of the room whose upper left corner is `low`; without a picture an icon there."""
-    draw = imgui.get_window_draw_list()
+    """In the middle of the area; without an image an icon or a word there."""
     if image is None:
-        size = imgui.calc_text_size(icon)
-        draw.add_text(low + (room - size) * 0.5, imgui.get_color_u32(theme.now().muted), icon)
+        text_within(area, instead, ink or theme.now().muted)
         return
-    factor = min(room.x / image.shape[1], room.y / image.shape[0])
-    size = ImVec2(factor * image.shape[1], factor * image.shape[0])
-    corner = low + (room - size) * 0.5
-    draw.add_image(texture(image), corner, corner + size)
+    height, width = image.shape[:2]
+    place = PictureView().place((width, height), area.inside)
+    low, high = area.corner + place.pane_at(0, 0), area.corner + place.pane_at(width, height)
+    imgui.get_window_draw_list().add_image(textures.whole(slot, image), low, high)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
@@ -11,13 +10,13 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from app.exports.exporting import UNTITLED
 from app.files.legible import legible, located
 from app.gui.actions import actions, export_actions, summary_actions
+from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.state.summary import Item
 from app.gui.style import theme
-from app.gui.style.widgets import FLAT, button, em, explain, floating, muted, note, row, shortened
+from app.gui.style.widgets import FLAT, Area, button, em, explain, floating, muted, note, row, shortened
 from app.gui.style.writing import text_area
-from renderer.clip import ByteImage
 
 TEXT = (
     "Images on one page with their settings, measures and your notes, to print or to send. Any browser "
@@ -34,10 +33,9 @@ MOVING = 5.6
 """Text heights across that the buttons beside a name take."""
 LISTED = 3
 """Pictures before the list scrolls."""
-Texture = Callable[[str, ByteImage], imgui.ImTextureRef]
 
 
-def draw_summary(state: AppState, texture: Texture) -> None:
+def draw_summary(state: AppState, textures: ShowsPictures) -> None:
     """A window of its own."""
     if not state.summary.shown:
         return
@@ -50,7 +48,7 @@ def draw_summary(state: AppState, texture: Texture) -> None:
         _draw_texts(state)
         imgui.spacing()
         _draw_adding(state)
-        _draw_items(state, texture)
+        _draw_items(state, textures)
         imgui.spacing()
         _draw_writing(state)
 
@@ -81,7 +79,7 @@ def _draw_adding(state: AppState) -> None:
         muted("Saving the image…")
 
 
-def _draw_items(state: AppState, texture: Texture) -> None:
+def _draw_items(state: AppState, textures: ShowsPictures) -> None:
     items = state.summary.items
     lines = min(max(len(items), 1), LISTED)
     height = lines * (em(HEIGHT) + 2 * imgui.get_style().item_spacing.y) + em(1)
@@ -90,15 +88,14 @@ def _draw_items(state: AppState, texture: Texture) -> None:
             muted("No image yet.")
         for place, item in enumerate(items):
             with imgui_ctx.push_id(str(item.path)):
-                _draw_item(state, place, item, texture)
+                _draw_item(state, place, item, textures)
             imgui.spacing()
 
 
-def _draw_item(state: AppState, place: int, item: Item, texture: Texture) -> None:
-    low = imgui.get_cursor_screen_pos()
-    image, room = state.summary.thumbnails.get(item.path), ImVec2(em(WIDTH), em(HEIGHT))
-    draw_small(image, icons.ICON_FA_FILE, low, room, partial(texture, f"summary {place}"))
-    imgui.dummy(room)
+def _draw_item(state: AppState, place: int, item: Item, textures: ShowsPictures) -> None:
+    image, area = state.summary.thumbnails.get(item.path), Area.here(ImVec2(em(WIDTH), em(HEIGHT)))
+    draw_small(textures, f"summary {place}", image, area, icons.ICON_FA_FILE)
+    imgui.dummy(area.size)
     explain(legible(str(item.path)))
     imgui.same_line()
     with imgui_ctx.begin_group():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
@@ -11,16 +10,16 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from app.enhancement.image_mask import NO_MASK
 from app.gui.actions import actions, clip_actions, export_actions, laid_out, masking_actions
 from app.gui.commands.commands import has_something
+from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.live import draw_live_bar
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.handles import handle
-from app.gui.style.widgets import TALL, Area, button, em, explain, percent, tall, toggle
+from app.gui.style.widgets import TALL, Area, button, em, explain, percent, tall, text_within, toggle
 from app.gui.views.clip_time import clock, seconds_at
 from app.gui.views.frame_scale import PADDING, FrameScale
 from app.gui.views.key_words import with_keys
 from app.gui.work.strip import Strip, count_for
-from renderer.clip import ByteImage
 
 LEFT, RIGHT = 7.8, 9.0
 """Em that the buttons beside the strip and the slider have."""
@@ -33,7 +32,7 @@ MASK_TEXT = "Leave burned-in text and the surround out of statistics and reconst
 TOOL_LABELS = {"text": "Text box", "view": "View circle"}
 
 
-def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextureRef]) -> None:
+def draw_timeline(state: AppState, textures: ShowsPictures) -> None:
     """Two rows, the strip and the slider one above the other; greyed out without a clip. A live source has
     its own."""
     if state.live.session is not None and state.live.clip is not None:
@@ -49,7 +48,7 @@ def draw_timeline(state: AppState, texture: Callable[[ByteImage], imgui.ImTextur
         _draw_transport(state)
     imgui.end_disabled()
     imgui.same_line(left)
-    _draw_strip(state, count, across, texture)
+    _draw_strip(state, count, across, textures)
     imgui.same_line(right)
     with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, tall()):
         save, enabled = partial(export_actions.save_picture, state), has_something(state)
@@ -161,9 +160,7 @@ def _draw_mask(state: AppState) -> None:
             clip_actions.toggle_overlay(state)
 
 
-def _draw_strip(
-    state: AppState, count: int, across: int, texture: Callable[[ByteImage], imgui.ImTextureRef]
-) -> None:
+def _draw_strip(state: AppState, count: int, across: int, textures: ShowsPictures) -> None:
     """The clip in small; a click or drag goes to that frame."""
     clip, strip = state.source.clip, state.timeline.strip
     area = Area.here(ImVec2(across, em(TALL)))
@@ -176,12 +173,11 @@ def _draw_strip(
     draw = imgui.get_window_draw_list()
     if clip is None and count < 2:
         draw.add_rect(area.corner, area.end, imgui.get_color_u32(theme.now().shade(0.21)), em(0.25))
-        at = area.corner + (area.size - imgui.calc_text_size(EMPTY)) / 2
-        draw.add_text(at, imgui.get_color_u32(theme.now().muted), EMPTY)
+        text_within(area, EMPTY, theme.now().muted)
         return
     draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.SURROUND))
     if strip is not None and clip is not None and strip.request.clip is clip:
-        _draw_small(strip, texture(strip.image), area)
+        _draw_small(strip, textures.whole("strip", strip.image), area)
     _draw_marks(state, scale, area)
     if state.opens:
         _draw_leaving(state.opens, area)
@@ -189,10 +185,9 @@ def _draw_strip(
 
 def _draw_leaving(text: str, area: Area) -> None:
     """The thumbnails in the dark, behind what takes their place."""
-    draw = imgui.get_window_draw_list()
-    draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.grey(0.05, 0.75)))
-    at = area.corner + (area.size - imgui.calc_text_size(text)) / 2
-    draw.add_text(at, imgui.get_color_u32(theme.INK), text)
+    dark = imgui.get_color_u32(theme.grey(0.05, 0.75))
+    imgui.get_window_draw_list().add_rect_filled(area.corner, area.end, dark)
+    text_within(area, text, theme.INK)
 
 
 def _draw_small(strip: Strip, shown: imgui.ImTextureRef, area: Area) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 
 from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
@@ -11,6 +10,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.gui.actions import actions, camera_actions, laid_out, presenting
 from app.gui.commands.camera_commands import second_commands
+from app.gui.drawing.textures import ShowsPictures
 from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.panels.menus import draw_commands
 from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks, is_on_first
@@ -36,7 +36,6 @@ from app.gui.style.widgets import (
 from app.scenes.backgrounds import Background
 from app.scenes.view_kinds import EXPLAINED
 from app.scenes.view_request import ViewRequest
-from renderer.clip import ByteImage
 from renderer.unobserved import GREY
 
 TURN = 2.2
@@ -49,8 +48,6 @@ VIEW_BUTTONS = (
     imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
     | imgui.ButtonFlags_.mouse_button_middle
 )  # fmt: skip
-FrameTexture = Callable[[ByteImage], imgui.ImTextureRef]
-"""What shows a whole frame."""
 FLY = f"{icons.ICON_FA_PAPER_PLANE}  Fly###fly"
 MEASURE = f"{icons.ICON_FA_CROSSHAIRS}  Measure###measure"
 SECOND = f"{icons.ICON_FA_COLUMNS}###second"
@@ -69,7 +66,7 @@ FRAME_TEXT = (
 )
 
 
-def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, frame_texture: FrameTexture) -> None:
+def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, textures: ShowsPictures) -> None:
     """The view with its controls, beside it the second reconstruction when there is one.
 
     The first view is the last item drawn, for those who draw on it.
@@ -87,17 +84,17 @@ def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, frame_tex
     laid_out.size_view(state, int(size.x * scale.x), int(size.y * scale.y))
     if state.scene.second.shown is not None:
         right = Area(corner + ImVec2(size.x + gap, 0), size)
-        _draw_pane(state, "second view", second, state.second_request, right, frame_texture)
-    _draw_pane(state, "view", viewport, state.plain_view_request, Area(corner, size), frame_texture)
+        _draw_pane(state, "second view", second, state.second_request, right, textures)
+    _draw_pane(state, "view", viewport, state.plain_view_request, Area(corner, size), textures)
 
 
 def draw_alone(
-    state: AppState, viewport: Viewport, area: Area, frame_texture: FrameTexture, *, labels: bool
+    state: AppState, viewport: Viewport, area: Area, textures: ShowsPictures, *, labels: bool
 ) -> None:
     """The view and nothing else, over all of the area; without `labels` it says only what could mislead."""
     scale = imgui.get_io().display_framebuffer_scale
     laid_out.size_view(state, int(area.size.x * scale.x), int(area.size.y * scale.y))
-    _draw_pane(state, "view", viewport, state.plain_view_request, area, frame_texture, labels=labels)
+    _draw_pane(state, "view", viewport, state.plain_view_request, area, textures, labels=labels)
 
 
 def _draw_pane(
@@ -106,7 +103,7 @@ def _draw_pane(
     viewport: Viewport,
     seen: ViewRequest | None,
     area: Area,
-    frame_texture: FrameTexture,
+    textures: ShowsPictures,
     *,
     labels: bool = True,
 ) -> None:
@@ -121,7 +118,7 @@ def _draw_pane(
         _pick(state, seen, area)
     with imgui_ctx.push_clip_rect(area.corner, area.end, True):
         shown = viewport.show(state)
-        _draw_picture(state, shown, frame_texture, area)
+        _draw_picture(state, shown, textures, area)
         tags = view_tags(state, None if shown is None else shown.request)
         stack_tags(tags if labels else cautions(tags), area.corner, area.size.x)
 
@@ -243,7 +240,7 @@ def _measure(state: AppState, request: ViewRequest, area: Area) -> None:
         camera_actions.ask_point(state, request, pixel, "measure on" if goes_on else "measure")
 
 
-def _draw_picture(state: AppState, shown: OnScreen | None, frame_texture: FrameTexture, area: Area) -> None:
+def _draw_picture(state: AppState, shown: OnScreen | None, textures: ShowsPictures, area: Area) -> None:
     draw = imgui.get_window_draw_list()
     draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(ground(state.background)))
     if shown is not None:
@@ -251,7 +248,8 @@ def _draw_picture(state: AppState, shown: OnScreen | None, frame_texture: FrameT
         draw.add_image(shown.texture, low, high, shown.uv0, shown.uv1)
         if (frame_image := frame_over(state)) is not None:
             tint = imgui.get_color_u32(theme.grey(1.0, frame_share(state, shown.request.scene)))
-            draw.add_image(frame_texture(frame_image.image), low, high, (0, 0), (1, 1), tint)
+            over = textures.whole("frame over view", frame_image.image)
+            draw.add_image(over, low, high, (0, 0), (1, 1), tint)
         draw_marks(state, shown.request, area)
         if shown.scale is not None:
             draw_color_bar(shown.scale, area)

@@ -15,12 +15,12 @@ from app.gui.commands.command import Act
 from app.gui.commands.commands import open_file, open_folder
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.overlays import covered
+from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.labels import tag
 from app.gui.style.widgets import Area, button, centered, em, explain, muted, shortened
 from app.gui.work.recents import Kind, Recent
-from renderer.clip import ByteImage
 
 WIDEST: Final = 74.0
 """Text heights across that the page has at most."""
@@ -182,14 +182,10 @@ def _draw_recent(
     draw, colors = imgui.get_window_draw_list(), theme.now()
     ink = imgui.get_color_u32(imgui.Col_.text_disabled if recent.missing else imgui.Col_.text, 1.0)
     draw.add_rect_filled(image.corner, image.end, imgui.get_color_u32(theme.SURROUND), em(0.2))
-    if recent.image is not None:
-        _draw_inside(textures, slot, recent.image, image)
-        if recent.kind == "run":
-            tag("3D", image.corner + ImVec2(em(0.3), em(0.3)), theme.TAG_ORIGINAL)
-    else:
-        icon = icons.ICON_FA_UNLINK if recent.missing else ICONS[recent.kind]
-        at = image.corner + (image.size - imgui.calc_text_size(icon)) / 2
-        draw.add_text(at, imgui.get_color_u32(theme.grey(0.6)), icon)
+    icon = icons.ICON_FA_UNLINK if recent.missing else ICONS[recent.kind]
+    draw_small(textures, slot, recent.image, image, icon, theme.grey(0.6))
+    if recent.image is not None and recent.kind == "run":
+        tag("3D", image.corner + ImVec2(em(0.3), em(0.3)), theme.TAG_ORIGINAL)
     if hovered and not recent.missing:
         draw.add_rect(
             image.corner, image.end, imgui.get_color_u32(colors.accent), em(0.2), thickness=em(0.12)
@@ -198,14 +194,6 @@ def _draw_recent(
     draw.add_text(ImVec2(image.corner.x, image.end.y + em(0.15)), ink, name)
     if pressed:
         actions.open_path(state, Path(text))
-
-
-def _draw_inside(textures: ShowsPictures, slot: str, image: ByteImage, area: Area) -> None:
-    """The whole image in the middle of the area."""
-    scale = min(area.size.x / image.shape[1], area.size.y / image.shape[0])
-    size = ImVec2(scale * image.shape[1], scale * image.shape[0])
-    low = area.corner + (area.size - size) / 2
-    imgui.get_window_draw_list().add_image(textures.whole(slot, image), low, low + size)
 
 
 def _cards(width: float) -> tuple[int, float]:

@@ -156,6 +156,12 @@ def _below(text: str) -> ImVec2:
     return ImVec2(max(min(low.x, end.x - size.x), screen.pos.x), max(y, screen.pos.y))
 
 
+def text_within(area: Area, text: str, color: ImVec4) -> None:
+    """Text in the middle of an area."""
+    at = area.corner + (area.size - imgui.calc_text_size(text)) / 2
+    imgui.get_window_draw_list().add_text(at, imgui.get_color_u32(color), text)
+
+
 def muted(text: str) -> None:
     """A line of quiet text."""
     imgui.text_colored(theme.now().muted, text)

@@ -29,7 +29,7 @@ from app.gui.state.app_state import AppState
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
 from tests.app.gui.test_keys import keyboard
-from tests.app.gui.ui import Shown, Ui, compare, no_thumbnail
+from tests.app.gui.ui import Shown, Ui, compare
 
 Asks = Callable[[AppState], bool]
 THINGS: tuple[tuple[Asks, Callable[[AppState], object]], ...] = (
@@ -79,7 +79,7 @@ def test_escape_leaves_the_window_in_front(ui: Ui, opened: AppState) -> None:
     def draw() -> None:
         draw_export(opened)
         draw_help(opened, ())
-        draw_summary(opened, no_thumbnail)
+        draw_summary(opened, Shown())
         keys()
 
     opened.window.help_open = opened.exports.shown = True

@@ -28,7 +28,7 @@ from app.gui.work.opening import OpenRequest
 from app.gui.work.settings import Settings
 from renderer.clip import Clip
 from tests.app.gui.conftest import outside
-from tests.app.gui.ui import Shown, Ui, compare, no_thumbnail
+from tests.app.gui.ui import Shown, Ui, compare
 
 NAME = os.fsdecode(b"caf\xe9.png")
 
@@ -94,7 +94,7 @@ def test_the_file_dialog_lists_such_names(ui: Ui, state: AppState, tmp_path: Pat
     assert state.window.browsing is not None
     browse_actions.take_listing(state, state.window.browsing.request, *list_folder(ListRequest(folder)))
     for _ in range(3):
-        ui.frame(lambda: draw_browser(state, no_thumbnail))
+        ui.frame(lambda: draw_browser(state, Shown()))
     assert state.window.browsing.folder == folder
     assert [entry.path.name for entry in state.window.browsing.entries] == [NAME]
 

@@ -23,7 +23,7 @@ from renderer.camera_files import NamedCamera
 from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
 from tests.app.gui.conftest import start_live
-from tests.app.gui.ui import Draw, Ui, no_thumbnail
+from tests.app.gui.ui import Draw, Shown, Ui
 
 LONG = f"case {'of a long operation ' * 8}part "
 NAMES = tuple(f"{LONG}{number}" for number in (1, 2))
@@ -79,7 +79,7 @@ def test_of_files_in_the_dialog(state: AppState, drawn: Callable[[Draw], list[st
     browse_actions.begin(state, replace(state.window.choosing, start=tmp_path))
     assert state.window.browsing is not None
     browse_actions.take_listing(state, state.window.browsing.request, *list_folder(ListRequest(tmp_path)))
-    assert len(set(drawn(lambda: file_browser.draw_browser(state, no_thumbnail)))) == 2
+    assert len(set(drawn(lambda: file_browser.draw_browser(state, Shown())))) == 2
 
 
 def test_of_views(state: AppState, model: DynamicGaussians, drawn: Callable[[Draw], list[str]]) -> None:
@@ -94,7 +94,7 @@ def test_of_views(state: AppState, model: DynamicGaussians, drawn: Callable[[Dra
 def test_of_images_of_a_case(state: AppState, drawn: Callable[[Draw], list[str]]) -> None:
     state.summary.shown = True
     state.summary.items = tuple(Item(Path(f"{name}.png")) for name in NAMES)
-    assert len(set(drawn(lambda: summary.draw_summary(state, no_thumbnail)))) == 2
+    assert len(set(drawn(lambda: summary.draw_summary(state, Shown())))) == 2
 
 
 def test_of_what_a_folder_becomes(drawn: Callable[[Draw], list[str]]) -> None:

@@ -21,7 +21,7 @@ from enhance.vessel import VesselParams, enhance_vessels
 from renderer.clip import Clip
 from tests.app.gui.conftest import FakeJob, image_of
 from tests.app.gui.saving import saved
-from tests.app.gui.ui import Ui, no_thumbnail
+from tests.app.gui.ui import Shown, Ui
 
 STRONG = VesselParams(strength=3.0)
 
@@ -71,7 +71,7 @@ def test_every_parameter_of_the_preset_has_its_slider(ui: Ui, state: AppState) -
     assert {*VESSEL_LABELS, "strength"} == {field.name for field in fields(VesselParams)}
     actions.choose_method(state, VesselParams)
     for _ in range(2):
-        ui.frame(lambda: draw_enhancement(state, no_thumbnail))
+        ui.frame(lambda: draw_enhancement(state, Shown()))
     assert state.enhancement.params == VesselParams()
 
 

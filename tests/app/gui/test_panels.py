@@ -30,7 +30,7 @@ from enhance import EnhanceParams
 from renderer.gaussians import DynamicGaussians
 from renderer.train.events import Evaluated, Preparing, Progress, Started
 from tests.app.gui.conftest import start_live
-from tests.app.gui.ui import Draw, Shown, Ui, compare, no_thumbnail, view3d
+from tests.app.gui.ui import Draw, Shown, Ui, compare, view3d
 
 
 def test_without_a_clip_there_is_something_to_do(
@@ -60,7 +60,7 @@ def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> Non
     spots: dict[str, tuple[float, float]] = {}
 
     def draw() -> None:
-        draw_enhancement(opened, no_thumbnail)
+        draw_enhancement(opened, Shown())
         window = imgui.get_window_pos()
         spots["strength"] = (window.x + 300, window.y + 10 + 2.5 * imgui.get_frame_height_with_spacing())
         if not imgui.is_any_item_active():
@@ -170,7 +170,7 @@ def test_the_panel_shows_what_is_prepared(ui: Ui, opened: AppState, total: int) 
 
 def test_the_panels_draw_at_the_very_start(ui: Ui, state: AppState) -> None:
     state.source.clip = None
-    ui.frame(lambda: draw_enhancement(state, no_thumbnail))
+    ui.frame(lambda: draw_enhancement(state, Shown()))
     ui.frame(lambda: draw_reconstruction(state))
     ui.frame(lambda: draw_timeline(state, lambda image: imgui.ImTextureRef(1)))
     ui.frame(lambda: view3d(state))

@@ -29,7 +29,7 @@ from tests.app.gui.test_bare import in_front, shown
 from tests.app.gui.test_keys import keyboard
 from tests.app.gui.test_masking import begun, stroke
 from tests.app.gui.test_window import Driver, enhanced, is_settled, wait
-from tests.app.gui.ui import Draw, Shown, StillViewport, Ui, compare, no_texture, pictures
+from tests.app.gui.ui import Draw, Shown, StillViewport, Ui, compare, pictures
 
 
 def presented(state: AppState, shown: Shown) -> Draw:
@@ -37,7 +37,7 @@ def presented(state: AppState, shown: Shown) -> Draw:
     keys = keyboard(state)
 
     def draw() -> None:
-        draw_presentation(state, shown, StillViewport(), no_texture)
+        draw_presentation(state, shown, StillViewport())
         keys()
 
     return draw

@@ -22,7 +22,7 @@ from app.gui.state.panes import pane
 from app.gui.style import fields
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
-from tests.app.gui.ui import Ui, no_thumbnail, pictures
+from tests.app.gui.ui import Shown, Ui, pictures
 
 Spot = tuple[float, float]
 AUTOMATIC = ("z", "p", "d_factor")
@@ -147,7 +147,7 @@ def watched(monkeypatch: pytest.MonkeyPatch) -> list[Hand]:
 
 @pytest.fixture
 def hand(ui: Ui, opened: AppState, watched: list[Hand]) -> Hand:
-    made = Hand(ui, opened, lambda state: draw_enhancement(state, no_thumbnail))
+    made = Hand(ui, opened, lambda state: draw_enhancement(state, Shown()))
     watched.append(made)
     made.frame(2)
     return made
@@ -242,7 +242,7 @@ def test_in_a_narrow_panel_sliders_are_below_their_numbers(
 ) -> None:
     def narrow(state: AppState) -> None:
         with imgui_ctx.begin_child("narrow", ImVec2(width, 0)):
-            draw_enhancement(state, no_thumbnail)
+            draw_enhancement(state, Shown())
 
     hand = Hand(ui, opened, narrow)
     watched.append(hand)

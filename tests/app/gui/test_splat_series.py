@@ -17,7 +17,7 @@ from app.gui.work.recents import RecentsRequest, find_recents
 from app.gui.work.settings import Places, Settings
 from renderer.splat_files import write_splats
 from tests.app.gui.settling import settle
-from tests.app.gui.ui import Ui, no_texture
+from tests.app.gui.ui import Shown, Ui
 from tests.renderer.test_splat_series import at
 
 
@@ -61,7 +61,7 @@ def test_it_is_stepped_and_scrubbed(ui: Ui, shown: AppState) -> None:
     assert seen(shown) == 5
 
     def draw() -> None:
-        draw_timeline(shown, no_texture)
+        draw_timeline(shown, Shown())
 
     # From the left to the right end of the strip above the slider.
     ui.drag(draw, (200, 25), (700, 25))

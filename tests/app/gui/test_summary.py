@@ -32,7 +32,7 @@ from app.gui.work.settings import Places, Settings
 from enhance.noise import NoiseCut
 from enhance.ridges import field_of_view, vessel_mask
 from tests.app.gui.exporting import Exporter
-from tests.app.gui.ui import Ui, no_thumbnail
+from tests.app.gui.ui import Shown, Ui
 
 
 def add(window: Exporter) -> None:
@@ -198,7 +198,7 @@ def test_the_panel_opens_by_its_key_is_drawn_and_left(ui: Ui, run: Exporter, tex
         run.turn(20)
         assert state.summary.thumbnails[state.summary.items[0].path] is not None
     for _ in range(3):
-        ui.frame(lambda: draw_summary(state, no_thumbnail))
+        ui.frame(lambda: draw_summary(state, Shown()))
     assert imgui.get_io().want_capture_mouse is not None
     assert leaving.leave_innermost(state)
     assert not state.summary.shown

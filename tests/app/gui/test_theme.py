@@ -20,7 +20,7 @@ from app.gui.work.presets import BUILT_IN, preset_name
 from app.gui.work.settings import TEXT_PERCENTS, Places, Settings, Theme, load_settings
 from tests.app.gui.settling import keep_all
 from tests.app.gui.test_window import Driver, wait
-from tests.app.gui.ui import Ui, no_thumbnail
+from tests.app.gui.ui import Shown, Ui
 
 READABLE = 4.5
 """WCAG 2.2, success criterion 1.4.3, level AA."""
@@ -110,7 +110,7 @@ def test_the_chosen_line_of_a_list_has_a_bar(
     def draw() -> None:
         export.draw_export(opened)
         for name in BUILT_IN:
-            enhancement._draw_preset(opened, name, preset, no_thumbnail)
+            enhancement._draw_preset(opened, name, preset, Shown())
 
     ui.frame(draw)
     assert marked == [export.__name__, enhancement.__name__]

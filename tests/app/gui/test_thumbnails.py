@@ -17,7 +17,7 @@ from app.gui.work.presets import BUILT_IN
 from app.gui.work.thumbnails import SIDE, ThumbnailsRequest, make_thumbnails, smaller
 from enhance import EnhanceParams, VesselParams, enhance
 from renderer.clip import ByteImage, Clip
-from tests.app.gui.ui import Ui
+from tests.app.gui.ui import Shown, Ui
 
 
 def test_they_are_small_pictures_of_each_setting(clip: Clip) -> None:
@@ -79,7 +79,7 @@ def test_names_with_hashes_are_shown_whole(ui: Ui, opened: AppState, monkeypatch
     def draw() -> None:
         imgui.push_font(own, 15)
         shown.clear()
-        draw_presets(opened, lambda slot, image: imgui.ImTextureRef(0))
+        draw_presets(opened, Shown())
         whole = [imgui.calc_text_size(name).x for name in ("##b", *BUILT_IN, *sorted(names))]
         assert shown in (whole, whole[:1])
         imgui.pop_font()
@@ -99,13 +99,14 @@ def test_a_click_on_picture_or_name_chooses(ui: Ui, opened: AppState, aside: flo
     opened.enhancement.thumbnails = made
     spots: dict[str, tuple[float, float]] = {}
 
-    def texture(slot: str, image: ByteImage) -> imgui.ImTextureRef:
-        low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-        spots[slot] = ((low.x + high.x) / 2, (low.y + high.y) / 2)
-        return imgui.ImTextureRef(0)
+    class Spots(Shown):
+        def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
+            low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+            spots[slot] = ((low.x + high.x) / 2, (low.y + high.y) / 2)
+            return super().whole(slot, image)
 
     def draw() -> None:
-        draw_presets(opened, texture)
+        draw_presets(opened, Spots())
 
     ui.frame(draw)
     ui.drag(draw, (300, 20), (300, 20))

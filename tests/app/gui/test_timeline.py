@@ -12,7 +12,7 @@ from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.views.frame_scale import FrameScale
 from tests.app.gui.conftest import make_clip
-from tests.app.gui.ui import Ui, no_texture
+from tests.app.gui.ui import Shown, Ui
 
 SLACK = 0.75
 """Pixels by which ImGui rounds."""
@@ -30,7 +30,7 @@ class Drawn:
         found: list[tuple[float, float]] = []
 
         def draw() -> None:
-            draw_timeline(self.state, no_texture)
+            draw_timeline(self.state, Shown())
             found.extend((_ends(theme.now().grab, theme.now().lit), _ends(theme.INK)))
 
         self.ui.frame(draw)
@@ -65,13 +65,13 @@ def test_a_click_on_the_strip_brings_the_handle_there(drawn: Drawn, count: int) 
     drawn.state.source.clip = make_clip(drawn.state.places.runs, count)
     drawn.frame()
     for x in (220.0, 404.0, 640.0):
-        drawn.ui.drag(lambda: draw_timeline(drawn.state, no_texture), (x, 20), (x, 20))
+        drawn.ui.drag(lambda: draw_timeline(drawn.state, Shown()), (x, 20), (x, 20))
         handle, _ = drawn.frame()
         assert sum(handle) / 2 == pytest.approx(x, abs=(handle[1] - handle[0]) / 2 + SLACK)
 
 
 def test_a_drag_along_the_strip_scrubs_from_the_first_to_the_last_frame(drawn: Drawn) -> None:
-    draw = lambda: draw_timeline(drawn.state, no_texture)  # noqa: E731
+    draw = lambda: draw_timeline(drawn.state, Shown())  # noqa: E731
     ends = []
     for end in (-50.0, 2000.0):
         drawn.ui.drag(draw, (400, 20), (end, 20))
@@ -89,7 +89,7 @@ def test_what_a_trim_leaves_out_ends_where_the_handle_of_its_ends_does(drawn: Dr
     marks: list[float] = []
 
     def draw() -> None:
-        draw_timeline(state, no_texture)
+        draw_timeline(state, Shown())
         marks.extend(_ends(imgui.get_color_u32(theme.MARK)))
 
     drawn.ui.frame(draw)
@@ -102,7 +102,7 @@ def test_a_still_has_no_marker(drawn: Drawn) -> None:
     colors: set[int] = set()
 
     def draw() -> None:
-        draw_timeline(drawn.state, no_texture)
+        draw_timeline(drawn.state, Shown())
         colors.update(one.col for one in imgui.get_window_draw_list().vtx_buffer)
 
     drawn.ui.frame(draw)
@@ -124,7 +124,7 @@ def test_the_handle_leaves_its_label_legible(drawn: Drawn) -> None:
     found: list[bool] = []
 
     def draw() -> None:
-        draw_timeline(drawn.state, no_texture)
+        draw_timeline(drawn.state, Shown())
         lit = imgui.get_color_u32(theme.now().lit)
         found.append(any(one.col == lit for one in imgui.get_window_draw_list().vtx_buffer))
 

@@ -33,12 +33,24 @@ from tests.app.gui.exporting import Exporter
 from tests.app.gui.settling import show_finished
 from tests.app.gui.ui import (
     Draw,
+    Shown,
     StillViewport,
     Ui,
-    no_texture,
     texts,
     view3d,
 )
+
+
+class Laid(Shown):
+    """Remembers every frame that was laid over a view."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.laid: list[ByteImage] = []
+
+    def whole(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
+        self.laid.append(image)
+        return super().whole(slot, image)
 
 
 def test_the_3d_view_turns_moves_and_zooms(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
@@ -89,18 +101,18 @@ def test_the_frame_lies_pixel_for_pixel_over_the_snapped_view(
     wish = opened.frame_request
     assert wish is not None
     (opened.scene.viewer.frame_image,) = read_frame(wish)
-    laid: list[ByteImage] = []
+    laid = Laid()
 
     def draw() -> None:
-        view3d(opened, lambda image: laid.append(image) or imgui.ImTextureRef(1))
+        view3d(opened, laid)
 
     ui.frame(draw)
     request = opened.view_request
     assert request is not None
     assert request.camera == opened.source.clip.cameras[4]
     (view,) = draw_view(request)
-    assert view.image.shape == laid[0].shape
-    np.testing.assert_array_equal(laid[0], opened.source.clip.read_image(4))
+    assert view.image.shape == laid.laid[0].shape
+    np.testing.assert_array_equal(laid.laid[0], opened.source.clip.read_image(4))
     corner, size = ImVec2(10, 20), ImVec2(300, 200)
     (low, high), zoom = Sight(request.camera, Area(corner, size)).bounds, 200 / 40
     assert (high.x - low.x, high.y - low.y) == (zoom * 48, zoom * 40)  # Square pixels, all of them.
@@ -195,9 +207,9 @@ def test_two_reconstructions_share_camera_time_and_hand(
     wish = opened.frame_request
     assert wish is not None
     (opened.scene.viewer.frame_image,) = read_frame(wish)
-    laid: list[ByteImage] = []
-    ui.frame(lambda: view3d(opened, lambda image: laid.append(image) or imgui.ImTextureRef(1)))
-    assert len(laid) == 2
+    laid = Laid()
+    ui.frame(lambda: view3d(opened, laid))
+    assert len(laid.laid) == 2
 
 
 def test_a_moment_is_told_by_the_clip_s_own_frames(opened: AppState, model: DynamicGaussians) -> None:
@@ -284,7 +296,7 @@ def test_before_the_first_picture_the_pane_has_its_background(
     start_live(opened, model)
     actions.choose_background(opened, name)
     waiting = EmptyViewport()
-    ui.frame(lambda: draw_view3d(opened, waiting, waiting, no_texture))
+    ui.frame(lambda: draw_view3d(opened, waiting, waiting, Shown()))
     level = 0 if name == "black" else round(255 * GREY[0])
     filled = imgui.IM_COL32(level, level, level, 255)
     drawn = {vertex.col for part in imgui.get_draw_data().cmd_lists for vertex in part.vtx_buffer}

@@ -10,18 +10,13 @@ from app.enhancement.frame_enhancer import Pictures
 from app.gui.drawing.textures import PLAIN, Marks, OnPane
 from app.gui.drawing.viewport import OnScreen
 from app.gui.panels.compare import draw_compare
-from app.gui.panels.view3d import FrameTexture, draw_view3d
+from app.gui.panels.view3d import draw_view3d
 from app.gui.state.app_state import AppState
 from app.gui.state.tags import Tag
 from app.gui.views.picture_view import Placement
 from renderer.clip import ByteImage
 
 Draw = Callable[[], None]
-
-
-def no_thumbnail(slot: str, image: ByteImage) -> imgui.ImTextureRef:
-    """Where nothing is seen."""
-    return imgui.ImTextureRef(0)
 
 
 class Ui:
@@ -104,10 +99,6 @@ class StillViewport:
     def release(self) -> None: ...
 
 
-def no_texture(image: ByteImage) -> imgui.ImTextureRef:
-    return imgui.ImTextureRef(1)
-
-
 class StillSecond(StillViewport):
     """The same of the second view."""
 
@@ -116,8 +107,8 @@ class StillSecond(StillViewport):
         return None if request is None else OnScreen(imgui.ImTextureRef(1), (0, 0), (1, 1), request)
 
 
-def view3d(state: AppState, frame_texture: FrameTexture = no_texture) -> None:
-    draw_view3d(state, StillViewport(), StillSecond(), frame_texture)
+def view3d(state: AppState, shown: Shown | None = None) -> None:
+    draw_view3d(state, StillViewport(), StillSecond(), shown or Shown())
 
 
 def pictures(state: AppState) -> Pictures:
