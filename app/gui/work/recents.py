@@ -59,11 +59,12 @@ class Recents:
 
 def find_recents(request: RecentsRequest) -> Iterator[Recents]:
     """First which of them are there, then one image after the other."""
-    found = {text: Recent(_kind(Path(text)), _key(Path(text)) is None) for text in request.paths}
+    keys = {text: _key(Path(text)) for text in request.paths}
+    found = {text: Recent(_kind(Path(text)), key is None) for text, key in keys.items()}
     yield Recents(request, dict(found))
     names = set()
     for text, recent in found.items():
-        key = _key(Path(text))
+        key = keys[text]
         if key is None or recent.kind not in PICTURED:
             continue
         kept = request.folder / key
@@ -78,13 +79,16 @@ def find_recents(request: RecentsRequest) -> Iterator[Recents]:
 
 
 def _kind(path: Path) -> Kind:
-    if is_named_as_splats(path):
-        return "splats"
-    if path.suffix.lower() in VIEW_SUFFIXES or is_sweep(path):
-        return "report"
-    if RunFolder(path).is_run:
-        return "run"
-    return "splats" if series_files(path) else "clip"
+    with suppress(OSError):  # The system may not let us look.
+        if is_named_as_splats(path):
+            return "splats"
+        if path.suffix.lower() in VIEW_SUFFIXES or is_sweep(path):
+            return "report"
+        if RunFolder(path).is_run:
+            return "run"
+        if series_files(path):
+            return "splats"
+    return "clip"
 
 
 def _key(path: Path) -> str | None:

@@ -100,6 +100,13 @@ def test_what_is_gone_is_said_first_and_what_is_damaged_has_no_image(folder: Pat
     assert found(folder, damaged, gone).found[str(damaged)].image is None
 
 
+def test_a_place_that_cannot_be_looked_at_takes_no_image_from_the_others(folder: Path) -> None:
+    closed = Path("/", 300 * "x")  # As a folder of another user, for whoever may look into all of them.
+    table = found(folder, closed, phantom_path()).found
+    assert (table[str(closed)].kind, table[str(closed)].missing) == ("clip", True)
+    assert table[str(phantom_path())].image is not None
+
+
 def test_session_files_that_cannot_be_read_stay_as_they_are(folder: Path, tmp_path: Path) -> None:
     newer, unsynced, notes = (tmp_path / f"{name}{SUFFIX}" for name in ("newer", "unsynced", "notes"))
     contents = {newer: b'{"schema": 2}', unsynced: b"", notes: b'{"notes": "all there is", "frame": -5}'}
