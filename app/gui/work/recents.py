@@ -20,7 +20,7 @@ from app.runs.run_folder import RunFolder
 from app.sweeps.folder import is_sweep
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import DEFAULTS
-from renderer.regular_files import read_whole
+from renderer.readers.pictures import read_rgb
 from renderer.sources import open_case
 from renderer.splat_files import is_named_as_splats
 from renderer.splat_series import series_files
@@ -127,9 +127,9 @@ def _small(image: ByteImage) -> ByteImage:
 def _kept(file: Path) -> ByteImage | None:
     """None where there is none, or not what was kept."""
     with suppress(*TROUBLE):
-        image = cv2.imdecode(np.frombuffer(read_whole(file), np.uint8), cv2.IMREAD_COLOR)
-        if image is not None and max(image.shape[:2]) <= SIDE:
-            return np.ascontiguousarray(image[..., ::-1], dtype=np.uint8)
+        image = read_rgb(file)
+        if max(image.shape[:2]) <= SIDE:
+            return image
     return None
 
 

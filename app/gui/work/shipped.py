@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import cv2
-import numpy as np
-
 from app.errors import UserError
 from renderer.clip import ByteImage
-from renderer.regular_files import read_whole
+from renderer.readers.pictures import read_rgb
 
 Role = Literal["text", "point", "image"]
 
@@ -43,7 +40,7 @@ class Guide:
 
 
 def read_guide(folder: Path) -> Iterator[Guide]:
-    """Raises OSError or UserError."""
+    """Raises OSError, UserError or ClipError."""
     pages = tuple(parsed(file.read_text(encoding="utf-8")) for file in sorted(folder.glob("*.md")))
     if not pages:
         raise UserError(f"expected the pages of the guide, found none in {folder}")
@@ -51,7 +48,7 @@ def read_guide(folder: Path) -> Iterator[Guide]:
 
 
 def read_welcome(folder: Path) -> Iterator[Mapping[str, ByteImage]]:
-    """The images of the first page by name. Raises OSError or UserError."""
+    """The images of the first page by name. Raises ClipError."""
     yield _images(folder)
 
 
@@ -74,11 +71,4 @@ def _blocks(part: str) -> Iterator[Block]:
 
 
 def _images(folder: Path) -> Mapping[str, ByteImage]:
-    return {file.name: _image(file) for file in sorted(folder.glob("*.jpg"))}
-
-
-def _image(file: Path) -> ByteImage:
-    image = cv2.imdecode(np.frombuffer(read_whole(file), np.uint8), cv2.IMREAD_COLOR)
-    if image is None:
-        raise UserError(f"expected an image of the guide, got another file: {file}")
-    return np.ascontiguousarray(image[..., ::-1], dtype=np.uint8)
+    return {file.name: read_rgb(file) for file in sorted(folder.glob("*.jpg"))}
