@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from renderer.readers.stills import images_in
@@ -21,7 +22,12 @@ class Neighbours:
 
     def place(self, image: Path | None) -> int | None:
         """Of an image, from 0; None where it is none of them."""
-        return self.images.index(image) if image in self.images else None
+        return None if image is None else self._places.get(image)
+
+    @cached_property
+    def _places(self) -> dict[Path, int]:
+        """Asked for several times in each frame of the window, of a folder that may hold thousands."""
+        return {image: place for place, image in enumerate(self.images)}
 
     def onward(self, image: Path | None, by: int) -> tuple[Path, ...]:
         """From the one that is `by` on or back, as far as they go, to the last one in that direction."""

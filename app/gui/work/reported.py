@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -100,7 +101,7 @@ class Chart:
         """To choose it by."""
         return f"{self.title}: {self.measure}" if self.points else self.title
 
-    @property
+    @cached_property
     def corner_is_free(self) -> bool:
         """Nothing lies in the corner beyond the front, where no setting is both faster and better."""
         for point in self.points:
