@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import cv2
@@ -53,42 +53,63 @@ LEAST = 0.5
 """Of the colour difference (CIEDE2000, where 1 is just noticeable): less is nobody's loss."""
 
 
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """A frame as it was recorded, with what enhanced ones are measured by."""
+
+    image: ByteImage
+    view: BoolImage
+    """(H, W), True where the endoscope sees something."""
+    vessels: BoolImage
+    """(H, W)."""
+    measures: Measures
+
+    @classmethod
+    def of(cls, image: ByteImage) -> Reference:
+        view = field_of_view(image)
+        vessels = vessel_mask(image, tissue_mask=view)
+        return cls(image, view, vessels, measured(image, image, vessels, view, 0.0))
+
+    def measured(self, enhanced: ByteImage, milliseconds: float) -> Measures:
+        """Of the same frame enhanced, in so much time. Raises ImageError."""
+        return measured(enhanced, self.image, self.vessels, self.view, milliseconds)
+
+    @cached_property
+    def spread(self) -> Spread:
+        return spread(self.image)
+
+    def is_fainter(self, enhanced: ByteImage) -> bool:
+        """Whether vessels are, of the lines that are no creases."""
+        vessels, tissue = self._open
+        before, after = (
+            vessel_color_difference(image, vessels, tissue_mask=tissue) for image in (self.image, enhanced)
+        )
+        return _loses(before, after)
+
+    @cached_property
+    def _open(self) -> tuple[BoolImage, BoolImage]:
+        """Those lines, and the tissue without creases."""
+        tissue = self.view & ~creases(self.image)
+        return vessel_mask(self.image, tissue_mask=tissue), tissue
+
+
 class Measurer:
     """Measures pictures; remembers what follows from the frame alone."""
 
     def __init__(self) -> None:
-        self._original: ByteImage | None = None
-        self._masks: tuple[BoolImage, BoolImage] | None = None
-        self._before: tuple[Measures, Spread] | None = None
-        self._open: tuple[BoolImage, BoolImage] | None = None
+        self._of: Reference | None = None
 
     def measure(self, pictures: Pictures) -> Iterator[Measured]:
         """Raises ImageError."""
-        original, enhanced = pictures.original, pictures.enhanced
+        enhanced = pictures.enhanced
         if enhanced is None:
             return
-        if self._original is not original or self._masks is None or self._before is None:
-            view = field_of_view(original)
-            self._original, self._masks = original, (vessel_mask(original, tissue_mask=view), view)
-            self._open = None
-            self._before = measured(original, original, *self._masks, 0.0), spread(original)
-        after = measured(enhanced, original, *self._masks, pictures.milliseconds)
-        before = self._before[0]
-        fainter = _loses(before.color_difference, after.color_difference) and self._is_fainter(
-            original, enhanced, self._masks[1]
-        )
-        yield Measured(pictures, before, after, self._before[1], spread(enhanced), fainter)
-
-    def _is_fainter(self, original: ByteImage, enhanced: ByteImage, view: BoolImage) -> bool:
-        """Whether vessels are, of the lines that are no creases."""
-        if self._open is None:
-            tissue = view & ~creases(original)
-            self._open = vessel_mask(original, tissue_mask=tissue), tissue
-        vessels, tissue = self._open
-        before, after = (
-            vessel_color_difference(image, vessels, tissue_mask=tissue) for image in (original, enhanced)
-        )
-        return _loses(before, after)
+        if self._of is None or self._of.image is not pictures.original:
+            self._of = Reference.of(pictures.original)
+        of = self._of
+        before, after = of.measures, of.measured(enhanced, pictures.milliseconds)
+        fainter = _loses(before.color_difference, after.color_difference) and of.is_fainter(enhanced)
+        yield Measured(pictures, before, after, of.spread, spread(enhanced), fainter)
 
 
 def _loses(before: float, after: float) -> bool:

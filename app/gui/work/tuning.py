@@ -9,9 +9,8 @@ import cv2
 import numpy as np
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
-from app.enhancement.parameter_grid import Measures, Setting, measured
-from enhance.image import BoolImage
-from enhance.ridges import field_of_view, vessel_mask
+from app.enhancement.parameter_grid import Measures, Setting
+from app.gui.work.measuring import Reference
 from renderer.clip import ByteImage
 
 THUMB_WIDTH, THUMB_HEIGHT = 480, 960
@@ -49,39 +48,27 @@ class GridCell:
     """Of the original."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Known:
-    """What all cells of a grid have in common."""
-
-    original: ByteImage
-    small: ByteImage
-    view: BoolImage
-    vessels: BoolImage
-    measures: Measures
-
-
 class CellMaker:
     """Answers CellRequests with the window's own enhancement; remembers the picture and its masks."""
 
     def __init__(self) -> None:
         self._pictures = PictureMaker()
-        self._known: _Known | None = None
+        self._known: tuple[Reference, ByteImage] | None = None
+        """The original, and as it is in the grid: one for all cells."""
 
     def make(self, request: CellRequest) -> Iterator[GridCell]:
         """Raises ClipError or ImageError."""
         wanted = request.grid.picture.with_params(request.setting.params)
         pictures = list(self._pictures.make(wanted))[-1]
         assert pictures.enhanced is not None
-        if self._known is None or self._known.original is not pictures.original:
-            self._known = _known(pictures.original)
-        known = self._known
-        measures = measured(
-            pictures.enhanced, known.original, known.vessels, known.view, pictures.milliseconds
-        )
-        image, original = pictures.enhanced, known.original
+        if self._known is None or self._known[0].image is not pictures.original:
+            self._known = Reference.of(pictures.original), thumbnail(pictures.original)
+        of, small = self._known
+        measures = of.measured(pictures.enhanced, pictures.milliseconds)
+        image, original = pictures.enhanced, of.image
         if not request.whole:
-            image, original = thumbnail(image), known.small
-        yield GridCell(request, image, measures, original, known.measures)
+            image, original = thumbnail(image), small
+        yield GridCell(request, image, measures, original, of.measures)
 
 
 def thumbnail(image: ByteImage) -> ByteImage:
@@ -92,15 +79,3 @@ def thumbnail(image: ByteImage) -> ByteImage:
         return image
     size = max(1, round(scale * width)), max(1, round(scale * height))
     return cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.uint8)
-
-
-def _known(original: ByteImage) -> _Known:
-    view = field_of_view(original)
-    vessels = vessel_mask(original, tissue_mask=view)
-    return _Known(
-        original,
-        thumbnail(original),
-        view,
-        vessels,
-        measured(original, original, vessels, view, 0.0),
-    )
