@@ -6,7 +6,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
 from app.gui.actions import actions
 from app.gui.drawing.textures import ShowsPictures
-from app.gui.panels.swept import MARKERS, NEAR, draw_swept
+from app.gui.panels.swept import MARKERS, draw_swept, nearest, ring
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import centered, choose, em, muted
@@ -94,8 +94,10 @@ def _plot(chart: Chart, now: Point | None) -> None:
     if front is not None:
         implot.plot_stairs(front.name, front.across, front.up, implot.Spec(line_weight=em(0.1)))
     if now is not None:
-        _draw_dot(chart, now)
-    _explain_nearest(chart)
+        ring(*chart.place(now), filled=True)
+    if (point := nearest((one, chart.place(one)) for one in chart.points)) is not None:
+        default = " (default)" if point.is_default else ""
+        imgui.set_tooltip(f"{point.series}: {point.setting}{default}\n{chart.told(point, 4)}")
 
 
 def _setup(axis: int, scale: Scale, *, logarithmic: bool) -> None:
@@ -103,28 +105,6 @@ def _setup(axis: int, scale: Scale, *, logarithmic: bool) -> None:
     if logarithmic:
         implot.setup_axis_scale(axis, implot.Scale_.log10)
         implot.setup_axis_ticks(axis, list(scale.ticks), scale.labels)
-
-
-def _draw_dot(chart: Chart, now: Point) -> None:
-    place = implot.plot_to_pixels(*chart.place(now))
-    draw = implot.get_plot_draw_list()
-    implot.push_plot_clip_rect()
-    draw.add_circle_filled(place, em(0.38), imgui.get_color_u32(theme.now().accent))
-    draw.add_circle(place, em(0.6), imgui.get_color_u32(theme.now().accent), 0, em(0.12))
-    implot.pop_plot_clip_rect()
-
-
-def _explain_nearest(chart: Chart) -> None:
-    """Name the setting under the pointer."""
-    if not implot.is_plot_hovered():
-        return
-    mouse = imgui.get_mouse_pos()
-    for point in chart.points:
-        place = implot.plot_to_pixels(*chart.place(point))
-        if (place.x - mouse.x) ** 2 + (place.y - mouse.y) ** 2 < em(NEAR) ** 2:
-            default = " (default)" if point.is_default else ""
-            imgui.set_tooltip(f"{point.series}: {point.setting}{default}\n{chart.told(point, 4)}")
-            return
 
 
 def draw_part(part: ReportPart) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
+from typing import TypeVar
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
@@ -14,6 +16,7 @@ from app.gui.style.widgets import button, choose, em, muted
 from app.gui.work.reported import plain
 from app.gui.work.swept import Swept, SweptJob, in_words
 
+P = TypeVar("P")
 MARKERS = 10
 """Shapes of ImPlot, so that colour is not the only sign."""
 NEAR = 0.75
@@ -59,35 +62,37 @@ def _plot(state: AppState, sweep: Swept, across: str, up: str) -> None:
         mark = implot.Spec(marker=place % MARKERS, marker_size=em(0.28))
         implot.plot_scatter(name, *sweep.places(name, across, up), mark)
     if (job := state.reports.job) is not None and across in job.values and up in job.values:
-        _ring(job, across, up)
-    if (near := _nearest(sweep, across, up)) is not None:
+        ring(job.values[across], job.values[up])
+    drawn = (job for job in sweep.jobs if across in job.values and up in job.values)
+    if (near := nearest((job, (job.values[across], job.values[up])) for job in drawn)) is not None:
         told = [f"{in_words(axis)} {plain(near.values[axis], 4)}" for axis in (up, across)]
         imgui.set_tooltip("\n".join([near.clip, near.setting, *told]))
         if imgui.is_mouse_clicked(imgui.MouseButton_.left):
             sweep_actions.choose_job(state, near)
 
 
-def _ring(job: SweptJob, across: str, up: str) -> None:
-    """Around the chosen job."""
-    place = implot.plot_to_pixels(job.values[across], job.values[up])
-    implot.push_plot_clip_rect()
+def ring(x: float, y: float, *, filled: bool = False) -> None:
+    """Around what is chosen, at these values of the plot's axes; `filled`: where no point is drawn."""
+    place, ink = implot.plot_to_pixels(x, y), imgui.get_color_u32(theme.now().accent)
     draw = implot.get_plot_draw_list()
-    draw.add_circle(place, em(0.6), imgui.get_color_u32(theme.now().accent), 0, em(0.12))
+    implot.push_plot_clip_rect()
+    if filled:
+        draw.add_circle_filled(place, em(0.38), ink)
+    draw.add_circle(place, em(0.6), ink, 0, em(0.12))
     implot.pop_plot_clip_rect()
 
 
-def _nearest(sweep: Swept, across: str, up: str) -> SweptJob | None:
-    """Under the pointer."""
+def nearest(places: Iterable[tuple[P, tuple[float, float]]]) -> P | None:
+    """What is under the pointer, of points and where each is on the plot's axes."""
     if not implot.is_plot_hovered():
         return None
     mouse = imgui.get_mouse_pos()
     best, least = None, em(NEAR) ** 2
-    for job in sweep.jobs:
-        if across in job.values and up in job.values:
-            place = implot.plot_to_pixels(job.values[across], job.values[up])
-            apart = (place.x - mouse.x) ** 2 + (place.y - mouse.y) ** 2
-            if apart < least:
-                best, least = job, apart
+    for one, (x, y) in places:
+        place = implot.plot_to_pixels(x, y)
+        apart = (place.x - mouse.x) ** 2 + (place.y - mouse.y) ** 2
+        if apart < least:
+            best, least = one, apart
     return best
 
 
