@@ -144,7 +144,7 @@ def open_path(request: OpenRequest) -> Iterator[Opened]:
     if request.onward is not None:
         yield _open_next(request.path, request.onward, request.options)
     else:
-        yield from _open(request)
+        yield _open(request)
 
 
 def _open_next(first: Path, onward: tuple[Path, ...], options: ClipOptions) -> Opened:
@@ -152,7 +152,7 @@ def _open_next(first: Path, onward: tuple[Path, ...], options: ClipOptions) -> O
     passed, trouble = list[str](), ClipError(f"expected an image, got none: {first}")
     for path in (first, *onward):
         try:
-            (opened,) = _open(OpenRequest(path, options))
+            opened = _open(OpenRequest(path, options))
         except (ClipError, UserError, OSError) as error:
             passed.append(path.name)
             trouble = ClipError(str(error)) if len(passed) == 1 else trouble
@@ -162,33 +162,27 @@ def _open_next(first: Path, onward: tuple[Path, ...], options: ClipOptions) -> O
     raise trouble
 
 
-def _open(request: OpenRequest) -> Iterator[Opened]:
+def _open(request: OpenRequest) -> Opened:
     _require_file_or_folder(request.path)
     if request.path.suffix == SUFFIX:
-        yield _open_session(request.path, request.source)
-        return
+        return _open_session(request.path, request.source)
     if is_named_as_splats(request.path):
-        yield _open_splats(splat_scene(request.path))
-        return
+        return _open_splats(splat_scene(request.path))
     if request.path.suffix.lower() in VIEW_SUFFIXES:
-        yield _open_beside(request.path)
-        return
+        return _open_beside(request.path)
     if is_sweep(request.path):
-        yield Opened(None, report=read_sweep_report(request.path))
-        return
+        return Opened(None, report=read_sweep_report(request.path))
     folder = request.path.parent if request.path.suffix == ".safetensors" else request.path
     run = RunFolder(folder)
     if run.is_run or request.path.suffix == ".safetensors":
         # One run is known by one path, however it is written.
-        yield _open_run(RunFolder(folder.resolve()), request.source, request.beside)
-        return
+        return _open_run(RunFolder(folder.resolve()), request.source, request.beside)
     if series_files(request.path):
-        yield _open_splats(series_scene(request.path))
-        return
+        return _open_splats(series_scene(request.path))
     read = _warned((_calibrated if request.calibration else _read_anyhow)(request))
     # A folder that lists but does not decode is found out here, not in the middle of a session.
     read.bare.read_image(0)
-    yield Opened(
+    return Opened(
         read.clip, bare=read.bare, notices=read.clip.notices, options=read.options, warning=read.warning
     )
 
@@ -280,7 +274,7 @@ def _open_session(path: Path, source: Path | None) -> Opened:
         old = named.place(path)
         raise SourceLost(f"{_expected(old)}: {path}", path, old)
     of_run = source if place == run else None
-    (opened,) = open_path(OpenRequest(place, session.clip_options, source=of_run))
+    opened = _open(OpenRequest(place, session.clip_options, source=of_run))
     lost = opened.lost and SourceLost(str(opened.lost), path, opened.lost.old)
     if session.run is not None and place != run:
         lost = lost or _run_lost(session.run, path, place)
