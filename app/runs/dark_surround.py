@@ -91,8 +91,3 @@ def as_dense(config: TrainConfig, field: FieldOfView | None) -> TrainConfig:
 
 def _lit_share(field: FieldOfView) -> float:
     return float(field.mask().mean())
-
-
-def notice_of(field: FieldOfView) -> str:
-    """The same in a line, for the start of training."""
-    return f"left out: the dark surround, {omission_of(field).saves}"

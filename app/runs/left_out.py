@@ -52,9 +52,11 @@ def left_out_of(part: ClipPart) -> tuple[list[Omission], list[str]]:
     """What is left out, and the same in lines for the start of training."""
     omitted, lines = list[Omission](), list[str]()
     if part.field_of_view is not None:
-        omitted.append(dark_surround.omission_of(part.field_of_view))
-        lines.append(dark_surround.notice_of(part.field_of_view))
+        surround = dark_surround.omission_of(part.field_of_view)
+        omitted.append(surround)
+        lines.append(f"left out: the dark surround, {surround.saves}")
     if part.tools is not None:
-        omitted.append(unmasked_tools.omission_of(part.tools))
-        lines.append(unmasked_tools.notice_of(part.tools))
+        tools = unmasked_tools.omission_of(part.tools)
+        omitted.append(tools)
+        lines.append(f"left out: tools, {tools.why}: {tools.saves} (--keep tools reconstructs them)")
     return omitted, lines

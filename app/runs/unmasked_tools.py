@@ -48,9 +48,3 @@ def omission_of(found: FoundTools) -> Omission:
         f"{found.share:.0%} of the pixels",
         "tools",
     )
-
-
-def notice_of(found: FoundTools) -> str:
-    """The same in a line, for the start of training."""
-    omitted = omission_of(found)
-    return f"left out: tools, {omitted.why}: {omitted.saves} (--keep tools reconstructs them)"
