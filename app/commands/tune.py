@@ -17,19 +17,9 @@ from app.console.flags import add_fields
 from app.console.older_files import say_older
 from app.console.progress import measured_text, print_measures, progress
 from app.enhancement.contact_sheet import Tile, columns_of, contact_sheet, tile
+from app.enhancement.measures import DEFINITIONS, METRICS, Measures
 from app.enhancement.methods import PAPER, VESSEL
-from app.enhancement.parameter_grid import (
-    DEFINITIONS,
-    METRICS,
-    Axis,
-    Measures,
-    Setting,
-    axis,
-    joined,
-    ranked,
-    settings,
-    tried,
-)
+from app.enhancement.parameter_grid import Axis, Setting, axis, joined, ranked, settings, tried
 from app.enhancement.records import EnhancedPicture, SheetCell, TuningSheet
 from app.enhancement.settable import PIXELS, Pixels, drawn
 from app.enhancement.setting_words import LABELS, said

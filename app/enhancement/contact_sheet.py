@@ -11,7 +11,8 @@ import cv2
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from app.enhancement.parameter_grid import Cell, Measures
+from app.enhancement.measures import Measures
+from app.enhancement.parameter_grid import Cell
 from app.files.image_files import ArrayImage
 from app.files.provenance import NOTICE
 from renderer.clip import ByteImage

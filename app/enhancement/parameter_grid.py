@@ -1,33 +1,28 @@
-"""A grid of settings tried on one image: which values, the results, and their measures."""
+"""A grid of settings tried on one image: which values, and the results, the best first."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import product
 from time import perf_counter
-from types import MappingProxyType
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from pydantic import ValidationError
 
 from app.console.flags import AUTO, problem
+from app.enhancement.measures import SMALLER_IS_BETTER, MeasuredOver, Measures, Original
 from app.enhancement.methods import EnhancementSettings, MethodEnhancer, load_kernels
 from app.errors import UserError
 from app.files.image_files import ArrayImage
 from enhance import Statistics
-from enhance.color_difference import vessel_color_difference
 from enhance.image import BoolImage
-from enhance.metrics import dvbv_otsu, saturated_share, vessel_contrast
-from enhance.noise import NoiseCut, chroma_noise_gain, noise_gain
-from enhance.ridges import field_of_view, vessel_mask
+from enhance.noise import NoiseCut
 from enhance.shown import Pixels
 
 MOST_CELLS = 400
-MeasuredOver = Literal["field of view", "whole image"]
-"""The pixels that DV, BV and the saturated share are of; every other measure is of the field of view."""
 SLOWEST: Final = ("radii", "subsample", "eps", "radius", "shading")
 """What an enhancer computes first: these vary least often, so that most cells compute only their own part."""
 
@@ -48,46 +43,6 @@ class Axis:
 def joined(value: object) -> object:
     """Several values as one text."""
     return "/".join(map(str, value)) if isinstance(value, tuple) else value
-
-
-@dataclass(frozen=True)
-class Measures:
-    """What is measured of one cell; `DEFINITIONS` says how."""
-
-    dv: float
-    bv: float
-    dv_bv: float
-    vessel_contrast: float
-    noise_gain: float
-    saturated_share: float
-    milliseconds: float
-    color_difference: float = math.nan
-    chroma_noise_gain: float = math.nan
-
-
-METRICS: Final = tuple(item.name for item in fields(Measures))
-SMALLER_IS_BETTER: Final = frozenset(
-    {"bv", "noise_gain", "saturated_share", "milliseconds", "chroma_noise_gain"}
-)
-DEFINITIONS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold, "
-        "over the field of view",
-        "vessel_contrast": "Weber contrast in green of the original's strongest dark ridges against a ring",
-        "noise_gain": "high-frequency noise over that of the original, where the original is flat",
-        "saturated_share": "share of the field of view whose largest channel is 250 of 255 or more",
-        "color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 pixels",
-        "chroma_noise_gain": "as noise_gain, of the colours alone",
-        "milliseconds": "for what this cell changes, after the cells computed before it",
-    }
-)
-DEFINITIONS_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
-        "saturated_share": "share of pixels whose largest channel is 250 of 255 or more",
-    }
-)
-"""Of those that are of the whole image, its black surround included, in files that ask for that."""
 
 
 @dataclass(frozen=True)
@@ -204,9 +159,7 @@ def tried(
     Raises:
         ImageError: a picture that cannot be enhanced.
     """
-    view = field_of_view(image)
-    vessels = vessel_mask(image, tissue_mask=view)
-    order = working_order(wanted)
+    original, order = Original.of(image), working_order(wanted)
     for one in order[:1]:
         load_kernels(one.params, image)
     enhancer = MethodEnhancer()
@@ -215,38 +168,13 @@ def tried(
         start = perf_counter()
         result = enhancer.enhance(setting.params)
         milliseconds = 1000 * (perf_counter() - start)
-        measures = measured(result.image, image, vessels, view, milliseconds, measured_over, noise_cut)
+        measures = original.measures(result.image, milliseconds, measured_over, noise_cut)
         yield Cell(setting, result.image, result.statistics, measures)
 
 
 def working_order(wanted: Sequence[Setting]) -> list[Setting]:
     """Settings that share what takes longest follow each other."""
     return sorted(wanted, key=lambda one: [str(getattr(one.params, name, "")) for name in SLOWEST])
-
-
-def measured(
-    image: ArrayImage,
-    original: ArrayImage,
-    vessels: BoolImage,
-    view: BoolImage,
-    milliseconds: float,
-    measured_over: MeasuredOver = "field of view",
-    noise_cut: NoiseCut = "by rank",
-) -> Measures:
-    """Of an enhanced picture; `vessels` and `view` are masks (H, W) of the original."""
-    pixels = view if measured_over == "field of view" else None
-    otsu = dvbv_otsu(image, tissue_mask=pixels)
-    return Measures(
-        dv=otsu.dv,
-        bv=otsu.bv,
-        dv_bv=otsu.ratio,
-        vessel_contrast=vessel_contrast(image, vessels, tissue_mask=view),
-        noise_gain=noise_gain(image, original, tissue_mask=view, cut=noise_cut),
-        saturated_share=saturated_share(image, tissue_mask=pixels),
-        milliseconds=milliseconds,
-        color_difference=vessel_color_difference(image, vessels, tissue_mask=view),
-        chroma_noise_gain=chroma_noise_gain(image, original, tissue_mask=view, cut=noise_cut),
-    )
 
 
 def ranked(measured: Sequence[Measures], metric: str) -> list[int]:

@@ -9,8 +9,8 @@ from pydantic import BeforeValidator, PlainSerializer
 from pydantic.dataclasses import dataclass
 
 from app.enhancement.contact_sheet import Undefined
+from app.enhancement.measures import MeasuredOver, Measures
 from app.enhancement.methods import RecordedSettings
-from app.enhancement.parameter_grid import MeasuredOver, Measures
 from app.enhancement.settable import Pixels
 from app.files.dicom.choices import DicomChoices
 from app.files.provenance import plain

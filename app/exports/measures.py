@@ -9,14 +9,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from app.enhancement.parameter_grid import DEFINITIONS, DEFINITIONS_BEFORE, MeasuredOver, measured
+from app.enhancement.measures import DEFINITIONS, DEFINITIONS_BEFORE, MeasuredOver, Original
 from app.exports.panes import Made, PaneMaker
 from app.exports.records import MeasuresTable
 from app.exports.sizing import Sizing
 from app.files.atomic import together, write_bytes
 from app.files.provenance import write_sidecar
 from enhance.noise import NoiseCut
-from enhance.ridges import field_of_view, vessel_mask
 
 Row = dict[str, Any]
 
@@ -33,13 +32,8 @@ def measures_at(
 
     Raises ClipError or ImageError.
     """
-    original = maker.clip.read_image(frame)
-    view = field_of_view(original)
-    vessels = vessel_mask(original, tissue_mask=view)
-    found = (
-        asdict(measured(one.panel.image, original, vessels, view, 0.0, measured_over, noise_cut))
-        for one in made
-    )
+    original = Original.of(maker.clip.read_image(frame))
+    found = (asdict(original.measures(one.panel.image, 0.0, measured_over, noise_cut)) for one in made)
     return [{name: one[name] for name in names} for one in found]
 
 

@@ -9,8 +9,8 @@ from pydantic import Discriminator, TypeAdapter, model_validator
 from pydantic.dataclasses import dataclass
 
 from app.enhancement.image_mask import NO_MASK, PictureMask
+from app.enhancement.measures import METRICS, MeasuredOver
 from app.enhancement.methods import RecordedSettings
-from app.enhancement.parameter_grid import METRICS, MeasuredOver
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.enhancement.settable import (
     LONGEST_NAME,

@@ -18,8 +18,9 @@ from pydantic import ConfigDict, PlainSerializer, PlainValidator, TypeAdapter, m
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import shortened
+from app.enhancement.measures import METRICS
 from app.enhancement.methods import RecordedSettings
-from app.enhancement.parameter_grid import METRICS, Axis
+from app.enhancement.parameter_grid import Axis
 from app.enhancement.settable import (
     MOST_VALUES,
     SLOTS,

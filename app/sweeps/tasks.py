@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from app.enhancement.enhance_files import Setting, enhanced, pooled_statistics
+from app.enhancement.measures import METRICS, Measures, Original
 from app.enhancement.methods import MethodEnhancer, load_kernels
-from app.enhancement.parameter_grid import Measures, measured
 from app.enhancement.records import EnhancedPicture
 from app.evaluation.evaluate import Evaluation, open_evaluation
 from app.evaluation.mean import mean_of_finite
@@ -24,7 +23,6 @@ from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, run_training
 from app.sweeps.jobs import PICTURE, RENDERS, RUN, SURFACE, Job, Keeps
 from app.sweeps.settings import Enhancing, Meshing, Training
 from app.sweeps.surfaces import mesh_measures
-from enhance.ridges import field_of_view, vessel_mask
 from renderer.train.checkpoint import checkpoint_paths
 
 Numbers = dict[str, float | None]
@@ -81,13 +79,11 @@ def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Number
         began = perf_counter()
         result, record = enhanced(record, image, enhancer)
         milliseconds = 1000 * (perf_counter() - began)
-        view = field_of_view(image)
-        found.append(measured(result, image, vessel_mask(image, tissue_mask=view), view, milliseconds))
+        found.append(Original.of(image).measures(result, milliseconds))
         if index == kept and result.dtype.kind != "f":
             profile = profile_of(series.sources[index], result)
             write_image(folder / PICTURE, result, record.signed, profile=profile)
-    names = [field.name for field in fields(Measures)]
-    means = {name: mean_of_finite(getattr(one, name) for one in found) for name in names}
+    means = {name: mean_of_finite(getattr(one, name) for one in found) for name in METRICS}
     return means | {"images": float(len(found))}
 
 

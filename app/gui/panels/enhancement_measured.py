@@ -10,7 +10,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import Pictures
-from app.enhancement.parameter_grid import DEFINITIONS, Measures
+from app.enhancement.measures import DEFINITIONS, Measures
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.style import theme

@@ -9,8 +9,9 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.amounts import Amount
+from app.enhancement.measures import DEFINITIONS, SMALLER_IS_BETTER, Measures
 from app.enhancement.methods import EnhancementSettings
-from app.enhancement.parameter_grid import DEFINITIONS, SMALLER_IS_BETTER, Measures, Setting
+from app.enhancement.parameter_grid import Setting
 from app.enhancement.settable import MOST_VALUES
 from app.enhancement.setting_words import LABELS, VESSEL_LABELS, in_the_paper, said
 from app.gui.actions import laid_out, picture_actions, tuning_actions

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.measures import Measures, Original
 from app.enhancement.methods import EnhancementSettings
-from app.enhancement.parameter_grid import Measures, measured
 from enhance import EnhanceParams, Statistics
 from enhance.brightness import brighten, z_from_level
 from enhance.color_difference import vessel_color_difference
-from enhance.ridges import creases, field_of_view, vessel_mask
+from enhance.ridges import creases, vessel_mask
 from enhance.saturation import Saturation, stretch
 from renderer.clip import BoolImage, ByteImage
 
@@ -57,40 +57,37 @@ LEAST = 0.5
 class Reference:
     """A frame as it was recorded, with what enhanced ones are measured by."""
 
-    image: ByteImage
-    view: BoolImage
-    """(H, W), True where the endoscope sees something."""
-    vessels: BoolImage
-    """(H, W)."""
-    measures: Measures
+    original: Original
 
     @classmethod
     def of(cls, image: ByteImage) -> Reference:
-        view = field_of_view(image)
-        vessels = vessel_mask(image, tissue_mask=view)
-        return cls(image, view, vessels, measured(image, image, vessels, view, 0.0))
+        """Raises ImageError."""
+        return cls(Original.of(image))
 
-    def measured(self, enhanced: ByteImage, milliseconds: float) -> Measures:
-        """Of the same frame enhanced, in so much time. Raises ImageError."""
-        return measured(enhanced, self.image, self.vessels, self.view, milliseconds)
+    @cached_property
+    def measures(self) -> Measures:
+        """Of the frame itself. Raises ImageError."""
+        return self.original.measures(self.original.image)
 
     @cached_property
     def spread(self) -> Spread:
-        return spread(self.image)
+        return spread(self.original.image)
 
     def is_fainter(self, enhanced: ByteImage) -> bool:
         """Whether vessels are, of the lines that are no creases."""
         vessels, tissue = self._open
         before, after = (
-            vessel_color_difference(image, vessels, tissue_mask=tissue) for image in (self.image, enhanced)
+            vessel_color_difference(image, vessels, tissue_mask=tissue)
+            for image in (self.original.image, enhanced)
         )
         return _loses(before, after)
 
     @cached_property
     def _open(self) -> tuple[BoolImage, BoolImage]:
         """Those lines, and the tissue without creases."""
-        tissue = self.view & ~creases(self.image)
-        return vessel_mask(self.image, tissue_mask=tissue), tissue
+        image, view = self.original.image, self.original.view
+        tissue = view & ~creases(image)
+        return vessel_mask(image, tissue_mask=tissue), tissue
 
 
 class Measurer:
@@ -104,10 +101,10 @@ class Measurer:
         enhanced = pictures.enhanced
         if enhanced is None:
             return
-        if self._of is None or self._of.image is not pictures.original:
+        if self._of is None or self._of.original.image is not pictures.original:
             self._of = Reference.of(pictures.original)
         of = self._of
-        before, after = of.measures, of.measured(enhanced, pictures.milliseconds)
+        before, after = of.measures, of.original.measures(enhanced, pictures.milliseconds)
         fainter = _loses(before.color_difference, after.color_difference) and of.is_fainter(enhanced)
         yield Measured(pictures, before, after, of.spread, spread(enhanced), fainter)
 

@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
-from app.enhancement.parameter_grid import Measures, Setting
+from app.enhancement.measures import Measures
+from app.enhancement.parameter_grid import Setting
 from app.gui.work.measuring import Reference
 from renderer.clip import ByteImage
 
@@ -61,11 +62,11 @@ class CellMaker:
         wanted = request.grid.picture.with_params(request.setting.params)
         pictures = list(self._pictures.make(wanted))[-1]
         assert pictures.enhanced is not None
-        if self._known is None or self._known[0].image is not pictures.original:
+        if self._known is None or self._known[0].original.image is not pictures.original:
             self._known = Reference.of(pictures.original), thumbnail(pictures.original)
         of, small = self._known
-        measures = of.measured(pictures.enhanced, pictures.milliseconds)
-        image, original = pictures.enhanced, of.image
+        measures = of.original.measures(pictures.enhanced, pictures.milliseconds)
+        image, original = pictures.enhanced, pictures.original
         if not request.whole:
             image, original = thumbnail(image), small
         yield GridCell(request, image, measures, original, of.measures)

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from app.enhancement.contact_sheet import columns_of, in_words
-from app.enhancement.parameter_grid import METRICS, Axis, Measures, axis, ranked, settings, tried
+from app.enhancement.measures import METRICS, Measures
+from app.enhancement.parameter_grid import Axis, axis, ranked, settings, tried
 from app.errors import UserError
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance, write_png

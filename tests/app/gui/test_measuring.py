@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Pictures
-from app.enhancement.parameter_grid import METRICS
+from app.enhancement.measures import METRICS
 from app.gui.actions import actions
 from app.gui.panels.enhancement_measured import misleads
 from app.gui.panels.tuning import SORT_LABELS

@@ -15,7 +15,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.enhancement.image_mask import PictureMask
-from app.enhancement.parameter_grid import METRICS
+from app.enhancement.measures import METRICS
 from app.exports.comparison_images import DifferenceRequest, heat_map
 from app.exports.exporting import ExportRequest, export
 from app.exports.records import PanesPicture

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.enhancement.parameter_grid import measured
+from app.enhancement.measures import Original
 from app.exports.html_file import facts_in
 from app.exports.make import make
 from app.exports.records import EXPORT, PanesPicture
@@ -30,7 +30,6 @@ from app.gui.state.summary import Item
 from app.gui.work.background import Failure
 from app.gui.work.settings import Places, Settings
 from enhance.noise import NoiseCut
-from enhance.ridges import field_of_view, vessel_mask
 from tests.app.gui.exporting import Exporter
 from tests.app.gui.ui import Shown, Ui
 
@@ -75,10 +74,8 @@ def test_the_measures_are_those_of_the_panes(run: Exporter) -> None:
     told = read_provenance(item.path)["panes"]
     original, pictures = run.state.source.clip.read_image(0), run.state.picture.pictures  # type: ignore[union-attr]
     assert pictures is not None
-    view = field_of_view(original)
-    vessels = vessel_mask(original, tissue_mask=view)
     for pane, image in zip(told, (pictures.original, pictures.enhanced), strict=True):
-        wanted = asdict(measured(image, original, vessels, view, 0.0))
+        wanted = asdict(Original.of(original).measures(image))
         for name, value in pane["measured"].items():
             # JSON has no NaN.
             assert np.isclose(np.nan if value is None else value, wanted[name], equal_nan=True), name

@@ -10,7 +10,7 @@ from imgui_bundle import ImVec2, imgui
 
 from app.enhancement.amounts import AMOUNTS
 from app.enhancement.frame_enhancer import PictureMaker
-from app.enhancement.parameter_grid import METRICS, Measures
+from app.enhancement.measures import METRICS, Measures
 from app.enhancement.setting_words import in_the_paper, said
 from app.gui.actions import actions, arriving, history_actions, tuning_actions
 from app.gui.commands.keys import chord

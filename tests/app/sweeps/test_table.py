@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from app.commands.described.sweeps import of_table
-from app.enhancement.parameter_grid import Measures
+from app.enhancement.measures import Measures
 from app.evaluation.evaluate import FrameMeasures
 from app.sweeps.page import sweep_page
 from app.sweeps.plan import SweepRecord

@@ -1,0 +1,98 @@
+"""How visible an enhanced picture makes what is in its original, in numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import Final, Literal
+
+from app.files.image_files import ArrayImage
+from enhance.color_difference import vessel_color_difference
+from enhance.image import BoolImage
+from enhance.metrics import dvbv_otsu, saturated_share, vessel_contrast
+from enhance.noise import NoiseCut, chroma_noise_gain, noise_gain
+from enhance.ridges import field_of_view, vessel_mask
+
+MeasuredOver = Literal["field of view", "whole image"]
+"""The pixels that DV, BV and the saturated share are of; every other measure is of the field of view."""
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What is measured of an enhanced picture; `DEFINITIONS` says how."""
+
+    dv: float
+    bv: float
+    dv_bv: float
+    vessel_contrast: float
+    noise_gain: float
+    saturated_share: float
+    milliseconds: float
+    color_difference: float = math.nan
+    chroma_noise_gain: float = math.nan
+
+
+METRICS: Final = tuple(item.name for item in fields(Measures))
+SMALLER_IS_BETTER: Final = frozenset(
+    {"bv", "noise_gain", "saturated_share", "milliseconds", "chroma_noise_gain"}
+)
+DEFINITIONS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold, "
+        "over the field of view",
+        "vessel_contrast": "Weber contrast in green of the original's strongest dark ridges against a ring",
+        "noise_gain": "high-frequency noise over that of the original, where the original is flat",
+        "saturated_share": "share of the field of view whose largest channel is 250 of 255 or more",
+        "color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 pixels",
+        "chroma_noise_gain": "as noise_gain, of the colours alone",
+        "milliseconds": "for what this cell changes, after the cells computed before it",
+    }
+)
+DEFINITIONS_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
+        "saturated_share": "share of pixels whose largest channel is 250 of 255 or more",
+    }
+)
+"""Of those that are of the whole image, its black surround included, in files that ask for that."""
+
+
+@dataclass(frozen=True, eq=False)
+class Original:
+    """A picture whose enhanced ones are measured, with what is found in it alone."""
+
+    image: ArrayImage
+    view: BoolImage
+    """(H, W), True in its field of view."""
+    vessels: BoolImage
+    """(H, W), True in its strongest dark ridges."""
+
+    @classmethod
+    def of(cls, image: ArrayImage) -> Original:
+        """Raises ImageError."""
+        view = field_of_view(image)
+        return cls(image, view, vessel_mask(image, tissue_mask=view))
+
+    def measures(
+        self,
+        enhanced: ArrayImage,
+        milliseconds: float = 0.0,
+        measured_over: MeasuredOver = "field of view",
+        noise_cut: NoiseCut = "by rank",
+    ) -> Measures:
+        """Of a picture that was made of this one in that time. Raises ImageError."""
+        pixels = self.view if measured_over == "field of view" else None
+        otsu = dvbv_otsu(enhanced, tissue_mask=pixels)
+        return Measures(
+            dv=otsu.dv,
+            bv=otsu.bv,
+            dv_bv=otsu.ratio,
+            vessel_contrast=vessel_contrast(enhanced, self.vessels, tissue_mask=self.view),
+            noise_gain=noise_gain(enhanced, self.image, tissue_mask=self.view, cut=noise_cut),
+            saturated_share=saturated_share(enhanced, tissue_mask=pixels),
+            milliseconds=milliseconds,
+            color_difference=vessel_color_difference(enhanced, self.vessels, tissue_mask=self.view),
+            chroma_noise_gain=chroma_noise_gain(enhanced, self.image, tissue_mask=self.view, cut=noise_cut),
+        )
