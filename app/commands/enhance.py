@@ -15,13 +15,13 @@ from app.console.older_files import say_older
 from app.console.progress import progress
 from app.enhancement.batch import Item, enhance_batch, items_in
 from app.enhancement.dicom_files import is_dicom_name, require_dicom
-from app.enhancement.enhance_files import VIDEO, Setting, Stream, enhance_into
+from app.enhancement.enhance_files import Setting, Stream, enhance_into
 from app.enhancement.kept_inputs import files_of, homes, identities, require_other
 from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
-from app.enhancement.settable import PIXELS
+from app.enhancement.settable import PIXELS, SCOPES
 from app.errors import UserError
 from app.exports.replay.enhanced_already import enhanced_already
-from app.files.codecs import WEBM, ending_of
+from app.files.codecs import MP4, WEBM, ending_of
 from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.image_files import is_image, is_still
 from app.files.image_series import Series, open_series
@@ -43,7 +43,7 @@ MOST = {
 }
 """Of the strength, by the method."""
 PICTURES = frozenset({".exr", ".gif", ".jxl", ".psd", ".svg"})
-NOT_WRITTEN = (VIDEOS | CODED | PICTURES) - {VIDEO, WEBM}
+NOT_WRITTEN = (VIDEOS | CODED | PICTURES) - {MP4, WEBM}
 """Formats that are not written; see `_check_output` for other names."""
 
 
@@ -75,7 +75,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     add_fields(cast(argparse.ArgumentParser, group), VesselParams, VESSEL_FIELDS)
     parser.add_argument(
         "--statistics",
-        choices=("automatic", "image", "clip"),
+        choices=SCOPES,
         default="automatic",
         help="take statistics of each image on its own, or of 16 of them, evenly spread, for all, so that "
         "colours match and nothing flickers (default: the latter of a video, or of images that follow one "
@@ -219,7 +219,7 @@ def _check_output(given: Path, output: Path, series: Series, choices: DicomChoic
     if is_dicom_name(output):
         require_dicom(series.sources, choices)
     elif is_image(output) and len(series) > 1:
-        raise UserError(f"expected a folder, {VIDEO}, {WEBM} or .dcm for {len(series)} images, got {output}")
+        raise UserError(f"expected a folder, {MP4}, {WEBM} or .dcm for {len(series)} images, got {output}")
     if ending_of(output):
         codec_for(output)
     if (ending_of(output) or is_dicom_name(output)) and given.is_dir():
@@ -228,7 +228,7 @@ def _check_output(given: Path, output: Path, series: Series, choices: DicomChoic
     # Of one file, letters alone are meant as a format; out.v1 and 2024.05.01 are folders.
     is_unknown = given.is_file() and output.suffix[1:].isalpha() and not is_written
     if (output.suffix.lower() in NOT_WRITTEN or is_unknown) and not output.is_dir():
-        wanted = f"an image such as .png, .jpg or .tiff, a folder, {VIDEO}, {WEBM} or .dcm to write"
+        wanted = f"an image such as .png, .jpg or .tiff, a folder, {MP4}, {WEBM} or .dcm to write"
         raise UserError(f"expected {wanted}, got {output}")
 
 

@@ -110,8 +110,8 @@ def run(flags: argparse.Namespace) -> None:
     start = start_of(flags.source, flags.right, reading.stereo, flags.igtl, known)
     asked, wish, setting = start.source, wish_of(flags), setting_of(flags)
     _check_effect(flags, asked)
-    for one in (asked.address, asked.right):
-        if one is not None and one.kind == "device":
+    for one in asked.addresses:
+        if one.kind == "device":
             require_device(one.where)
     if flags.record is not None:
         require_new(flags.record)
@@ -164,7 +164,7 @@ def _check_effect(flags: argparse.Namespace, asked: LiveInput) -> None:
     """Raises UserError: a flag that the source, or what is asked for, does not heed."""
     if flags.what is not None and flags.record is None:
         raise UserError("--what: expected --record FILE.mp4 with it")
-    kinds = {one.kind for one in (asked.address, asked.right) if one is not None}
+    kinds = {one.kind for one in asked.addresses}
     for name, heeding in HEEDED.items():
         if getattr(flags, name) not in (None, False) and not kinds & heeding:
             wanted = " or ".join(sorted(heeding))

@@ -23,7 +23,7 @@ from app.files.image_series import open_series
 from app.files.provenance import plain, provenance, strict_json
 from enhance import ImageError
 from enhance.color_difference import vessel_color_difference
-from enhance.image import BoolImage, read_picture
+from enhance.image import BoolImage, full_scale, read_picture
 from enhance.metrics import (
     blackened_share,
     dvbv_local,
@@ -274,9 +274,8 @@ def _against(
 
 def _unit(image: ArrayImage) -> NDArray[np.float64]:
     """(H, W, 3) in [0, 1], without alpha."""
-    full = np.iinfo(image.dtype).max if image.dtype.kind == "u" else 1.0
     colors = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image[..., :3]
-    unit: NDArray[np.float64] = colors.astype(np.float64) / full
+    unit: NDArray[np.float64] = colors.astype(np.float64) / full_scale(image.dtype)
     return unit
 
 

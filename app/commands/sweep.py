@@ -13,7 +13,7 @@ from typing import Any, Final
 from rich.table import Table
 
 from app.console.flags import refuse
-from app.console.progress import Terminal, progress
+from app.console.progress import progress, wide_terminal
 from app.errors import UserError
 from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import provenance, strict_json
@@ -221,13 +221,13 @@ def _chosen(summary: Summary, measures: Sequence[str], *, named: bool) -> list[s
 
 
 def print_table(part: Measured) -> None:
-    """The first rows of a table on stdout, wide enough also where the width is unknown."""
+    """The first rows of a table on stdout."""
     table = Table(title=part.title, title_justify="left", title_style="", caption=part.note or None)
     for column in part.columns:
         table.add_column(column.name, overflow="fold")
     for row in part.rows[:PRINTED]:
         table.add_row(*(said(cell, column) for cell, column in zip(row, part.columns, strict=True)))
-    console = Terminal(width=max(Terminal().width, 140))
+    console = wide_terminal()
     console.print(table)
     if len(part.rows) > PRINTED:
         console.print(f"{len(part.rows) - PRINTED} more rows in {PAGE}")

@@ -58,9 +58,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="pixels that are enhanced; see enhance --help (default automatic)",
     )
     group = parser.add_argument_group("fixed settings", "settings of either method; see enhance --help")
-    names = [name for name in VESSEL_FIELDS if name not in FIELDS]
     add_fields(cast(argparse.ArgumentParser, group), EnhanceParams, FIELDS)
-    add_fields(cast(argparse.ArgumentParser, group), VesselParams, names)
+    add_fields(cast(argparse.ArgumentParser, group), VesselParams, VESSEL_FIELDS)
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 

@@ -9,9 +9,10 @@ from functools import partial
 from pathlib import Path
 
 from app.enhancement.batch_names import FILM, STILL, alike, free_folder, free_name
-from app.enhancement.enhance_files import VIDEO, Setting, Watch, Written, enhance_into, unwatched
+from app.enhancement.enhance_files import Setting, Watch, Written, enhance_into, unwatched
 from app.enhancement.kept_inputs import files_of, homes, identities, require_other, require_outside
 from app.errors import UserError, sentence
+from app.files.codecs import MP4
 from app.files.image_files import is_still
 from app.files.image_series import open_series
 from app.files.stepping import map_steps
@@ -129,7 +130,7 @@ def _items_of(
         own = free_name(given.stem, STILL, taken)
         yield Item(given, output, name, called="" if own == given.stem else own)
     else:
-        yield Item(given, output / f"{free_name(given.stem, FILM, taken)}{VIDEO}", name, is_video=True)
+        yield Item(given, output / f"{free_name(given.stem, FILM, taken)}{MP4}", name, is_video=True)
 
 
 def _walk(folder: Path, output: Path, name: str, links: list[str]) -> Iterator[Item]:
@@ -182,7 +183,7 @@ def _inside(folder: Path, output: Path, name: str, links: list[str]) -> Iterator
     for path in videos:
         wanted = path.stem if stems[alike(path.stem)] == 1 else path.name
         own = free_name(wanted, FILM, taken)
-        yield Item(path, output / f"{own}{VIDEO}", f"{name}/{path.name}", is_video=True)
+        yield Item(path, output / f"{own}{MP4}", f"{name}/{path.name}", is_video=True)
     for path, place in zip(folders, outputs, strict=True):
         yield from _walk(path, place, f"{name}/{path.name}", links)
 

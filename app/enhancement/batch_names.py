@@ -9,12 +9,11 @@ from pathlib import Path
 from typing import Final
 
 from app.enhancement.dicom_files import is_dicom_name
-from app.enhancement.enhance_files import VIDEO
-from app.files.codecs import ending_of
+from app.files.codecs import MP4, ending_of
 from app.files.image_files import is_image
 
 STILL: Final = (".png", ".tiff")
-FILM: Final = (VIDEO, f"{VIDEO}.json")
+FILM: Final = (MP4, f"{MP4}.json")
 """What may stand behind the name of an output; a video's record is beside it."""
 
 

@@ -15,6 +15,7 @@ from app.enhancement.measures import Measures
 from app.enhancement.parameter_grid import Cell
 from app.files.image_files import ArrayImage
 from app.files.provenance import NOTICE
+from enhance.image import full_scale
 from renderer.clip import ByteImage
 
 TILE_WIDTH = 320
@@ -124,11 +125,12 @@ def in_words(measures: Measures, undefined: Undefined = "none") -> str:
 
 def small(image: ArrayImage, width: int) -> ByteImage:
     """(H, width, 3) uint8 of a picture of any type."""
-    full = np.iinfo(image.dtype).max if image.dtype.kind == "u" else 1.0
     colors = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image[..., :3]
     height = max(1, round(colors.shape[0] * width / colors.shape[1]))
     way = cv2.INTER_AREA if colors.shape[1] > width else cv2.INTER_LINEAR
-    scaled = cv2.resize(colors.astype(np.float32) * (255 / full), (width, height), interpolation=way)
+    scaled = cv2.resize(
+        colors.astype(np.float32) * (255 / full_scale(image.dtype)), (width, height), interpolation=way
+    )
     return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
 
 

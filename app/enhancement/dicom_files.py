@@ -31,6 +31,7 @@ from renderer.readers.dicom.opening import SUFFIXES
 from renderer.readers.video_header import read_video_header
 
 Made = tuple[ArrayImage, EnhancedPicture]
+"""An enhanced picture with what was used for it."""
 MAY_TELL: Final = (
     "text in the images is not looked for: the DICOM file says that it may tell who the patient is "
     "(--burned-in no says that there is none)"

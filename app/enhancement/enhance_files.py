@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import chain, count
 from pathlib import Path
-from typing import Any, Final, Literal
-
-import numpy as np
+from typing import Any, Final
 
 from app.enhancement.dicom_files import (
+    Made,
     is_dicom_name,
     require_dicom,
     write_dicom_film,
@@ -20,10 +19,10 @@ from app.enhancement.dicom_files import (
 from app.enhancement.methods import MethodEnhancer, Params, by_baseline, measure_for
 from app.enhancement.recording import is_recording
 from app.enhancement.records import EnhancedPicture, EnhancedVideo
-from app.enhancement.settable import POOLED_FRAMES, Pixels, drawn
+from app.enhancement.settable import POOLED_FRAMES, Pixels, Scope, drawn
 from app.errors import UserError, sentence
 from app.files.atomic import filled, together
-from app.files.codecs import MP4, ending_of
+from app.files.codecs import ending_of
 from app.files.color_profiles import profile_of
 from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.image_files import JPEGS, ArrayImage, is_image, write_image
@@ -34,12 +33,10 @@ from app.files.stepping import ahead
 from app.files.timing import Timing
 from app.files.video import write_frames
 from enhance import ImageError, Statistics
-from enhance.image import BoolImage
+from enhance.image import BoolImage, full_scale
 from enhance.surround import inside
 from renderer.clip import ClipError
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-
-VIDEO = MP4
 
 STOPPED: Final = "stopped after"
 """How the notice of a video that is decoded in part begins, by which it is known."""
@@ -61,7 +58,7 @@ class Setting:
 
     method: str
     params: Params
-    statistics: Literal["automatic", "image", "clip"] = "automatic"
+    statistics: Scope = "automatic"
     """Of each picture, or pooled over the series. Automatic: pooled of a recording, against flicker."""
     pixels: Pixels = "automatic"
     clip_options: ClipOptions = DEFAULTS
@@ -94,10 +91,6 @@ class Written:
     """One sentence for each oddity and loss."""
     failed: tuple[Unreadable, ...] = ()
     """Of a folder, the images that could not be read; the others are written."""
-
-
-Made = tuple[ArrayImage, EnhancedPicture]
-"""An enhanced picture with what was used for it."""
 
 
 def enhanced(record: EnhancedPicture, image: ArrayImage, enhancer: MethodEnhancer) -> Made:
@@ -262,8 +255,7 @@ def _told_of_alpha(output: Path, pictures: Iterable[Made], notices: list[str]) -
 
 def _shows_through(image: ArrayImage) -> bool:
     """Whether some alpha is below full, as is none of a screenshot's."""
-    full = 1 if image.dtype.kind == "f" else np.iinfo(image.dtype).max
-    return image.shape[2:] == (4,) and bool((image[..., 3] < full).any())
+    return image.shape[2:] == (4,) and bool((image[..., 3] < full_scale(image.dtype)).any())
 
 
 def _write(

@@ -9,6 +9,7 @@ from annotated_types import Interval
 from pydantic import AfterValidator, BeforeValidator
 
 from app.enhancement.methods import METHODS
+from enhance import shown
 
 Mode = Literal["side by side", "wipe", "flip", "difference"]
 Slot = Literal["A", "B"]
@@ -21,6 +22,7 @@ InputKind = Literal["original", "enhanced", "both in turn"]
 
 MODES: Final[tuple[Mode, ...]] = get_args(Mode)
 PIXELS: Final[tuple[Pixels, ...]] = get_args(Pixels)
+SCOPES: Final[tuple[Scope, ...]] = get_args(Scope)
 SLOTS: Final[tuple[Slot, ...]] = get_args(Slot)
 ORIGINAL: Final = "original"
 ENHANCED: Final = "enhanced"
@@ -44,7 +46,7 @@ LONGEST_PATH: Final = 32_767
 """Characters that Windows allows; other systems allow fewer."""
 
 
-def drawn(pixels: Pixels) -> Literal["automatic", "all"]:
+def drawn(pixels: Pixels) -> shown.Pixels:
     """What is enhanced."""
     return "automatic" if pixels == "automatic" else "all"
 

@@ -6,12 +6,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from numpy.typing import NDArray
-from PIL import Image
 
 from renderer.readers.picture_files import opened
-from renderer.readers.pictures import is_frame
+from renderer.readers.pictures import BROKEN, is_frame
 
-BROKEN: Final = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)
 KINDS: Final = {b"GRAY": (1,), b"RGB ": (3, 4)}
 """Channels that a profile's numbers may have, by what its header says at KIND."""
 KIND: Final = slice(16, 20)

@@ -11,11 +11,11 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
+from PIL import ExifTags, ImageOps, UnidentifiedImageError
 
 from app.errors import UserError
 from app.files.atomic import together, write_bytes
-from app.files.embedded import CARRIERS, carrying
+from app.files.embedded import CARRIERS, JPEG_START, carrying
 from app.files.netpbm import full_scale
 from app.files.provenance import ascii_json, encode_png, write_sidecar
 from renderer.budget import OverBudget
@@ -28,7 +28,7 @@ from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 from renderer.readers.picture_files import opened, read_npy, require_size
 from renderer.readers.picture_kinds import PictureKinds, frame_folder, is_named_array, kinds_of
-from renderer.readers.pictures import SUFFIXES, is_frame, is_picture, is_visible, moves, natural_key
+from renderer.readers.pictures import BROKEN, SUFFIXES, is_frame, is_picture, is_visible, moves, natural_key
 from renderer.readers.tiff_layouts import TiffLayout, tiff_layout
 
 ArrayImage = NDArray[Any]
@@ -36,8 +36,6 @@ ArrayImage = NDArray[Any]
 TIFF = frozenset({".tif", ".tiff"})
 JPEGS = frozenset({".jpg", ".jpeg"})
 WEBP = ".webp"
-JPEG = b"\xff\xd8"
-"""How such a file begins, whatever its name."""
 UPRIGHT = 1
 TURNS: Mapping[int, Callable[[ArrayImage], ArrayImage]] = MappingProxyType(
     {
@@ -53,7 +51,6 @@ TURNS: Mapping[int, Callable[[ArrayImage], ArrayImage]] = MappingProxyType(
 """What makes a picture upright, by its EXIF orientation."""
 PLAIN_NETPBM = (b"P1", b"P2", b"P3")
 """How images of numbers in ASCII begin."""
-BROKEN = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)
 
 
 def is_image(path: Path) -> bool:
@@ -187,7 +184,7 @@ def _decoded(path: Path) -> ArrayImage | None:
     if content.startswith(PLAIN_NETPBM):
         content += b"\n"  # OpenCV takes a last number for a broken one where nothing ends it.
     # A JPEG may say by EXIF which way is up, which OpenCV passes over where it keeps an alpha channel.
-    wanted = cv2.IMREAD_ANYCOLOR if content.startswith(JPEG) else cv2.IMREAD_UNCHANGED
+    wanted = cv2.IMREAD_ANYCOLOR if content.startswith(JPEG_START) else cv2.IMREAD_UNCHANGED
     level = cv2.utils.logging.getLogLevel()
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:

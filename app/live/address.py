@@ -43,8 +43,12 @@ class LiveInput:
     """How both eyes lie in the frames of `address`. Auto: as a file says; other sources are of one eye."""
 
     @property
+    def addresses(self) -> tuple[LiveAddress, ...]:
+        return (self.address,) if self.right is None else (self.address, self.right)
+
+    @property
     def name(self) -> str:
-        return self.address.name if self.right is None else f"{self.address.name} and {self.right.name}"
+        return " and ".join(one.name for one in self.addresses)
 
 
 @dataclass(frozen=True)

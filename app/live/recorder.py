@@ -16,6 +16,7 @@ import numpy as np
 
 from app.errors import UserError, sentence
 from app.files.atomic import make_folder
+from app.files.codecs import MP4
 from app.files.legible import require_utf8
 from app.files.provenance import plain, provenance, write_sidecar
 from app.live.picture import RECORDING, LivePicture, LiveSetting
@@ -26,7 +27,6 @@ from renderer.readers.clip_options import StereoLayout
 
 What = Literal["original", "enhanced", "side by side"]
 WHATS: Final[tuple[What, ...]] = get_args(What)
-SUFFIX: Final = ".mp4"
 WAITING: Final = 8
 """Pictures that may wait for the encoder; more are left out and counted."""
 LEAST_FREE: Final = 64 * 1024 * 1024
@@ -209,8 +209,8 @@ class Recorder:
 
 def require_new(path: Path) -> None:
     """Raises UserError: it ends otherwise than in .mp4, is not UTF-8, or is there already."""
-    if path.suffix.lower() != SUFFIX:
-        raise UserError(f"expected a recording to end in {SUFFIX}, got {path.name}: {path}")
+    if path.suffix.lower() != MP4:
+        raise UserError(f"expected a recording to end in {MP4}, got {path.name}: {path}")
     require_utf8(path)
     if os.path.lexists(path):
         raise UserError(f"expected a new file to record into, got one that is there: {path}")

@@ -23,6 +23,7 @@ from renderer.evenly import evenly
 from renderer.layouts import LAYOUTS, layout_of
 from renderer.readers.clip_options import DEFAULTS, StereoLayout
 from renderer.readers.cut_off import cut_off
+from renderer.readers.frames import is_seen_by_assumption
 from renderer.readers.listing import count, listed
 from renderer.readers.pictures import SeveralSizes
 from renderer.readers.stereo_layout import likely_layout
@@ -31,7 +32,6 @@ from renderer.readers.video_header import first_frame, read_counted_header
 from renderer.sources import open_case, open_clip
 
 TITLES = {layout.name: layout.title for layout in LAYOUTS}
-UNCALIBRATED = ("images", "image", "video")
 LOOKED_AT = 3
 """Frames, while they take no longer than SECONDS all together."""
 SECONDS = 0.4
@@ -228,11 +228,12 @@ def _share(masks: Sequence[np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]) -> 
 
 def _camera(clip: Clip) -> Fact:
     camera = clip.cameras[0]
-    lens = _assumed() if clip.format in UNCALIBRATED else f"focal length {camera.fx:.1f} px"
+    is_assumed = is_seen_by_assumption(clip)
+    lens = _assumed() if is_assumed else f"focal length {camera.fx:.1f} px"
     intrinsics = {name: getattr(camera, name) for name in ("fx", "fy", "cx", "cy")}
-    value = {"fixed": clip.camera_is_fixed, **intrinsics, "assumed": clip.format in UNCALIBRATED}
+    value = {"fixed": clip.camera_is_fixed, **intrinsics, "assumed": is_assumed}
     if clip.camera_is_fixed:
-        still = "no poses: assumed fixed" if clip.format in UNCALIBRATED else "fixed"
+        still = "no poses: assumed fixed" if is_assumed else "fixed"
         return Fact("camera", f"{still}, {lens}", value)
     way = _way(clip.cameras)
     return Fact("camera", f"moves {way:.3g} {clip.unit}, with poses; {lens}", value | {"way": way})
@@ -250,7 +251,7 @@ def _assumed() -> str:
 def _missing(clip: Clip) -> Iterator[str]:
     if not clip.has_depth and clip.points is None:
         yield "depth"
-    if clip.format in UNCALIBRATED and len(clip) > 1:
+    if is_seen_by_assumption(clip) and len(clip) > 1:
         yield "poses, if the camera moves"
     if clip.depth_origin == "stereo" and clip.has_depth and clip.unit != "mm":
         yield "the baseline (--baseline, or --calibration), for lengths in mm"

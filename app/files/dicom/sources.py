@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from app.errors import UserError
+from app.files.image_files import JPEGS
 from renderer.clip import ClipError
 from renderer.readers.dicom.header import read_dataset
 from renderer.readers.dicom.opening import is_dicom, opened_dicom
@@ -32,7 +33,6 @@ REFERRED: Final = (
 LOSSY_SYNTAXES: Final = frozenset(
     {f"1.2.840.10008.1.2.4.{number}" for number in (50, 51, 91, 93, *range(100, 109))}
 )
-LOSSY_FILES: Final = frozenset({".jpg", ".jpeg"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class Sources:
     @property
     def was_lossy(self) -> bool | None:
         """Whether pixels have been compressed with loss before; None: of some nothing tells."""
-        by_name = any(path.suffix.lower() in LOSSY_FILES for path in self.paths)
+        by_name = any(path.suffix.lower() in JPEGS for path in self.paths)
         syntaxes = {str(one.file_meta.get("TransferSyntaxUID", "")) for one in self.told}
         if by_name or syntaxes & LOSSY_SYNTAXES or "01" in self._all("LossyImageCompression"):
             return True

@@ -41,9 +41,7 @@ def ask_permission(source: LiveInput) -> None:
 
     Nothing waits for the answer; a source that is refused until then is tried again.
     """
-    devices = [
-        one.where for one in (source.address, source.right) if one is not None and one.kind == "device"
-    ]
+    devices = [one.where for one in source.addresses if one.kind == "device"]
     if devices and sys.platform == "darwin":
         where = devices[0]
         opened(int(where) if where.isdecimal() else where).release()

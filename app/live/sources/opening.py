@@ -23,9 +23,8 @@ def open_input(asked: LiveInput, wish: Wish) -> Source:
         UserError, ClipError: nothing ever will.
     """
     if asked.right is not None:
-        both = asked.address, asked.right
-        left, right = (partial(open_source, one, wish) for one in both)
-        return PairedSource((left, right), (both[0].name, both[1].name))
+        left, right = (partial(open_source, one, wish) for one in asked.addresses)
+        return PairedSource((left, right), (asked.address.name, asked.right.name))
     source = open_source(asked.address, wish)
     layout = chosen_layout(asked.stereo, _told(asked))
     return source if layout is None else BothEyesSource(source, layout)
