@@ -5,8 +5,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
+from typing import Final
 
 from app.commands import camera_export, export_limits, mesh_export, research_export, view_flags
 from app.console.older_files import say_older
@@ -18,7 +21,7 @@ from app.exports.records import MovingSplats, RenderVideo, Splats
 from app.exports.replay.recorded import recorded
 from app.exports.sources import Opened
 from app.exports.splats import fourdgs
-from app.exports.splats.writing import CLIPPED, COMPRESSED, MOVING, layout_of
+from app.exports.splats.writing import CLIPPED, MOVING, layout_of
 from app.files.atomic import filled
 from app.files.codecs import CODECS, ending_of
 from app.files.records import extended
@@ -34,38 +37,22 @@ from app.scenes.view_selection import Moment
 from renderer.harmonics import BANDS
 from renderer.readers.listing import count
 
+SPLATS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "ply": "one numbered splat file per frame, as viewers play them",
+        "spz": "the same as SPZ 3, a third as large or less: sizes to 3 %%; a JSON file beside each",
+        "spz4": "the same as SPZ 4, for newer programs, a little smaller",
+        "sog": "the same as SOG, for PlayCanvas and SuperSplat: 8 bits a value; a JSON file beside each",
+        "compressed_ply": "the same as PLY of 16 bytes per Gaussian, for PlayCanvas and SuperSplat",
+        "glb": "the same as glTF, in metres, by its extension KHR_gaussian_splatting",
+    }
+)
+"""What is said of each folder of splat files."""
+
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--ply", type=Path, metavar="DIR", help="one numbered splat file per frame, as viewers play them"
-    )
-    parser.add_argument(
-        "--spz",
-        type=Path,
-        metavar="DIR",
-        help="the same as SPZ 3, a third as large or less: sizes to 3 %%; a JSON file beside each",
-    )
-    parser.add_argument(
-        "--spz4", type=Path, metavar="DIR", help="the same as SPZ 4, for newer programs, a little smaller"
-    )
-    parser.add_argument(
-        "--sog",
-        type=Path,
-        metavar="DIR",
-        help="the same as SOG, for PlayCanvas and SuperSplat: 8 bits a value; a JSON file beside each",
-    )
-    parser.add_argument(
-        "--compressed-ply",
-        type=Path,
-        metavar="DIR",
-        help="the same as PLY of 16 bytes per Gaussian, for PlayCanvas and SuperSplat",
-    )
-    parser.add_argument(
-        "--glb",
-        type=Path,
-        metavar="DIR",
-        help="the same as glTF, in metres, by its extension KHR_gaussian_splatting",
-    )
+    for name, text in SPLATS.items():
+        parser.add_argument(export_limits.flag(name), type=Path, metavar="DIR", help=text)
     parser.add_argument(
         "--usd",
         type=Path,
@@ -105,28 +92,22 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def run(flags: argparse.Namespace) -> None:
-    splats = {".ply": flags.ply, ".spz": flags.spz, ".sog": flags.sog, ".glb": flags.glb}
-    splats |= {COMPRESSED: flags.compressed_ply, ".v4.spz": flags.spz4}
     if not any(export_limits.outputs(flags)):
         raise UserError(
             "expected what to export: --ply DIR, --compressed-ply DIR, --spz DIR, --spz4 DIR, --sog DIR, "
-            "--glb DIR, "
-            "--usd FILE, --4dgs FILE, --mesh FILE.glb|DIR, --video FILE, --html FILE, --npz FILE, "
+            "--glb DIR, --usd FILE, --4dgs FILE, --mesh FILE.glb|DIR, --video FILE, --html FILE, --npz FILE, "
             "--tracks FILE or --cameras FILE"
         )
     export_limits.check(flags)
-    if flags.sh_degree is not None and not any(splats.values()):
-        raise UserError("--sh-degree: expected --ply or another kind of splat files, to which it applies")
     if flags.video and not ending_of(flags.video):
         endings = ", ".join(CODECS)
         raise UserError(f"--video: expected a name that ends in {endings}, got {flags.video.name}")
-    if flags.html and flags.html.suffix.lower() != ".html":
-        raise UserError(f"--html: expected the name of an .html file, got {flags.html.name}")
     mesh_export.check(flags)
     camera_export.check(flags)
-    moving = {"--usd": (flags.usd, ".usdc"), "--4dgs": (flags.fourdgs, fourdgs.SUFFIX)}
-    for flag, (path, suffix) in moving.items():
-        _check_moving(flag, path, suffix)
+    moving = [path for path in (flags.usd, flags.fourdgs) if path is not None]
+    for path in moving:
+        require_package, _ = MOVING[path.suffix.lower()]
+        require_package()
     research_export.check(flags)
     scene, wanted = view_selection.chosen(flags)
     export_limits.require_apart(flags, scene)
@@ -138,16 +119,15 @@ def run(flags: argparse.Namespace) -> None:
     speed = _speed(flags, scene, wanted)
     mesh_export.require(flags, scene, wanted)
     research_export.write(flags, scene, wanted, pen)
-    for suffix, folder in splats.items():
-        if folder:
-            _write_splats(folder, suffix, scene, wanted, flags.sh_degree)
+    for name, ending in export_limits.FOLDERS.items():
+        if (folder := getattr(flags, name)) is not None:
+            _write_splats(folder, ending, scene, wanted, flags.sh_degree)
     if flags.video:
         _write_video(flags.video, views, pen, wanted, speed)
     if flags.html:
         _write_page(flags.html, scene, wanted, speed)
-    for path, _ in moving.values():
-        if path:
-            _write_moving(path, scene, speed)
+    for path in moving:
+        _write_moving(path, scene, speed)
     if flags.mesh:
         mesh_export.write(flags, scene, wanted, speed)
     if flags.cameras:
@@ -186,16 +166,6 @@ def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment],
     say_older(folder, [f"{moment.name}{suffix}" for moment in wanted])
     of_each = "" if scene.split_by_time else f" of {len(scene.model)} Gaussians"
     sys.stdout.write(f"{folder}: {count(len(wanted), 'splat file')}{of_each}\n")
-
-
-def _check_moving(flag: str, path: Path | None, suffix: str) -> None:
-    """Raises UserError: another suffix, or no package for it."""
-    if path is None:
-        return
-    if path.suffix.lower() != suffix:
-        raise UserError(f"{flag}: expected the name of a {suffix} file, got {path.name}")
-    require, _ = MOVING[suffix]
-    require()
 
 
 def _write_moving(path: Path, scene: Scene, speed: float) -> None:

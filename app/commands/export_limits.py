@@ -10,21 +10,32 @@ from typing import Final
 
 from app.errors import UserError
 from app.exports.meshes.writing import CLIPS
+from app.exports.splats import fourdgs
+from app.exports.splats.writing import COMPRESSED
 from app.scenes.outside import require_no_overwriting, require_outside
 from app.scenes.scene import Scene
 from app.scenes.view_selection import Moment
 from renderer.readers.listing import listed
 from renderer.surface.fineness import VERTICES
 
-FOLDERS: Final = ("ply", "compressed_ply", "spz", "spz4", "sog", "glb")
+FOLDERS: Final[Mapping[str, str]] = MappingProxyType(
+    {"ply": ".ply", "spz": ".spz", "sog": ".sog", "glb": ".glb"}
+    | {"compressed_ply": COMPRESSED, "spz4": ".v4.spz"}
+)
+"""How the splat files in each end."""
 FILES: Final = ("usd", "fourdgs", "mesh", "video", "html", "npz", "tracks", "cameras")
 WHOLE: Final = ("usd", "fourdgs", "html")
 """Hold all of the clip, as does a mesh in one file."""
+SUFFIXES: Final[Mapping[str, str]] = MappingProxyType(
+    {"usd": ".usdc", "fourdgs": fourdgs.SUFFIX, "html": ".html", "npz": ".npz", "tracks": ".csv"}
+)
+"""Of files that have one format."""
 MOMENTS: Final = ("frames", "time", "path")
 HEEDED: Final[Mapping[str, tuple[object, tuple[str, ...]]]] = MappingProxyType(
     {
         "camera": (None, ("video", "html", "npz", "tracks", "cameras")),
         "size": (None, ("video", "html", "npz", "tracks", "cameras")),
+        "sh_degree": (None, tuple(FOLDERS)),
         "supersampling": (1, ("video",)),
         "background": ("grey", ("video",)),
         "view": ("color", ("video",)),
@@ -47,8 +58,12 @@ def outputs(flags: argparse.Namespace) -> Iterator[tuple[str, Path]]:
 
 
 def check(flags: argparse.Namespace) -> None:
-    """Raises UserError: a flag without effect."""
+    """Raises UserError: a file whose name is of another format, or a flag without effect."""
     asked = dict(outputs(flags))
+    for name, suffix in SUFFIXES.items():
+        if name in asked and asked[name].suffix.lower() != suffix:
+            kind = f"an {suffix}" if suffix == ".html" else f"a {suffix}"
+            raise UserError(f"{flag(name)}: expected the name of {kind} file, got {asked[name].name}")
     whole = [name for name, path in asked.items() if name in WHOLE or _is_film(name, path)]
     for name in MOMENTS:
         if whole and getattr(flags, name) is not None:

@@ -47,11 +47,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def check(flags: argparse.Namespace) -> None:
-    """Raises UserError for names and pixels that are none."""
-    for name, suffix in (("npz", ".npz"), ("tracks", ".csv")):
-        path: Path | None = getattr(flags, name)
-        if path is not None and path.suffix.lower() != suffix:
-            raise UserError(f"--{name}: expected the name of a {suffix} file, got {path.name}")
+    """Raises UserError: one of tracks and points without the other, or pixels that are none."""
     if bool(flags.tracks) != bool(flags.points):
         raise UserError("expected --tracks FILE.csv with --points X,Y ..., got one of the two")
     _points(flags)
