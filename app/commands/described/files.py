@@ -30,6 +30,8 @@ from renderer.splat_files.splat_records import RECORD
 READ_WHOLE = 64 << 20
 """Bytes: a larger file of splats is told by its header."""
 FOR_OTHERS = (".glb", ".usdc", ".4dgs", ".obj", ".npz", ".csv", ".html")
+READ_FOR_FACTS = {*FOR_OTHERS, ".ply"} - {".npz"}
+"""Of which all is read for what they say of themselves."""
 Facts = tuple[Fact, ...]
 
 
@@ -114,8 +116,8 @@ def _time(steps: object, wall: float | None) -> Facts:
     return (Fact("time", in_all(wall, steps), facts),)
 
 
-def of_splats(path: Path) -> Facts:
-    """Raises UserError: it cannot be read."""
+def of_splats(path: Path, facts: dict[str, Any] | None = None) -> Facts:
+    """`facts`: what it says of itself. Raises UserError: it cannot be read."""
     place = whole(path)
     size = sum(file.stat().st_size for file in (files_in(place) if place.is_dir() else (path,)))
     form = ".sog" if place.is_dir() else path.suffix.lower()
@@ -136,7 +138,7 @@ def of_splats(path: Path) -> Facts:
         Fact("size", f"{size / 1e6:.1f} MB", size),
         Fact("unit", "scene units"),
         *notices(said),
-        *_origin(path),
+        *(() if facts is None else _told(facts)),
         next_steps(path, ("render", "PATH", "--out", "OUT", "--time", "0"), ("gui", "PATH")),
     )
 
@@ -230,9 +232,9 @@ def _of_command(facts: dict[str, Any]) -> Facts:
     return (what, *(fact for fact in _told(facts) if fact.name != "export"))
 
 
-def of_export(path: Path) -> Facts:
-    """What a file that this program wrote says of itself. Raises UserError: it says nothing."""
-    return (Fact("what", "exported by VesselSplat", {"kind": "export"}), *_told(recorded(path)))
+def of_export(facts: dict[str, Any]) -> Facts:
+    """What a file that this program wrote says of itself."""
+    return (Fact("what", "exported by VesselSplat", {"kind": "export"}), *_told(facts))
 
 
 def can_replay(facts: dict[str, Any]) -> bool:
@@ -240,31 +242,23 @@ def can_replay(facts: dict[str, Any]) -> bool:
     return facts.get("kind") not in (FRAME, RECORDING)
 
 
-def is_export(path: Path) -> bool:
-    return bool(_origin(path))
-
-
-def is_for_others(path: Path) -> bool:
-    """An export that other programs open, and this one does not."""
-    suffix = path.suffix.lower()
-    if suffix not in (*FOR_OTHERS, ".ply") or (suffix != ".npz" and path.stat().st_size > READ_WHOLE):
-        return False
+def export_facts(path: Path) -> dict[str, Any] | None:
+    """What the file says of itself, if it is an export; None too of one that is too large to be read for
+    that."""
+    if path.suffix.lower() in READ_FOR_FACTS and path.stat().st_size > READ_WHOLE:
+        return None
     try:
-        kind = recorded(path).get("kind")
+        return recorded(path)
     except UserError:
-        return False
+        return None
+
+
+def is_for_others(path: Path, facts: dict[str, Any]) -> bool:
+    """Whether other programs open the export, and this one does not."""
+    suffix, kind = path.suffix.lower(), facts.get("kind")
     if suffix == ".glb":
         return kind != "splats"
     return suffix in FOR_OTHERS or kind == "surface mesh"
-
-
-def _origin(path: Path) -> Facts:
-    if path.suffix.lower() == ".ply" and path.stat().st_size > READ_WHOLE:
-        return ()
-    try:
-        return _told(recorded(path))
-    except UserError:
-        return ()
 
 
 def _told(facts: dict[str, Any]) -> Facts:

@@ -9,7 +9,7 @@ from app.commands.described.clips import of_clip, of_values, of_video
 from app.commands.described.fact import Fact, next_steps
 from app.commands.described.files import (
     can_replay,
-    is_export,
+    export_facts,
     is_for_others,
     of_export,
     of_json,
@@ -19,7 +19,6 @@ from app.commands.described.files import (
     of_splats,
 )
 from app.errors import UserError
-from app.exports.replay.recorded import recorded
 from app.files.image_files import TIFF
 from app.gui.session_file import SUFFIX
 from app.report.section import REPORT, holds_report
@@ -58,28 +57,29 @@ def _file(path: Path) -> tuple[Fact, ...]:
         return of_session(path)
     if path.suffix == ".safetensors":
         return of_run(path.parent)
-    if is_for_others(path):
-        return *of_export(path), next_steps(path, ("replay", "PATH"))
+    facts = export_facts(path)
+    if facts is not None and is_for_others(path, facts):
+        return *of_export(facts), next_steps(path, ("replay", "PATH"))
     if is_named_as_splats(path):
-        return of_splats(path)
+        return of_splats(path, facts)
     if path.name == SWEEP and is_sweep(path.parent):
         return _sweep(path.parent)
     if path.suffix == ".json":
         return of_json(path)
     if path.suffix == ".html" and holds_report(path.with_suffix(".json")):
         return of_json(path.with_suffix(".json"))
-    if path.suffix in (".toml", ".jsonl", ".parquet") or (path.suffix == ".csv" and not is_export(path)):
+    if path.suffix in (".toml", ".jsonl", ".parquet") or (path.suffix == ".csv" and facts is None):
         return _of_sweep(path)
     own = _own(path)
-    if not is_export(path):
+    if facts is None:
         return own
     # An export is told as such first, then what it is like any picture or video.
     kept = [fact for fact in own if fact.name in ("frames", "frame rate", "size")]
     output = "OUT.mp4" if any(fact.name == "frame rate" for fact in own) else "OUT.png"
-    if not can_replay(recorded(path)):
+    if not can_replay(facts):
         # What was recorded live is a clip like any other.
-        return *of_export(path), *(fact for fact in own if fact.name != "what")
-    return *of_export(path), *kept, next_steps(path, ("replay", "PATH"), ("enhance", "PATH", output))
+        return *of_export(facts), *(fact for fact in own if fact.name != "what")
+    return *of_export(facts), *kept, next_steps(path, ("replay", "PATH"), ("enhance", "PATH", output))
 
 
 def _own(path: Path) -> tuple[Fact, ...]:
