@@ -8,16 +8,17 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-from app.console.flags import add_fields, highest, parameters
+from app.commands.method_flags import add_settings, params_of
+from app.console.flags import add_fields, parameters
 from app.console.older_files import say_older
 from app.console.progress import progress
 from app.enhancement.batch import Item, enhance_batch, items_in
 from app.enhancement.dicom_files import is_dicom_name, require_dicom
 from app.enhancement.enhance_files import Setting, Stream, enhance_into
 from app.enhancement.kept_inputs import files_of, homes, identities, require_other
-from app.enhancement.methods import METHODS, PAPER, VESSEL, Params
+from app.enhancement.methods import METHODS, PAPER
 from app.enhancement.settable import PIXELS, SCOPES
 from app.errors import UserError
 from app.exports.replay.enhanced_already import enhanced_already
@@ -28,20 +29,10 @@ from app.files.image_series import Series, open_series
 from app.files.provenance import provenance, strict_json
 from app.files.stepping import ahead, run_to_end
 from app.files.video_encoder import codec_for
-from enhance import EnhanceParams
-from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.coded_picture import CODED
 from renderer.readers.pictures import VIDEOS, common_size
 
-FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below", "strength")
-VESSEL_FIELDS = ("radius", "shading", "coring", "lift", "gamma", "most_color")
-OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "strength", "d_factor"}}
-MOST = {
-    PAPER: highest(EnhanceParams, "strength"),
-    VESSEL: highest(VesselParams, "strength"),
-}
-"""Of the strength, by the method."""
 PICTURES = frozenset({".exr", ".gif", ".jxl", ".psd", ".svg"})
 NOT_WRITTEN = (VIDEOS | CODED | PICTURES) - {MP4, WEBM}
 """Formats that are not written; see `_check_output` for other names."""
@@ -69,10 +60,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         default=PAPER,
         help="the paper's method (default), VesselSplat's preset `vessel`, or another method to compare with",
     )
-    add_fields(parser, EnhanceParams, FIELDS)
-    shared = "and --strength, there 0 to 4, default 2.4, and --d-factor, default 1"
-    group = parser.add_argument_group("with --method vessel", shared)
-    add_fields(cast(argparse.ArgumentParser, group), VesselParams, VESSEL_FIELDS)
+    add_settings(parser, "and --strength, there 0 to 4, default 2.4, and --d-factor, default 1")
     parser.add_argument(
         "--statistics",
         choices=SCOPES,
@@ -165,38 +153,6 @@ def _listed(failed: Iterable[tuple[str, str]]) -> str:
 def _shared(setting: Setting) -> dict[str, Any]:
     """For the JSON: what all pictures have in common."""
     return {"method": setting.method, "params": setting.params, "pixels": setting.pixels}
-
-
-def params_of(flags: argparse.Namespace) -> Params:
-    """Of the method asked for. Raises UserError when flags of another one are given."""
-    for name in (*FIELDS, *VESSEL_FIELDS):
-        if name in flags and name not in OWN_FIELDS.get(flags.method, set()):
-            raise UserError(f"--{name.replace('_', '-')} has no effect with --method {flags.method}")
-    if "strength" in flags:
-        _require_strength(flags.method, flags.strength)
-    if flags.method == PAPER:
-        return parameters(EnhanceParams, flags)
-    if flags.method == VESSEL:
-        return parameters(VesselParams, flags)
-    for name, value in (("statistics", "automatic"), ("pixels", PIXELS[0])):
-        if getattr(flags, name) != value:
-            given = getattr(flags, name)
-            raise UserError(f"--{name} {given} has no effect with --method {flags.method}")
-    return None
-
-
-def _require_strength(method: str, text: str) -> None:
-    """Raises UserError: the method does not take that much; which one does, if one does."""
-    try:
-        strength = float(text)
-    except ValueError:
-        return  # Its dataclass says what is wrong.
-    if not 0 <= strength <= MOST[method]:
-        takes = [
-            f" (--method {one} takes up to {most:g})" for one, most in MOST.items() if 0 < strength <= most
-        ]
-        expected = f"expected 0 to {MOST[method]:g} for the method {method}"
-        raise UserError(f"--strength: {expected}, got {strength:g}{''.join(takes)}")
 
 
 def _dicom(flags: argparse.Namespace) -> DicomChoices:

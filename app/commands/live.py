@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, cast
+from typing import Any, Final
 
-from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
+from app.commands.method_flags import add_settings, params_of
 from app.console.ending import ended_by_ctrl_c
 from app.console.flags import add_fields, parameters, refuse
 from app.console.progress import Report, progress
@@ -29,8 +29,6 @@ from app.live.sources.device import ask_permission, devices, devices_for, requir
 from app.live.sources.opening import open_input
 from app.live.sources.source import Wish
 from app.live.start import start_of
-from enhance import EnhanceParams
-from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
 
 LOOK: Final = 0.05
@@ -91,9 +89,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--method", choices=(PAPER, VESSEL), default=PAPER, help="as of `vesselsplat enhance`"
     )
-    add_fields(parser, EnhanceParams, FIELDS)
-    group = parser.add_argument_group("with --method vessel", "and --strength, --d-factor")
-    add_fields(cast(argparse.ArgumentParser, group), VesselParams, VESSEL_FIELDS)
+    add_settings(parser, "and --strength, --d-factor")
     parser.add_argument("--pixels", choices=PIXELS[:2], default=PIXELS[0], help="as of `vesselsplat enhance`")
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 

@@ -10,9 +10,9 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-from app.commands.enhance import FIELDS, VESSEL_FIELDS, params_of
+from app.commands.method_flags import FIELDS, VESSEL_FIELDS, params_of
 from app.console.flags import add_fields
 from app.console.older_files import say_older
 from app.console.progress import measured_text, print_measures, progress
@@ -58,8 +58,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="pixels that are enhanced; see enhance --help (default automatic)",
     )
     group = parser.add_argument_group("fixed settings", "settings of either method; see enhance --help")
-    add_fields(cast(argparse.ArgumentParser, group), EnhanceParams, FIELDS)
-    add_fields(cast(argparse.ArgumentParser, group), VesselParams, VESSEL_FIELDS)
+    add_fields(group, EnhanceParams, FIELDS)
+    add_fields(group, VesselParams, VESSEL_FIELDS)
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
 

@@ -23,7 +23,7 @@ LONGEST = 120
 T = TypeVar("T")
 
 
-def add_fields(parser: argparse.ArgumentParser, kind: type[Any], names: Sequence[str]) -> None:
+def add_fields(parser: argparse._ActionsContainer, kind: type[Any], names: Sequence[str]) -> None:
     """Add a flag for each named field of the pydantic dataclass `kind`: --d-factor for d_factor.
 
     Values stay text until `parameters` hands them to the dataclass, so that it alone validates.
