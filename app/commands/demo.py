@@ -9,7 +9,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -33,7 +33,7 @@ from renderer.evenly import evenly
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 
-INPUTS: tuple[Input, ...] = ("original", "enhanced")
+INPUTS: tuple[Input, ...] = get_args(Input)
 CONFIG = TrainConfig(iterations=1000)
 """Enough to see what the method does within the minutes that a demo may take."""
 STRIP_COLUMNS = 6

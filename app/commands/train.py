@@ -18,7 +18,7 @@ from app.console.progress import SECONDS_BETWEEN_STAGE_LINES, Stages
 from app.files.provenance import provenance, strict_json
 from app.runs.device import Asked, Device
 from app.runs.memory import told
-from app.runs.run_folder import RunFolder
+from app.runs.run_folder import Input, RunFolder
 from app.runs.train_run import PRESETS, TrainRequest, device_of, run_training
 from app.runs.wall_clock import STEPS, WALL, in_all
 from renderer.readers.clip_options import EVERY_OPTION, ClipOptions
@@ -43,7 +43,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     add_fields(parser, TrainConfig, ("method",))
     parser.add_argument(
         "--input",
-        choices=("original", "enhanced"),
+        choices=get_args(Input),
         help="reconstruct the original or the enhanced frames (default original)",
     )
     parser.add_argument(

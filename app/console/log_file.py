@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from logging.handlers import QueueHandler, QueueListener, RotatingFileHandler
 from pathlib import Path
@@ -68,10 +68,9 @@ def _handler(folder: Path) -> logging.Handler | None:
     return None
 
 
-def _note(trouble: threading.ExceptHookArgs, then: object) -> None:
+def _note(trouble: threading.ExceptHookArgs, then: Callable[[threading.ExceptHookArgs], object]) -> None:
     """Then as before."""
     if trouble.exc_value is not None:
         told = (trouble.exc_type, trouble.exc_value, trouble.exc_traceback)
         LOG.error("uncaught in a thread", exc_info=told)
-    assert callable(then)
     then(trouble)
