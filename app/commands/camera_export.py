@@ -7,10 +7,10 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from app.commands.view_selection import Moment
 from app.errors import UserError
 from app.exports.camera_set import ENDINGS, CameraSet, write_cameras
 from app.scenes.scene import Scene
-from app.scenes.view_selection import Moment
 from renderer.camera_files import NamedCamera, off_center
 from renderer.readers.listing import count
 

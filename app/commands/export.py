@@ -11,7 +11,15 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from app.commands import camera_export, export_limits, mesh_export, research_export, view_flags
+from app.commands import (
+    camera_export,
+    export_limits,
+    mesh_export,
+    research_export,
+    view_flags,
+    view_selection,
+)
+from app.commands.view_selection import Moment
 from app.console.older_files import say_older
 from app.console.progress import progress
 from app.errors import UserError
@@ -26,14 +34,12 @@ from app.files.atomic import filled
 from app.files.codecs import CODECS, ending_of
 from app.files.records import extended
 from app.files.stepping import run_to_end
-from app.scenes import view_selection
 from app.scenes.clip_speed import FRAMES_PER_SECOND, clip_speed
 from app.scenes.drawer import Drawer
 from app.scenes.records import MomentRecord
 from app.scenes.renderers import drawer
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest, drawn_record
-from app.scenes.view_selection import Moment
 from renderer.harmonics import BANDS
 from renderer.readers.listing import count
 

@@ -8,13 +8,13 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
+from app.commands.outside import require_no_overwriting, require_outside
+from app.commands.view_selection import Moment
 from app.errors import UserError
 from app.exports.meshes.writing import CLIPS
 from app.exports.splats import fourdgs
 from app.exports.splats.writing import COMPRESSED
-from app.scenes.outside import require_no_overwriting, require_outside
 from app.scenes.scene import Scene
-from app.scenes.view_selection import Moment
 from renderer.readers.listing import listed
 from renderer.surface.fineness import VERTICES
 

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from app.commands.view_selection import Moment
 from app.console.older_files import say_older
 from app.console.progress import progress
 from app.errors import UserError
@@ -22,7 +23,6 @@ from app.files.atomic import filled
 from app.files.stepping import run_to_end
 from app.scenes.scene import Scene
 from app.scenes.surfaces import surface_of_window
-from app.scenes.view_selection import Moment
 from renderer.model_windows import ModelWindow, window_at
 from renderer.surface.fineness import VERTICES, Fineness
 from renderer.surface.mesh import Mesh

@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from app.commands import view_flags
+from app.commands import view_flags, view_selection
+from app.commands.outside import require_outside
 from app.console.older_files import say_older
 from app.console.progress import progress
 from app.errors import UserError
@@ -18,9 +19,7 @@ from app.exports.sources import Opened
 from app.files.atomic import filled
 from app.files.records import extended
 from app.files.stepping import run_to_end
-from app.scenes import view_selection
 from app.scenes.depth_steps import step_of
-from app.scenes.outside import require_outside
 from app.scenes.renderers import drawer
 from app.scenes.view_kinds import SHAPES, has_scale
 from app.scenes.view_request import view_record

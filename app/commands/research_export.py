@@ -8,6 +8,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from app.commands.view_selection import Moment
 from app.console.progress import progress
 from app.errors import UserError
 from app.exports.make import make
@@ -17,7 +18,6 @@ from app.files.records import extended
 from app.scenes.drawer import Drawer
 from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene
-from app.scenes.view_selection import Moment
 from renderer.near_plane import near_plane
 from renderer.readers.listing import count
 

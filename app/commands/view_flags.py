@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import replace
 
+from app.commands.view_selection import Moment
 from app.errors import UserError
 from app.runs.run_folder import RunFolder
 from app.runs.trained_clip import input_clip, run_clip
@@ -13,7 +14,6 @@ from app.scenes.backgrounds import BACKGROUNDS
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import BY_PROCESSOR, EXPLAINED, has_scale
 from app.scenes.view_request import FrameRequest, ViewRequest
-from app.scenes.view_selection import Moment
 from renderer.clip import Clip
 from renderer.near_plane import near_plane
 from renderer.splat_files import is_named_as_splats

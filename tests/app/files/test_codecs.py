@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from app.__main__ import main
+from app.commands.view_selection import LEAST_RATE
 from app.errors import UserError
 from app.files.codecs import CODECS, HEVC, MP4, WEBM, ending_of
 from app.files.image_series import open_series
 from app.files.pyav_writing import rate_of
 from app.files.timing import Timing
 from app.files.video import write_video
-from app.scenes.view_selection import LEAST_RATE
 from renderer.sources import open_clip
 from tests.app.conftest import Call
 from tests.app.files.test_video import RED, Cli, frames, read, without
