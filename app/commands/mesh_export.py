@@ -102,7 +102,8 @@ def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment], spe
     else:
         _write_folder(flags, scene, wanted, speed)
         others = ", the first" if scene.split_by_time else ""
-        sys.stdout.write(f"{path}: {len(wanted)} meshes{others} of {said}\n")
+        meshes = "1 mesh" if len(wanted) == 1 else f"{len(wanted)} meshes"
+        sys.stdout.write(f"{path}: {meshes}{others} of {said}\n")
 
 
 def _size(mesh: Mesh) -> str:

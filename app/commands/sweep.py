@@ -30,6 +30,7 @@ from app.sweeps.summary import SHOWN, Summary
 from app.sweeps.sweep import run_jobs
 from app.sweeps.table import Row, rows, write_tables
 from app.sweeps.worker import sweep_locked
+from renderer.readers.listing import count
 
 PAGE = "sweep.html"
 NO_ENGINE: Final[Mapping[str, object]] = MappingProxyType({"on": "local", "workers": None, "retry": False})
@@ -182,10 +183,9 @@ def _preview(plan: Plan, flags: argparse.Namespace) -> None:
         if seconds is not None
         else "unknown: no job has been measured yet"
     )
-    sys.stdout.write(
-        f"{len(plan.jobs)} jobs on {len(plan.clips)} clips: {now.finished} finished, {now.failed} failed, "
-        f"{now.left} left\ntime left: {took}\n"
-    )
+    jobs = f"{count(len(plan.jobs), 'job')} on {count(len(plan.clips), 'clip')}"
+    states = f"{now.finished} finished, {now.failed} failed, {now.left} left"
+    sys.stdout.write(f"{jobs}: {states}\ntime left: {took}\n")
 
 
 def _duration(seconds: float) -> str:
@@ -208,7 +208,7 @@ def _tell(folder: Path, table: Sequence[Row], measures: Sequence[str] | None, as
     for part in parts:
         if part.rows:
             print_table(part)
-    told = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
+    told = ", ".join(f"{number} {name}" for name, number in counts.items() if number)
     sys.stdout.write(f"{folder}: {told or 'no jobs'}; table.csv, table.jsonl, {PAGE}\n")
 
 

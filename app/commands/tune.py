@@ -34,6 +34,7 @@ from enhance import EnhanceParams, ImageError
 from enhance.image import BoolImage
 from enhance.surround import inside
 from enhance.vessel import VesselParams
+from renderer.readers.listing import count
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -116,7 +117,8 @@ def run(flags: argparse.Namespace) -> None:
         sys.stdout.write(strict_json(report) + "\n")
     else:
         _print(rows)
-        sys.stdout.write(f"{flags.out}: sheet.png, tuning.csv, tuning.json and {len(rows)} images\n")
+        images = count(len(rows), "image")
+        sys.stdout.write(f"{flags.out}: sheet.png, tuning.csv, tuning.json and {images}\n")
 
 
 def _origin(flags: argparse.Namespace) -> Origin:
