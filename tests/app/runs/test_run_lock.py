@@ -129,13 +129,14 @@ import sys, time
 from pathlib import Path
 from app.errors import UserError
 from app.runs.run_lock import locked
-start = float(sys.argv[2])
+print("ready", flush=True)
+start = float(sys.stdin.readline())
 while time.time() < start:
     pass
 try:
     with locked(Path(sys.argv[1])):
         print("held", flush=True)
-        time.sleep(1.0)
+        sys.stdin.readline()
 except UserError as error:
     print("refused:", error, flush=True)
 """
@@ -146,16 +147,26 @@ def test_of_two_that_begin_at_once_one_is_refused(tmp_path: Path, attempt: int) 
     """A stale file of a killed process lies there in every other attempt."""
     if attempt % 2:
         (tmp_path / NAME).write_text(json.dumps({"process": 999_999_999, "began": 0.0}))
-    start = str(time.time() + 1.5)
     processes = [
         subprocess.Popen(
-            [sys.executable, "-c", RACES, str(tmp_path), start],
+            [sys.executable, "-c", RACES, str(tmp_path)],
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env={"PYTHONPATH": str(Path(__file__).parents[3])},
             text=True,
         )
         for _ in range(2)
     ]
-    said = sorted(process.communicate()[0].split(":")[0].strip() for process in processes)
-    assert said == ["held", "refused"]
+    for process in processes:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "ready\n"
+    start = f"{time.time() + 0.05}\n"
+    for process in processes:
+        assert process.stdin is not None
+        process.stdin.write(start)
+        process.stdin.flush()
+    said = [process.stdout.readline() for process in processes if process.stdout is not None]
+    assert sorted(line.split(":")[0].strip() for line in said) == ["held", "refused"]
+    for process in processes:
+        process.communicate("\n")
     assert list(tmp_path.iterdir()) == []
