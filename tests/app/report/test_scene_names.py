@@ -3,9 +3,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import cv2
+import pytest
 
 from app.report.bench import Bench, scene_names
 from app.report.measures import left_out, paper
+from renderer.phantom import PhantomParams
 from tests.enhance.pictures import vessels
 
 
@@ -19,7 +21,10 @@ def test_scenes_are_told_apart_by_as_much_of_their_path_as_that_needs() -> None:
     assert scene_names([paths[0], paths[0]]) == {paths[0]: "rec/images"}
 
 
-def test_two_scenes_of_one_name_are_two_tables_and_two_kinds_of_rows(clip_path: Path, tmp_path: Path) -> None:
+def test_two_scenes_of_one_name_are_two_tables_and_two_kinds_of_rows(
+    clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(left_out, "SMALL", PhantomParams(n_frames=2, width=48, height=40))
     scenes = tuple(tmp_path / patient / "rec" / "images" for patient in ("first", "second", "broken"))
     for seed, folder in enumerate(scenes[:2]):
         folder.mkdir(parents=True)
