@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -21,7 +21,7 @@ from app.runs.train_run import TrainRequest, run_training
 from app.runs.trained_clip import run_clip
 from renderer.clip import Clip, ClipError
 from renderer.phantom import PhantomParams, write_phantom
-from renderer.poses.from_motion import FoundStructure, followed_features
+from renderer.poses.from_motion import FoundStructure, followed_features, structure_of
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
@@ -101,21 +101,38 @@ def told(clip: Clip, options: ClipOptions) -> Posed:
             return ended.value  # type: ignore[no-any-return]
 
 
-def test_a_field_of_view_that_is_stated_is_kept_whatever_it_is(images: Path) -> None:
+@pytest.fixture(scope="module")
+def found(images: Path) -> FoundStructure:
+    """With a field of view that is assumed."""
+    clip = open_clip(images, MOTION)
+    return structure_of(clip, followed_features(lit_part(clip)), focal_is_known=False)
+
+
+@pytest.fixture
+def finding(found: FoundStructure, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """That is found at once, but for what a test changes of it."""
+
+    def find(**changes: float) -> None:
+        monkeypatch.setattr(structuring, "followed_features", lambda *_: None)
+        monkeypatch.setattr(structuring, "structure_of", lambda *_, **__: replace(found, **changes))
+
+    return find
+
+
+def test_a_field_of_view_that_is_stated_is_kept_whatever_it_is(
+    images: Path, finding: Callable[..., None]
+) -> None:
     clip = open_clip(images, replace(MOTION, field_of_view=60.0))
-    stated, assumed = (told(clip, replace(MOTION, field_of_view=view)) for view in (60.0, None))
+    stated = told(clip, replace(MOTION, field_of_view=60.0))
+    finding()
+    assumed = told(clip, MOTION)
     assert stated.clip.cameras[0].fx == clip.cameras[0].fx != assumed.clip.cameras[0].fx
     assert not any("field of view is estimated" in said for said in stated.notices)
     assert any("field of view is estimated" in said for said in assumed.notices)
 
 
-def test_uncertain_distances_are_said(images: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    sure = structuring.structure_of
-
-    def doubtful(*given: Any, **named: Any) -> FoundStructure:
-        return replace(sure(*given, **named), depth_error=0.12)
-
-    monkeypatch.setattr(structuring, "structure_of", doubtful)
+def test_uncertain_distances_are_said(images: Path, tmp_path: Path, finding: Callable[..., None]) -> None:
+    finding(depth_error=0.12)
     events = run_training(request_of(images, tmp_path / "run"))
     told = next(event for event in events if isinstance(event, Warned) and "uncertain" in event.message)
     events.close()
@@ -124,24 +141,23 @@ def test_uncertain_distances_are_said(images: Path, tmp_path: Path, monkeypatch:
 
 @pytest.mark.parametrize("moves", [None, "the background moves by 9 % of the image width"])
 def test_images_that_hardly_shift_are_said_to(
-    images: Path, moves: str | None, monkeypatch: pytest.MonkeyPatch
+    images: Path, moves: str | None, finding: Callable[..., None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    finding()
     monkeypatch.setattr(structuring, "camera_motion", lambda _: moves)
     said = told(open_clip(images, MOTION), MOTION).notices
     assert any("the camera may be fixed" in each for each in said) == (moves is None)
 
 
-def test_a_field_of_view_that_is_not_settled_is_said(images: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    sure, clip = structuring.structure_of, open_clip(images, MOTION)
-
-    def unsettled(*given: Any, **named: Any) -> FoundStructure:
-        return replace(sure(*given, **named), focal_left=0.08)
+def test_a_field_of_view_that_is_not_settled_is_said(images: Path, finding: Callable[..., None]) -> None:
+    clip = open_clip(images, MOTION)
 
     def doubts() -> list[str]:
         return [said for said in told(clip, MOTION).notices if "field of view is uncertain" in said]
 
+    finding()
     assert not doubts()
-    monkeypatch.setattr(structuring, "structure_of", unsettled)
+    finding(focal_left=0.08)
     assert "still changed by 8%" in doubts()[0]
 
 
