@@ -14,6 +14,7 @@ from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing, Column
 from app.gui.style import theme
+from app.gui.style.asking import close_question
 from app.gui.style.widgets import (
     Area,
     button,
@@ -76,9 +77,7 @@ def draw_browser(state: AppState, textures: ShowsPictures) -> None:
             _take_keys(state, browsing)
         _draw_all(state, browsing, textures)
         if state.window.browsing is None:
-            imgui.close_current_popup()
-            # Else what lies below has a control in focus, which the next Space presses.
-            imgui.set_nav_cursor_visible(False)
+            close_question()
 
 
 def _draw_all(state: AppState, browsing: Browsing, textures: ShowsPictures) -> None:

@@ -16,7 +16,7 @@ from app.gui.commands.modes import MASKING_TEXT, PRESENTATION_TEXT, TILE_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.asking import close_question, question, take_enter
-from app.gui.style.widgets import button, cell, em, explain, in_table, muted, note, within
+from app.gui.style.widgets import button, cell, em, explain, in_line, in_table, muted, note, within
 from app.gui.style.writing import text_area
 from app.gui.views.key_words import with_keys
 
@@ -207,11 +207,7 @@ def draw_recovery(state: AppState) -> None:
     """Once at the start, after the notice."""
     if state.session.recoverable is None or not state.settings.acknowledged:
         return
-    imgui.open_popup(OFFER)
-    center = imgui.get_main_viewport().get_center()
-    imgui.set_next_window_pos(center, imgui.Cond_.always, ImVec2(0.5, 0.5))
-    flags = imgui.WindowFlags_.no_resize | imgui.WindowFlags_.no_move | imgui.WindowFlags_.always_auto_resize
-    with imgui_ctx.begin_popup_modal(OFFER, flags) as opened:
+    with question(OFFER, 27) as opened:
         if not opened:
             return
         imgui.spacing()
@@ -219,10 +215,10 @@ def draw_recovery(state: AppState) -> None:
             imgui.text_unformatted(f"It was last saved {state.session.recoverable_since}.")
         imgui.text_unformatted("Restore the open files, settings, views and notes?")
         imgui.spacing()
-        for label, act in (("Restore", recovering.recover), ("Start fresh", recovering.decline)):
-            if imgui.button(label, ImVec2(em(12), em(2))):
+        ways = (("Restore", recovering.recover), ("Start fresh", recovering.decline))
+        for (label, act), width in in_line(ways):
+            if imgui.button(label, ImVec2(em(width), em(2))):
                 act(state)
                 close_question()
             if label == "Restore":
                 take_enter()
-            imgui.same_line()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from imgui_bundle import imgui
 
-from app.gui.style.asking import question
+from app.gui.style.asking import close_question, question
 from app.gui.style.widgets import button, in_line, muted, shortened
 
 
@@ -40,5 +40,5 @@ def ask_name(
                 agreed, given_up = reply == "Rename", reply == "Cancel"
         if not (agreed or given_up):
             return None
-        imgui.close_current_popup()
+        close_question()
         return agreed
