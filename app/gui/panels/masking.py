@@ -18,6 +18,7 @@ from app.gui.style.asking import ask
 from app.gui.style.fields import number
 from app.gui.style.widgets import (
     Area,
+    beside,
     button,
     choose_row,
     em,
@@ -184,14 +185,10 @@ def _draw_by_hand(state: AppState, masking: Masking) -> None:
 
 def _draw_frames(state: AppState, name: str, frames: Sequence[int]) -> None:
     """Frames to go to, in a line as long as there is room."""
-    right = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x
     for place, index in enumerate(frames):
         label = str(index + 1)
         if place:
-            width = imgui.calc_text_size(label).x + 2 * imgui.get_style().frame_padding.x
-            imgui.same_line(0, em(0.25))
-            if imgui.get_cursor_screen_pos().x + width > right:
-                imgui.new_line()
+            beside(label, 0.25)
         go = partial(actions.seek, state, index)
         button(f"{label}###{name} {index}", go, "Go to this frame.", small=True)
 

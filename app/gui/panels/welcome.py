@@ -19,7 +19,7 @@ from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.labels import tag
-from app.gui.style.widgets import Area, button, centered, em, explain, muted, shortened
+from app.gui.style.widgets import Area, button, centered, em, explain, muted, shortened, width_of
 from app.gui.work.recents import Kind, Recent
 
 WIDEST: Final = 74.0
@@ -128,12 +128,8 @@ def _draw_dashes(area: Area, ink: int) -> None:
             draw.add_line(ImVec2(x, y), ImVec2(x, min(y + step, high.y)), ink, em(0.08))
 
 
-def _width_of(label: str) -> float:
-    return imgui.calc_text_size(label, True).x + 2 * imgui.get_style().frame_padding.x
-
-
 def _width_of_choices() -> float:
-    return sum(_width_of(label) for label, _ in CHOICES) + (len(CHOICES) - 1) * em(0.6)
+    return sum(width_of(label) for label, _ in CHOICES) + (len(CHOICES) - 1) * em(0.6)
 
 
 def _draw_choices(state: AppState, area: Area, *, stacked: bool) -> None:
@@ -141,7 +137,7 @@ def _draw_choices(state: AppState, area: Area, *, stacked: bool) -> None:
     width = _width_of_choices()
     for place, (label, act) in enumerate(CHOICES):
         if stacked:
-            width = _width_of(label)
+            width = width_of(label)
         if stacked or place == 0:
             x = area.corner.x + (area.size.x - width) / 2
             imgui.set_cursor_screen_pos(ImVec2(x, imgui.get_cursor_screen_pos().y))

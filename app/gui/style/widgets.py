@@ -202,7 +202,12 @@ def centered(text: str, color: ImVec4 | None = None) -> None:
 
 def beside(label: str, gap: float = 0.5) -> None:
     """The next control, a button of this label, stands beside the one before; below it where room ends."""
-    beside_of(imgui.calc_text_size(label, True).x + 2 * imgui.get_style().frame_padding.x, gap)
+    beside_of(width_of(label), gap)
+
+
+def width_of(label: str) -> float:
+    """Pixels of a button of this label."""
+    return imgui.calc_text_size(label, True).x + 2 * imgui.get_style().frame_padding.x
 
 
 def beside_of(width: float, gap: float = 0.5) -> None:
