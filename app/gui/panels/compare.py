@@ -9,13 +9,15 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.settable import MODES, SLOTS, SOURCES
+from app.exports.comparison_images import heat_scale
 from app.files.legible import capital, without_flags
 from app.gui.actions import actions, clip_actions, comparing, laid_out, live_actions, picture_actions
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.fainter import draw_fainter
 from app.gui.panels.overlays import make_room
-from app.gui.panels.picture_pane import draw_bar, draw_divider, draw_pane
+from app.gui.panels.picture_pane import draw_divider, draw_pane
+from app.gui.panels.scene_marks import draw_color_bar
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
@@ -153,7 +155,13 @@ def _draw_one(
     pointer = draw_pane(state, textures, "single", shown, (left, right), area, covered=covered)
     laid_out.point(state, pointer)
     if difference is not None:
-        draw_bar(difference.top, area)
+        _draw_scale(difference.top, area)
+
+
+def _draw_scale(top: int, area: Area) -> None:
+    """Of the heat map, whose last colour stands for all above it, too."""
+    last = f"{top}" if top == 255 else f"≥{top}"
+    draw_color_bar(heat_scale(top), area, {0: "0", top / 2: f"{top / 2:.0f}", top: last})
 
 
 def _draw_notices(state: AppState) -> None:

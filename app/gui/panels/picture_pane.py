@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.frame_enhancer import PictureRequest
-from app.exports.comparison_images import heat_scale
 from app.gui.actions import clip_actions, comparing, laid_out, picture_actions, presenting
 from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
 from app.gui.panels.masking import draw_brush, follow_brush
@@ -27,7 +26,6 @@ LOW = 14.0
 """Text heights of a pane that has little room for labels."""
 WHEEL_STEP = 1.15
 PANE_BUTTONS = imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
-BAR_STEPS = 32
 NARROW = 20.0
 """Em across below which a pane says less."""
 Pointer = tuple[int, int]
@@ -87,25 +85,6 @@ def draw_divider(
             _cross_at(imgui.get_mouse_pos())
         _draw_readout(state, (left, right), area, covered)
     return pointer
-
-
-def draw_bar(top: int, area: Area) -> None:
-    """The colours of the heat map and the grey levels that they stand for."""
-    draw, colors = imgui.get_window_draw_list(), heat_scale(top).table
-    width, height = em(0.9), min(em(12), 0.6 * area.size.y)
-    left, bottom = area.end.x - em(4.2), area.corner.y + (area.size.y + height) / 2
-    ground, end = imgui.get_color_u32(theme.TAG_ORIGINAL), ImVec2(area.end.x - em(0.4), bottom + em(0.6))
-    draw.add_rect_filled(ImVec2(left - em(0.5), bottom - height - em(1.8)), end, ground, em(0.2))
-    for step in range(BAR_STEPS):
-        color = theme.packed(*colors[step * 255 // (BAR_STEPS - 1)].tolist())
-        low = bottom - height * step / BAR_STEPS
-        high = ImVec2(left, low - height / BAR_STEPS - 0.5)
-        draw.add_rect_filled(high, ImVec2(left + width, low), color)
-    ink = imgui.get_color_u32(theme.INK)
-    draw.add_text(ImVec2(left - em(0.2), bottom - height - em(1.6)), ink, "levels")
-    for share, text in ((0.0, "0"), (0.5, f"{top / 2:.0f}"), (1.0, f"{top}" if top == 255 else f"≥{top}")):
-        y = bottom - share * height - (0.35 + 0.3 * share) * em()
-        draw.add_text(ImVec2(left + width + em(0.3), y), ink, text)
 
 
 def frame_text(request: PictureRequest, *, short: bool = False) -> str:

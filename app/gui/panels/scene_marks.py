@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -144,11 +145,14 @@ def _draw_lines(segments: FloatArray, color: ImVec4, request: ViewRequest, sight
             draw.add_line(corner + first, corner + last, imgui.get_color_u32(ink), width)
 
 
-def draw_color_bar(scale: Scale, area: Area) -> None:
-    """The scale of the colours, in the upper right corner of the area; high values above."""
-    draw, texts = imgui.get_window_draw_list(), [scale.text(tick) for tick in scale.ticks]
-    across = em(0.9)
-    wide = max(imgui.calc_text_size(text).x for text in texts) + across + em(1.0)
+def draw_color_bar(scale: Scale, area: Area, texts: Mapping[float, str] | None = None) -> None:
+    """The scale of the colours, in the upper right corner of the area; high values above.
+
+    `texts`: what stands at which values, else its ticks.
+    """
+    texts = texts or {tick: scale.text(tick) for tick in scale.ticks}
+    draw, across = imgui.get_window_draw_list(), em(0.9)
+    wide = max(imgui.calc_text_size(text).x for text in texts.values()) + across + em(1.0)
     wide = max(wide, imgui.calc_text_size(scale.unit).x) + em(1.0)
     tall = min(area.size.y - em(1.0), em(15))
     if tall < em(6):
@@ -164,7 +168,7 @@ def draw_color_bar(scale: Scale, area: Area) -> None:
         above, below = (theme.packed(*table[int((1 - side) * (len(table) - 1))].tolist()) for side in sides)
         top, bottom = (first + (last - first) * side for side in sides)
         draw.add_rect_filled_multi_color((left, top), (right, bottom), above, above, below, below)
-    for tick, text in zip(scale.ticks, texts, strict=True):
+    for tick, text in texts.items():
         y = last - (tick - scale.low) / (scale.high - scale.low) * (last - first)
         draw.add_line((right, y), (right + em(0.25), y), ink)
         draw.add_text((right + em(0.45), y - imgui.get_text_line_height() / 2), ink, text)
