@@ -13,8 +13,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing
 from app.gui.state.choosing import Kind, Purpose
 from app.gui.update.channels import Channels
-from renderer.clip import ByteImage
-from tests.app.gui.ui import Ui
+from tests.app.gui.ui import Shown, Ui
 
 
 class Chooser:
@@ -24,7 +23,7 @@ class Chooser:
         self.ui, self.state = ui, state
         self.channels, self.dialogs = Channels(), Dialogs()
         self.chosen: list[Path] = []
-        self.shown: dict[str, ByteImage] = {}
+        self.shown = Shown()
 
     def ask(self, kind: Kind, purpose: Purpose, folder: Path, name: str = "") -> None:
         self.state.window.folders = {purpose: folder}
@@ -39,11 +38,7 @@ class Chooser:
     def draw(self) -> None:
         imgui.button("below")
         self.dialogs.follow(self.state)
-        draw_browser(self.state, self.texture)
-
-    def texture(self, slot: str, image: ByteImage) -> imgui.ImTextureRef:
-        self.shown[slot] = image
-        return imgui.ImTextureRef(1)
+        draw_browser(self.state, self.shown)
 
     def frames(self, count: int = 3) -> None:
         for _ in range(count):

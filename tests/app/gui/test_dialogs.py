@@ -355,7 +355,7 @@ def test_images_videos_and_clips_have_thumbnails_and_damaged_files_an_icon(
     assert found["deep.png"] is not None
     assert found["deep.png"].min() > 200
     assert "notes.txt" not in found
-    assert any(image is found["2.png"] for image in chooser.shown.values())
+    assert any(image is found["2.png"] for image in chooser.shown.images.values())
 
 
 def test_a_video_has_a_thumbnail_without_pyav(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
