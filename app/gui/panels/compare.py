@@ -95,9 +95,9 @@ def _draw_toolbar(state: AppState) -> None:
     imgui.align_text_to_frame_padding()
     muted(f"{100 * state.picture.zoom:.0f} %".rjust(6))
     explain("Screen pixels per image pixel.")
-    for slot, gap in zip(SLOTS, (0.5, 0.5), strict=True):
+    for slot in SLOTS:
         text = f"Shift+{slot}: store the current settings as {slot}, to compare with or return to."
-        beside(f"Store {slot}", gap)
+        beside(f"Store {slot}")
         button(f"Store {slot}", partial(comparing.store, state, slot), text)
 
 

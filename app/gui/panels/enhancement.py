@@ -17,7 +17,7 @@ from app.files.legible import as_label, legible, named
 from app.gui.actions import actions, preset_actions
 from app.gui.actions import history_actions as history
 from app.gui.drawing.textures import ShowsPictures
-from app.gui.panels.enhancement_measured import UNUSED, draw_curves, draw_measures, facts_of
+from app.gui.panels.enhancement_measured import draw_curves, draw_measures
 from app.gui.panels.small_picture import draw_small
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
@@ -42,8 +42,6 @@ from app.gui.style.widgets import (
 from app.gui.work.presets import BUILT_IN, preset_name
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
-
-__all__ = ["UNUSED", "draw_enhancement", "facts_of"]
 
 METHODS: dict[type[EnhancementSettings], str] = {EnhanceParams: named(PAPER), VesselParams: named(VESSEL)}
 LESS = 2.0
@@ -77,7 +75,7 @@ def draw_enhancement(state: AppState, textures: ShowsPictures) -> None:
     if chosen is not now:
         actions.choose_method(state, chosen)
     draw_presets(state, textures)
-    _change(state, _draw_strength(state.enhancement.params))
+    _change(state, slide(state.enhancement.params, "strength", "Strength"))
     _draw_edits(state)
     imgui.spacing()
     with imgui_ctx.begin_tab_bar("details") as bar:
@@ -215,11 +213,6 @@ def _draw_settings(state: AppState) -> None:
 def _change(state: AppState, params: EnhancementSettings) -> None:
     if params != state.enhancement.params:
         actions.set_params(state, params)
-
-
-def _draw_strength(params: EnhancementSettings) -> EnhancementSettings:
-    """The one slider that makes more or less of any method."""
-    return slide(params, "strength", "Strength", "%.2f")
 
 
 def _draw_paper(params: EnhanceParams, used: Statistics | None) -> EnhanceParams:

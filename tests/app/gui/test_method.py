@@ -11,7 +11,8 @@ from app.enhancement.frame_enhancer import PictureMaker, PictureRequest, Picture
 from app.enhancement.setting_words import VESSEL_LABELS
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, history_actions, job_actions
-from app.gui.panels.enhancement import UNUSED, draw_enhancement, facts_of
+from app.gui.panels.enhancement import draw_enhancement
+from app.gui.panels.enhancement_measured import UNUSED, facts_of
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
 from app.gui.update.jobs import start_due
