@@ -15,11 +15,11 @@ from app.files.legible import capital, legible
 from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.background import Failure
-from app.gui.work.depths import DepthRequest, Ways, WaysRequest
+from app.gui.work.depths import DepthRequest, WaysRequest
 from app.gui.work.opening import read_as
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.clip import Clip, DepthOrigin
-from renderer.depth.depth_ways import DEPTH_WAYS, DepthWay, way_of
+from renderer.depth.depth_ways import DEPTH_WAYS, DepthWay, DepthWays, way_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions, DepthSource
 from renderer.readers.frames import is_seen_by_assumption
 
@@ -130,9 +130,9 @@ def choose_reading(state: AppState, options: ClipOptions) -> None:
         clip_actions.keep_reading(state, options)
 
 
-def take_ways(state: AppState, request: WaysRequest, answer: Ways) -> None:
+def take_ways(state: AppState, request: WaysRequest, answer: DepthWays) -> None:
     if request.bare is state.source.bare:
-        state.source.depth_ways = answer.found
+        state.source.depth_ways = answer
 
 
 def take_depth(state: AppState, request: DepthRequest, answer: Clip | Failure) -> None:

@@ -8,7 +8,7 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.scene import Second
 from app.gui.work.background import Failure
-from app.gui.work.beside import Beside, BesideRequest
+from app.gui.work.beside import BesideRequest
 from app.gui.work.opening import Opened, OpenRequest
 from app.scenes.scene import Scene
 
@@ -34,8 +34,8 @@ def offered(state: AppState) -> tuple[Path, ...]:
     return tuple(dict.fromkeys(path for path in (*runs, *state.scene.models) if path not in shown))
 
 
-def take_models(state: AppState, request: BesideRequest, answer: Beside) -> None:
-    state.scene.models = answer.paths
+def take_models(state: AppState, request: BesideRequest, answer: tuple[Path, ...]) -> None:
+    state.scene.models = answer
 
 
 def take_second(state: AppState, request: OpenRequest, answer: Opened | Failure) -> None:

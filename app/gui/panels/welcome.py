@@ -157,12 +157,13 @@ def _row(width: float, least: float, most: int) -> tuple[int, float]:
 def _draw_recents(state: AppState, textures: ShowsPictures, margin: float, width: float) -> None:
     """One row, the newest first."""
     count, across = _row(width, TILE, MOST_TILES)
-    found = state.welcome.recents.found if state.welcome.recents is not None else {}
     imgui.set_cursor_pos_x(margin)
     for place, text in enumerate(state.settings.recent[:count]):
         if place:
             imgui.same_line()
-        _draw_recent(state, textures, f"recent {place}", text, found.get(text, UNKNOWN), across)
+        _draw_recent(
+            state, textures, f"recent {place}", text, state.welcome.recents.get(text, UNKNOWN), across
+        )
 
 
 def _draw_recent(

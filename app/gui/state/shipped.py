@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from app.gui.work.about import About
-from app.gui.work.recents import Recents
+from app.gui.work.recents import Recent
 from app.gui.work.shipped import Guide
 from renderer.clip import ByteImage
 
@@ -15,7 +15,8 @@ from renderer.clip import ByteImage
 class Welcome:
     """Answers change it; drawing reads it."""
 
-    recents: Recents | None = None
+    recents: Mapping[str, Recent] = field(default_factory=dict)
+    """What was opened lately, by path, as far as it has been looked at."""
     samples: Mapping[str, ByteImage] = field(default_factory=dict)
     """Images of what the program does, by name."""
 

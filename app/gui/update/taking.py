@@ -29,7 +29,7 @@ from app.gui.work.measuring import Measured
 from app.gui.work.neighbours import Neighbours, NeighboursRequest
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import Opened, OpenRequest, SourceLost
-from app.gui.work.recents import Recents, RecentsRequest
+from app.gui.work.recents import Recent, RecentsRequest
 from app.gui.work.run_measures import RunMeasures, RunMeasuresRequest
 from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
 from app.gui.work.writing import WriteRequest
@@ -192,7 +192,7 @@ def _baked(state: AppState, answer: Baked | Failure, view: str) -> Baked | None:
     return answer
 
 
-def take_recents(state: AppState, request: RecentsRequest, recents: Recents) -> None:
+def take_recents(state: AppState, request: RecentsRequest, recents: Mapping[str, Recent]) -> None:
     state.welcome.recents = recents
 
 

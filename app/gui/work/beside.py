@@ -19,15 +19,9 @@ class BesideRequest:
     status: str
 
 
-@dataclass(frozen=True)
-class Beside:
+def find_models(request: BesideRequest) -> Iterator[tuple[Path, ...]]:
     """Those of them that hold a model, in their order, with links followed."""
-
-    paths: tuple[Path, ...]
-
-
-def find_models(request: BesideRequest) -> Iterator[Beside]:
-    yield Beside(tuple(Path(path).resolve() for path in request.paths if _holds_model(Path(path))))
+    yield tuple(Path(path).resolve() for path in request.paths if _holds_model(Path(path)))
 
 
 def _holds_model(path: Path) -> bool:

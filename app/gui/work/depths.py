@@ -22,14 +22,8 @@ class WaysRequest:
     options: ClipOptions
 
 
-@dataclass(frozen=True)
-class Ways:
-    request: WaysRequest
-    found: DepthWays
-
-
-def find_ways(request: WaysRequest) -> Iterator[Ways]:
-    yield Ways(request, depth_ways(request.bare, request.options))
+def find_ways(request: WaysRequest) -> Iterator[DepthWays]:
+    yield depth_ways(request.bare, request.options)
 
 
 @dataclass(frozen=True, eq=False)

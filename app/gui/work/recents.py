@@ -51,17 +51,11 @@ class Recent:
     """None while it is made, and where there is none."""
 
 
-@dataclass(frozen=True, eq=False)
-class Recents:
-    request: RecentsRequest
-    found: Mapping[str, Recent]
-
-
-def find_recents(request: RecentsRequest) -> Iterator[Recents]:
-    """First which of them are there, then one image after the other."""
+def find_recents(request: RecentsRequest) -> Iterator[Mapping[str, Recent]]:
+    """By their paths: first which of them are there, then one image after the other."""
     keys = {text: _key(Path(text)) for text in request.paths}
     found = {text: Recent(_kind(Path(text)), key is None) for text, key in keys.items()}
-    yield Recents(request, dict(found))
+    yield dict(found)
     names = set()
     for text, recent in found.items():
         key = keys[text]
@@ -74,7 +68,7 @@ def find_recents(request: RecentsRequest) -> Iterator[Recents]:
             image = _made(Path(text))
             _keep(kept, image)
         found[text] = replace(recent, image=image)
-        yield Recents(request, dict(found))
+        yield dict(found)
     _forget(request.folder, names)
 
 

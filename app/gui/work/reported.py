@@ -127,7 +127,6 @@ class Chart:
 class Reported:
     """All of them, and what the parts say in words and tables."""
 
-    name: str
     about: str
     charts: tuple[Chart, ...]
     parts: tuple[ReportPart, ...]
@@ -141,7 +140,7 @@ def read(path: Path) -> Reported:
     machine: dict[str, Any] = report.machine
     about = f"{report.clip}, {report.utc[:10]}, {machine.get('processor')}, {machine.get('cores')} cores"
     parts = tuple(map(part_of, report.sections.values()))
-    return Reported(path.parent.name, about, tuple(charts_of(report.sections)), parts)
+    return Reported(about, tuple(charts_of(report.sections)), parts)
 
 
 def read_sweep_report(folder: Path) -> Reported:
@@ -152,7 +151,7 @@ def read_sweep_report(folder: Path) -> Reported:
     about = f"{folder.name}: {len(summary.rows)} finished jobs of {len(table)}, {len(summary.clips)} clips"
     parts = tuple(map(part_of, found.values()))
     swept = swept_jobs(record.task, summary, folder)
-    return Reported(folder.name, about, tuple(charts_of(found)), parts, swept)
+    return Reported(about, tuple(charts_of(found)), parts, swept)
 
 
 def current(chart: Chart, params: object) -> Point | None:

@@ -127,8 +127,8 @@ def test_a_run_that_is_opened_through_a_link_is_the_one_that_is_listed(
     assert run_actions.why_not_beside(opened, whole)
     opened.places = replace(opened.places, runs=folder / "other name")
     assert named(opened, "whole").path == whole.path
-    (beside,) = find_models(BesideRequest((str(folder / "other name" / "whole"),), "none"))
-    assert beside.paths == (whole.path,)
+    (models,) = find_models(BesideRequest((str(folder / "other name" / "whole"),), "none"))
+    assert models == (whole.path,)
 
 
 def test_runs_of_the_clip_behind_a_link_are_listed(

@@ -87,6 +87,6 @@ def test_what_needs_one_model_that_moves_is_not_offered(shown: AppState) -> None
 
 def test_it_is_a_model_among_what_was_opened_lately(shown: AppState, folder: Path, tmp_path: Path) -> None:
     (found,) = find_models(BesideRequest((str(folder), str(tmp_path)), ""))
-    assert found.paths == (folder,)
+    assert found == (folder,)
     *_, recents = find_recents(RecentsRequest((str(folder),), tmp_path / "small"))
-    assert recents.found[str(folder)].kind == "splats"
+    assert recents[str(folder)].kind == "splats"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,7 @@ from app.gui.style.widgets import end_of, shortened
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.update.wishes import recents_wish
-from app.gui.work.recents import SIDE, Recents, RecentsRequest, find_recents
+from app.gui.work.recents import SIDE, Recent, RecentsRequest, find_recents
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from tests.app.gui.test_window import Driver, wait
@@ -39,13 +39,13 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path / "recent"
 
 
-def found(folder: Path, *paths: Path) -> Recents:
+def found(folder: Path, *paths: Path) -> Mapping[str, Recent]:
     """When all images are there."""
     return list(find_recents(RecentsRequest(tuple(map(str, paths)), folder)))[-1]
 
 
 def test_a_clip_has_a_small_image_that_is_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    image = found(folder, phantom_path()).found[str(phantom_path())].image
+    image = found(folder, phantom_path())[str(phantom_path())].image
     assert image is not None
     assert max(image.shape[:2]) <= SIDE
     frame = read_image(phantom_path() / "images" / "frame-000012.color.png")
@@ -53,7 +53,7 @@ def test_a_clip_has_a_small_image_that_is_kept(folder: Path, monkeypatch: pytest
     (kept,) = folder.glob("*.jpg")
     # A second time nothing is opened.
     monkeypatch.setattr("app.gui.work.recents.open_case", None)
-    again = found(folder, phantom_path()).found[str(phantom_path())].image
+    again = found(folder, phantom_path())[str(phantom_path())].image
     assert again is not None
     assert np.abs(again.astype(int) - image).mean() < 3
     assert [kept] == list(folder.glob("*.jpg"))
@@ -76,7 +76,7 @@ def test_a_case_of_several_sizes_has_one_too(folder: Path, tmp_path: Path) -> No
     case.mkdir()
     for number, size in enumerate(((64, 48), (48, 64), (40, 40))):
         cv2.imwrite(str(case / f"{number}.png"), cv2.resize(frame, size))
-    image = found(folder, case).found[str(case)].image
+    image = found(folder, case)[str(case)].image
     assert image is not None
     assert image.shape == (64, 48, 3)
 
@@ -85,7 +85,7 @@ def test_runs_and_sessions_show_their_clip(folder: Path, runs: dict[str, Path], 
     saved = tmp_path / f"case{SUFFIX}"
     write_session(saved, replace(Session(), source=SessionSource(str(phantom_path()))))
     (tmp_path / "notes.txt").write_text("no image")
-    table = found(folder, runs["original"], saved, tmp_path / "notes.txt").found
+    table = found(folder, runs["original"], saved, tmp_path / "notes.txt")
     assert table[str(runs["original"])].kind == "run"
     assert table[str(runs["original"])].image is not None
     assert table[str(saved)].image is not None
@@ -96,13 +96,13 @@ def test_what_is_gone_is_said_first_and_what_is_damaged_has_no_image(folder: Pat
     damaged, gone = tmp_path / "damaged.mp4", tmp_path / "gone.mp4"
     damaged.write_bytes(b"no video")
     first = next(iter(find_recents(RecentsRequest((str(damaged), str(gone)), folder))))
-    assert [first.found[str(path)].missing for path in (damaged, gone)] == [False, True]
-    assert found(folder, damaged, gone).found[str(damaged)].image is None
+    assert [first[str(path)].missing for path in (damaged, gone)] == [False, True]
+    assert found(folder, damaged, gone)[str(damaged)].image is None
 
 
 def test_a_place_that_cannot_be_looked_at_takes_no_image_from_the_others(folder: Path) -> None:
     closed = Path("/", 300 * "x")  # As a folder of another user, for whoever may look into all of them.
-    table = found(folder, closed, phantom_path()).found
+    table = found(folder, closed, phantom_path())
     assert (table[str(closed)].kind, table[str(closed)].missing) == ("clip", True)
     assert table[str(phantom_path())].image is not None
 
@@ -112,7 +112,7 @@ def test_session_files_that_cannot_be_read_stay_as_they_are(folder: Path, tmp_pa
     contents = {newer: b'{"schema": 2}', unsynced: b"", notes: b'{"notes": "all there is", "frame": -5}'}
     for path, content in contents.items():
         path.write_bytes(content)
-    assert not any(recent.missing or recent.image for recent in found(folder, *contents).found.values())
+    assert not any(recent.missing or recent.image for recent in found(folder, *contents).values())
     assert {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()} == contents
 
 
@@ -120,10 +120,10 @@ def test_a_damaged_image_is_made_anew_and_a_full_disk_is_no_trouble(folder: Path
     found(folder, phantom_path())
     (kept,) = folder.glob("*.jpg")
     kept.write_bytes(b"damaged")
-    assert found(folder, phantom_path()).found[str(phantom_path())].image is not None
+    assert found(folder, phantom_path())[str(phantom_path())].image is not None
     assert kept.stat().st_size > 100
     (tmp_path / "file").write_text("in the way")
-    assert found(tmp_path / "file", phantom_path()).found[str(phantom_path())].image is not None
+    assert found(tmp_path / "file", phantom_path())[str(phantom_path())].image is not None
 
 
 def test_images_of_what_is_not_remembered_go(places: Places) -> None:
@@ -295,7 +295,7 @@ def test_the_first_page_leads_from_an_empty_window_to_the_built_in_clip(
 
         def is_there() -> bool:
             recents = state.welcome.recents
-            return recents is not None and recents.found[str(still)].image is not None
+            return str(still) in recents and recents[str(still)].image is not None
 
         wait(ctx, is_there, "the image of the recent case")
         began = time.monotonic()
