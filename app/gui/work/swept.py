@@ -16,6 +16,7 @@ from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import Pixels
 from app.errors import UserError
 from app.files.image_files import read_image
+from app.report.section import is_number
 from app.runs.run_folder import RunFolder
 from app.sweeps.jobs import PICTURE, RUN, JobFolder
 from app.sweeps.settings import Enhancing, TaskName, settings_of
@@ -101,7 +102,7 @@ def _job(summary: Summary, row: Row, folder: Path, order: Sequence[str]) -> Swep
     """`order`: of the measures, those that tell most first."""
     setting, seed = summary.setting(row), row.settings.get("seed")
     words = said(setting) if seed is None else f"{said(setting)}, seed {seed}"
-    chosen = {name: value for name, value in setting if _is_number(value)}
+    chosen = {name: value for name, value in setting if is_number(value)}
     measures = {column_of(name, chosen): row.measures.get(name) for name in order}
     values = {**measures, SECONDS: row.costs.get(SECONDS), **chosen}
     place = JobFolder.of(folder, row.job)
@@ -111,16 +112,12 @@ def _job(summary: Summary, row: Row, folder: Path, order: Sequence[str]) -> Swep
         clip=row.clip,
         setting=words,
         series=drawn_as(setting),
-        values={name: float(value) for name, value in values.items() if _is_number(value)},  # type: ignore[arg-type]
+        values={name: float(value) for name, value in values.items() if is_number(value)},
         params=enhancing.params if enhancing else None,
         pixels=enhancing.pixels if enhancing else "automatic",
         folder=place.path,
         run=run if RunFolder(run).is_finished else None,
     )
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _enhancing(facts: Mapping[str, Any] | None) -> Enhancing | None:
