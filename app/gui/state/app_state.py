@@ -167,17 +167,15 @@ class AppState:
             self.enhancement.pixels,
             mask,
             span,
-            tools=self._drawn_tools,
+            tools=self.drawn_tools if self.enhancement.pixels == "tissue" else None,
         )
         return replace(request, of_clip=self._of_clip(request))
 
     @property
-    def _drawn_tools(self) -> DrawnTools | None:
-        """Masked in the window, where tissue alone counts."""
+    def drawn_tools(self) -> DrawnTools | None:
+        """Those that are masked in the window."""
         masks = self.source.training_part.tool_masks
-        if self.enhancement.pixels != "tissue" or masks is None:
-            return None
-        return DrawnTools(masks, self.masking.changes)
+        return None if masks is None else DrawnTools(masks, self.masking.changes)
 
     @property
     def asked_pictures(self) -> PictureRequest | None:

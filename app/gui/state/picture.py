@@ -10,8 +10,8 @@ from app.enhancement.frame_enhancer import PictureRequest, Pictures
 from app.exports.comparison_images import Difference, Other
 from app.gui.views.comparison import Comparison, Side
 from app.gui.views.picture_view import PictureView
+from app.gui.work.masking import LeftOut
 from app.gui.work.measuring import Measured
-from app.gui.work.strip import LeftOut
 
 
 @dataclass

@@ -54,7 +54,15 @@ from app.gui.work.keeping import KeepClip, KeepSettings, SettingsKeeper, keep_cl
 from app.gui.work.kept_layout import seal_anew
 from app.gui.work.listing import list_folder, thumbnail_of
 from app.gui.work.live_devices import find_devices
-from app.gui.work.masking import KeepMask, grow, keep_mask, look_for_masks, make_all, read_frame_mask
+from app.gui.work.masking import (
+    KeepMask,
+    grow,
+    keep_mask,
+    left_out,
+    look_for_masks,
+    make_all,
+    read_frame_mask,
+)
 from app.gui.work.measuring import Measurer
 from app.gui.work.naming import encoder_of, name_of
 from app.gui.work.neighbours import find_neighbours
@@ -68,7 +76,7 @@ from app.gui.work.runs import RunFinder, left_of, run_model
 from app.gui.work.saving_edits import keep_edits
 from app.gui.work.selecting import Selector, pick
 from app.gui.work.shipped import read_guide, read_welcome
-from app.gui.work.strip import left_out, make_strip
+from app.gui.work.strip import make_strip
 from app.gui.work.swept import read_swept_image
 from app.gui.work.taking_up import TakeUpRequest, take_up
 from app.gui.work.thumbnails import make_thumbnails

@@ -25,13 +25,14 @@ from app.gui.views.comparison import Side
 from app.gui.work.background import Answer, Failure, Request
 from app.gui.work.baking import Baked, BakeRequest
 from app.gui.work.clip_scale import ClipScale, ScaleRequest
+from app.gui.work.masking import LeftOut, LeftOutRequest
 from app.gui.work.measuring import Measured
 from app.gui.work.neighbours import Neighbours, NeighboursRequest
 from app.gui.work.omissions import Omissions, OmissionsRequest
 from app.gui.work.opening import Opened, OpenRequest, SourceLost
 from app.gui.work.recents import Recent, RecentsRequest
 from app.gui.work.run_measures import RunMeasures, RunMeasuresRequest
-from app.gui.work.strip import LeftOut, LeftOutRequest, Strip, StripRequest
+from app.gui.work.strip import Strip, StripRequest
 from app.gui.work.writing import WriteRequest
 from app.scenes.drawer import View
 from app.scenes.view_request import FrameImage, FrameRequest, ViewRequest

@@ -17,11 +17,12 @@ from app.gui.work.beside import BesideRequest
 from app.gui.work.clip_scale import SCALED, ScaleRequest
 from app.gui.work.depths import WaysRequest
 from app.gui.work.kept_layout import NAME, SealRequest
+from app.gui.work.masking import LeftOutRequest
 from app.gui.work.neighbours import NeighboursRequest
 from app.gui.work.presets import presets_with
 from app.gui.work.recents import RecentsRequest
 from app.gui.work.run_measures import RunMeasuresRequest
-from app.gui.work.strip import LeftOutRequest, StripRequest
+from app.gui.work.strip import StripRequest
 from app.gui.work.taking_up import TakeUpRequest
 from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tuning import CellRequest
@@ -83,8 +84,7 @@ def left_out_wish(state: AppState) -> LeftOutRequest | None:
     clip = state.source.clip
     if clip is None or state.picture.pictures is None or not state.picture.overlay:
         return None
-    part = state.source.training_part
-    return LeftOutRequest(clip, state.timeline.shown_index, part.mask, part.tool_masks, state.masking.changes)
+    return LeftOutRequest(clip, state.timeline.shown_index, state.source.part.mask, state.drawn_tools)
 
 
 def ways_wish(state: AppState) -> WaysRequest | None:

@@ -1,5 +1,5 @@
 """Masks of the tools in the open clip, in a folder of their own: read, kept, grown and made for all frames,
-off the window's thread."""
+and what is left out of a frame with them: off the window's thread."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from app.enhancement.image_mask import PictureMask
 from app.runs.left_out import found_around
 from app.runs.making_masks import MaskReport, make_masks
 from app.runs.tool_masks import ToolMasks
@@ -44,6 +45,33 @@ class DrawnTools:
     def of(self, clip: Clip) -> Clip:
         """See `ToolMasks.of`."""
         return self.masks.of(clip)
+
+
+@dataclass(frozen=True)
+class LeftOutRequest:
+    """What of one frame is left out."""
+
+    clip: Clip
+    frame_index: int
+    mask: PictureMask
+    tools: DrawnTools | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class LeftOut:
+    """(H, W), True = tool, burned-in text, dark surround, or masked by hand; tools and surround as a
+    reconstruction finds them where the clip has no masks."""
+
+    request: LeftOutRequest
+    pixels: BoolImage
+
+
+def left_out(request: LeftOutRequest) -> Iterator[LeftOut]:
+    """Raises ClipError."""
+    clip = request.clip if request.tools is None else request.tools.of(request.clip)
+    found, frame = found_around(clip, request.frame_index)
+    tissue = found.cleared(frame).tissue_mask
+    yield LeftOut(request, ~(tissue & request.mask.kept(tissue.shape)))
 
 
 def folder_of(places: Path, clip: Clip, options: ClipOptions) -> Path:

@@ -1,4 +1,4 @@
-"""Small images of a clip for its frame strip, and what of a frame is left out: off the window's thread."""
+"""Small images of a clip for its frame strip: off the window's thread."""
 
 from __future__ import annotations
 
@@ -8,10 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from app.enhancement.image_mask import PictureMask
-from app.runs.left_out import found_around
-from app.runs.tool_masks import ToolMasks
-from renderer.clip import BoolImage, ByteImage, Clip, ClipError
+from renderer.clip import ByteImage, Clip, ClipError
 
 HEIGHT = 72
 """Rows of the strip's picture, which the window scales."""
@@ -87,32 +84,3 @@ def _put(frame: ByteImage, pixel_aspect: float, place: ByteImage) -> None:
     left, top = (width - size[0]) // 2, (height - size[1]) // 2
     small = cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
     place[top : top + size[1], left : left + size[0]] = small
-
-
-@dataclass(frozen=True)
-class LeftOutRequest:
-    """Of one frame."""
-
-    clip: Clip
-    frame_index: int
-    mask: PictureMask
-    tool_masks: ToolMasks | None = None
-    changes: int = 0
-    """Of these masks on disk: others are another request."""
-
-
-@dataclass(frozen=True, eq=False)
-class LeftOut:
-    """(H, W), True = tool, burned-in text, dark surround, or masked by hand; tools and surround as a
-    reconstruction finds them where the clip has no masks."""
-
-    request: LeftOutRequest
-    pixels: BoolImage
-
-
-def left_out(request: LeftOutRequest) -> Iterator[LeftOut]:
-    """Raises ClipError."""
-    clip = request.clip if request.tool_masks is None else request.tool_masks.of(request.clip)
-    found, frame = found_around(clip, request.frame_index)
-    tissue = found.cleared(frame).tissue_mask
-    yield LeftOut(request, ~(tissue & request.mask.kept(tissue.shape)))

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from app.enhancement.image_mask import NO_MASK
+from app.gui.work.masking import LeftOutRequest, left_out
 from app.gui.work.omissions import OmissionsRequest, look
-from app.gui.work.strip import LeftOutRequest, left_out
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.runs.trained_clip import run_clip
