@@ -227,7 +227,6 @@ def _draw_detail(params: EnhanceParams, used: Statistics | None) -> EnhanceParam
         return slide_auto(params, "p", "Detail", p, 0.5)
     text = "Each window has its own detail, the exponent P of Eq 7: see the windows below."
     row("Detail", text)
-    imgui.align_text_to_frame_padding()
     muted("by window")
     explain(text)
     imgui.same_line()

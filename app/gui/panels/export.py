@@ -204,7 +204,6 @@ def _draw_folder(state: AppState) -> None:
     row("Folder", FOLDER_TEXT)
     button("Change…###folder", partial(choose_folder, state), FOLDER_TEXT, width=5.5)
     imgui.same_line()
-    imgui.align_text_to_frame_padding()
     folder = located(state.export_folder).rstrip("/") or "Home folder"
     muted(end_of(legible(folder), imgui.get_content_region_avail().x))
     explain(legible(str(state.export_folder)))
@@ -307,7 +306,6 @@ def _draw_progress(state: AppState) -> None:
         )
         if said := reason or _other_name(state):
             imgui.same_line()
-            imgui.align_text_to_frame_padding()
             note(said)
         return
     total, done = max(under_way.steps, 1), state.exports.done

@@ -232,7 +232,6 @@ def _draw_choice(state: AppState, browsing: Browsing) -> None:
         chosen = choose("filter", browsing.filter, labels, "Which files are listed.", 14)
         browse_actions.choose_filter(browsing, chosen)
     imgui.same_line()
-    imgui.align_text_to_frame_padding()
     if replaces:
         imgui.text_colored(theme.now().warning, f"{legible(browse_actions.target(browsing).name)} exists.")
     else:

@@ -104,7 +104,6 @@ def _draw_foot(state: AppState, guide: Guide) -> None:
     imgui.same_line()
     button(f"Next  {icons.ICON_FA_CHEVRON_RIGHT}###next", on, TURN_TEXT, enabled=page < last, width=7)
     imgui.same_line(0, em(1))
-    imgui.align_text_to_frame_padding()
     muted(f"{page + 1} of {last + 1}")
     imgui.same_line(imgui.get_window_width() - em(8))
     button("Close", partial(guide_actions.show_guide, state, False), width=7)

@@ -81,7 +81,6 @@ def draw_live_bar(state: AppState) -> None:
         imgui.same_line()
         _draw_record(state)
         imgui.same_line()
-        imgui.align_text_to_frame_padding()
         _draw_signal(state)
         imgui.same_line(_right())
         save = partial(export_actions.save_picture, state)
@@ -93,7 +92,6 @@ def draw_live_bar(state: AppState) -> None:
         imgui.same_line()
         _draw_send(state)
         imgui.same_line()
-        imgui.align_text_to_frame_padding()
         if status is not None:
             muted(counts(live, status))
             explain(delay_text(status))

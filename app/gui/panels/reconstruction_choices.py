@@ -103,7 +103,6 @@ def _draw_lens(state: AppState, clip: Clip) -> None:
         return
     row("Lens", LENS_TEXT)
     if clip.calibrated:
-        imgui.align_text_to_frame_padding()
         imgui.text(f"Calibrated, {clip.cameras[0].field_of_view:.0f}° wide")
         imgui.same_line()
         button("Remove###remove lens", partial(clip_actions.drop_calibration, state), DROP_LENS_TEXT)

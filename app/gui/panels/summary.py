@@ -75,7 +75,6 @@ def _draw_adding(state: AppState) -> None:
     button(f"{plus}  Saved image…###add file", choose, FILE_TEXT, width=11)
     if state.summary.awaited:
         imgui.same_line()
-        imgui.align_text_to_frame_padding()
         muted("Saving the image…")
 
 
@@ -136,5 +135,4 @@ def _draw_writing(state: AppState) -> None:
     write = partial(summary_actions.write_page, state)
     button("Save page###write", write, reason=reason, color=color, width=10)
     imgui.same_line()
-    imgui.align_text_to_frame_padding()
     muted(reason or f"into {legible(located(state.export_folder)).rstrip('/') or 'the home folder'}")
