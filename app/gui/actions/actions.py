@@ -107,11 +107,14 @@ def take_settings(state: AppState, request: KeepSettings, kept: Settings) -> Non
 def choose_path(
     state: AppState,
     kind: Kind,
-    take: Callable[[AppState, Path], object],
+    take: Callable[[AppState, Path], object] = lambda state, path: None,
     purpose: Purpose | None = None,
     name: str = "",
 ) -> None:
-    """Let a person choose a folder or a file for `take`; `name` is proposed for a file to be written."""
+    """Let a person choose a folder or a file for `take`; `name` is proposed for a file to be written.
+
+    Where that was is remembered for its purpose, which for some folders is all.
+    """
     wanted = purpose or ("folder" if kind == "folder" else "file")
     start = state.folder_of(wanted) or _first_folder(state, wanted)
     state.window.choosing = Choosing(kind, partial(take, state), wanted, start, name)

@@ -56,13 +56,9 @@ def clear_inputs(state: AppState) -> None:
     state.batches.inputs = ()
 
 
-def choose_folder(state: AppState, path: Path) -> None:
-    state.batches.folder = path
-
-
 def results_folder(state: AppState) -> Path:
     """Where the folder of the next results is made."""
-    return state.batches.folder or state.folder_of("results") or state.places.pictures
+    return state.folder_of("results") or state.places.pictures
 
 
 def summary(state: AppState) -> str:

@@ -84,7 +84,7 @@ def _draw_choices(state: AppState) -> None:
     row("Settings", SETTINGS_TEXT)
     note(batch_actions.summary(state), theme.now().text)
     row("Into", "Each batch goes into a new folder there; nothing is overwritten.")
-    choose = partial(actions.choose_path, state, "folder", batch_actions.choose_folder, "results")
+    choose = partial(actions.choose_path, state, "folder", purpose="results")
     button("Choose…###target", choose, "Choose another folder for the results.")
     imgui.same_line()
     folder = batch_actions.results_folder(state)

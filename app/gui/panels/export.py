@@ -211,7 +211,7 @@ def _draw_folder(state: AppState) -> None:
 
 def choose_folder(state: AppState) -> None:
     """Where exports go from now on."""
-    actions.choose_path(state, "folder", lambda state, path: None, "export")
+    actions.choose_path(state, "folder", purpose="export")
 
 
 def _draw_format(state: AppState, form: Form) -> None:

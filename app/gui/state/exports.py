@@ -103,8 +103,6 @@ class Batches:
     shown: bool = False
     """Its panel."""
     inputs: tuple[Path, ...] = ()
-    folder: Path | None = None
-    """Where the folder of the results is made; None: among the saved pictures."""
     under_way: BatchRequest | None = None
     progressed: Progressed | None = None
     """Of the batch under way, or of the last one."""

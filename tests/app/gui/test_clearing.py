@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from app.gui.actions import batch_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
@@ -93,7 +92,7 @@ def test_batches_are_cleared_where_they_write_and_no_folder_of_others_is_searche
     for folder in (root / name for root in (chosen, places.pictures) for name in names):
         folder.mkdir(parents=True)
         (folder / name_of(dead, "a")).write_text("x")
-    batch_actions.choose_folder(state, chosen)
+    state.window.folders = {"results": chosen}
     serve(state)
     found = {path.relative_to(tmp_path).parts[-3:-1] for path in tmp_path.rglob(name_of(dead, "a"))}
     assert found == {("mine", "below")}
