@@ -11,8 +11,9 @@ from statistics import NormalDist, fmean, median, stdev
 from typing import Final, Literal
 
 from app.report.diagrams import Diagram, Point
+from app.report.section import Cell
 from app.sweeps.settings import TaskName
-from app.sweeps.table import Row, Value
+from app.sweeps.table import Row
 
 HIGHER: Final = frozenset(
     {"psnr", "psnr_masked", "psnr_tissue", "psnr_seldom", "ssim", "coverage", "dv", "dv_bv"}
@@ -34,7 +35,7 @@ QUANTILES: Final = (
 )  # fmt: skip
 """Student's t at 97.5 %, for 1 to 20 degrees of freedom."""
 
-Setting = tuple[tuple[str, Value], ...]
+Setting = tuple[tuple[str, Cell], ...]
 """The varied settings of a job."""
 
 
@@ -197,9 +198,9 @@ class Summary:
         return found
 
     @cached_property
-    def _values(self) -> Mapping[str, Mapping[Setting, Mapping[str, Mapping[Value, float]]]]:
+    def _values(self) -> Mapping[str, Mapping[Setting, Mapping[str, Mapping[Cell, float]]]]:
         """By measure, setting, clip and seed."""
-        found: dict[str, dict[Setting, dict[str, dict[Value, float]]]] = {}
+        found: dict[str, dict[Setting, dict[str, dict[Cell, float]]]] = {}
         for (setting, clip), jobs in self._jobs.items():
             for row in jobs:
                 for measure, value in row.measures.items():
@@ -209,9 +210,9 @@ class Summary:
         return found
 
     @cached_property
-    def _common(self) -> Mapping[str, Mapping[str, AbstractSet[Value]]]:
+    def _common(self) -> Mapping[str, Mapping[str, AbstractSet[Cell]]]:
         """By measure and clip: the seeds of all settings that have the measure of the clip."""
-        found: dict[str, dict[str, AbstractSet[Value]]] = {}
+        found: dict[str, dict[str, AbstractSet[Cell]]] = {}
         for measure, by_setting in self._values.items():
             seeds = found[measure] = {}
             for by_clip in by_setting.values():

@@ -12,10 +12,10 @@ from typing import Any, Final
 
 from app.files.atomic import replaced, write_bytes
 from app.files.provenance import strict_json
+from app.report.section import Cell
 from app.sweeps.jobs import JobFolder
 from app.sweeps.plan import SweepRecord
 
-Value = str | float | int | bool | None
 HEAD: Final = ("job", "clip", "state", "reason")
 """The first columns."""
 COSTS: Final = ("seconds", "peak_memory_mb", "threads", "machine", "version")
@@ -33,13 +33,13 @@ class Row:
     """finished, failed, or left to do."""
     reason: str
     """Why it failed."""
-    settings: dict[str, Value]
+    settings: dict[str, Cell]
     measures: dict[str, float | None]
-    costs: dict[str, Value]
+    costs: dict[str, Cell]
 
-    def flat(self) -> dict[str, Value]:
+    def flat(self) -> dict[str, Cell]:
         """One value a column."""
-        head: dict[str, Value] = {name: getattr(self, name) for name in HEAD}
+        head: dict[str, Cell] = {name: getattr(self, name) for name in HEAD}
         measures = {column_of(name, self.settings): value for name, value in self.measures.items()}
         return head | self.settings | measures | self.costs
 
@@ -78,7 +78,7 @@ def _row(key: str, place: JobFolder) -> Row:
     )
 
 
-def _cell(value: Any) -> Value:
+def _cell(value: Any) -> Cell:
     """Several values as one text, as the flags of `tune` take them."""
     if isinstance(value, list):
         return "/".join(map(str, value))
@@ -101,7 +101,7 @@ def write_tables(table: Sequence[Row], folder: Path) -> tuple[Path, ...]:
     return tuple(paths)
 
 
-def _write_parquet(flat: Sequence[dict[str, Value]], columns: Sequence[str], path: Path) -> bool:
+def _write_parquet(flat: Sequence[dict[str, Cell]], columns: Sequence[str], path: Path) -> bool:
     try:
         import pyarrow
         from pyarrow import parquet
@@ -113,7 +113,7 @@ def _write_parquet(flat: Sequence[dict[str, Value]], columns: Sequence[str], pat
     return True
 
 
-def _uniform(values: list[Value]) -> list[Any]:
+def _uniform(values: list[Cell]) -> list[Any]:
     """Of one type, as a column must be: numbers, truths, or texts."""
     known = [value for value in values if value is not None]
     if all(isinstance(value, bool) for value in known):
