@@ -40,29 +40,23 @@ class SavedPicture:
     """Its content and what it shows."""
 
     content: bytes
+    media_type: str
+    """As browsers call it."""
     title: str
     parts: tuple[Part, ...]
-
-    @property
-    def media_type(self) -> str:
-        """As browsers call it."""
-        return _media_type(self.content)
 
 
 def read_picture(path: Path, measures_of: MeasuresOf = "all images") -> SavedPicture:
     """Raises OSError; UserError: it is no PNG or JPEG, or not one of ours."""
     content = read_whole(path)
-    if not _media_type(content):
+    media_type = next((kind for start, kind in KINDS.items() if content.startswith(start)), None)
+    if media_type is None:
         raise UserError(f"expected an image that browsers show, PNG or JPEG, got another file: {path}")
     text = carried(content)
     if text is None:
         raise UserError(f"expected an image saved by VesselSplat, found no provenance in it: {path}")
     facts = facts_of(text, path)
-    return SavedPicture(content, _title(facts) or path.stem, tuple(_parts(facts, measures_of)))
-
-
-def _media_type(content: bytes) -> str:
-    return next((kind for start, kind in KINDS.items() if content.startswith(start)), "")
+    return SavedPicture(content, media_type, _title(facts) or path.stem, tuple(_parts(facts, measures_of)))
 
 
 def _title(facts: dict[str, Any]) -> str:
