@@ -54,8 +54,7 @@ def first_pass(
         levels = np.empty(CHUNK, np.uint16)
         counts = np.zeros((4, BINS + 1), np.int32)
         totals = np.zeros(CHUNK)
-        last = min((block + 1) * BLOCK, low_rows)
-        for low_row in range(block * BLOCK, last):
+        for low_row in range(block * BLOCK, min((block + 1) * BLOCK, low_rows)):
             chunk[TOTAL] = ZERO
             for y in range(low_row * subsample, (low_row + 1) * subsample):
                 first, end = (spans[y, 0], spans[y, 1]) if y < len(spans) else (0, columns if y < rows else 0)
@@ -76,13 +75,8 @@ def first_pass(
                     lines[plane, x] = lines[plane, columns - 1]
             _shrink(lines, subsample, unit, fine[0, low_row], fine[1, low_row])
             totals += chunk[TOTAL]
-        for low_row in range(block * BLOCK // 2, min((last + 1) // 2, coarse.shape[1])):
-            pool(fine, 2 * low_row, min(2 * low_row + 1, low_rows - 1), coarse[:, low_row])
+        finish(block, fine, coarse, counts, histograms)
         chroma[block] = totals.sum()
-        for level in range(BINS):
-            histograms[block, level] = (
-                counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
-            )
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
@@ -170,7 +164,24 @@ def _shrink_by(
 
 
 @njit(fastmath={"contract"}, error_model="numpy")
-def pool(fine: NDArray[np.float32], first: int, second: int, coarse: NDArray[np.float32]) -> None:
+def finish(
+    block: int,
+    fine: NDArray[np.float32],
+    coarse: NDArray[np.float32],
+    counts: NDArray[np.int32],  # (4, more than BINS), the histograms in turn
+    histograms: NDArray[np.int64],
+) -> None:
+    """Of a task's BLOCK rows of the fine grid, those of the coarse one; and its histograms together."""
+    low_rows = fine.shape[1]
+    last = min((block + 1) * BLOCK, low_rows)
+    for low_row in range(block * BLOCK // 2, min((last + 1) // 2, coarse.shape[1])):
+        _pool(fine, 2 * low_row, min(2 * low_row + 1, low_rows - 1), coarse[:, low_row])
+    for level in range(BINS):
+        histograms[block, level] = counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def _pool(fine: NDArray[np.float32], first: int, second: int, coarse: NDArray[np.float32]) -> None:
     """A row of the coarse grid from two of the fine one."""
     last = fine.shape[2] - 1
     above, below = fine[:, first], fine[:, second]

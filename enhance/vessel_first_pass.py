@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from enhance.first_pass import pool
+from enhance.first_pass import finish
 from enhance.interleave import deinterleave
 from enhance.pixel_block import (
     BINS,
@@ -71,7 +71,6 @@ def first_pass(
 ) -> None:
     """Read once; an odd edge repeats what is last."""
     rows, columns = image.shape[0], image.shape[1]
-    low_rows = fine.shape[1]
     unit = ONE / full
     for task in prange(len(chroma)):
         width = held_width(columns)
@@ -118,14 +117,8 @@ def first_pass(
                         above[x0 + i] = chunk[VALUE, i]
                         soft[RED, x0 + i], soft[GREEN, x0 + i] = narrow[RED, i], narrow[GREEN, i]
             totals += chunk[TOTAL]
-        last = min((task + 1) * BLOCK, low_rows)
-        for low_row in range(task * BLOCK // 2, (last + 1) // 2):
-            pool(fine, 2 * low_row, min(2 * low_row + 1, low_rows - 1), coarse[:, low_row])
+        finish(task, fine, coarse, counts, histograms)
         chroma[task] = totals.sum()
-        for level in range(BINS):
-            histograms[task, level] = (
-                counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
-            )
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
