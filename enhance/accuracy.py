@@ -132,8 +132,8 @@ def _samplings(image: NDArray[np.uint8], truth: NDArray[np.float64]) -> Iterator
         name = f"s = {subsample}, one grid"
         yield _case("sampling", name, image, params, truth, _Sampled(_on_one_grid))
     yield _case("sampling", "s = 2, rounded widths", image, EXACT, truth, _Sampled(_rounded))
-    changed = {"s = 2, means alone": _means_alone(image, 2)}
-    changed |= {f"s = {s}, nearest": _nearest(image, s) for s in (2, 4, 8)}
+    changed = {"s = 2, means alone": _coarser(image, 2, decimated=False)}
+    changed |= {f"s = {s}, nearest": _coarser(image, s, decimated=True) for s in (2, 4, 8)}
     for name, result in changed.items():
         yield _Case("sampling", name, np.abs(result.astype(np.float64) - np.rint(truth)), None)
 
@@ -221,23 +221,15 @@ def _rounded(radius: int, eps: float, subsample: int) -> Window:
     return replace(one, whole=max(1, math.floor(one.whole + one.part + 0.5)), part=0.0)
 
 
-def _means_alone(image: NDArray[np.uint8], subsample: int) -> AnyImage:
+def _coarser(image: NDArray[np.uint8], subsample: int, *, decimated: bool) -> AnyImage:
+    """Without the variance of blocks; `decimated`: with the middle pixel of each in place of its mean."""
     enhancer = Enhancer()
     enhancer.show(image)
     enhancer._look_within(None)
-    for plane in enhancer._surveyed(subsample).low:
+    for plane, size in zip(enhancer._surveyed(subsample).low, (subsample, 2 * subsample), strict=True):
         plane[1] = 0
-    return enhancer.enhance(replace(EXACT, subsample=subsample)).image
-
-
-def _nearest(image: NDArray[np.uint8], subsample: int) -> AnyImage:
-    """With the middle pixel of each block in place of its mean and variance."""
-    enhancer = Enhancer()
-    enhancer.show(image)
-    enhancer._look_within(None)
-    low = enhancer._surveyed(subsample).low
-    for plane, size in zip(low, (subsample, 2 * subsample), strict=True):
-        plane[0], plane[1] = _decimated(image, size), 0
+        if decimated:
+            plane[0] = _decimated(image, size)
     return enhancer.enhance(replace(EXACT, subsample=subsample)).image
 
 
