@@ -56,6 +56,11 @@ class DynamicGaussians:
         """(N, 3) positions at rest, in the clip's unit."""
         return self.raw.means
 
+    @property
+    def n_bytes(self) -> int:
+        """Of all arrays."""
+        return sum(value.nbytes for value in self.arrays().values())
+
     def at(self, time: float) -> Splats:
         """The activated splats at `time` in [0, 1], to be read: what does not move is the model's own memory.
 

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 
-import numpy as np
-
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
-from renderer.measuring.interleaved_timing import interleaved_times
+from renderer.measuring.interleaved_timing import Laps, interleaved_times
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished, Omission, Started, TrainEvent
 from renderer.train.frame_store import FrameStore
@@ -44,22 +42,19 @@ class Side:
 
 def ablation(clip: Clip, configs: Sequence[TrainConfig], timed_steps: int = 120) -> Iterator[Side]:
     """One for each configuration, trained when it is asked for; all hold frames out (`hold_out`)."""
-    times = step_times([(clip, configs)], timed_steps)
-    for config, each in zip(configs, times, strict=True):
-        yield _measured(clip, config, *each)
+    for config, step in zip(configs, step_times([(clip, configs)], timed_steps), strict=True):
+        yield _measured(clip, config, step)
 
 
-def step_times(runs: Sequence[tuple[Clip, Sequence[TrainConfig]]], steps: int) -> list[tuple[float, float]]:
-    """Median and spread of a step in ms, of every configuration of every clip, all taken in turns; those
-    before every frame was seen once, or the first half, do not count."""
+def step_times(runs: Sequence[tuple[Clip, Sequence[TrainConfig]]], steps: int) -> list[Laps]:
+    """Of a step of every configuration of every clip, all taken in turns; those before every frame was seen
+    once, or the first half, do not count."""
     walkers = [walker for clip, configs in runs for walker in _walkers(clip, configs)]
     works = [partial(_step_on, walker, count()) for walker in walkers]
     times = []
     # The first step of each is the lap that does not count.
-    for walker, taken in zip(walkers, 1000 * interleaved_times(works, steps - 1), strict=True):
-        counted = taken[min(len(walker.views), steps // 2) - 1 :]
-        low, middle, high = np.percentile(counted, (25, 50, 75)).tolist()
-        times.append((middle, (high - low) / 2))
+    for walker, taken in zip(walkers, interleaved_times(works, steps - 1), strict=True):
+        times.append(Laps.of(taken[min(len(walker.views), steps // 2) - 1 :]))
     return times
 
 
@@ -92,15 +87,19 @@ def _walkers(clip: Clip, configs: Sequence[TrainConfig]) -> Iterator[_Walker]:
         yield _Walker(model, views, config.iterations)
 
 
-def _measured(clip: Clip, config: TrainConfig, milliseconds: float, spread: float) -> Side:
+def _measured(clip: Clip, config: TrainConfig, step: Laps) -> Side:
     events = list(train(clip, config))
     started, finished = events[0], events[-1]
     assert isinstance(started, Started)
     assert isinstance(finished, Finished)
-    numbers = sum(value.nbytes for value in finished.model.arrays().values())
-    omitted = (*started.omitted, *finished.omitted)
-    psnr = _psnr(clip, config, events, finished.model)
-    return Side(milliseconds, spread, finished.seconds, 3 * numbers / 1e6, psnr, omitted)
+    return Side(
+        milliseconds=1e3 * step.median,
+        spread=1e3 * step.spread,
+        seconds=finished.seconds,
+        megabytes=3 * finished.model.n_bytes / 1e6,
+        psnr=_psnr(clip, config, events, finished.model),
+        omitted=(*started.omitted, *finished.omitted),
+    )
 
 
 def _psnr(clip: Clip, config: TrainConfig, events: Sequence[TrainEvent], model: DynamicGaussians) -> float:

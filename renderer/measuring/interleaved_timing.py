@@ -3,10 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Laps:
+    """Seconds: their median with its spread."""
+
+    median: float
+    spread: float
+    """Half of the distance between the quartiles."""
+
+    @classmethod
+    def of(cls, seconds: NDArray[np.float64]) -> Laps:
+        """Of any shape."""
+        low, middle, high = np.percentile(seconds, (25, 50, 75)).tolist()
+        return cls(middle, (high - low) / 2)
+
+
+def laps(works: Sequence[Callable[[], object]], repeats: int) -> list[Laps]:
+    """Of each work; see `interleaved_times`."""
+    return [Laps.of(times) for times in interleaved_times(works, repeats)]
 
 
 def interleaved_times(works: Sequence[Callable[[], object]], repeats: int) -> NDArray[np.float64]:

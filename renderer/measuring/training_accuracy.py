@@ -106,7 +106,7 @@ def outcome(finished: Finished, clip: Clip, config: TrainConfig, truth: Phantom 
         motion_rmse=motion_rmse(model, truth, indices, config.render_mode) if truth else math.nan,
         psnr_behind_tools=behind_tools(model, truth, indices, fit, config.render_mode) if truth else math.nan,
         seconds=finished.seconds,
-        megabytes=3 * sum(value.nbytes for value in model.arrays().values()) / 1e6,
+        megabytes=3 * model.n_bytes / 1e6,
         n_gaussians=len(model),
         iterations=finished.iteration,
         wall_seconds=math.nan if finished.wall_seconds is None else finished.wall_seconds,

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from app.report.bench import Bench, Clock
-from app.report.costs import Laps, held_megabytes, laps
+from app.report.costs import held_megabytes
 from app.report.diagrams import Curve, Growth
 from app.report.section import Cell, Column, Section, Table
 from enhance import Enhancer, enhance
@@ -18,6 +18,7 @@ from renderer.clip import Clip
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 from renderer.draw.splat_view import SplatView
 from renderer.measuring.ablation import step_times
+from renderer.measuring.interleaved_timing import Laps, laps
 from renderer.measuring.scattered import scattered
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.rasterize.cpu import Rasterizer
@@ -188,12 +189,11 @@ def _clip(bench: Bench, params: PhantomParams) -> Clip:
 
 
 def _steps(unit: str, work: Sequence[float], runs: Sequence[tuple[Clip, TrainConfig]]) -> Series:
-    taken = step_times([(clip, [config]) for clip, config in runs], STEPS)
-    times = [Laps(median / 1e3, spread / 1e3) for median, spread in taken]
+    times = step_times([(clip, [config]) for clip, config in runs], STEPS)
     return Series("a training step", unit, work, times, [_model_mb(*run) for run in runs])
 
 
 def _model_mb(clip: Clip, config: TrainConfig) -> float:
     """The model's numbers with their two moments, after one step."""
     finished = next(one for one in train(clip, replace(config, iterations=1)) if isinstance(one, Finished))
-    return 3 * sum(value.nbytes for value in finished.model.arrays().values()) / 1e6
+    return 3 * finished.model.n_bytes / 1e6

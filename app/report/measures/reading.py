@@ -13,10 +13,10 @@ import numpy as np
 from app.files.timing import Timing
 from app.files.video import write_video
 from app.report.bench import Bench, Clock
-from app.report.costs import Laps, laps
 from app.report.diagrams import Point
 from app.report.section import Cell, Column, Plate, Section, Table
 from renderer.clip import Clip
+from renderer.measuring.interleaved_timing import Laps, laps
 from renderer.metrics import depth_rmse
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.sources import open_clip
