@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
@@ -19,7 +18,8 @@ from renderer.draw.offscreen import read_image
 from renderer.draw.sorting import DepthKeys
 from renderer.draw.splat_view import EXACT_CUT, Cut, Precision, SplatView
 from renderer.gaussians import DynamicGaussians
-from renderer.measuring.interleaved_timing import interleaved_times
+from renderer.measuring.drawing_row import Row
+from renderer.measuring.interleaved_timing import Laps, interleaved_times, laps
 from renderer.splats import Splats
 
 EXPORT: Final = "float target, float32 keys"
@@ -56,28 +56,6 @@ MOMENTS: Final = 6
 """At which pictures from keyframes are compared: between frames as well as on them."""
 
 
-@dataclass(frozen=True)
-class Row:
-    """One setting, drawn."""
-
-    group: str
-    setting: str
-    mean: float
-    """Of the absolute error of the picture over black, in grey levels of 255."""
-    p999: float
-    most: float
-    psnr: float
-    """In dB; infinite where nothing differs."""
-    milliseconds: float
-    """Median of a picture whose time or camera is new, finished by the driver."""
-    spread: float
-    """Half of the distance between the quartiles."""
-    megabytes: float | None = None
-    """Of the keyframes' offsets."""
-    baking: float | None = None
-    """Seconds, the median of some."""
-
-
 def opengl(
     ctx: moderngl.Context,
     splats: Splats,
@@ -96,9 +74,8 @@ def opengl(
         work = partial(_drawn, view, target, camera.resized(*size), partial(view.upload, splats))
         works.append(work)
         pictures.append(np.asarray(cv2.resize(work(), (camera.width, camera.height))))
-    times = 1000 * interleaved_times(works, repeats)
-    for name, picture, time in zip(SETTINGS, pictures, times, strict=True):
-        yield _row("OpenGL", name, [255 * np.abs(picture - truth)], time)
+    for name, picture, taken in zip(SETTINGS, pictures, laps(works, repeats), strict=True):
+        yield Row.of("OpenGL", name, 255 * np.abs(picture - truth), taken)
 
 
 def keyframes(
@@ -126,19 +103,19 @@ def keyframes(
         partial(baked, model, [*times[:-1:every], times[-1]], Tolerance(pixels * pixel))
         for every, pixels in settings
     ]
-    baking = np.median(interleaved_times(bakes, BAKES), axis=1).tolist()
-    for (every, pixels), bake, seconds in zip(settings, bakes, baking, strict=True):
+    for (every, pixels), bake, baking in zip(settings, bakes, laps(bakes, BAKES), strict=True):
         kept = bake()
         view = SplatView(ctx, precision="float", near=near)
         view.upload_keyframes(kept)
         works = [partial(_drawn, view, target, camera, partial(view.seek, time)) for time in moments]
         name = f"{'every frame' if every == 1 else f'one frame in {every}'}, {pixels:g} px"
-        ways.append(_Way("keyframes", name, view, works, kept.n_bytes / 1e6, seconds))
+        ways.append(_Way("keyframes", name, view, works, kept.n_bytes / 1e6, baking.median))
     truth = [work() for work in show]
-    times_taken = 1000 * interleaved_times([work for way in ways for work in way.works], repeats)
+    times_taken = interleaved_times([work for way in ways for work in way.works], repeats)
     for way, taken in zip(ways, times_taken.reshape(len(ways), -1), strict=True):
-        errors = [255 * np.abs(work() - true) for work, true in zip(way.works, truth, strict=True)]
-        yield _row(way.group, way.setting, errors, taken, way.megabytes, way.baking)
+        errors = np.stack([255 * np.abs(work() - true) for work, true in zip(way.works, truth, strict=True)])
+        row = Row.of(way.group, way.setting, errors, Laps.of(taken))
+        yield replace(row, megabytes=way.megabytes, baking=way.baking)
         way.view.release()
 
 
@@ -164,27 +141,3 @@ def _drawn(
     prepare()
     view.draw(camera, target)
     return read_image(target).astype(np.float64)
-
-
-def _row(
-    group: str,
-    setting: str,
-    errors: Sequence[NDArray[np.float64]],
-    milliseconds: NDArray[np.float64],
-    megabytes: float | None = None,
-    baking: float | None = None,
-) -> Row:
-    low, middle, high = np.percentile(milliseconds, (25, 50, 75))
-    squared = float(np.mean(np.square(errors))) / 255**2
-    return Row(
-        group=group,
-        setting=setting,
-        mean=float(np.mean(errors)),
-        p999=float(np.quantile(np.stack(errors), 0.999)),
-        most=float(np.max(errors)),
-        psnr=-10 * math.log10(squared) if squared else math.inf,
-        milliseconds=float(middle),
-        spread=float(high - low) / 2,
-        megabytes=megabytes,
-        baking=baking,
-    )

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from typing import Final, Literal
+from dataclasses import dataclass, fields, replace
+from typing import Final
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.measuring.interleaved_timing import interleaved_times
+from renderer.measuring.drawing_row import Row
+from renderer.measuring.interleaved_timing import laps
 from renderer.projection import ALPHA_CUT, HALF_HEIGHT, HALF_WIDTH, LOG2_OPACITY
 from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.splats import Float32Array, Splats
 
-Group = Literal["whole", "extent", "faint", "fewer", "pixels"]
 CUTS: Final = (2, 4, 8, 16)
 """In 255ths of alpha."""
 DEVIATIONS: Final = (3.0, 2.5, 2.0)
@@ -25,27 +25,9 @@ SHARES: Final = (0.75, 0.5, 0.25)
 DIVISORS: Final = (2, 4)
 
 
-@dataclass(frozen=True)
-class Row:
-    """One setting, drawn."""
-
-    group: Group
-    setting: str
-    mean: float
-    """Of the absolute error of the picture over black, in grey levels of 255."""
-    p999: float
-    most: float
-    entries: int
-    """Pairs of a tile and a Gaussian: the work."""
-    milliseconds: float
-    """Median of a picture: projection, sort and blending."""
-    spread: float
-    """Half of the distance between the quartiles."""
-
-
 @dataclass(frozen=True, eq=False)
 class _Work:
-    group: Group
+    group: str
     setting: str
     rasterizer: Rasterizer
     splats: Splats
@@ -73,20 +55,10 @@ def accuracy(
     size = camera.width, camera.height
     works = list(_works(seen, camera, near))
     entries = [work.draw() for work in works]
-    taken = 1000 * interleaved_times([work.draw for work in works], repeats)
-    low, middle, high = np.percentile(taken, (25, 50, 75), axis=1)
-    for place, work in enumerate(works):
-        error = 255 * np.abs(work.picture(size) - truth)
-        yield Row(
-            group=work.group,
-            setting=work.setting,
-            mean=float(error.mean()),
-            p999=float(np.quantile(error, 0.999)),
-            most=float(error.max()),
-            entries=entries[place],
-            milliseconds=float(middle[place]),
-            spread=float(high[place] - low[place]) / 2,
-        )
+    taken = laps([work.draw for work in works], repeats)
+    for work, count, each in zip(works, entries, taken, strict=True):
+        row = Row.of(work.group, work.setting, 255 * np.abs(work.picture(size) - truth), each)
+        yield replace(row, entries=count)
 
 
 def exact(splats: Splats, camera: Camera, near: float) -> NDArray[np.float64]:

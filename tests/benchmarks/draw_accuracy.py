@@ -11,7 +11,8 @@ from pathlib import Path
 
 from app.runs.run_folder import RunFolder
 from renderer.draw.context import renderer_name, standalone_context
-from renderer.measuring.drawing_accuracy import Row, keyframes, opengl
+from renderer.measuring.drawing_accuracy import keyframes, opengl
+from renderer.measuring.drawing_row import Row
 from renderer.measuring.raster_accuracy import exact
 from renderer.near_plane import middle_distance, near_plane
 

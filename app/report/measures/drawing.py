@@ -16,12 +16,12 @@ from renderer.camera import Camera
 from renderer.draw.context import OpenGLUnavailable, renderer_name, standalone_context
 from renderer.gaussians import DynamicGaussians
 from renderer.measuring import drawing_accuracy, raster_accuracy
+from renderer.measuring.drawing_row import Row
 from renderer.measuring.raster_accuracy import exact
 from renderer.near_plane import middle_distance, near_plane
 from renderer.splats import Splats
 from renderer.torch_presence import NO_TORCH, has_torch
 
-Row = raster_accuracy.Row | drawing_accuracy.Row
 Group = tuple[str, Sequence[Row], tuple[Column, ...]]
 """Title, rows and columns of a table."""
 TITLE: Final = "Rendering: error against run time"
@@ -107,6 +107,6 @@ def _point(row: Row) -> Point:
 
 def _cells(row: Row) -> tuple[Cell, ...]:
     common = (row.group, row.setting, row.mean, row.p999, row.most, row.milliseconds, row.spread)
-    if isinstance(row, raster_accuracy.Row):
+    if row.entries is not None:
         return (*common, row.entries)
     return (*common, row.psnr) if row.group == "OpenGL" else (*common, row.megabytes, row.baking)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
-from renderer.measuring.raster_accuracy import Row, accuracy, exact
+from renderer.measuring.drawing_row import Row
+from renderer.measuring.raster_accuracy import accuracy, exact
 from tests.renderer.scenes import random_splats, turned_camera
 
 CAMERA = turned_camera(96, 80)
