@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, get_args
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,56 +13,29 @@ from numpy.typing import NDArray
 from renderer.camera import FloatArray
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
-from renderer.measuring.closeness import closeness
+from renderer.measuring.closeness import Closeness, closeness
 from renderer.measuring.tissue_seen import highlights, is_seldom, shares_seen, specks
 from renderer.metrics import depth_rmse, psnr_masked
 from renderer.near_plane import near_plane
+from renderer.paint import painted
 from renderer.phantom import Phantom, View
 from renderer.rasterize.cpu import Rendered, render
 from renderer.splats import RenderMode
-from renderer.train.config import Method, TrainConfig
+from renderer.train.config import TrainConfig
 from renderer.train.events import Finished
 from renderer.train.trainer import split
 from renderer.unobserved import BLACK, GREY, Rgb
 
 OPAQUE: Final = 0.5
 """Alpha from which the motion of a pixel is compared."""
-KNOBS: Final[dict[str, tuple[dict[str, Any], ...]]] = {
-    "method": tuple({"method": name} for name in get_args(Method)),
-    "iterations": (
-        *({"iterations": count} for count in (250, 500, 1000, 2000, 6000)),
-        *({"method": "deform3dgs", "iterations": count} for count in (500, 1000, 2000)),
-        *({"method": "endogaussian", "iterations": count} for count in (500, 1000)),
-        *({"method": "static", "iterations": count} for count in (250, 1000)),
-    ),
-    "n_gaussians": tuple({"n_gaussians": count} for count in (7500, 15_000, 60_000)),
-    "n_controls": tuple({"n_controls": count} for count in (4, 8, 32)),
-    "half_resolution_share": tuple({"half_resolution_share": share} for share in (0.0, 2 / 3)),
-    "leave_out": (
-        *({"leave_out": ("tracks",), "iterations": count} for count in (250, 500, 1000, 2000)),
-        *({"leave_out": (part,)} for part in ("tracks", "color_curves")),
-    ),
-}
-"""What is turned, and what it is turned to; all else is the default."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Quality:
+class Quality(Closeness):
     """Means over frames; NaN where none can tell."""
 
-    psnr: float
-    """dB, masked, over all pixels, 8-bit rounded."""
-    psnr_masked: float
-    """dB, over the evaluated pixels."""
-    psnr_tissue: float
-    """dB, over all tissue, with measured depth or without."""
-    psnr_seldom: float
-    """dB, over the tissue that few training frames show; NaN, too, where the camera moves."""
-    coverage: float
-    """Share of the tissue that is reconstructed."""
     specks: float
     """Pixels a frame, see `tissue_seen.specks`; NaN where the camera moves."""
-    ssim: float
     depth_rmse: float
     """In the clip's unit; NaN without depth."""
 
@@ -83,13 +56,6 @@ class Outcome(Quality):
     iterations: int
     wall_seconds: float = math.nan
     """Of all that the run took, see `Finished`; NaN: not recorded."""
-
-
-def settings() -> Iterator[tuple[str, TrainConfig]]:
-    """Every knob with each of its settings; the first is the default."""
-    for knob, changes in KNOBS.items():
-        for change in changes:
-            yield knob, replace(TrainConfig(), **change)
 
 
 def outcome(finished: Finished, clip: Clip, config: TrainConfig, truth: Phantom | None = None) -> Outcome:
@@ -199,8 +165,7 @@ def motion_rmse(
     for index in indices:
         view, later = truth.view(index), (index + count // 2) % count / count
         now, then = model.at(view.frame.time), model.at(later)
-        ways = replace(now, colors=then.means - now.means, harmonics=now.harmonics[:, :0])
-        near = near_plane(model, view.frame.camera)
+        ways, near = painted(now, then.means - now.means), near_plane(model, view.frame.camera)
         drawn = render(ways, view.frame.camera, near=near, mode=mode)
         seen = view.frame.evaluation_mask & (drawn.alpha > OPAQUE)
         u, v = view.material[seen].T

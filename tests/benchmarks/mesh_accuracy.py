@@ -22,7 +22,6 @@ from app.exports.meshes.of_scene import surface_mesh
 from app.exports.sources import Opened
 from app.files.stepping import run_to_end
 from app.scenes.scene import Scene, open_scene
-from renderer.measuring.surface_accuracy import SurfaceErrors, material, surface_errors
 from renderer.phantom import Phantom, PhantomParams
 from renderer.phantom.surface import Surface
 from renderer.surface.fineness import Fineness
@@ -31,6 +30,7 @@ from renderer.surface.height_field import height_field
 from renderer.surface.maps import maps_of
 from renderer.surface.mesh import Mesh
 from renderer.surface.of_model import surface_of
+from tests.renderer.surface.phantom_errors import SurfaceErrors, material, surface_errors
 
 TIMES = (0.05, 0.25, 0.5, 0.75, 0.95)
 SIZES = (Fineness(1000), Fineness(5000), Fineness(20_000), Fineness(80_000), Fineness(80_000, faces=10_000))

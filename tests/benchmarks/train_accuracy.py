@@ -30,11 +30,12 @@ from app.report.plots import diagrams_figure
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
 from app.runs.trained_clip import input_clip, run_clip
-from renderer.measuring.training_accuracy import KNOBS, outcome, settings
+from renderer.measuring.training_accuracy import outcome
 from renderer.phantom import Phantom, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
+from tests.benchmarks.train_settings import KNOBS, settings
 
 PHANTOM = "phantom"
 COLUMNS = {

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from renderer.gaussians import DynamicGaussians
-from renderer.measuring.training_accuracy import _shows, motion_rmse, outcome, settings
+from renderer.measuring.training_accuracy import _shows, motion_rmse, outcome
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.raw_gaussians import RawGaussians
 from renderer.sources import open_clip
@@ -16,6 +16,7 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Finished
 from renderer.train.initialize import round_gaussians
 from renderer.train.training import train
+from tests.benchmarks.train_settings import settings
 
 PARAMS = PhantomParams(n_frames=10, width=96, height=72)
 

@@ -9,7 +9,7 @@ import pytest
 
 from renderer.camera import Camera
 from renderer.clip import Frame
-from renderer.measuring.surface_accuracy import depth_distances, material, surface_errors
+from renderer.measuring.surface_accuracy import depth_distances
 from renderer.phantom import Phantom, PhantomParams
 from renderer.surface.fineness import Fineness
 from renderer.surface.following import Follower
@@ -17,6 +17,7 @@ from renderer.surface.height_field import height_field
 from renderer.surface.maps import Maps, read
 from renderer.surface.mesh import Mesh
 from renderer.surface.of_model import REFERENCE, looked_through, surface_of
+from tests.renderer.surface.phantom_errors import material, surface_errors
 from tests.renderer.surface.sheets import CAMERA, HOLE, NEAR, SLOPE, WAY, around, depth_at, sheet
 
 MODEL = sheet()
