@@ -221,16 +221,16 @@ class Clip:
         once: panels ask in every frame of the window."""
         return all((camera.width, camera.height) == self.size for camera in self.cameras)
 
-    @property
+    @cached_property
     def times(self) -> tuple[float, ...]:
         return tuple(index / len(self) for index in range(len(self)))
 
-    @property
+    @cached_property
     def test_indices(self) -> tuple[int, ...]:
         """Frames held out for evaluation."""
         return held_out_frames(len(self), self.split, self.passed_over)
 
-    @property
+    @cached_property
     def train_indices(self) -> tuple[int, ...]:
         return tuple(sorted(set(range(len(self))) - set(self.test_indices) - self.passed_over))
 

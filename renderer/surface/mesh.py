@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final, Self
 
 import numpy as np
@@ -39,10 +40,20 @@ class Mesh:
         if self.faces.size and not 0 <= self.faces.min() <= self.faces.max() < len(self.vertices):
             raise ValueError(f"expected faces of {len(self.vertices)} vertices, got {self.faces.max()}")
 
-    @property
+    @cached_property
     def normals(self) -> Float32Array:
         """(V, 3) unit, weighted by the areas of the faces around; 0 where there is none."""
-        return vertex_normals(self.vertices, self.faces)
+        first, second, third = (
+            self.vertices[self.faces[:, corner]].astype(np.float64) for corner in range(3)
+        )
+        areas = np.cross(second - first, third - first)
+        total = np.zeros((len(self.vertices), 3))
+        for axis in range(3):
+            weights = np.repeat(areas[:, axis], 3)
+            total[:, axis] = np.bincount(self.faces.ravel(), weights, minlength=len(total))
+        lengths = np.linalg.norm(total, axis=1, keepdims=True)
+        unit: FloatArray = np.divide(total, lengths, out=np.zeros_like(total), where=lengths > 0)
+        return unit.astype(np.float32)
 
     def facing(self, place: FloatArray) -> FloatArray:
         """(V,) how squarely each vertex is seen from `place` (3,): the cosine to its normal, of either
@@ -69,19 +80,6 @@ class Mesh:
         sizes = np.bincount(pieces)
         least = min(LEAST_PIECE * len(self.faces), LIKE * sizes.max())
         return self.of_faces(sizes[pieces] >= least)
-
-
-def vertex_normals(vertices: Float32Array, faces: Faces) -> Float32Array:
-    """See Mesh.normals."""
-    first, second, third = (vertices[faces[:, corner]].astype(np.float64) for corner in range(3))
-    areas = np.cross(second - first, third - first)
-    total = np.zeros((len(vertices), 3))
-    for axis in range(3):
-        weights = np.repeat(areas[:, axis], 3)
-        total[:, axis] = np.bincount(faces.ravel(), weights, minlength=len(vertices))
-    lengths = np.linalg.norm(total, axis=1, keepdims=True)
-    unit: FloatArray = np.divide(total, lengths, out=np.zeros_like(total), where=lengths > 0)
-    return unit.astype(np.float32)
 
 
 def _pieces(faces: Faces, count: int) -> NDArray[np.int64]:
