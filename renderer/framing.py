@@ -9,15 +9,17 @@ from renderer.gaussians import DynamicGaussians
 
 FIELD_OF_VIEW = 50.0
 """Horizontal, in degrees."""
+SIZE = 960, 720
+"""Width and height in pixels."""
 SEEN = 0.95
 """Share of the Gaussians that the view holds: a few strays are far away in most files."""
 DEVIATIONS = 2.0
 """Standard deviations of a Gaussian that are to be seen, too."""
 
 
-def framing(model: DynamicGaussians, width: int = 960, height: int = 720) -> Camera:
+def framing(model: DynamicGaussians) -> Camera:
     """Looks along z at the middle of the Gaussians at rest, from where it sees nearly all of them."""
-    camera = Camera.from_fov(FIELD_OF_VIEW, width, height)
+    camera = Camera.from_fov(FIELD_OF_VIEW, *SIZE)
     if len(model) == 0:
         return camera
     middle = np.median(model.means.astype(np.float64), axis=0)
