@@ -11,7 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.measuring.stability.exact import BACKDROP, NAMES, Exact, exact, loss, of_scene, slopes
+from renderer.measuring.stability.exact import BACKDROP, NAMES, Exact, exact, of_scene, slopes
 from renderer.measuring.stability.row import Row, worst
 from renderer.measuring.stability.scenes import CAMERA, NEAR, SCENES, camera_of, joined, ordinary, stacked
 from renderer.rasterize.cpu import Gradients, Rasterizer, Rendered, render
@@ -130,7 +130,7 @@ def _by_middle(splats: Splats) -> tuple[float, float]:
         [replace(CAMERA, cx=CAMERA.cx + side) for side in (step, -step)],
         [replace(CAMERA, cy=CAMERA.cy + side) for side in (step, -step)],
     )
-    across, down = ((loss(splats, more) - loss(splats, less)) / (2 * step) for more, less in ways)
+    across, down = ((exact(splats, more).loss - exact(splats, less).loss) / (2 * step) for more, less in ways)
     return across, down
 
 

@@ -30,8 +30,10 @@ class Exact:
     """Over black."""
     alpha: FloatArray
     depth: FloatArray
+    loss: float
+    """What `slopes` are of."""
     gradients: dict[str, FloatArray]
-    """By each of NAMES, of the loss that has these `slopes`."""
+    """Of the loss by each of NAMES."""
 
 
 class LossGradients(NamedTuple):
@@ -77,18 +79,4 @@ def exact(splats: Splats, camera: Camera = CAMERA) -> Exact:
         for name, value in zip(NAMES, inputs, strict=True)
     }
     image, alpha, depth = (part.detach().numpy() for part in (drawn.image, drawn.alpha, drawn.depth))
-    return Exact(image, alpha, depth, gradients)
-
-
-def loss(splats: Splats, camera: Camera) -> float:
-    """What `slopes` are of."""
-    import torch
-
-    from renderer.rasterize.reference import rasterize_reference
-
-    means, quats, scales, opacities, colors = (
-        torch.tensor(getattr(splats, name).astype(np.float64)) for name in NAMES
-    )
-    drawn = rasterize_reference(means, quats, scales, opacities, colors, camera, BACKDROP, near=NEAR)
-    parts = zip((drawn.image, drawn.alpha, drawn.depth), slopes(), strict=True)
-    return float(sum((part.numpy() * by).sum() for part, by in parts))
+    return Exact(image, alpha, depth, float(loss.detach()), gradients)

@@ -44,9 +44,9 @@ EVERY_TERM: Final = LossWeights(
 WAYS: Final = 4
 
 
-def frame(depth: float = 10.0, seed: int = 0) -> Frame:
+def frame(depth: float = 10.0) -> Frame:
     """A frame of noise, all tissue at one depth; 0: none measured."""
-    image = np.random.default_rng(seed).integers(0, 256, (*SHAPE, 3), dtype=np.uint8)
+    image = np.random.default_rng(0).integers(0, 256, (*SHAPE, 3), dtype=np.uint8)
     everywhere = np.ones(SHAPE, bool)
     return Frame(0, 0.0, image, CAMERA, everywhere, everywhere, np.full(SHAPE, depth, np.float32))
 
