@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -108,6 +108,13 @@ class RawGaussians:
         check(arrays, LAYOUT, lengths)
         if lengths.get("B", 0) not in BANDS:
             raise ValueError(f"expected harmonics of {BANDS} functions, got {lengths['B']}")
+
+
+def joined(parts: Sequence[RawGaussians]) -> RawGaussians:
+    """One after the other, one at least; colours depend on the direction to the highest degree of them."""
+    degree = max(BANDS.index(part.harmonics.shape[1]) for part in parts)
+    arrays = [part.of_degree(degree).arrays() for part in parts]
+    return RawGaussians(**{name: np.concatenate([each[name] for each in arrays]) for name in FIELDS})
 
 
 FIELDS = tuple(item.name for item in fields(RawGaussians))

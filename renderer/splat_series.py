@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -80,7 +80,7 @@ def _fitting(paths: tuple[Path, ...], most_bytes: int) -> int:
 
 
 def _bytes_of(raw: RawGaussians) -> int:
-    return sum(getattr(raw, field.name).nbytes for field in fields(raw))
+    return sum(array.nbytes for array in raw.arrays().values())
 
 
 def _left_out(folder: Path, paths: tuple[Path, ...], kept: int, most_bytes: int) -> list[str]:

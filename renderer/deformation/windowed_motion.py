@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from renderer.deformation.kinds import motion_among
 from renderer.deformation.motion import Motion
-from renderer.harmonics import BANDS
-from renderer.raw_gaussians import RawGaussians, logits, sigmoid
+from renderer.raw_gaussians import RawGaussians, joined, logits, sigmoid
 from renderer.stored_arrays import LazyArrays, Stored, check
 
 IntArray = NDArray[np.int64]
@@ -84,7 +83,7 @@ class WindowedMotion:
         """See Motion; only those that there are at `time`."""
         there = self.fades_at(time).items()
         parts = [faded(self._moved_in(raw, window, time), fade) for window, fade in there]
-        return parts[0] if len(parts) == 1 else joined_rows(parts)
+        return parts[0] if len(parts) == 1 else joined(parts)
 
     def fades_at(self, time: float) -> dict[int, float]:
         """Of the windows that there are at a time in [0, 1], in the order of time, the share of their
@@ -97,11 +96,11 @@ class WindowedMotion:
 
     def all_moved(self, raw: RawGaussians, time: float) -> RawGaussians:
         """Of all windows, each at the moment nearest to `time` in [0, 1] at which it is there."""
-        return joined_rows([self._moved_in(raw, window, time) for window in range(len(self))])
+        return joined([self._moved_in(raw, window, time) for window in range(len(self))])
 
     def first_moved(self, raw: RawGaussians, time: float) -> RawGaussians:
         """Those that there are at `time`, at the first moment of their window."""
-        return joined_rows([self._moved_in(raw, window, 0.0) for window in self.windows_at(time)])
+        return joined([self._moved_in(raw, window, 0.0) for window in self.windows_at(time)])
 
     def rows(self, index: NDArray[np.int64]) -> Self:
         """See Motion. Raises ValueError: the index is not in the order of the windows."""
@@ -194,14 +193,6 @@ def faded(raw: RawGaussians, share: float) -> RawGaussians:
         return raw
     opacities = np.clip(share * sigmoid(raw.opacity_logits), np.float32(FAINTEST), None)
     return replace(raw, opacity_logits=logits(opacities))
-
-
-def joined_rows(parts: Sequence[RawGaussians]) -> RawGaussians:
-    """One after the other; colours depend on the direction to the highest degree of them."""
-    degree = max(BANDS.index(part.harmonics.shape[1]) for part in parts)
-    padded = [part.of_degree(degree) for part in parts]
-    names = padded[0].arrays()
-    return RawGaussians(**{name: np.concatenate([part.arrays()[name] for part in padded]) for name in names})
 
 
 def _names_of(arrays: Mapping[str, NDArray[Any]], window: int) -> tuple[str, ...]:

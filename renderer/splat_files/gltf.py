@@ -18,7 +18,7 @@ from renderer.budget import OverBudget, budget
 from renderer.glb import SPLATS as EXTENSION
 from renderer.glb import WIDTHS, GlbError, opened_glb
 from renderer.harmonics import BANDS
-from renderer.raw_gaussians import RawGaussians, logits
+from renderer.raw_gaussians import RawGaussians, joined, logits
 from renderer.rotations import matrix, quaternion
 from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, repaired
 from renderer.splat_files.spz import read_spz
@@ -73,7 +73,7 @@ def read_glb_splats(content: bytes) -> SplatFile:
         raise SplatFileError("expected Gaussian splats in the glTF file, got one without any")
     if not 0 < metres < np.inf:
         raise SplatFileError("expected a glTF splat file, got a damaged one")
-    raw = _joined(parts)
+    raw = joined(parts)
     with np.errstate(all="ignore"):
         means = (raw.means / metres).astype(np.float32)
         log_scales = (raw.log_scales - np.log(metres)).astype(np.float32)
@@ -268,11 +268,3 @@ def _turned(turn: NDArray[np.float64], quats: NDArray[np.float32]) -> NDArray[np
     w, x, y, z = turn
     after = np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
     return np.asarray(quats @ after.T, np.float32)
-
-
-def _joined(parts: list[RawGaussians]) -> RawGaussians:
-    """With as many harmonics as the part that has most."""
-    bands = max(part.harmonics.shape[1] for part in parts)
-    degree = BANDS.index(bands)
-    arrays = [part.of_degree(degree).arrays() for part in parts]
-    return RawGaussians(**{name: np.concatenate([each[name] for each in arrays]) for name in arrays[0]})

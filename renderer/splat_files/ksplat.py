@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final
 
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from renderer.budget import budget
 from renderer.harmonics import BANDS
-from renderer.raw_gaussians import RawGaussians, logits
+from renderer.raw_gaussians import RawGaussians, joined, logits
 from renderer.splat_files.other_kinds import CONVERT
 from renderer.splat_files.splat_file import SplatFile, SplatFileError, repaired
 
@@ -92,17 +92,12 @@ def read_ksplat(content: bytes) -> SplatFile:
         raise SplatFileError(f"expected {head.count} splats, got {count} in the sections: damaged")
     if not sections:
         raise SplatFileError("expected sections, got none")
-    degree = max(section.degree for section in sections)
     at = HEAD_SIZE + SECTION_SIZE * head.sections
     parts = []
     for section in sections:
-        parts.append(_unpacked(content, at, section, head).of_degree(degree))
+        parts.append(_unpacked(content, at, section, head))
         at += section.before + section.record(head.level).itemsize * section.most
-    joined = {
-        field.name: np.concatenate([getattr(part, field.name) for part in parts])
-        for field in fields(RawGaussians)
-    }
-    return repaired(RawGaussians(**joined))
+    return repaired(joined(parts))
 
 
 def _head(content: bytes) -> _Head:

@@ -14,9 +14,10 @@ from typing import Final
 import numpy as np
 
 from renderer.atomic_files import unlinked
-from renderer.deformation.windowed_motion import LazyMotions, WindowedMotion, joined_rows
+from renderer.deformation.windowed_motion import LazyMotions, WindowedMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed
+from renderer.raw_gaussians import joined
 from renderer.stored_arrays import stored_metadata
 from renderer.train.checkpoint import clear_checkpoints, read_newest_checkpoint
 from renderer.train.events import Omission
@@ -106,7 +107,7 @@ def in_windows(
     rows = np.cumsum([0, *map(len, raws)]).astype(np.int64)
     frames = np.array([[window.first, window.last] for window in windows], np.int64)
     motions = LazyMotions(len(models), lambda window: models[window]().motion)
-    return DynamicGaussians(joined_rows(raws), WindowedMotion(count, frames, rows, motions))
+    return DynamicGaussians(joined(raws), WindowedMotion(count, frames, rows, motions))
 
 
 def unfinished(run: Path, count: int) -> Unfinished | None:
