@@ -19,7 +19,7 @@ from renderer.raw_gaussians import RawGaussians, logits
 from renderer.splat_files.other_kinds import CONVERT
 from renderer.splat_files.packed_ply import smallest_three
 from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, repaired
-from renderer.splat_files.y_up import FLIPS
+from renderer.splat_files.y_up import y_up
 
 GZIP: Final = b"\x1f\x8b"
 MAGIC: Final = 0x5053474E
@@ -90,24 +90,23 @@ def _head(content: bytes) -> Head:
 
 
 def unpacked(head: Head, body: bytes) -> RawGaussians:
-    """The Gaussians of all planes, one after the other."""
+    """The Gaussians of all planes, which lie one after the other; in the axes of this program."""
     planes, start = [], 0
     for width in head.widths:
         plane = np.frombuffer(body, np.uint8, head.count * width, start)
         planes.append(plane.reshape(head.count, width))
         start += plane.size
     positions, alphas, colors, scales, rotations, harmonics = planes
-    flip = np.array([1, -1, -1], np.float32)
     quats = _rotations_3(rotations) if head.version >= 3 else _rotations_2(rotations)
-    return RawGaussians(
-        means=flip * _positions(head, positions),
-        quats=quats * np.array([1, 1, -1, -1], np.float32),
+    raw = RawGaussians(
+        means=_positions(head, positions),
+        quats=quats,
         log_scales=(scales / 16 - 10).astype(np.float32),
         opacity_logits=logits(alphas[:, 0] / 255),
         colors=(0.5 + PER_COLOR * (colors / 255 - 0.5) / COLOR_SCALE).astype(np.float32),
-        harmonics=FLIPS[: head.bands, None]
-        * (harmonics.reshape(head.count, head.bands, 3) / 128 - 1).astype(np.float32),
+        harmonics=(harmonics.reshape(head.count, head.bands, 3) / 128 - 1).astype(np.float32),
     )
+    return y_up(raw)
 
 
 def _positions(head: Head, plane: NDArray[np.uint8]) -> NDArray[np.float32]:

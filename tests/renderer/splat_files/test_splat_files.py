@@ -16,7 +16,7 @@ from renderer.harmonics import seen_colors
 from renderer.ply_elements import read_ply
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splat_files import SplatFile, SplatFileError, inria_ply, read_splats
-from renderer.splat_files.spz import FLIPS
+from renderer.splat_files.y_up import FLIPS
 from tests.renderer.splat_files.files import NAMES, damaged, gaussians, packed_ply, ply, spz, word, zipped
 
 DATA = Path(__file__).resolve().parents[4] / "shared/data/ply"
