@@ -145,11 +145,8 @@ def write_splats(path: str | Path, raw: RawGaussians, mode: RenderMode = "defaul
 
 
 def is_named_as_splats(path: Path) -> bool:
-    """Whether a file, or the folder of an unpacked SOG, is meant as splats, be they read here or not."""
-    if path.is_dir():
-        return is_unpacked_sog(path)
-    suffix = path.suffix.lower()
-    return suffix in SUFFIXES or suffix in other_kinds.SPLAT_SUFFIXES or is_sog_list(path)
+    """Whether a file, or the folder of an unpacked SOG, is meant as splats."""
+    return is_unpacked_sog(path) if path.is_dir() else path.suffix.lower() in SUFFIXES or is_sog_list(path)
 
 
 def whole(path: Path) -> Path:

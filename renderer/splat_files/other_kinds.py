@@ -11,9 +11,13 @@ from typing import Final
 from renderer.file_signatures import ANYWHERE
 
 CONVERT: Final = "convert it to .ply with SuperSplat or splat-transform"
-SPLAT_SUFFIXES: Final = MappingProxyType({".sog": "a damaged .sog file: not a zip archive"})
-"""Of splats, told by their names alone."""
-SUFFIXES: Final = MappingProxyType({**SPLAT_SUFFIXES, ".safetensors": "a model: give the folder of its run"})
+SUFFIXES: Final = MappingProxyType(
+    {
+        ".sog": "a damaged .sog file: not a zip archive",
+        ".safetensors": "a model: give the folder of its run",
+    }
+)
+"""What a name alone tells."""
 ZIP: Final = b"PK\x03\x04"
 STARTS: Final = MappingProxyType(
     {
