@@ -12,8 +12,7 @@ import numpy as np
 from renderer.clip import ByteImage, Clip, ClipError
 from renderer.pyav_presence import has_pyav, why_not_pyav
 from renderer.readers.clip_options import DEFAULTS, ClipOptions, StereoLayout
-from renderer.readers.dicom.header import read_header
-from renderer.readers.dicom.opening import is_dicom
+from renderer.readers.dicom.header import holds_stream
 from renderer.readers.frames import without_depth
 from renderer.readers.pictures import require_moving
 from renderer.readers.stereo_layout import (
@@ -113,7 +112,7 @@ def _clip(
 
 
 def _opened(path: Path, options: ClipOptions) -> Video:
-    if is_dicom(path) and not read_header(path).is_stream:
+    if not holds_stream(path):
         from renderer.readers.dicom_video import DicomVideo
 
         return DicomVideo(path)

@@ -11,8 +11,7 @@ import numpy as np
 from renderer.clip import ByteImage, ClipError
 from renderer.pyav_presence import has_pyav
 from renderer.readers.clip_options import StereoLayout
-from renderer.readers.dicom.header import DicomHeader, read_header
-from renderer.readers.dicom.opening import is_dicom
+from renderer.readers.dicom.header import DicomHeader, holds_stream, read_header
 from renderer.readers.pictures import require_moving
 
 if TYPE_CHECKING:
@@ -56,8 +55,9 @@ class VideoHeader:
 
 def read_video_header(path: Path) -> VideoHeader:
     """Raises ClipError: the file is no video, or its path is not UTF-8, which the decoder cannot take."""
-    if is_dicom(path) and not (told := read_header(path)).is_stream:
-        return _of_frames(told)
+    if not holds_stream(path):
+        told = read_header(path)
+        return _of_frames(told, told.frames)
     return _by_pyav(path) if has_pyav() else _by_opencv(path)
 
 
@@ -66,8 +66,8 @@ def read_counted_header(path: Path) -> VideoHeader:
 
     Raises ClipError as `read_video_header`, for a DICOM object of which no frame is whole, and for an image.
     """
-    if is_dicom(path) and not (told := read_header(path)).is_stream:
-        return _counted(path, told)
+    if not holds_stream(path):
+        return _counted(path)
     header = read_video_header(path)
     if not has_pyav() or path.stat().st_size > QUICKLY_READ:
         return header
@@ -77,9 +77,16 @@ def read_counted_header(path: Path) -> VideoHeader:
         return header
     frames, rate = len(index.stamps), float(index.frames_per_second)
     require_moving(path, frames)
-    found = replace(header, frames=frames, frames_per_second=rate, seconds=frames / rate)
-    found = replace(found, is_steady=index.is_steady, is_announced=False)
-    return replace(found, is_cut=index.is_cut, announced=index.announced)
+    return replace(
+        header,
+        frames=frames,
+        frames_per_second=rate,
+        seconds=frames / rate,
+        is_steady=index.is_steady,
+        is_announced=False,
+        is_cut=index.is_cut,
+        announced=index.announced,
+    )
 
 
 def first_frame(path: Path) -> ByteImage | None:
@@ -87,7 +94,7 @@ def first_frame(path: Path) -> ByteImage | None:
 
     Raises ClipError as `read_video_header`.
     """
-    if is_dicom(path) and not read_header(path).is_stream:
+    if not holds_stream(path):
         from renderer.readers.dicom_video import DicomVideo
 
         return DicomVideo(path).read(0)
@@ -105,24 +112,23 @@ def first_frame(path: Path) -> ByteImage | None:
     return np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8) if there else None
 
 
-def _counted(path: Path, told: DicomHeader) -> VideoHeader:
+def _counted(path: Path) -> VideoHeader:
     """Of a DICOM object that holds its frames one by one, those that are whole."""
     from renderer.readers.dicom_video import DicomVideo
 
-    found, rate = len(DicomVideo(path)), told.frames_per_second
-    seconds = found / rate if rate else None
-    header = replace(_of_frames(told), frames=found, seconds=seconds, is_announced=False)
-    return replace(header, is_cut=found < told.frames, announced=told.frames)
+    told, found = read_header(path), len(DicomVideo(path))
+    is_cut = found < told.frames
+    return replace(_of_frames(told, found), is_announced=False, is_cut=is_cut, announced=told.frames)
 
 
-def _of_frames(told: DicomHeader) -> VideoHeader:
-    """Of a DICOM object that holds its frames one by one."""
+def _of_frames(told: DicomHeader, frames: int) -> VideoHeader:
+    """Of a DICOM object that holds its frames one by one, so many."""
     from pydicom.uid import UID
 
     rate = told.frames_per_second
-    seconds = told.frames / rate if rate else None
+    seconds = frames / rate if rate else None
     kind = UID(told.transfer_syntax).name
-    return VideoHeader(told.size, told.frames, rate, seconds, kind, pixel_aspect=told.pixel_aspect)
+    return VideoHeader(told.size, frames, rate, seconds, kind, pixel_aspect=told.pixel_aspect)
 
 
 def _by_pyav(path: Path) -> VideoHeader:

@@ -16,8 +16,6 @@ from renderer.regular_files import require_regular
 ITEM: Final = b"\xfe\xff\x00\xe0"
 EXPLICIT: Final = 12
 """Bytes before the value of an element, with an explicit type and a long length."""
-ANNOUNCED: Final = 0xFFFFFFFF
-"""A length that only the end tells."""
 
 
 def fragments(path: Path, header: DicomHeader) -> Iterator[tuple[int, int]]:
