@@ -15,7 +15,7 @@ from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.evenly import evenly
 from renderer.poses.pictures import trackable
-from renderer.readers.rigid import rigid_fit
+from renderer.rigid import rigid_fit
 
 PICTURE_SHIFT = 0.05
 """Of the width: a background that moves farther across the picture shows other tissue."""

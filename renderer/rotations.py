@@ -18,7 +18,10 @@ from renderer.camera import FloatArray
 def turned_hermite(
     turns: FloatArray, speeds: FloatArray, a: int, b: int, share: float, step: float
 ) -> FloatArray:
-    """The same on unit quaternions (4,) wxyz; velocities in radians a second, in the turned body's axes."""
+    """Of the cubic (4,), at `share` in [0, 1] of the way from keyframe a to b, which are `step` s apart.
+
+    `turns` are unit quaternions (K, 4) wxyz, `speeds` (K, 3) in radians a second, in the turned body's axes.
+    """
     s = share
     leave, arrive = exponential(step / 3 * speeds[a]), exponential(step / 3 * speeds[b])
     middle = product(product(conjugate(leave), product(conjugate(turns[a]), turns[b])), conjugate(arrive))

@@ -27,7 +27,7 @@ from renderer.clip import Clip, Frame
 from renderer.phantom import Phantom, PhantomParams
 from renderer.poses.from_motion import find_structure
 from renderer.poses.search import PosesError, find_poses
-from renderer.readers.rigid import rigid_fit
+from renderer.rigid import rigid_fit
 
 DISPARITY_ERROR, REACH = 0.3, 3.0
 BASELINE = 4.5  # mm

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from renderer.readers.rigid import rigid_fit
+from renderer.rigid import rigid_fit
 from tests.renderer.scenes import turned_camera
 
 MOTION = turned_camera(10, 10).camera_from_world
