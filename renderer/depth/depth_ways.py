@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final, Literal, get_args
 
@@ -19,27 +20,16 @@ DEPTH_WAYS: Final[tuple[DepthWay, ...]] = get_args(DepthWay)
 class DepthWays:
     """What a clip, as its own files give it, can be read with."""
 
-    why_not_measured: str
-    """In a sentence; empty: it can be. So of the others."""
-    why_not_stereo: str
-    why_not_motion: str
-    why_not_guessed: str
+    why_not: Mapping[DepthWay, str]
+    """Of every way, in a sentence; empty: it can be."""
     guess: DepthSource
     """Of what a guess would be made."""
-
-    def why_not(self, way: DepthWay) -> str:
-        return {
-            "measured": self.why_not_measured,
-            "stereo": self.why_not_stereo,
-            "motion": self.why_not_motion,
-            "guessed": self.why_not_guessed,
-        }[way]
 
     def source(self, way: DepthWay) -> DepthSource:
         """The option that reads the clip in this way; "auto" where that comes to the same."""
         if way == "guessed":
             return self.guess
-        auto: DepthWay = "stereo" if self.why_not_measured else "measured"
+        auto: DepthWay = "stereo" if self.why_not["measured"] else "measured"
         return "auto" if way == auto else way
 
 
@@ -58,15 +48,15 @@ def depth_ways(bare: Clip, options: ClipOptions) -> DepthWays:
     """Of a clip without any depth but that of its files. Looks at a few pairs of a stereo clip."""
     if not bare.has_one_size:
         why = f"{bare.why_no_depth[:1].upper()}{bare.why_no_depth[1:]}."
-        return DepthWays(why, why, why, why, "brightness")
+        return DepthWays(dict.fromkeys(DEPTH_WAYS, why), "brightness")
     moves = "" if bare.camera_is_fixed else "The camera moves by known lengths, and a guess has no scale."
-    return DepthWays(
-        why_not_measured="" if bare.has_depth else "This clip comes with no measured depth.",
-        why_not_stereo=_why_not_stereo(bare, options),
-        why_not_motion=_sentence(why_not_by_motion(bare)),
-        why_not_guessed=moves,
-        guess="monocular" if _has_maps(bare) else "brightness",
-    )
+    why_not: dict[DepthWay, str] = {
+        "measured": "" if bare.has_depth else "This clip comes with no measured depth.",
+        "stereo": _why_not_stereo(bare, options),
+        "motion": _sentence(why_not_by_motion(bare)),
+        "guessed": moves,
+    }
+    return DepthWays(why_not, "monocular" if _has_maps(bare) else "brightness")
 
 
 def _why_not_stereo(bare: Clip, options: ClipOptions) -> str:

@@ -49,7 +49,7 @@ def chosen_way(state: AppState) -> DepthWay | None:
 def why_not(state: AppState, way: DepthWay) -> str:
     """Why the clip cannot be read in this way, in a sentence; empty when it can."""
     ways = state.source.depth_ways
-    return LOOKING if ways is None else ways.why_not(way)
+    return LOOKING if ways is None else ways.why_not[way]
 
 
 def said(state: AppState) -> str:
@@ -83,7 +83,7 @@ def without_scale(state: AppState) -> str:
 def choose_way(state: AppState, way: DepthWay) -> None:
     """From now on; what is trained keeps what it was started with."""
     ways = state.source.depth_ways
-    if ways is not None and way != chosen_way(state) and not ways.why_not(way):
+    if ways is not None and way != chosen_way(state) and not ways.why_not[way]:
         choose_source(state, ways.source(way))
 
 

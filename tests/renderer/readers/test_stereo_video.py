@@ -66,7 +66,7 @@ def test_what_a_video_says_is_overruled_on_request(tmp_path, moments) -> None:
     path = film(tmp_path / "a.mp4", moments, "top-bottom", told=True)
     assert read_video_header(path).stereo == "top-bottom"
     bare = open_bare(path)
-    assert depth_ways(bare, ClipOptions()).why_not_stereo == ""
+    assert depth_ways(bare, ClipOptions()).why_not["stereo"] == ""
     whole = open_clip(path, ClipOptions(stereo="off"))
     assert (whole.size, whole.has_depth, whole.read_right) == ((192, 288), False, None)
     with pytest.raises(ClipError, match="a video has none"):
