@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.clip import BoolImage, Clip, ClipError, Frame
+from renderer.clip import Clip, Frame
 from renderer.depth.monocular import FOLDERS as MONOCULAR
 from renderer.depth.monocular import read_array
 from renderer.readers.clip_files import files_in
@@ -32,7 +32,6 @@ from renderer.readers.picture_kinds import (
     map_folders,
 )
 from renderer.readers.pictures import is_frame, is_picture, is_visible, natural_key, read_stored, stored_kind
-from renderer.readers.tool_masks import marked_pixels
 
 USES_MASKS: Final = "--mask-polarity tool or tissue says what they mark, and uses them"
 USES_BYTES: Final = "8-bit maps may be inverse or stretched: --depth measured reads them as distances"
@@ -321,21 +320,9 @@ def _resized(values: Plane, size: tuple[int, int]) -> Plane:
 def _with_masks(clip: Clip, offer: _Offer, *, marked_is_tissue: bool) -> Clip:
     def read_frame(index: int) -> Frame:
         frame = clip.read_frame(index)
-        tissue = np.equal(_marked(offer.files[frame.index], clip.size), marked_is_tissue)
+        tissue = np.equal(read_nonzero(offer.files[frame.index], clip.size), marked_is_tissue)
         return replace(frame, tissue_mask=tissue, evaluation_mask=tissue.copy())
 
     marks = "tissue" if marked_is_tissue else "tool"
     said = f"{offer.told} is assumed to mark {marks}", *offer.pairing(clip.labels)
     return replace(clip, read_frame=read_frame, notices=(*clip.notices, *said))
-
-
-def _marked(path: Path, size: tuple[int, int]) -> BoolImage:
-    """(H, W): what is not 0; of a JPEG, whose 0 is noisy, what is bright."""
-    if path.suffix.lower() not in (".jpg", ".jpeg"):
-        return read_nonzero(path, size)
-    marked = marked_pixels(read_stored(path))
-    if marked.shape != (size[1], size[0]):
-        raise ClipError(
-            f"expected a mask of {size[0]}x{size[1]}, got {marked.shape[1]}x{marked.shape[0]}: {path}"
-        )
-    return marked

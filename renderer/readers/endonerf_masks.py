@@ -13,9 +13,16 @@ from numpy.typing import NDArray
 from renderer.clip import ClipError
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.pictures import read_stored
-from renderer.readers.tool_masks import DARK, Sample, highest_label, levels, marked_share, marks_tissue
+from renderer.readers.tool_masks import (
+    DARK,
+    Sample,
+    highest_label,
+    is_lossy,
+    levels,
+    marked_share,
+    marks_tissue,
+)
 
-_LOSSY: Final = frozenset({".jpg", ".jpeg"})
 _MOST_LOOKED_AT: Final = 32
 """Masks of a clip whose first ones are empty."""
 _NOISE: Final = 0.001
@@ -25,7 +32,7 @@ _NOISE: Final = 0.001
 def labels_of(masks: Sequence[Path], looked_at: Iterable[int]) -> int:
     """Up to which value the masks of a clip are labels, see `highest_label`: by those that are looked at, and
     where these are empty by the first of some others that is not. Raises ClipError: one cannot be read."""
-    if masks[0].suffix.lower() in _LOSSY:
+    if is_lossy(masks[0]):
         return 1
     seen = [_levels(masks[index]) for index in looked_at]
     if not any(mask.any() for mask in seen):

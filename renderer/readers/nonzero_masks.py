@@ -1,4 +1,4 @@
-"""Masks of which every value but 0 is set, and the check that they mark what their layout says."""
+"""Masks of which every value but 0 is set, noise aside, and whether they mark what their layout says."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ClipError
 from renderer.readers.pictures import read_stored, stored_kind
-from renderer.readers.tool_masks import Sample, levels, marks_tissue
+from renderer.readers.tool_masks import Sample, is_lossy, levels, marked_pixels, marks_tissue
 
 Marked = Literal["tool", "tissue"]
 
@@ -21,15 +21,17 @@ _SAMPLES = 4
 
 
 def read_nonzero(path: Path, size: tuple[int, int]) -> BoolImage:
-    """(H, W) for `size` (width, height), True where the file is not 0; alpha does not count.
+    """(H, W) for `size` (width, height), True where the file is not 0, or if it is lossy, where it is bright;
+    alpha does not count.
 
     A mask of the same shape and another size is resampled by its nearest pixel. Raises ClipError
     when the file is no picture or of another shape, or when its alpha alone marks something.
     """
-    grey = levels(read_mask(path))
-    _require_shape((grey.shape[1], grey.shape[0]), size, path)
-    marked = (grey != 0).astype(np.uint8)
-    return np.asarray(cv2.resize(marked, size, interpolation=cv2.INTER_NEAREST_EXACT) > 0)
+    stored = read_mask(path)
+    _require_shape((stored.shape[1], stored.shape[0]), size, path)
+    marked = marked_pixels(stored) if is_lossy(path) else levels(stored) != 0
+    resized = cv2.resize(marked.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST_EXACT)
+    return np.asarray(resized > 0)
 
 
 def read_mask(path: Path) -> NDArray[Any]:

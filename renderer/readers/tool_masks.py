@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -14,6 +15,7 @@ from renderer.clip import BoolImage, ByteImage
 DARK: Final = 127
 """Up to which a mask of grey levels marks nothing, as what is compressed has noise around 0."""
 MOST_LABELS: Final = 16
+_LOSSY: Final = frozenset({".jpg", ".jpeg"})
 _CLEAR = 0.2
 """Difference in share of measured depth that counts as a vote."""
 _REDDER = 0.03
@@ -32,6 +34,11 @@ class Sample:
     """(H, W), True where the mask file is not zero."""
     depth: NDArray[np.float32] | None
     """(H, W), 0 = none."""
+
+
+def is_lossy(path: Path) -> bool:
+    """Whether a mask is compressed such that its 0 is noisy, by its name."""
+    return path.suffix.lower() in _LOSSY
 
 
 def levels(stored: NDArray[Any]) -> NDArray[Any]:

@@ -16,16 +16,14 @@ from renderer.atomic_files import written_atomically
 from renderer.clip import BoolImage, Clip, ClipError, Frame, within
 from renderer.readers.clip_files import files_in
 from renderer.readers.listing import listed
-from renderer.readers.nonzero_masks import read_nonzero, require_shapes
+from renderer.readers.nonzero_masks import read_nonzero
 from renderer.readers.number_pairs import NumberPairs, number_pairs, numbers_of
-from renderer.readers.pictures import NAMED, natural_key, read_stored
-from renderer.readers.tool_masks import marked_pixels
+from renderer.readers.pictures import NAMED, natural_key
 
 MaskOrigin = Literal["by hand", "from a folder", "learned", "by colour", "by a model"]
 """Who says where tools are; what says nothing of itself is by hand."""
 
 _KEY: Final = "VesselSplat tool mask"
-_LOSSY = frozenset({".jpg", ".jpeg"})
 
 
 @dataclass(frozen=True)
@@ -45,13 +43,7 @@ class MaskFiles:
             ClipError: the file is no image, or of another shape than the frame.
         """
         path = self.files.get(index)
-        if path is None:
-            return None
-        if path.suffix.lower() not in _LOSSY:
-            return read_nonzero(path, size)
-        require_shapes((path,), size)
-        marked = Image.fromarray(marked_pixels(read_stored(path))).resize(size, Image.Resampling.NEAREST)
-        return np.asarray(marked, dtype=bool)
+        return None if path is None else read_nonzero(path, size)
 
 
 NONE: Final = MaskFiles(Path(), {})

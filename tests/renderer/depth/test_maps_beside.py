@@ -248,6 +248,18 @@ def test_masks_are_used_when_it_is_said_what_they_mark(tmp_path):
     np.testing.assert_array_equal(tissue.tissue_mask, ~frames()[0].tissue_mask)
 
 
+def test_lossy_masks_of_half_the_size_mark_what_is_bright(tmp_path):
+    write(tmp_path)
+    for index in range(COUNT):
+        tool = np.zeros((24, 32), np.uint8)
+        tool[8:16, 8:24] = 255
+        save(tmp_path / f"masks/{50 + index}.jpg", tool)
+    tissue = open_clip(tmp_path, ClipOptions(mask_polarity="tool")).read_frame(1).tissue_mask
+    wanted = np.ones((48, 64), bool)
+    wanted[16:32, 16:48] = False
+    np.testing.assert_array_equal(tissue, wanted)
+
+
 def test_a_mask_of_another_shape_is_refused_when_the_clip_is_opened(tmp_path):
     write(tmp_path, mask="masks/{}.png")
     Image.new("L", (48, 48)).save(tmp_path / "masks/52.png")

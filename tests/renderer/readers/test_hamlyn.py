@@ -104,6 +104,16 @@ def test_inverted_masks_are_refused_unless_they_are_meant(folder):
     np.testing.assert_array_equal(forced.tissue_mask, ~meant.tissue_mask)
 
 
+def test_noise_of_lossy_masks_marks_nothing(folder):
+    for path in list((folder / "gt_masks").iterdir()):
+        tool = np.where(np.asarray(Image.open(path)), 255, 0).astype(np.uint8)
+        path.unlink()
+        Image.fromarray(tool).save(path.with_suffix(".jpg"), quality=100)
+    frames, truth = read_all(folder), small_frames(WHOLE)
+    for frame, wanted in zip(frames, truth, strict=True):
+        np.testing.assert_array_equal(frame.tissue_mask, wanted.tissue_mask[:, LEFT_COLUMNS:])
+
+
 def test_a_folder_with_poses_is_no_hamlyn_clip(folder):
     poses = np.zeros((COUNT, 17))
     poses[:, :15] = np.column_stack([np.eye(3, 4), [WHOLE.height, WHOLE.width, WHOLE.fx]]).ravel()
