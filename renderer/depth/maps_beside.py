@@ -11,14 +11,12 @@ from typing import Final
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from renderer.clip import Clip, Frame
 from renderer.depth.monocular import FOLDERS as MONOCULAR
-from renderer.depth.monocular import read_array
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.depth_maps import plane_of, plausible
+from renderer.readers.depth_maps import DepthMap, is_map, plausible, read_map
 from renderer.readers.listing import listed
 from renderer.readers.nonzero_masks import read_nonzero, require_shapes
 from renderer.readers.number_pairs import number_pairs, numbers_of
@@ -31,15 +29,13 @@ from renderer.readers.picture_kinds import (
     left_out,
     map_folders,
 )
-from renderer.readers.pictures import is_frame, is_picture, is_visible, natural_key, read_stored, stored_kind
+from renderer.readers.pictures import is_frame, is_visible, natural_key, stored_kind
 
 USES_MASKS: Final = "--mask-polarity tool or tissue says what they mark, and uses them"
 USES_BYTES: Final = "8-bit maps may be inverse or stretched: --depth measured reads them as distances"
 USES_NAMES: Final = "name them _depth or _disparity to have them read as such"
 _FACTOR: Final = re.compile(r"(?<![^\W_])x(\d+)(?![^\W_])")
 """In names of disparities, x64: they are stored times this."""
-
-Plane = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -124,7 +120,7 @@ def map_files(path: Path, frames: Path, labels: Sequence[str]) -> list[Path]:
         if offer.kind != "map"
         for each in offer.files.values()
     ]
-    return [*used, *(each for place in map_folders(path) for each in files_in(place) if _is_map_file(each))]
+    return [*used, *(each for place in map_folders(path) for each in files_in(place) if is_map(each))]
 
 
 def _offers(path: Path, frames: Path, labels: Sequence[str]) -> Iterator[_Offer]:
@@ -138,13 +134,9 @@ def _offers(path: Path, frames: Path, labels: Sequence[str]) -> Iterator[_Offer]
     for (_, kind), paths in groups.items():
         yield _offer(labels, kind, paths[0].name, paths)
     for place, kind in map_folders(path).items():
-        inside = [entry for entry in sorted(place.iterdir(), key=natural_key) if _is_map_file(entry)]
+        inside = [entry for entry in sorted(place.iterdir(), key=natural_key) if is_map(entry)]
         if inside and place.name not in MONOCULAR and place != frames:
             yield _offer(labels, kind, f"{place.name}/", inside)
-
-
-def _is_map_file(path: Path) -> bool:
-    return is_picture(path) or (path.suffix.lower() == ".npy" and is_visible(path))
 
 
 def _offer(labels: Sequence[str], kind: Kind, name: str, paths: Sequence[Path]) -> _Offer:
@@ -293,7 +285,7 @@ def _with_depth(clip: Clip, offer: _Offer, options: ClipOptions) -> Clip:
         path = offer.files.get(frame.index)
         if path is None:
             return replace(frame, depth=np.zeros(frame.tissue_mask.shape, np.float32))
-        values = _values(path)
+        values = read_map(path)
         if offer.kind == "disparity":
             shrunk = values.shape[1] / clip.size[0]
             depth = factor * shrunk / np.where(values > 0, values, 1)
@@ -305,12 +297,7 @@ def _with_depth(clip: Clip, offer: _Offer, options: ClipOptions) -> Clip:
     )
 
 
-def _values(path: Path) -> Plane:
-    """(H, W) as the file has them, 0 = none."""
-    return plane_of(read_array(path) if path.suffix.lower() == ".npy" else read_stored(path), path)
-
-
-def _resized(values: Plane, size: tuple[int, int]) -> Plane:
+def _resized(values: DepthMap, size: tuple[int, int]) -> DepthMap:
     """(H, W) of `size` (width, height), each pixel the nearest of the given ones."""
     if values.shape == (size[1], size[0]):
         return values

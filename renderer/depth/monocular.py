@@ -14,10 +14,9 @@ from renderer.clip import BoolImage, Clip, ClipError, Frame
 from renderer.depth.alignment import aligned
 from renderer.depth.depth_prior import Guess
 from renderer.readers.clip_files import files_in
-from renderer.readers.depth_maps import plane_of
+from renderer.readers.depth_maps import is_map, plane_of
 from renderer.readers.numbered_files import beside, number_of
-from renderer.readers.picture_files import read_npy
-from renderer.readers.pictures import is_picture, read_stored
+from renderer.readers.pictures import is_array, read_stored
 
 FOLDERS = ("monodepth", "depth_dam")
 
@@ -43,14 +42,14 @@ def monocular_maps(clip: Clip) -> tuple[Path, ...]:
     known = [number for number in numbers if number is not None]
     if len(known) < len(numbers):
         raise ClipError(f"expected images with numbers in their names for the maps, got others: {clip.path}")
-    return beside(known, folder, _is_map)
+    return beside(known, folder, is_map)
 
 
 def map_files(path: Path, names: Sequence[str]) -> tuple[Path, ...]:
     """What `monocular_maps` takes for pictures of these names in the folder `path`, as far as it is there."""
     folder = _map_folder(path)
     numbers = {number_of(Path(name)) for name in names} - {None}
-    maps = filter(_is_map, files_in(folder)) if folder else ()
+    maps = filter(is_map, files_in(folder)) if folder else ()
     return tuple(entry for entry in maps if number_of(entry) in numbers)
 
 
@@ -102,23 +101,11 @@ def read_inverse_depth(path: Path, size: tuple[int, int]) -> Float32Image:
     Raises:
         ClipError: no map, or one that cannot be read.
     """
-    stored = read_array(path) if path.suffix == ".npy" else read_stored(path)
-    one_channel = stored[:, :, 0] if stored.ndim == 3 and path.suffix != ".npy" else stored
-    values = plane_of(one_channel, path)
+    stored = read_stored(path)
+    has_channels = stored.ndim == 3 and not is_array(path)
+    values = plane_of(stored[:, :, 0] if has_channels else stored, path)
     if values.shape == (size[1], size[0]):
         return values
     share = cv2.resize((values > 0).astype(np.float32), size, interpolation=cv2.INTER_LINEAR)
     resized = cv2.resize(values, size, interpolation=cv2.INTER_LINEAR)
     return np.where(share > 1 - 1e-3, resized, np.float32(0))
-
-
-def read_array(path: Path) -> NDArray[np.generic]:
-    """A .npy file. Raises ClipError: it cannot be read."""
-    try:
-        return read_npy(path)
-    except (OSError, ValueError) as error:
-        raise ClipError(f"expected a numpy array of depth, got an unreadable file: {path}") from error
-
-
-def _is_map(path: Path) -> bool:
-    return is_picture(path) or (path.suffix == ".npy" and not path.name.startswith("."))

@@ -1,31 +1,30 @@
-"""Depth as files hold it: one picture in, (H, W) along +z out, with what cannot be meant set to 0."""
+"""Depth as files hold it: a picture or array in, (H, W) along +z out, with what cannot be meant set to 0."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import ClipError
-from renderer.readers.endonerf import OUTLIER
-from renderer.readers.pictures import read_stored
+from renderer.readers.pictures import is_array, is_picture, read_stored
+
+OUTLIER: Final = 3.0
+"""Depth this many times a frame's median or more, or its inverse or less, is a failed match."""
 
 DepthMap = NDArray[np.float32]
 
 
-def read_map(path: Path) -> DepthMap:
-    """The one channel of a picture, (H, W), with NaN, infinity and what is below 0 as 0.
+def is_map(path: Path) -> bool:
+    """Whether the name is one of a visible file that `read_map` reads."""
+    return is_picture(path) or is_array(path)
 
-    Raises:
-        ClipError: the file is no picture, or one of several channels.
-    """
-    stored = read_stored(path)
-    if stored.ndim != 2:
-        raise ClipError(f"expected one channel, got {stored.shape[2]}: {path}")
-    values = stored.astype(np.float32)
-    return np.where(np.isfinite(values) & (values > 0), values, np.float32(0))
+
+def read_map(path: Path) -> DepthMap:
+    """(H, W) of a picture or .npy file. Raises ClipError: it is none, or as `plane_of`."""
+    return plane_of(read_stored(path), path)
 
 
 def plane_of(stored: NDArray[Any], path: Path) -> DepthMap:
@@ -34,7 +33,7 @@ def plane_of(stored: NDArray[Any], path: Path) -> DepthMap:
     Raises:
         ClipError: not one number a pixel.
     """
-    plane = np.squeeze(stored)
+    plane = stored if stored.ndim == 2 else np.squeeze(stored)
     if plane.ndim != 2 or plane.dtype.kind not in "fiu":
         raise ClipError(f"expected one number a pixel, got {stored.dtype} {stored.shape}: {path}")
     values = plane.astype(np.float32)
@@ -47,8 +46,9 @@ def within(depth: DepthMap, nearest: float, farthest: float) -> DepthMap:
 
 
 def plausible(depth: DepthMap) -> DepthMap:
-    """`depth` without failed stereo matches: what is OUTLIER times farther or nearer than the median."""
-    if not depth.any():
+    """`depth` without failed matches, see OUTLIER: a single pixel at 1574 mm outweighs a frame at 70."""
+    measured = depth[depth > 0]
+    if not measured.size:
         return depth
-    median = float(np.median(depth[depth > 0]))
-    return within(depth, median / OUTLIER, median * OUTLIER)
+    median = np.median(measured)
+    return np.where((depth < OUTLIER * median) & (depth * OUTLIER > median), depth, np.float32(0))

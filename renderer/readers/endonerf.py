@@ -16,11 +16,12 @@ from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.depth_maps import DepthMap, plausible, read_map
 from renderer.readers.endonerf_masks import judged, labels_of, unmarked
 from renderer.readers.listing import listed
 from renderer.readers.nonzero_masks import read_mask
 from renderer.readers.picture_files import read_npy
-from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
+from renderer.readers.pictures import common_size, is_picture, read_rgb
 from renderer.readers.poses import nearest_rotations
 from renderer.readers.tool_masks import Sample, burned_in_rows, marked_pixels
 
@@ -28,9 +29,6 @@ POSES = "poses_bounds.npy"
 FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
 FINE_STEPS = 32
 """Steps per millimetre of the PNGs in depth_fine/."""
-
-OUTLIER = 3.0
-"""Depth beyond this many times a frame's median, or below its inverse, is a failed match."""
 
 _SAMPLES = 4
 _DISAGREEING = 0.02
@@ -55,7 +53,7 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     """Opens a folder in EndoNeRF layout; frames are decoded when they are asked for.
 
     Files are paired by the last number in their names. depth/ holds millimetres along z in 8-bit,
-    16-bit or float pictures, 0 = none, and so is depth far from the frame's median (OUTLIER);
+    16-bit or float pictures, 0 = none, and so is depth far from the frame's median (`plausible`);
     depth_fine/ (1/32 mm, 16 bit), which `write_endonerf` adds, is preferred. Without masks every
     pixel is tissue; without depth the clip has none.
 
@@ -132,15 +130,10 @@ class _Reader:
     def image(self, index: int) -> ByteImage:
         return read_rgb(self.files.images[index])
 
-    def depth(self, index: int) -> NDArray[np.float32] | None:
+    def depth(self, index: int) -> DepthMap | None:
         if not self.files.depth:
             return None
-        path = self.files.depth[index]
-        stored = read_stored(path)
-        if stored.ndim != 2:
-            raise ClipError(f"expected depth in one channel, got {stored.shape[2]}: {path}")
-        depth = stored.astype(np.float32) / np.float32(self.files.depth_steps)
-        return _plausible(np.where(np.isfinite(depth) & (depth > 0), depth, np.float32(0)))
+        return plausible(read_map(self.files.depth[index]) / np.float32(self.files.depth_steps))
 
     def tissue(self, paths: tuple[Path, ...], index: int) -> BoolImage:
         if not paths:
@@ -168,15 +161,6 @@ class _Reader:
         depth = None if depth is None else np.where(reliable, depth, np.float32(0))
         tissue[tissue.shape[0] - self.bottom_rows :] = False
         return Frame(index, time, self.image(index), camera, tissue, evaluation, depth)
-
-
-def _plausible(depth: NDArray[np.float32]) -> NDArray[np.float32]:
-    """`depth` with failed stereo matches set to 0: a single pixel at 1574 mm outweighs a frame at 70."""
-    measured = depth[depth > 0]
-    if not measured.size:
-        return depth
-    median = np.median(measured)
-    return np.where((depth < OUTLIER * median) & (depth * OUTLIER > median), depth, np.float32(0))
 
 
 def _pair(path: Path, options: ClipOptions) -> tuple[_Files, list[str]]:

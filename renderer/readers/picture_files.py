@@ -80,7 +80,13 @@ def require_size(path: Path) -> None:
 
 
 def read_npy(path: Path) -> NDArray[Any]:
-    """The array of a .npy file, which claims no more than the file holds; objects are never unpickled.
+    """The array of a .npy file, as `mapped_npy`, in memory."""
+    return np.array(mapped_npy(path))
+
+
+def mapped_npy(path: Path) -> NDArray[Any]:
+    """The array of a .npy file where it lies, which claims no more than the file holds; objects are never
+    unpickled.
 
     Raises:
         OSError: it is no regular file.
@@ -94,4 +100,4 @@ def read_npy(path: Path) -> NDArray[Any]:
     if not isinstance(mapped, np.ndarray):
         raise ValueError(f"it holds several arrays: {path}")
     budget().require(pixels=math.prod(mapped.shape[:2]))
-    return np.array(mapped)
+    return mapped

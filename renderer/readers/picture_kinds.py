@@ -19,7 +19,16 @@ from renderer.readers.coded_picture import CODED
 from renderer.readers.listing import listed
 from renderer.readers.passed_over import NOT_READABLE
 from renderer.readers.picture_files import opened
-from renderer.readers.pictures import BROKEN, SUFFIXES, is_frame, is_unnamed, is_visible, opens, read_stored
+from renderer.readers.pictures import (
+    BROKEN,
+    SUFFIXES,
+    is_array,
+    is_frame,
+    is_unnamed,
+    is_visible,
+    opens,
+    read_stored,
+)
 
 Kind = Literal["depth", "disparity", "mask", "map"]
 """A "map" is a picture of numbers that nothing tells more about."""
@@ -55,7 +64,7 @@ def kind_by_name(stem: str) -> Kind | None:
 
 def is_named_array(path: Path) -> bool:
     """Whether it is a visible numpy array whose name says what it is."""
-    return path.suffix.lower() == ".npy" and is_visible(path) and kind_by_name(path.stem) is not None
+    return is_array(path) and kind_by_name(path.stem) is not None
 
 
 @dataclass(frozen=True)

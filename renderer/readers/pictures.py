@@ -23,7 +23,7 @@ from renderer.readers.dicom.opening import SUFFIXES as DICOM
 from renderer.readers.dicom.opening import has_pydicom
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
-from renderer.readers.picture_files import opened, read_npy
+from renderer.readers.picture_files import mapped_npy, opened
 from renderer.readers.tiff_layouts import TiffLayout, tiff_layout
 from renderer.regular_files import require_regular, what_else
 
@@ -43,6 +43,8 @@ UNNAMED = frozenset({"PNG", "JPEG", "MPO", "BMP", "TIFF", "WEBP", "PPM"})
 
 ANIMATED = frozenset({"PNG", "WEBP"})
 """Of these, several images are a film; of a TIFF they are pages, and of an MPO, previews."""
+
+ARRAY = ".npy"
 
 VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
 
@@ -146,12 +148,20 @@ def natural_key(path: Path) -> tuple[tuple[int, str], ...]:
     return tuple((int(part), "") if part.isdecimal() else (-1, part) for part in parts)
 
 
+def is_array(path: Path) -> bool:
+    """Whether the name is one of a visible numpy array."""
+    return path.suffix.lower() == ARRAY and is_visible(path)
+
+
 def read_stored(path: Path) -> NDArray[Any]:
-    """The values as stored, (H, W) or (H, W, channels), 8 or 16 bit or float.
+    """The values of a picture or .npy file as stored: of a picture (H, W) or (H, W, channels), 8 or 16 bit or
+    float.
 
     Raises:
-        ClipError: the file is missing, truncated or no picture.
+        ClipError: the file is missing, truncated or no picture or array.
     """
+    if path.suffix.lower() == ARRAY:
+        return np.array(_mapped(path))
     try:
         with opened(path) as picture:
             return np.asarray(picture.convert("RGB") if picture.mode == "P" else picture)
@@ -167,10 +177,10 @@ def stored_kind(path: Path) -> tuple[Stored, tuple[int, int]]:
     """What a picture or .npy file holds, by its header, and width and height.
 
     Raises:
-        ClipError: the file is missing or no picture.
+        ClipError: the file is missing or no picture or array.
     """
-    if path.suffix.lower() == ".npy":
-        return _array_kind(path)
+    if path.suffix.lower() == ARRAY:
+        return _array_kind(_mapped(path))
     try:
         with opened(path) as picture:
             mode, size = picture.mode, picture.size
@@ -181,11 +191,14 @@ def stored_kind(path: Path) -> tuple[Stored, tuple[int, int]]:
     return ("bytes" if mode in ("1", "L") else "colour"), size
 
 
-def _array_kind(path: Path) -> tuple[Stored, tuple[int, int]]:
+def _mapped(path: Path) -> NDArray[Any]:
     try:
-        array = read_npy(path)
+        return mapped_npy(path)
     except (OSError, ValueError) as error:
         raise ClipError(f"expected a numpy array, got an unreadable file: {path}") from error
+
+
+def _array_kind(array: NDArray[Any]) -> tuple[Stored, tuple[int, int]]:
     sides = [side for side in array.shape if side > 1]
     if len(sides) != 2:
         return "colour", (1, 1)

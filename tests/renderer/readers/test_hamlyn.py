@@ -138,7 +138,7 @@ def test_what_does_not_agree_is_refused(folder, tmp_path):
             for name in ("images", "gt_masks", "gt_depth")
             for index in range(COUNT)
         ],
-        "one channel": lambda path: shutil.copy(path / "images/000003.png", path / "gt_depth/000003.png"),
+        "one number": lambda path: shutil.copy(path / "images/000003.png", path / "gt_depth/000003.png"),
     }
     for number, (said, damage) in enumerate(broken.items()):
         copy = tmp_path / f"copy{number}"
