@@ -19,6 +19,7 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.depth_maps import DepthMap, plausible, read_map
 from renderer.readers.endonerf_masks import judged, labels_of, unmarked
 from renderer.readers.listing import listed
+from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.nonzero_masks import read_mask
 from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import common_size, is_picture, read_rgb
@@ -87,14 +88,13 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     if dead:
         mask_notices.append(f"the last {dead} rows are burned-in text and not trained on")
     reader = replace(reader, files=files, bottom_rows=dead)
-    return Clip(
-        name=path.resolve().name,
-        path=path,
-        format="endonerf",
+    return new_clip(
+        path,
+        "endonerf",
         cameras=cameras,
-        read_frame=reader.frame,
-        read_image=reader.image,
         labels=tuple(entry.name for entry in files.images),
+        read_image=reader.image,
+        known=reader.known,
         has_depth=bool(files.depth),
         unit="mm" if files.depth else "scene units",
         notices=(*notices, *pose_notices, *mask_notices),
@@ -151,16 +151,15 @@ class _Reader:
         lost = tissue & ~self.tissue(self.files.tools, index)
         return bool(np.count_nonzero(lost) <= _DISAGREEING * np.count_nonzero(tissue))
 
-    def frame(self, index: int) -> Frame:
-        index = range(len(self.cameras))[index]
-        files, time, camera = self.files, index / len(self.cameras), self.cameras[index]
+    def known(self, index: int) -> Known:
+        files = self.files
         reliable = self.tissue(files.masks, index)
         tissue = reliable if files.tools == files.masks else self.tissue(files.tools, index)
         evaluation = (reliable if files.evaluation == files.masks else tissue).copy()
         depth = self.depth(index)
         depth = None if depth is None else np.where(reliable, depth, np.float32(0))
         tissue[tissue.shape[0] - self.bottom_rows :] = False
-        return Frame(index, time, self.image(index), camera, tissue, evaluation, depth)
+        return Known(tissue, evaluation, depth)
 
 
 def _pair(path: Path, options: ClipOptions) -> tuple[_Files, list[str]]:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from renderer.camera import Camera
-from renderer.clip import ByteImage, Clip, ClipError, Frame
+from renderer.clip import Clip, ClipError
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.coded_picture import CODED
 from renderer.readers.listing import listed
+from renderer.readers.new_clip import new_clip
 from renderer.readers.pages import left_pages
 from renderer.readers.passed_over import passed_over
 from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of
@@ -52,13 +51,13 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         *passed_over(files, told, "numbered images"),
         *((f"left out, broken links: {listed(lost)}",) if lost else ()),
     )
-    return without_depth(
+    camera = assumed_camera(field_of_view, common_size(paths))
+    return new_clip(
         path,
         "images",
+        cameras=(camera,) * len(paths),
         labels=tuple(entry.name for entry in paths),
-        size=common_size(paths),
-        read=lambda index: read_rgb(paths[index]),
-        field_of_view=field_of_view,
+        read_image=lambda index: read_rgb(paths[index]),
         notices=(*kinds.notices(), *said, *left_pages(paths)),
     )
 
@@ -113,13 +112,12 @@ def _check_names(paths: tuple[Path, ...], folder: Path) -> None:
 def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     """One picture as a clip of one frame. Raises ClipError when it is none."""
     image = read_rgb(path)
-    return without_depth(
+    return new_clip(
         path,
         "image",
+        cameras=(assumed_camera(field_of_view, (image.shape[1], image.shape[0])),),
         labels=(path.name,),
-        size=(image.shape[1], image.shape[0]),
-        read=lambda index: read_rgb((path,)[index]),
-        field_of_view=field_of_view,
+        read_image=lambda index: read_rgb((path,)[index]),
         notices=tuple(left_pages((path,))),
     )
 
@@ -133,57 +131,14 @@ def with_field_of_view(clip: Clip, degrees: float) -> Clip:
     """The clip through cameras of that horizontal field of view, where it is `is_seen_by_assumption`."""
     if not is_seen_by_assumption(clip) or not clip.has_one_size:
         return clip
-    camera = _camera(degrees, clip.size, clip.pixel_aspect)
+    camera = assumed_camera(degrees, clip.size, clip.pixel_aspect)
     if camera == clip.cameras[0]:
         return clip
-
-    def read_frame(index: int) -> Frame:
-        return replace(clip.read_frame(index), camera=camera)
-
-    return replace(clip, cameras=(camera,) * len(clip), read_frame=read_frame)
+    return clip.through((camera,) * len(clip))
 
 
-def _camera(degrees: float, size: tuple[int, int], pixel_aspect: float) -> Camera:
+def assumed_camera(degrees: float, size: tuple[int, int], pixel_aspect: float = 1.0) -> Camera:
+    """Of that horizontal field of view, for images of `size` (width, height) whose pixels are `pixel_aspect`
+    times as wide as high."""
     camera = Camera.from_fov(degrees, *size)
     return replace(camera, fy=camera.fx * pixel_aspect)
-
-
-def without_depth(
-    path: Path,
-    format: str,
-    *,
-    labels: tuple[str, ...],
-    size: tuple[int, int],
-    read: Callable[[int], ByteImage],
-    field_of_view: float,
-    frames_per_second: float | None = None,
-    frame_times: tuple[float, ...] | None = None,
-    pixel_aspect: float = 1.0,
-    notices: tuple[str, ...] = (),
-) -> Clip:
-    """A clip of frames alone, all taken by one camera of that horizontal field of view in degrees.
-
-    `read` gives (H, W, 3) RGB by number; pixels are `pixel_aspect` times as wide as high.
-    """
-    camera = _camera(field_of_view, size, pixel_aspect)
-
-    def read_frame(index: int) -> Frame:
-        index = range(len(labels))[index]
-        every = np.ones((size[1], size[0]), dtype=bool)
-        return Frame(index, index / len(labels), read(index), camera, every, every)
-
-    return Clip(
-        name=path.resolve().stem if path.is_file() else path.resolve().name,
-        path=path,
-        format=format,
-        cameras=(camera,) * len(labels),
-        read_frame=read_frame,
-        read_image=read,
-        labels=labels,
-        has_depth=False,
-        unit="scene units",
-        frames_per_second=frames_per_second,
-        frame_times=frame_times,
-        pixel_aspect=pixel_aspect,
-        notices=notices,
-    )

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from renderer.camera import Camera, FloatArray
-from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.depth_maps import DepthMap, plausible, read_map
 from renderer.readers.endonerf import POSES
+from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.nonzero_masks import read_nonzero, refuse_inverted
 from renderer.readers.number_tables import read_table
 from renderer.readers.numbered_files import beside, numbered, strays
@@ -70,19 +71,18 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         said.append("no gt_depth/ and no depth/: no measured depth")
     if not masks:
         said.append("no gt_masks/: every pixel is treated as tissue")
-    return Clip(
-        name=path.resolve().name,
-        path=path,
-        format="hamlyn",
+    clip = new_clip(
+        path,
+        "hamlyn",
         cameras=(camera,) * len(images),
-        read_frame=reader.frame,
-        read_image=reader.image,
         labels=tuple(entry.name for entry in images.values()),
+        read_image=reader.image,
+        known=reader.known,
         has_depth=bool(depth),
         unit="mm" if depth else "scene units",
         notices=tuple(said),
-        read_right=(lambda index: _cut(read_rgb(right[index]))) if right else None,
     )
+    return replace(clip, read_right=lambda index: _cut(read_rgb(right[index]))) if right else clip
 
 
 def _cut(image: ByteImage) -> ByteImage:
@@ -109,19 +109,12 @@ class _Reader:
         size = self.camera.width + LEFT_COLUMNS, self.camera.height
         return read_nonzero(self.masks[index], size)[:, LEFT_COLUMNS:]
 
-    def tissue(self, index: int) -> BoolImage:
-        if not self.masks:
-            return np.ones((self.camera.height, self.camera.width), dtype=bool)
-        return np.equal(self.marked(index), self.marked_is_tissue)
-
     def sample(self, index: int) -> Sample:
         return Sample(self.image(index), self.marked(index), self.depth(index))
 
-    def frame(self, index: int) -> Frame:
-        index = range(len(self.images))[index]
-        time, tissue = index / len(self.images), self.tissue(index)
-        image, depth = self.image(index), self.depth(index)
-        return Frame(index, time, image, self.camera, tissue, tissue.copy(), depth)
+    def known(self, index: int) -> Known:
+        tissue = np.equal(self.marked(index), self.marked_is_tissue) if self.masks else None
+        return Known(tissue, depth=self.depth(index))
 
 
 def _camera(path: Path, width: int, height: int) -> Camera:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -19,6 +19,7 @@ from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.json_files import read_json
 from renderer.readers.clip_files import ClipFiles, files_in, pictures_of
 from renderer.readers.depth_maps import DepthMap, read_map, within
+from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.numbered_files import beside, numbered, strays
 from renderer.readers.picture_files import require_size
 from renderer.readers.pictures import common_size, read_rgb
@@ -89,19 +90,18 @@ def open_scared(path: Path) -> Clip:
     )
     reader = _Reader(tuple(images.values()), depth, folder == _POINTS, lenses, cameras)
     loose = strays(images, data / _PICTURES) + (strays(images, data / folder) if folder else [])
-    return Clip(
-        name=_name(data),
-        path=path,
-        format="scared",
+    clip = new_clip(
+        path,
+        "scared",
         cameras=cameras,
-        read_frame=reader.frame,
-        read_image=reader.image,
         labels=tuple(entry.name for entry in images.values()),
+        read_image=reader.image,
+        known=reader.known,
         has_depth=bool(depth),
         unit="mm",
         notices=(*loose, *mended, *_said_of_depth(folder)),
-        baseline=lenses[0].baseline,
     )
+    return replace(clip, name=_name(data), baseline=lenses[0].baseline)
 
 
 @dataclass(frozen=True)
@@ -138,13 +138,9 @@ class _Reader:
         depth = (lens.focal * lens.baseline / known).astype(np.float32)
         return within(depth, NEAREST, FARTHEST)
 
-    def frame(self, index: int) -> Frame:
-        index = range(len(self.images))[index]
-        camera, depth = self.cameras[index], self.depth(index)
-        every = np.ones((camera.height, camera.width), dtype=bool)
-        tissue = every if depth is None else _closed(depth > 0)
-        time = index / len(self.images)
-        return Frame(index, time, self.image(index), camera, tissue, tissue.copy(), depth)
+    def known(self, index: int) -> Known:
+        depth = self.depth(index)
+        return Known() if depth is None else Known(_closed(depth > 0), depth=depth)
 
 
 def _data(path: Path) -> Path:

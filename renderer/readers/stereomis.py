@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from renderer.camera import Camera, FloatArray
-from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.camera import FloatArray
+from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 from renderer.readers.clip_files import ClipFiles, numbered_pictures, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.listing import listed
+from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.nonzero_masks import read_nonzero, refuse_inverted, require_shapes
 from renderer.readers.number_tables import read_table
 from renderer.readers.numbered_files import numbered
@@ -62,47 +63,41 @@ def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     cameras = tuple(rectified.camera.moved(pose) for pose in poses) or (rectified.camera,) * len(kept)
     ordered = tuple(images[number] for number in kept)
     reader = _Reader(
-        ordered, tuple(masks[number] for number in kept if masks), cameras, options.mask_polarity != "tool"
+        ordered, tuple(masks[number] for number in kept if masks), size, options.mask_polarity != "tool"
     )
     if masks and options.mask_polarity == "auto":
         refuse_inverted(reader.sample, len(kept), "tissue", path / "masks")
-    return Clip(
-        name=path.resolve().name,
-        path=path,
-        format="stereomis",
+    clip = new_clip(
+        path,
+        "stereomis",
         cameras=cameras,
-        read_frame=reader.frame,
-        read_image=reader.image,
         labels=tuple(entry.name for entry in ordered),
-        has_depth=False,
+        read_image=reader.image,
+        known=reader.known,
         unit="mm",
         notices=_notices(images, kept, bool(masks), bool(poses)),
-        baseline=rectified.baseline,
     )
+    return replace(clip, baseline=rectified.baseline)
 
 
 @dataclass(frozen=True, eq=False)
 class _Reader:
     images: tuple[Path, ...]
     masks: tuple[Path, ...]
-    cameras: tuple[Camera, ...]
+    size: tuple[int, int]
     marked_is_tissue: bool
 
     def image(self, index: int) -> ByteImage:
         return read_rgb(self.images[index])
 
     def marked(self, index: int) -> BoolImage:
-        return read_nonzero(self.masks[index], (self.cameras[index].width, self.cameras[index].height))
+        return read_nonzero(self.masks[index], self.size)
 
     def sample(self, index: int) -> Sample:
         return Sample(self.image(index), self.marked(index), None)
 
-    def frame(self, index: int) -> Frame:
-        index = range(len(self.images))[index]
-        camera, time = self.cameras[index], index / len(self.images)
-        every = np.ones((camera.height, camera.width), dtype=bool)
-        tissue = np.equal(self.marked(index), self.marked_is_tissue) if self.masks else every
-        return Frame(index, time, self.image(index), camera, tissue, tissue.copy())
+    def known(self, index: int) -> Known:
+        return Known(np.equal(self.marked(index), self.marked_is_tissue) if self.masks else None)
 
 
 def _frame_folder(path: Path) -> Path:

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from renderer.camera import Camera
-from renderer.clip import ByteImage, Clip, ClipError, Frame
+from renderer.clip import Clip, ClipError
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
-from renderer.readers.frames import without_depth
+from renderer.readers.frames import assumed_camera
 from renderer.readers.listing import listed
+from renderer.readers.new_clip import new_clip
 from renderer.readers.passed_over import NOT_READABLE, passed_over
 from renderer.readers.picture_kinds import PictureKinds, kinds_of
 from renderer.readers.pictures import is_frame, is_visible, natural_key, read_rgb, upright_size
@@ -48,27 +46,16 @@ def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     if not sizes:
         raise ClipError(f"expected images in the folder, got none that can be read: {path}")
     images = tuple(sizes)
-    cameras = tuple(Camera.from_fov(field_of_view, *size) for size in sizes.values())
-
-    def read(index: int) -> ByteImage:
-        return read_rgb(images[index])
-
-    def read_frame(index: int) -> Frame:
-        index, image = range(len(images))[index], read(index)
-        every = np.ones(image.shape[:2], dtype=bool)
-        return Frame(index, index / len(images), image, cameras[index], every, every)
-
-    clip = without_depth(
+    clip = new_clip(
         path,
         "images",
+        cameras=tuple(assumed_camera(field_of_view, size) for size in sizes.values()),
         labels=tuple(image.name for image in images),
-        size=sizes[images[0]],
-        read=read,
-        field_of_view=field_of_view,
+        read_image=lambda index: read_rgb(images[index]),
         notices=(
             *kinds.notices(),
             *((f"{NOT_READABLE}: {listed(unreadable)}",) if unreadable else ()),
             *passed_over(files, {*kinds.frames, *kinds.told}),
         ),
     )
-    return replace(clip, cameras=cameras, read_frame=read_frame, why_no_depth=NOT_ONE_SIZE)
+    return replace(clip, why_no_depth=NOT_ONE_SIZE)

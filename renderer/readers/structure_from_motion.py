@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from renderer.camera import Camera, FloatArray
-from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.clip import BoolImage, Clip, ClipError
 from renderer.evenly import evenly
 from renderer.readers.clip_files import ClipFiles, files_in, numbered_pictures, those_there
 from renderer.readers.field_of_view import is_displaced, lit_field
 from renderer.readers.listing import listed
+from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.number_tables import read_table
 from renderer.readers.numbered_files import numbered
 from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
@@ -71,35 +72,16 @@ def open_structure_from_motion(path: Path) -> Clip:
         for (fx, fy, cx, cy), pose in zip(_intrinsics(path / INTRINSICS, len(numbers)), poses, strict=True)
     )
     seen, said = _seen(mask_file, images, (height, width))
-    reader = _Reader(images, cameras, seen)
-    return Clip(
-        name=path.resolve().name,
-        path=path,
-        format="structure-from-motion",
+    clip = new_clip(
+        path,
+        "structure-from-motion",
         cameras=cameras,
-        read_frame=reader.frame,
-        read_image=reader.image,
         labels=tuple(entry.name for entry in images),
-        has_depth=False,
-        unit="scene units",
+        read_image=lambda index: read_rgb(images[index]),
+        known=lambda index: Known(seen),
         notices=(*_loose(pictures, numbers), *said, SCALE),
-        points=read_points(path / POINTS),
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Reader:
-    images: tuple[Path, ...]
-    cameras: tuple[Camera, ...]
-    seen: BoolImage
-
-    def image(self, index: int) -> ByteImage:
-        return read_rgb(self.images[index])
-
-    def frame(self, index: int) -> Frame:
-        index = range(len(self.images))[index]
-        time = index / len(self.images)
-        return Frame(index, time, self.image(index), self.cameras[index], self.seen, self.seen)
+    return replace(clip, points=read_points(path / POINTS))
 
 
 def _pictures_of(pictures: dict[int, Path], numbers: list[int], path: Path) -> tuple[Path, ...]:

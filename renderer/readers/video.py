@@ -13,7 +13,8 @@ from renderer.clip import ByteImage, Clip, ClipError
 from renderer.pyav_presence import has_pyav, why_not_pyav
 from renderer.readers.clip_options import DEFAULTS, ClipOptions, StereoLayout
 from renderer.readers.dicom.header import holds_stream
-from renderer.readers.frames import without_depth
+from renderer.readers.frames import assumed_camera
+from renderer.readers.new_clip import new_clip
 from renderer.readers.pictures import require_moving
 from renderer.readers.stereo_layout import (
     HALVES,
@@ -97,18 +98,16 @@ def _clip(
     size: tuple[int, int],
     aspect: float,
 ) -> Clip:
-    return without_depth(
+    clip = new_clip(
         path,
         "video",
+        cameras=(assumed_camera(options.view_angle, size, aspect),) * len(video),
         labels=tuple(str(index) for index in range(len(video))),
-        size=size,
-        read=read,
-        field_of_view=options.view_angle,
-        frames_per_second=video.frames_per_second,
-        frame_times=video.frame_times,
-        pixel_aspect=aspect,
+        read_image=read,
         notices=(*video.notices, *filter(None, (why_not_pyav(),))),
     )
+    rate, times = video.frames_per_second, video.frame_times
+    return replace(clip, frames_per_second=rate, frame_times=times, pixel_aspect=aspect)
 
 
 def _opened(path: Path, options: ClipOptions) -> Video:

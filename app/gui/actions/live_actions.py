@@ -21,7 +21,8 @@ from app.live.sources.source import Wish
 from app.live.start import LiveStart
 from renderer.clip import ByteImage, Clip
 from renderer.readers.clip_options import FIELD_OF_VIEW
-from renderer.readers.frames import without_depth
+from renderer.readers.frames import assumed_camera
+from renderer.readers.new_clip import new_clip
 
 
 def choose_source(state: AppState) -> None:
@@ -135,15 +136,10 @@ def still_of(picture: LivePicture) -> Clip:
 
 def clip_of(path: Path, image: ByteImage, pixel_aspect: float = 1.0) -> Clip:
     """A clip of one frame of which no file is there."""
-    return without_depth(
-        path,
-        LIVE,
-        labels=(path.name,),
-        size=(image.shape[1], image.shape[0]),
-        read=lambda index: (image,)[index],
-        field_of_view=FIELD_OF_VIEW,
-        pixel_aspect=pixel_aspect,
-    )
+    camera = assumed_camera(FIELD_OF_VIEW, (image.shape[1], image.shape[0]), pixel_aspect)
+    images, labels = (image,), (path.name,)
+    clip = new_clip(path, LIVE, cameras=(camera,), labels=labels, read_image=lambda index: images[index])
+    return replace(clip, pixel_aspect=pixel_aspect)
 
 
 def held(state: AppState) -> AppState:
