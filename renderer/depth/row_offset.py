@@ -27,11 +27,6 @@ PAIRS: Final = 5
 """Pairs that are looked at, spread over the clip: one alone may have too few features to tell."""
 
 
-def places(count: int) -> tuple[int, ...]:
-    """Of the pairs that are looked at, among `count`."""
-    return tuple(dict.fromkeys(np.linspace(0, count - 1, PAIRS).astype(int).tolist()))
-
-
 def row_offset(shifts: Sequence[NDArray[np.float64]]) -> tuple[float, float]:
     """From shifts (M, 2) of several pairs, left minus right: by how much right images are to be moved down,
     and the median distance of rows in px that is left then, of the first pair or of all, the larger one."""

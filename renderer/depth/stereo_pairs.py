@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, Clip, ClipError, Frame
 from renderer.depth.row_offset import (
+    PAIRS,
     VARYING,
     moved_down,
     own_offset,
     own_offsets,
-    places,
     row_offset,
     scatter,
     unseen,
@@ -29,6 +29,7 @@ from renderer.readers.frames import is_seen_by_assumption, open_images
 from renderer.readers.listing import count, listed
 from renderer.readers.picture_kinds import kind_by_name
 from renderer.readers.pictures import common_size, is_picture, read_rgb
+from renderer.readers.spread import spread
 
 LARGEST_VERTICAL_OFFSET = 1.5
 """Median distance in px between the rows of what both eyes see, beyond which a pair is not rectified; what is
@@ -256,7 +257,7 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
 
     Raises ClipError: they look like no rectified pair, or like one that is swapped or is one image twice.
     """
-    every = list(_shifts(clip, right, places(len(clip))))
+    every = list(_shifts(clip, right, spread(len(clip), PAIRS)))
     if len(every[0]) < _FEWEST_FEATURES:
         # One frame may be blurred or dark; the pair that shows most stands for all.
         every = sorted(every, key=len, reverse=True)

@@ -14,12 +14,11 @@ from renderer.readers.endonerf import POSES, open_endonerf
 from renderer.readers.numbered_files import numbered
 from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import common_size
-from renderer.readers.tool_masks import Sample, marks_tissue
+from renderer.readers.spread import spread
+from renderer.readers.tool_masks import SAMPLES, Sample, marks_tissue
 
 FARTHEST = 250.0
 """Depth in mm beyond which the conversion keeps none."""
-
-_SAMPLES = 4
 
 
 def is_converted_stereomis(path: Path) -> bool:
@@ -89,6 +88,5 @@ def _size(path: Path) -> tuple[int, int]:
 def _samples(path: Path, options: ClipOptions) -> list[Sample]:
     """A few frames of the folder with what their masks mark."""
     clip = open_endonerf(path, replace(options, mask_polarity="tool", bottom_rows=0))
-    places = np.unique(np.linspace(0, len(clip) - 1, _SAMPLES).astype(int))
-    frames = [clip.read_frame(int(place)) for place in places]
+    frames = [clip.read_frame(place) for place in spread(len(clip), SAMPLES)]
     return [Sample(frame.image, ~frame.tissue_mask, frame.depth) for frame in frames]

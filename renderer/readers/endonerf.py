@@ -24,14 +24,14 @@ from renderer.readers.nonzero_masks import read_mask
 from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import common_size, is_picture, read_rgb
 from renderer.readers.poses import nearest_rotations
-from renderer.readers.tool_masks import Sample, burned_in_rows, marked_pixels
+from renderer.readers.spread import spread
+from renderer.readers.tool_masks import SAMPLES, Sample, burned_in_rows, marked_pixels
 
 POSES = "poses_bounds.npy"
 FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
 FINE_STEPS = 32
 """Steps per millimetre of the PNGs in depth_fine/."""
 
-_SAMPLES = 4
 _DISAGREEING = 0.02
 """Share of the tissue."""
 
@@ -70,7 +70,7 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     files, notices = _pair(path, options)
     size = common_size(entry for series in files.all_series() for entry in series)
     cameras, pose_notices = _read_cameras(path, rows, len(files.images), options.pose_convention, size)
-    looked_at = np.unique(np.linspace(0, len(cameras) - 1, _SAMPLES).astype(int)).tolist()
+    looked_at = spread(len(cameras), SAMPLES)
     labels = {series: labels_of(series, looked_at) for series in (files.masks, files.tools) if series}
     is_tissue = options.mask_polarity == "tissue"
     reader = _Reader(files, cameras, labels, marked_is_tissue=is_tissue, bottom_rows=0)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from renderer.clip import ClipError
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.pictures import read_stored
+from renderer.readers.spread import spread
 from renderer.readers.tool_masks import (
     DARK,
     Sample,
@@ -36,8 +37,7 @@ def labels_of(masks: Sequence[Path], looked_at: Iterable[int]) -> int:
         return 1
     seen = [_levels(masks[index]) for index in looked_at]
     if not any(mask.any() for mask in seen):
-        others = np.linspace(0, len(masks) - 1, min(_MOST_LOOKED_AT, len(masks))).astype(int)
-        read = (_levels(masks[int(index)]) for index in others)
+        read = (_levels(masks[index]) for index in spread(len(masks), _MOST_LOOKED_AT))
         seen += islice((mask for mask in read if mask.any()), 1)
     return highest_label(seen)
 

@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ClipError
 from renderer.readers.pictures import read_stored, stored_kind
-from renderer.readers.tool_masks import Sample, is_lossy, levels, marked_pixels, marks_tissue
+from renderer.readers.spread import spread
+from renderer.readers.tool_masks import SAMPLES, Sample, is_lossy, levels, marked_pixels, marks_tissue
 
 Marked = Literal["tool", "tissue"]
-
-_SAMPLES = 4
 
 
 def read_nonzero(path: Path, size: tuple[int, int]) -> BoolImage:
@@ -59,8 +58,7 @@ def _require_shape(found: tuple[int, int], size: tuple[int, int], path: Path) ->
 
 def refuse_inverted(sample: Callable[[int], Sample], count: int, marked: Marked, masks: Path) -> None:
     """Raises ClipError when the masks of a clip of `count` frames look like the opposite of `marked`."""
-    places = np.unique(np.linspace(0, count - 1, _SAMPLES).astype(int))
-    samples = [sample(int(place)) for place in places]
+    samples = [sample(place) for place in spread(count, SAMPLES)]
     other: Marked = "tissue" if marked == "tool" else "tool"
     if other == "tool":
         samples = [replace(one, marked=~one.marked) for one in samples]

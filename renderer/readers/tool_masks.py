@@ -15,6 +15,8 @@ from renderer.clip import BoolImage, ByteImage
 DARK: Final = 127
 """Up to which a mask of grey levels marks nothing, as what is compressed has noise around 0."""
 MOST_LABELS: Final = 16
+SAMPLES: Final = 4
+"""Frames by which the masks of a clip are judged."""
 _LOSSY: Final = frozenset({".jpg", ".jpeg"})
 _CLEAR = 0.2
 """Difference in share of measured depth that counts as a vote."""
