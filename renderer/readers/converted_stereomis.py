@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from renderer.clip import Clip, ClipError, Frame
+from renderer.camera import Camera
+from renderer.clip import Clip, Frame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.depth_maps import within
-from renderer.readers.endonerf import POSES, open_endonerf
+from renderer.readers.endonerf import open_endonerf
+from renderer.readers.endonerf_poses import POSES, Matrix
 from renderer.readers.numbered_files import numbered
 from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import common_size
@@ -31,7 +33,7 @@ def is_converted_stereomis(path: Path) -> bool:
     if said is None:
         return False
     width, height = _size(path)
-    cy, cx, _ = said[0]
+    cy, cx, _ = map(float, said[0])
     if not (1.5 < width / cx < 3 and 1.5 < height / cy < 3):
         return False
     may_be_size = cx.is_integer() and cy.is_integer() and abs(width * cy - height * cx) < 0.005 * width * cy
@@ -47,38 +49,37 @@ def open_converted_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Cli
     Raises:
         ClipError: as `open_endonerf`.
     """
-    rows = _said(path)
-    if rows is None:
-        raise ClipError(f"expected a principal point and a focal length in {POSES}, got none: {path}")
     polarity = options.mask_polarity
     if polarity == "auto":
         inverted = [replace(sample, marked=~sample.marked) for sample in _samples(path, options)]
         polarity = "tool" if marks_tissue(inverted) else "tissue"
-    clip = open_endonerf(path, replace(options, mask_polarity=polarity))
-    lenses = zip(clip.cameras, rows, strict=True)
-    cameras = tuple(replace(camera, fx=f, fy=f, cx=cx, cy=cy) for camera, (cy, cx, f) in lenses)
+    clip = open_endonerf(path, replace(options, mask_polarity=polarity), _centred_lens)
 
     def read_frame(index: int) -> Frame:
         frame = clip.read_frame(index)
         depth = None if frame.depth is None else within(frame.depth, 0, FARTHEST)
-        return replace(frame, camera=cameras[frame.index], depth=depth)
+        return replace(frame, depth=depth)
 
     said = (
         f"{POSES} holds a principal point, as converted StereoMIS does: masks are assumed to mark {polarity}"
     )
-    others = [notice for notice in clip.notices if not notice.startswith(POSES)]
-    return replace(clip, format="stereomis", cameras=cameras, read_frame=read_frame, notices=(*others, said))
+    return replace(clip, format="stereomis", read_frame=read_frame, notices=(*clip.notices, said))
 
 
-def _said(path: Path) -> list[tuple[float, float, float]] | None:
-    """The last column of each pose, where all hold three numbers above 0."""
+def _centred_lens(said: Matrix, size: tuple[int, int], path: Path) -> tuple[Camera, list[str]]:
+    cy, cx, focal = (float(value) for value in said)
+    return Camera(focal, focal, cx, cy, *size), []
+
+
+def _said(path: Path) -> Matrix | None:
+    """The last column (N, 3) of each pose, where all hold numbers above 0."""
     try:
         rows = np.asarray(read_npy(path / POSES)[:, :15], dtype=np.float64).reshape(-1, 3, 5)[:, :, 4]
     except (OSError, ValueError, EOFError, IndexError, TypeError):
         return None  # `open_endonerf` says what is wrong with the file.
     if not rows.size or not np.isfinite(rows).all() or rows.min() <= 0:
         return None
-    return [(float(one), float(two), float(three)) for one, two, three in rows]
+    return rows
 
 
 def _size(path: Path) -> tuple[int, int]:
@@ -87,6 +88,6 @@ def _size(path: Path) -> tuple[int, int]:
 
 def _samples(path: Path, options: ClipOptions) -> list[Sample]:
     """A few frames of the folder with what their masks mark."""
-    clip = open_endonerf(path, replace(options, mask_polarity="tool", bottom_rows=0))
+    clip = open_endonerf(path, replace(options, mask_polarity="tool", bottom_rows=0), _centred_lens)
     frames = [clip.read_frame(place) for place in spread(len(clip), SAMPLES)]
     return [Sample(frame.image, ~frame.tissue_mask, frame.depth) for frame in frames]

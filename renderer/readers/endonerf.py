@@ -18,24 +18,20 @@ from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.depth_maps import DepthMap, plausible, read_map
 from renderer.readers.endonerf_masks import judged, labels_of, unmarked
+from renderer.readers.endonerf_poses import POSES, LensOf, cameras_of, load_poses, sized_lens
 from renderer.readers.listing import listed
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.nonzero_masks import read_mask
-from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import common_size, is_picture, read_rgb
-from renderer.readers.poses import nearest_rotations
 from renderer.readers.spread import spread
 from renderer.readers.tool_masks import SAMPLES, Sample, burned_in_rows, marked_pixels
 
-POSES = "poses_bounds.npy"
 FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
 FINE_STEPS = 32
 """Steps per millimetre of the PNGs in depth_fine/."""
 
 _DISAGREEING = 0.02
 """Share of the tissue."""
-
-Matrix = NDArray[np.float64]
 
 
 def is_endonerf(path: Path) -> bool:
@@ -50,7 +46,7 @@ def endonerf_files(path: Path) -> ClipFiles:
     return ClipFiles(pictures_of(path, [frames]), (*pictures_of(path, others), *those_there(path, [POSES])))
 
 
-def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
+def open_endonerf(path: Path, options: ClipOptions = DEFAULTS, lens_of: LensOf = sized_lens) -> Clip:
     """Opens a folder in EndoNeRF layout; frames are decoded when they are asked for.
 
     Files are paired by the last number in their names. depth/ holds millimetres along z in 8-bit,
@@ -66,10 +62,13 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     Raises:
         ClipError: parts that are missing or do not agree, masks that look inverted, bad poses.
     """
-    rows = _load_poses(path / POSES)
+    rows = load_poses(path / POSES)
     files, notices = _pair(path, options)
     size = common_size(entry for series in files.all_series() for entry in series)
-    cameras, pose_notices = _read_cameras(path, rows, len(files.images), options.pose_convention, size)
+    if len(rows) != len(files.images):
+        counts = f"images/ has {len(files.images)} files but {POSES} has {len(rows)} frames"
+        raise ClipError(f"{counts}: {path}")
+    cameras, pose_notices = cameras_of(rows, size, options.pose_convention, path / POSES, lens_of)
     looked_at = spread(len(cameras), SAMPLES)
     labels = {series: labels_of(series, looked_at) for series in (files.masks, files.tools) if series}
     is_tissue = options.mask_polarity == "tissue"
@@ -230,89 +229,6 @@ def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: di
     if missing:
         counts = f"{name}/ has {len(found)} frames but {other}/ has {len(others)}"
         raise ClipError(f"{counts}: {other}/ lacks number {listed(missing)}: {path}")
-
-
-def _read_cameras(
-    path: Path, rows: Matrix, count: int, convention: str, size: tuple[int, int]
-) -> tuple[tuple[Camera, ...], list[str]]:
-    if len(rows) != count:
-        counts = f"images/ has {count} files but {POSES} has {len(rows)} frames"
-        raise ClipError(f"{counts}: {path}")
-    matrices = rows[:, :15].reshape(-1, 3, 5)
-    poses = _to_opencv(matrices[:, :, :4], convention)
-    try:
-        spins = nearest_rotations(poses[:, :, :3], [f"row {index}" for index in range(count)])
-    except ValueError as error:
-        raise ClipError(f"{error}: {path / POSES}") from error
-    poses[:, :, :3] = spins.matrices
-    lenses, notices = _lenses(matrices[:, :, 4], size, path / POSES)
-    notices += [f"{POSES}: {said}" for said in spins.notices]
-    if np.abs(poses - _to_opencv(np.eye(3, 4)[None], convention)).max() > 1e-9:
-        notices.append(f"the camera moves or is rotated: poses read as {convention} camera-to-world")
-    square = np.tile(np.eye(4), (count, 1, 1))
-    square[:, :3] = poses
-    moved = zip(lenses, square, strict=True)
-    return tuple(lens.moved(np.linalg.inv(pose).astype(np.float64)) for lens, pose in moved), notices
-
-
-def _load_poses(path: Path) -> Matrix:
-    if not path.is_file():
-        way = f"copy it there, or name {path.parent / 'images'}, images without depth"
-        raise ClipError(f"expected {POSES} with the camera poses, got no such file; {way}: {path}")
-    try:
-        rows = read_npy(path)
-    except (OSError, ValueError) as error:
-        raise ClipError(f"expected a numpy array of poses, got an unreadable file: {path}") from error
-    if rows.ndim != 2 or rows.shape[1] != 17 or rows.dtype.kind not in "fiu":
-        raise ClipError(f"expected poses of shape (frames, 17), got {rows.dtype} {rows.shape}: {path}")
-    if not np.isfinite(rows[:, :15]).all():
-        raise ClipError(f"expected finite poses, got NaN or infinity: {path}")
-    return np.asarray(rows, dtype=np.float64)
-
-
-def _to_opencv(poses: Matrix, convention: str) -> Matrix:
-    """Camera-to-world (N, 3, 4) with columns right, down, forward, centre."""
-    right, second, third, centre = np.moveaxis(poses, 2, 0)
-    columns = {
-        "opencv": (right, second, third, centre),
-        "opengl": (right, -second, -third, centre),  # Columns: right, up, backward.
-        "llff": (second, right, -third, centre),  # Columns: down, right, backward.
-    }
-    return np.stack(columns[convention], axis=2)
-
-
-def _lenses(said: Matrix, size: tuple[int, int], path: Path) -> tuple[list[Camera], list[str]]:
-    """One a row (H, W, focal), as `_lens`, and what is worth saying of them, once."""
-    rows, places = np.unique(said, axis=0, return_inverse=True)
-    each = [_lens(row, size, path) for row in rows]
-    lenses = [each[int(place)][0] for place in places.ravel()]
-    notices = list(dict.fromkeys(told for _, notices in each for told in notices))
-    ends = f"{min(lens.fx for lens in lenses):.4g}", f"{max(lens.fx for lens in lenses):.4g}"
-    if ends[0] != ends[1]:
-        notices.append(f"{POSES}: the focal length varies from {ends[0]} to {ends[1]} px between frames")
-    return lenses, notices
-
-
-def _lens(said: Matrix, size: tuple[int, int], path: Path) -> tuple[Camera, list[str]]:
-    """Intrinsics from (H, W, focal), at the size of the pictures."""
-    width, height = size
-    said_height, said_width, focal = (float(value) for value in said)
-    if min(said_height, said_width, focal) <= 0:
-        raise ClipError(f"expected positive height, width and focal length, got {tuple(said)}: {path}")
-    camera = Camera(focal, focal, width / 2, height / 2, width, height)
-    if (said_height, said_width) == (height, width):
-        return camera, []
-    text = f"{POSES} says {said_width:g}x{said_height:g}, the images are {width}x{height}"
-    across, down = width / said_width, height / said_height
-    whole = said_height.is_integer() and said_width.is_integer()
-    if whole and abs(across / down - 1) < 0.005:
-        scaled = Camera(focal * across, focal * down, width / 2, height / 2, width, height)
-        return scaled, [f"{text}: focal length scaled by {across:g}"]
-    if 1.5 < across < 3 and 1.5 < down < 3:
-        # The StereoMIS converter writes (cy, cx, focal) where the layout has (H, W, focal).
-        centred = Camera(focal, focal, said_width, said_height, width, height)
-        return centred, [f"{text}: used as the principal point"]
-    raise ClipError(f"{text}: {path}")
 
 
 def write_endonerf(folder: Path, frames: Iterable[Frame]) -> None:

@@ -11,6 +11,7 @@ from PIL import Image
 
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.endonerf import open_endonerf, write_endonerf
+from renderer.sources import open_clip
 from tests.renderer.readers.endonerf_folders import COUNT, HEIGHT, WIDTH, make_frames, refusal
 
 
@@ -221,7 +222,7 @@ def test_a_focal_length_that_changes_is_read_for_each_frame(folder):
 
 def test_a_principal_point_in_place_of_the_size_is_recognised(folder):
     set_size(folder, 15.4, 21.7)
-    camera = open_endonerf(folder).cameras[0]
+    camera = open_clip(folder).cameras[0]
     assert (camera.fx, camera.cx, camera.cy) == (35.0, 21.7, 15.4)
 
 

@@ -179,6 +179,12 @@ def test_a_converted_clip_has_the_focal_length_of_each_row(converted):
     assert focals == [SMALL.fx] * 2 + [2 * SMALL.fx] * (COUNT - 2)
 
 
+def test_poses_of_a_converted_clip_that_are_not_quite_rotations_are_told(converted):
+    poses = np.tile(1.001 * np.eye(3, 4), (COUNT, 1, 1))
+    say(converted, SMALL.cy, SMALL.cx, poses)
+    assert any("not quite rotations" in notice for notice in open_clip(converted).notices)
+
+
 def test_a_principal_point_in_the_middle_is_no_size_when_masks_mark_tissue(converted):
     say(converted, 32.0, 40.0)
     camera = open_clip(converted).cameras[0]
