@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -22,7 +20,8 @@ from renderer.readers.endonerf_poses import POSES, LensOf, cameras_of, load_pose
 from renderer.readers.listing import listed
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.nonzero_masks import read_mask
-from renderer.readers.pictures import common_size, is_picture, read_rgb
+from renderer.readers.numbered_files import numbered, strays
+from renderer.readers.pictures import common_size, read_rgb
 from renderer.readers.spread import spread
 from renderer.readers.tool_masks import SAMPLES, Sample, burned_in_rows, marked_pixels
 
@@ -64,29 +63,12 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS, lens_of: LensOf =
     """
     rows = load_poses(path / POSES)
     files, notices = _pair(path, options)
-    size = common_size(entry for series in files.all_series() for entry in series)
+    size = common_size((*files.images, *files.depth, *files.masks, *files.tools))
     if len(rows) != len(files.images):
         counts = f"images/ has {len(files.images)} files but {POSES} has {len(rows)} frames"
         raise ClipError(f"{counts}: {path}")
     cameras, pose_notices = cameras_of(rows, size, options.pose_convention, path / POSES, lens_of)
-    looked_at = spread(len(cameras), SAMPLES)
-    labels = {series: labels_of(series, looked_at) for series in (files.masks, files.tools) if series}
-    is_tissue = options.mask_polarity == "tissue"
-    reader = _Reader(files, cameras, labels, marked_is_tissue=is_tissue, bottom_rows=0)
-    samples = [reader.sample(index) for index in looked_at]
-    mask_notices = []
-    if files.masks:
-        mask_notices = judged(path, samples, options)
-        mask_notices += unmarked([files.masks[index] for index in looked_at], labels[files.masks])
-    if not all(reader.tools_agree(index) for index in looked_at):
-        files = replace(files, tools=files.masks)
-        mask_notices.append("gt_masks/ marks tissue of masks/ as tool, and is not trained on")
-    dead = burned_in_rows(samples) if options.bottom_rows is None else options.bottom_rows
-    if dead >= size[1]:
-        raise ClipError(f"expected bottom_rows below {size[1]}, the rows of the images, got {dead}: {path}")
-    if dead:
-        mask_notices.append(f"the last {dead} rows are burned-in text and not trained on")
-    reader = replace(reader, files=files, bottom_rows=dead)
+    reader, mask_notices = _reader(path, files, size, options)
     return new_clip(
         path,
         "endonerf",
@@ -107,24 +89,73 @@ class _Files:
     images: tuple[Path, ...]
     depth: tuple[Path, ...]
     depth_steps: int
+    """Per millimetre."""
     masks: tuple[Path, ...]
     """Tools, and pixels without stereo depth."""
     tools: tuple[Path, ...]
     """Tools alone; as `masks` where the clip has no gt_masks."""
-    evaluation: tuple[Path, ...]
 
-    def all_series(self) -> tuple[tuple[Path, ...], ...]:
-        return self.images, self.depth, self.masks, self.tools, self.evaluation
+
+@dataclass(frozen=True)
+class _Masks:
+    """Masks of one kind, one a frame, or none."""
+
+    paths: tuple[Path, ...]
+    labels: int
+    """Up to which value they are labels, see `labels_of`."""
+    marked_is_tissue: bool
+    size: tuple[int, int]
+    """Width and height of the images."""
+
+    def marked(self, index: int) -> BoolImage:
+        """(H, W), by the file; without one nothing, or everything where what is marked is tissue."""
+        if not self.paths:
+            return np.full(self.size[::-1], self.marked_is_tissue)
+        return marked_pixels(read_mask(self.paths[index]), self.labels)
+
+    def tissue(self, index: int) -> BoolImage:
+        return np.equal(self.marked(index), self.marked_is_tissue)
+
+
+def _reader(
+    path: Path, files: _Files, size: tuple[int, int], options: ClipOptions
+) -> tuple[_Reader, list[str]]:
+    """What reads frames, and what is worth saying of their masks. Raises ClipError: see `open_endonerf`."""
+    looked_at = spread(len(files.images), SAMPLES)
+    masks = _masks(files.masks, looked_at, options, size)
+    tools = masks if files.tools == files.masks else _masks(files.tools, looked_at, options, size)
+    reader = _Reader(files, masks, tools, options.evaluation_masks)
+    samples = [reader.sample(index) for index in looked_at]
+    notices = []
+    if masks.paths:
+        notices = judged(path, samples, options)
+        notices += unmarked([masks.paths[index] for index in looked_at], masks.labels)
+    if not all(reader.tools_agree(index) for index in looked_at):
+        reader = replace(reader, tools=masks)
+        notices.append("gt_masks/ marks tissue of masks/ as tool, and is not trained on")
+    dead = burned_in_rows(samples) if options.bottom_rows is None else options.bottom_rows
+    if dead >= size[1]:
+        raise ClipError(f"expected bottom_rows below {size[1]}, the rows of the images, got {dead}: {path}")
+    if dead:
+        notices.append(f"the last {dead} rows are burned-in text and not trained on")
+    return replace(reader, bottom_rows=dead), notices
+
+
+def _masks(
+    paths: tuple[Path, ...], looked_at: Sequence[int], options: ClipOptions, size: tuple[int, int]
+) -> _Masks:
+    labels = labels_of(paths, looked_at) if paths else 1
+    return _Masks(paths, labels, options.mask_polarity == "tissue", size)
 
 
 @dataclass(frozen=True, eq=False)
 class _Reader:
     files: _Files
-    cameras: tuple[Camera, ...]
-    labels: Mapping[tuple[Path, ...], int]
-    """Of each series of masks, see `labels_of`."""
-    marked_is_tissue: bool
-    bottom_rows: int
+    masks: _Masks
+    tools: _Masks
+    """`masks` itself where the clip has no others, or none that agree."""
+    evaluation: Literal["masks", "gt_masks"]
+    bottom_rows: int = 0
 
     def image(self, index: int) -> ByteImage:
         return read_rgb(self.files.images[index])
@@ -134,94 +165,50 @@ class _Reader:
             return None
         return plausible(read_map(self.files.depth[index]) / np.float32(self.files.depth_steps))
 
-    def tissue(self, paths: tuple[Path, ...], index: int) -> BoolImage:
-        if not paths:
-            return np.ones((self.cameras[0].height, self.cameras[0].width), dtype=bool)
-        marked = marked_pixels(read_mask(paths[index]), self.labels[paths])
-        return np.equal(marked, self.marked_is_tissue)
-
     def sample(self, index: int) -> Sample:
-        marked = np.equal(self.tissue(self.files.masks, index), self.marked_is_tissue)
-        return Sample(self.image(index), marked, self.depth(index))
+        return Sample(self.image(index), self.masks.marked(index), self.depth(index))
 
     def tools_agree(self, index: int) -> bool:
         """Whether nearly all tissue of masks is tissue of gt_masks, which leave out less."""
-        tissue = self.tissue(self.files.masks, index)
-        lost = tissue & ~self.tissue(self.files.tools, index)
+        tissue = self.masks.tissue(index)
+        lost = tissue & ~self.tools.tissue(index)
         return bool(np.count_nonzero(lost) <= _DISAGREEING * np.count_nonzero(tissue))
 
     def known(self, index: int) -> Known:
-        files = self.files
-        reliable = self.tissue(files.masks, index)
-        tissue = reliable if files.tools == files.masks else self.tissue(files.tools, index)
-        evaluation = (reliable if files.evaluation == files.masks else tissue).copy()
-        depth = self.depth(index)
-        depth = None if depth is None else np.where(reliable, depth, np.float32(0))
-        tissue[tissue.shape[0] - self.bottom_rows :] = False
-        return Known(tissue, evaluation, depth)
+        reliable = self.masks.tissue(index)
+        tools = reliable if self.tools is self.masks else self.tools.tissue(index)
+        depth, tissue = self.depth(index), tools.copy()
+        tissue[len(tissue) - self.bottom_rows :] = False
+        evaluation = reliable if self.evaluation == "masks" else tools
+        return Known(tissue, evaluation, None if depth is None else np.where(reliable, depth, np.float32(0)))
 
 
 def _pair(path: Path, options: ClipOptions) -> tuple[_Files, list[str]]:
     """The files of every frame in the order of frame numbers, and what is worth saying about them."""
-    notices = _stray_notices(path)
-    images = _numbered(path / "images")
-    if not images:
-        raise ClipError(f"expected numbered images in images/, got none: {path}")
+    images = numbered(path / "images")
     fine = _paired(path, "depth_fine", images)
     depth = fine or _paired(path, "depth", images)
     tools = _paired(path, "gt_masks", images)
     masks = _paired(path, "masks", images) or tools
+    if options.evaluation_masks == "gt_masks" and not tools:
+        raise ClipError(f"expected gt_masks/ for the evaluation, got no such folder: {path}")
+    there = (path / name for name in FOLDERS if (path / name).is_dir())
+    notices = [stray for folder in there for stray in strays(images, folder)]
     if not depth:
         notices.append("no depth/: no measured depth")
     if not masks:
         notices.append("no masks/: every pixel is treated as tissue")
-    evaluation = masks
-    if options.evaluation_masks == "gt_masks":
-        evaluation = tools
-        if not tools:
-            raise ClipError(f"expected gt_masks/ for the evaluation, got no such folder: {path}")
-    ordered = tuple(images[number] for number in sorted(images))
-    steps = FINE_STEPS if fine else 1
-    return _Files(ordered, depth, steps, masks, tools or masks, evaluation), notices
+    return _Files(tuple(images.values()), depth, FINE_STEPS if fine else 1, masks, tools or masks), notices
 
 
 def _paired(path: Path, name: str, images: dict[int, Path]) -> tuple[Path, ...]:
     """The files of a folder that belong to the images, in their order; none when it is not there."""
     if not (path / name).is_dir():
         return ()
-    found = _numbered(path / name)
+    found = numbered(path / name)
     _agree(path, "images", images, name, found)
     _agree(path, name, found, "images", images)
-    return tuple(found[number] for number in sorted(images))
-
-
-def _numbered(folder: Path) -> dict[int, Path]:
-    """Pictures by the last number of their stem."""
-    found: dict[int, Path] = {}
-    for entry in sorted(folder.iterdir()):
-        number = _frame_number(entry)
-        if number is None:
-            continue
-        if number in found:
-            both = f"{found[number].name} and {entry.name}"
-            raise ClipError(f"expected one file per frame, got two for number {number}, {both}: {folder}")
-        found[number] = entry
-    return found
-
-
-def _frame_number(entry: Path) -> int | None:
-    digits = re.findall(r"\d+", entry.stem)
-    return int(digits[-1]) if digits and is_picture(entry) else None
-
-
-def _stray_notices(path: Path) -> list[str]:
-    notices = []
-    for folder in (path / name for name in FOLDERS if (path / name).is_dir()):
-        visible = sorted(entry for entry in folder.iterdir() if not entry.name.startswith("."))
-        strays = [entry.name for entry in visible if _frame_number(entry) is None]
-        if strays:
-            notices.append(f"{folder.name}/ holds files that belong to no frame: {listed(strays)}")
-    return notices
+    return tuple(found[number] for number in images)
 
 
 def _agree(path: Path, name: str, found: dict[int, Path], other: str, others: dict[int, Path]) -> None:

@@ -116,7 +116,7 @@ def test_a_missing_frame_is_named(folder, name):
 
 def test_a_number_twice_is_refused(folder):
     shutil.copy(folder / "images/frame-000004.color.png", folder / "images/copy_4.png")
-    assert "two for number 4" in refusal(folder)
+    assert "both number 4" in refusal(folder)
 
 
 def test_poses_of_another_length_are_refused(folder):
