@@ -21,14 +21,15 @@ from app.files.provenance import ascii_json, encode_png, write_sidecar
 from renderer.budget import OverBudget
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
+from renderer.readers.clip_files import folders_in
 from renderer.readers.coded_picture import is_coded, is_coded_still
 from renderer.readers.coded_still import open_coded_still
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 from renderer.readers.picture_files import opened, read_npy, require_size
-from renderer.readers.picture_kinds import PictureKinds, frame_folder, is_named_array, kinds_of
-from renderer.readers.pictures import BROKEN, SUFFIXES, is_frame, is_picture, is_visible, moves, natural_key
+from renderer.readers.picture_kinds import PictureKinds, frame_folder, kinds_of
+from renderer.readers.pictures import BROKEN, SUFFIXES, is_picture, moves, natural_key
 from renderer.readers.tiff_layouts import TiffLayout, tiff_layout
 
 ArrayImage = NDArray[Any]
@@ -72,14 +73,11 @@ def frames_in(folder: Path) -> PictureKinds:
     """
     inside = frame_folder(folder)
     files = sorted((path for path in inside.iterdir() if path.is_file()), key=natural_key)
-    pictures = [path for path in files if is_frame(path)]
-    kinds = kinds_of([path for path in files if is_frame(path) or is_named_array(path)])
-    if not pictures:
+    kinds = kinds_of(files)
+    if not kinds.frames:
         kinds = PictureKinds(tuple(path for path in files if path.suffix.lower() == ".npy"))
     if not kinds.frames:
-        folders = ", ".join(
-            sorted(path.name for path in folder.iterdir() if path.is_dir() and is_visible(path))
-        )
+        folders = ", ".join(path.name for path in folders_in(folder))
         one = "name one of these, or add --recursive for all of them"
         hint = f", which holds the folders {folders}: {one}" if folders else ""
         raise UserError(f"expected a folder with images, found none in {folder}{hint or _videos(files)}")

@@ -24,12 +24,11 @@ from renderer.readers.picture_kinds import (
     PLURAL,
     WORDS,
     Kind,
-    is_named_array,
     kinds_of,
     left_out,
     map_folders,
 )
-from renderer.readers.pictures import is_frame, is_visible, natural_key, stored_kind
+from renderer.readers.pictures import natural_key, stored_kind
 
 USES_MASKS: Final = "--mask-polarity tool or tissue says what they mark, and uses them"
 USES_BYTES: Final = "8-bit maps may be inverse or stretched: --depth measured reads them as distances"
@@ -124,10 +123,7 @@ def map_files(path: Path, frames: Path, labels: Sequence[str]) -> list[Path]:
 
 
 def _offers(path: Path, frames: Path, labels: Sequence[str]) -> Iterator[_Offer]:
-    files = [
-        entry for entry in sorted(frames.iterdir(), key=natural_key) if entry.is_file() and is_visible(entry)
-    ]
-    kinds = kinds_of(entry for entry in files if is_frame(entry) or is_named_array(entry))
+    kinds = kinds_of(sorted(files_in(frames), key=natural_key))
     groups: dict[tuple[str, Kind], list[Path]] = defaultdict(list)
     for each, kind in kinds.others.items():
         groups[re.sub(r"\d+", "#", each.name), kind].append(each)

@@ -25,6 +25,7 @@ from renderer.depth.row_offset import (
     unseen,
 )
 from renderer.depth.stereo import disparity, feature_shifts
+from renderer.readers.clip_files import folders_in
 from renderer.readers.frames import is_seen_by_assumption, open_images
 from renderer.readers.listing import count, listed
 from renderer.readers.picture_kinds import kind_by_name
@@ -301,7 +302,7 @@ def _shifts(clip: Clip, right: RightEye, indices: Sequence[int]) -> Iterator[NDA
 
 
 def _left_folder(path: Path) -> Path | None:
-    folders = {entry.name: entry for entry in _subfolders(path)}
+    folders = {entry.name: entry for entry in folders_in(path)}
     paired = _paired_names(name for name in folders if name != "images")
     return folders[paired[0]] if paired else None
 
@@ -344,12 +345,8 @@ def _first_partners(path: Path, names: Sequence[str]) -> tuple[Path, list[Path |
 
 def _picture_folders(path: Path, label: str) -> Iterator[Path]:
     """`path` and the folders in it, or in its data/, that hold the picture called `label`."""
-    folders = (path, *_subfolders(path), *_subfolders(path / "data"))
+    folders = (path, *folders_in(path), *folders_in(path / "data"))
     return (folder for folder in folders if (folder / label).is_file())
-
-
-def _subfolders(path: Path) -> list[Path]:
-    return sorted(entry for entry in path.iterdir() if entry.is_dir()) if path.is_dir() else []
 
 
 def _partners(folder: Path, labels: Sequence[str]) -> list[Path | None]:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from renderer.readers.pictures import is_picture, natural_key
+from renderer.readers.numbered_files import number_of
+from renderer.readers.pictures import is_picture, is_visible, natural_key
 
 
 @dataclass(frozen=True)
@@ -29,11 +29,17 @@ def files_in(folder: Path) -> Iterator[Path]:
             yield entry
 
 
+def folders_in(folder: Path) -> list[Path]:
+    """The visible folders in a folder, sorted; none without a folder."""
+    inside = sorted(folder.iterdir()) if folder.is_dir() else ()
+    return [entry for entry in inside if is_visible(entry) and entry.is_dir()]
+
+
 def numbered_pictures(folder: Path) -> tuple[Path, ...]:
     """The pictures of a folder with a number in their names, else all, in natural order: beside a numbered
     picture, readers leave the others out."""
     pictures = sorted(filter(is_picture, files_in(folder)), key=natural_key)
-    return tuple(path for path in pictures if re.search(r"\d", path.stem)) or tuple(pictures)
+    return tuple(path for path in pictures if number_of(path) is not None) or tuple(pictures)
 
 
 def pictures_of(folder: Path, names: Iterable[str]) -> tuple[Path, ...]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,13 +13,13 @@ from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.coded_picture import CODED
 from renderer.readers.listing import listed
 from renderer.readers.new_clip import new_clip
+from renderer.readers.numbered_files import number_of
 from renderer.readers.pages import left_pages
 from renderer.readers.passed_over import passed_over
-from renderer.readers.picture_kinds import PictureKinds, is_named_array, kinds_of
+from renderer.readers.picture_kinds import PictureKinds, kinds_of
 from renderer.readers.pictures import (
     SUFFIXES,
     common_size,
-    is_frame,
     is_visible,
     moves,
     natural_key,
@@ -40,7 +39,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     """
     visible = [entry for entry in path.iterdir() if is_visible(entry)]
     files = sorted((entry for entry in visible if entry.is_file()), key=natural_key)
-    kinds = _kinds(files)
+    kinds = kinds_of(files)
     paths = _frames_of(kinds)
     if not paths:
         raise ClipError(f"expected images in the folder, got none{_instead(visible, files)}: {path}")
@@ -83,16 +82,12 @@ def frames_of(folder: Path) -> tuple[Path, ...]:
     Raises:
         ClipError: a picture that cannot be read.
     """
-    return _frames_of(_kinds(sorted(files_in(folder), key=natural_key)))
-
-
-def _kinds(files: Iterable[Path]) -> PictureKinds:
-    return kinds_of(entry for entry in files if is_frame(entry) or is_named_array(entry))
+    return _frames_of(kinds_of(sorted(files_in(folder), key=natural_key)))
 
 
 def _frames_of(kinds: PictureKinds) -> tuple[Path, ...]:
     """The numbered frames, where few others lie beside them; else all."""
-    numbered = tuple(entry for entry in kinds.frames if re.search(r"\d", entry.stem))
+    numbered = tuple(entry for entry in kinds.frames if number_of(entry) is not None)
     others = len(kinds.frames) - len(numbered)
     return numbered if FEW * others <= len(numbered) and numbered else kinds.frames
 

@@ -15,6 +15,7 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
+from renderer.readers.clip_files import folders_in
 from renderer.readers.coded_picture import CODED
 from renderer.readers.listing import listed
 from renderer.readers.passed_over import NOT_READABLE
@@ -25,7 +26,6 @@ from renderer.readers.pictures import (
     is_array,
     is_frame,
     is_unnamed,
-    is_visible,
     opens,
     read_stored,
 )
@@ -103,8 +103,8 @@ def left_out(kind: Kind, names: Sequence[str], why: str = "") -> str:
     return f"left out, {PLURAL[kind]} beside the images: {listed(names)}" + (f" ({why})" if why else "")
 
 
-def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
-    """Frames and others among the picture files of one folder, in their order.
+def kinds_of(files: Iterable[Path]) -> PictureKinds:
+    """Frames and others among the pictures and named arrays of the files of one folder, in their order.
 
     A name says it by a whole word of the stem (WORDS). Where names do not, the content does, but only beside
     frames in colour: 16 bits or floats in one channel are a map of numbers, two values a mask; and so
@@ -113,7 +113,7 @@ def kinds_of(pictures: Iterable[Path]) -> PictureKinds:
     Beside others, those of CODED whose header does not open are passed over, and so is a frame of CODED or
     without a suffix where one has the same name and a plainer suffix: a camera keeps both of one moment.
     """
-    pictures = tuple(pictures)
+    pictures = tuple(file for file in files if is_frame(file) or is_named_array(file))
     unreadable = {path: None for path in pictures if path.suffix.lower() in CODED and not opens(path)}
     others = tuple(path for path in pictures if path not in unreadable)
     if unreadable and any(map(is_frame, others)):
@@ -161,7 +161,7 @@ def frame_folder(path: Path) -> Path:
         return path
     if (path / "images").is_dir():
         return path / "images"
-    folders = [entry for entry in sorted(path.iterdir()) if is_visible(entry) and entry.is_dir()]
+    folders = folders_in(path)
     frames = [entry for entry in folders if kind_by_name(entry.name) is None and _holds_pictures(entry)]
     beside = [entry for entry in folders if kind_by_name(entry.name) is not None]
     return frames[0] if len(frames) == 1 and beside else path
@@ -169,8 +169,7 @@ def frame_folder(path: Path) -> Path:
 
 def map_folders(path: Path) -> dict[Path, Kind]:
     """The folders in a folder whose names say that they hold no frames."""
-    folders = [entry for entry in sorted(path.iterdir()) if is_visible(entry) and entry.is_dir()]
-    return {entry: kind for entry in folders if (kind := kind_by_name(entry.name)) is not None}
+    return {entry: kind for entry in folders_in(path) if (kind := kind_by_name(entry.name)) is not None}
 
 
 def _words(stem: str) -> list[str]:

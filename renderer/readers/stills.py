@@ -12,23 +12,19 @@ from renderer.readers.frames import assumed_camera
 from renderer.readers.listing import listed
 from renderer.readers.new_clip import new_clip
 from renderer.readers.passed_over import NOT_READABLE, passed_over
-from renderer.readers.picture_kinds import PictureKinds, kinds_of
-from renderer.readers.pictures import is_frame, is_visible, natural_key, read_rgb, upright_size
+from renderer.readers.picture_kinds import kinds_of
+from renderer.readers.pictures import is_visible, natural_key, read_rgb, upright_size
 
 NOT_ONE_SIZE = "the images differ in size, so they are no recording to reconstruct"
 
 
 def images_in(folder: Path) -> tuple[Path, ...]:
     """In natural order; maps and masks beside them are none. Raises OSError."""
-    return _kinds(_files(folder)).frames
+    return kinds_of(_files(folder)).frames
 
 
 def _files(folder: Path) -> list[Path]:
     return sorted(filter(is_visible, files_in(folder)), key=natural_key)
-
-
-def _kinds(files: list[Path]) -> PictureKinds:
-    return kinds_of(filter(is_frame, files))
 
 
 def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
@@ -37,7 +33,7 @@ def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     Raises ClipError: none can be read.
     """
     files, sizes, unreadable = _files(path), dict[Path, tuple[int, int]](), list[str]()
-    kinds = _kinds(files)
+    kinds = kinds_of(files)
     for image in kinds.frames:
         try:
             sizes[image] = upright_size(image)
