@@ -3,30 +3,18 @@
 from __future__ import annotations
 
 import configparser
-from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
 
-from renderer.camera import Camera
 from renderer.clip import ClipError
 from renderer.readers.calibration import Calibration, LensCalibration, SecondEye, first_fault
-from renderer.readers.straightening import rectified
+from renderer.readers.straightening import Rectified, rectified
 from renderer.regular_files import read_whole
 
 
-@dataclass(frozen=True)
-class Rectified:
-    """What rectified pictures were taken with."""
-
-    camera: Camera
-    """Of the left eye."""
-    baseline: float
-    """Between the eyes, in the unit of the calibration: mm."""
-
-
 def read_rectified(path: Path, size: tuple[int, int]) -> Rectified:
-    """The left camera and the baseline of rectified pictures of `size` (width, height).
+    """What rectified pictures of `size` (width, height) were taken with.
 
     The file is as `read_ini` reads it. Rectified is as the preprocessing of StereoMIS does: OpenCV's
     stereoRectify with alpha 0 and no disparity at infinity.
@@ -36,10 +24,9 @@ def read_rectified(path: Path, size: tuple[int, int]) -> Rectified:
     """
     calibration = read_ini(path)
     try:
-        _, camera, baseline = rectified(calibration, size)
+        return rectified(calibration, size)
     except ValueError as error:
         raise ClipError(f"{error}: {path}") from error
-    return Rectified(camera, baseline)
 
 
 def read_ini(path: Path) -> Calibration:

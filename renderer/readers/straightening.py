@@ -65,6 +65,18 @@ class StraightEyes:
     """mm."""
 
 
+@dataclass(frozen=True, eq=False)
+class Rectified:
+    """What the rectified images of a pair are taken with."""
+
+    turns: tuple[FloatArray, FloatArray]
+    """(3, 3) from the axes of each eye."""
+    camera: Camera
+    """Of the left eye, and but for its place of the right one."""
+    baseline: float
+    """mm."""
+
+
 @lru_cache(4)
 def straightening(lens: LensCalibration, size: tuple[int, int], pixel_aspect: float = 1.0) -> Straightening:
     """Of frames of `size` (width, height), looking the same way; as much of the view as leaves no corner
@@ -81,20 +93,18 @@ def straight_eyes(calibration: Calibration, size: tuple[int, int], pixel_aspect:
     """Of pairs of that size, by `rectified`. Raises ValueError as `straightening`, and for one eye."""
     if calibration.right is None:
         raise ValueError("expected a calibration of both eyes, got one of a single lens")
-    turns, camera, baseline = rectified(calibration, size, pixel_aspect)
-    lenses = calibration.lens, calibration.right.lens
+    found = rectified(calibration, size, pixel_aspect)
     left, right = (
-        _straightening(_scaled(lens, size), turn, camera) for lens, turn in zip(lenses, turns, strict=True)
+        _straightening(_scaled(lens, size), turn, found.camera)
+        for lens, turn in zip((calibration.lens, calibration.right.lens), found.turns, strict=True)
     )
-    return StraightEyes(left, right, baseline)
+    return StraightEyes(left, right, found.baseline)
 
 
-def rectified(
-    calibration: Calibration, size: tuple[int, int], pixel_aspect: float = 1.0
-) -> tuple[tuple[FloatArray, FloatArray], Camera, float]:
-    """The turns (3, 3) of both eyes, the camera of rectified images of `size`, and the baseline in mm.
+def rectified(calibration: Calibration, size: tuple[int, int], pixel_aspect: float = 1.0) -> Rectified:
+    """Of both eyes, at `size`: by OpenCV's stereoRectify with alpha 0 and no disparity at infinity.
 
-    OpenCV's stereoRectify with alpha 0 and no disparity at infinity. Raises ValueError: see `straight_eyes`.
+    Raises ValueError: see `straight_eyes`.
     """
     left, right = calibration.lens, calibration.right
     assert right is not None
@@ -123,7 +133,7 @@ def rectified(
     # OpenCV counts from the centre of the first pixel, which here is at 0.5.
     focal, cx, cy = float(new_left[0, 0]), float(new_left[0, 2]) + 0.5, float(new_left[1, 2]) + 0.5
     camera = Camera(focal, focal, cx, cy, *full).resized(*size)
-    return (first, second), camera, float(abs(new_right[0, 3] / new_right[0, 0]))
+    return Rectified((first, second), camera, float(abs(new_right[0, 3] / new_right[0, 0])))
 
 
 def _require_shape(full: tuple[int, int] | None, size: tuple[int, int], pixel_aspect: float) -> None:
