@@ -17,7 +17,7 @@ from renderer.harmonics import BANDS
 from renderer.ply_comments import LONGEST, START
 from renderer.ply_elements import Element, Ply
 from renderer.raw_gaussians import RawGaussians
-from renderer.splat_files.splat_file import PER_COLOR, SplatFile, SplatFileError, repaired
+from renderer.splat_files.splat_file import SplatFile, SplatFileError, coefficients_of, colors_of, repaired
 from renderer.splats import RenderMode
 
 MEANS = ("x", "y", "z")
@@ -64,10 +64,6 @@ def columns(element: Element, names: Sequence[str]) -> NDArray[np.float32]:
     return out
 
 
-def colors_of(coefficients: NDArray[np.float32]) -> NDArray[np.float32]:
-    return np.asarray(0.5 + PER_COLOR * coefficients.astype(np.float64), np.float32)
-
-
 def harmonics_of(element: Element) -> NDArray[np.float32]:
     """(N, B, 3). Raises SplatFileError where the number of fields is that of no degree."""
     count = sum(name.startswith("f_rest_") for name in element.fields)
@@ -107,10 +103,9 @@ def ply_bytes(raw: RawGaussians, mode: RenderMode = "default", comments: Sequenc
         f"element vertex {len(raw)}",
         *(f"property float {name}" for name in names), "end_header", "",
     ]  # fmt: skip
-    coefficients = (raw.colors.astype(np.float64) - 0.5) / PER_COLOR
     rest_values = raw.harmonics.transpose(0, 2, 1).reshape(len(raw), len(rest))
     parts: list[NDArray[np.floating[Any]]] = [
-        raw.means, np.zeros((len(raw), 3)), coefficients, rest_values,
+        raw.means, np.zeros((len(raw), 3)), coefficients_of(raw.colors), rest_values,
         raw.opacity_logits[:, None], raw.log_scales, raw.quats,
     ]  # fmt: skip
     body = np.concatenate([part.astype("<f4") for part in parts], axis=1)

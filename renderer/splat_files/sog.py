@@ -21,12 +21,11 @@ from renderer.harmonics import BANDS
 from renderer.json_files import parsed
 from renderer.raw_gaussians import RawGaussians, logits
 from renderer.sog_list import LIST
-from renderer.splat_files.inria_ply import colors_of
 from renderer.splat_files.other_kinds import CONVERT
 from renderer.splat_files.packed_ply import smallest_three
 from renderer.splat_files.sog_members import Read
 from renderer.splat_files.sog_pictures import MOST_ROWS, Bytes, Pictures
-from renderer.splat_files.splat_file import SplatFile, SplatFileError, repaired
+from renderer.splat_files.splat_file import SplatFile, SplatFileError, colors_of, repaired
 
 VERSION: Final = 2
 LEVELS: Final = 256

@@ -23,7 +23,7 @@ from renderer.splat_files.morton import WHOLE, morton_order
 from renderer.splat_files.packed_ply import without_largest
 from renderer.splat_files.sog import LARGEST, LEVELS, VERSION
 from renderer.splat_files.sog_pictures import MOST_ROWS, SIDE_BY_SIDE
-from renderer.splat_files.splat_file import PER_COLOR
+from renderer.splat_files.splat_file import coefficients_of
 from renderer.splats import RenderMode
 
 REFINED: Final = 20
@@ -49,10 +49,7 @@ def sog_bytes(raw: RawGaussians, mode: RenderMode = "default") -> bytes:
         "scales": _coded("scales.webp", raw.log_scales.astype(np.float64), (), files),
         "quats": _rotations(raw, files),
         "sh0": _coded(
-            "sh0.webp",
-            (raw.colors.astype(np.float64) - 0.5) / PER_COLOR,
-            (_rounded(255.0 * sigmoid(raw.opacity_logits)),),
-            files,
+            "sh0.webp", coefficients_of(raw.colors), (_rounded(255.0 * sigmoid(raw.opacity_logits)),), files
         ),
     }
     if raw.harmonics.shape[1]:

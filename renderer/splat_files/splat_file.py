@@ -59,6 +59,16 @@ class SplatFile:
     """What had to be repaired."""
 
 
+def colors_of(coefficients: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(N, 3) of coefficients of degree 0."""
+    return np.asarray(0.5 + PER_COLOR * coefficients.astype(np.float64), np.float32)
+
+
+def coefficients_of(colors: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(N, 3) of degree 0 that make these colours."""
+    return (colors.astype(np.float64) - 0.5) / PER_COLOR
+
+
 def repaired(raw: RawGaussians, mode: RenderMode = "default") -> SplatFile:
     """Without the rows that cannot be drawn: values that are not finite, places and sizes out of sight."""
     good = drawable(raw)

@@ -12,7 +12,7 @@ from renderer.harmonics import BANDS
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splat_files import spz_streams
 from renderer.splat_files.packed_ply import without_largest
-from renderer.splat_files.splat_file import PER_COLOR
+from renderer.splat_files.splat_file import coefficients_of
 from renderer.splat_files.spz import ANTIALIASED, COLOR_SCALE, HEAD, MAGIC, MOST
 from renderer.splat_files.y_up import y_up
 from renderer.splats import RenderMode
@@ -32,11 +32,10 @@ Plane = NDArray[np.uint8]
 
 def clipped(raw: RawGaussians) -> tuple[str, ...]:
     """What is beyond what the format holds, and is written as the nearest that it does, in words."""
-    coefficients = (raw.colors.astype(np.float64) - 0.5) / PER_COLOR
     least, largest = (f"{np.exp(end):.3g}" for end in SIZES[:2])
     told = (
         (raw.log_scales, SIZES, f"sizes are beyond {least} to {largest}"),
-        (coefficients, COLORS, "values of colours are beyond -0.44 to 1.44"),
+        (coefficients_of(raw.colors), COLORS, "values of colours are beyond -0.44 to 1.44"),
         (raw.harmonics, HARMONICS, "values of colours by direction are beyond -1 to 1"),
     )
     counted = ((_beyond(values, *held), values.size, said) for values, held, said in told)
@@ -96,11 +95,10 @@ def _planes(raw: RawGaussians) -> tuple[int, list[bytes]]:
             f"got {len(raw)} as far as {farthest:.3g}"
         )
     raw = y_up(raw)
-    coefficients = (raw.colors.astype(np.float64) - 0.5) / PER_COLOR
     planes = (
         _positions(raw.means, bits),
         _bytes(255.0 * sigmoid(raw.opacity_logits)),
-        _bytes(255 * (coefficients * COLOR_SCALE + 0.5)),
+        _bytes(255 * (coefficients_of(raw.colors) * COLOR_SCALE + 0.5)),
         _bytes(16 * (raw.log_scales + 10.0)),
         _rotations(raw.quats[:, [1, 2, 3, 0]]),
         _bytes(128 * (raw.harmonics.astype(np.float64) + 1)),

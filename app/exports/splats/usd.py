@@ -18,7 +18,7 @@ from renderer.harmonics import BANDS
 from renderer.model_windows import ModelWindow, windows_of
 from renderer.raw_gaussians import RawGaussians
 from renderer.rotations import unit_quats
-from renderer.splat_files.splat_file import PER_COLOR
+from renderer.splat_files.splat_file import coefficients_of
 from renderer.splat_files.y_up import y_up
 from renderer.splats import Float32Array
 
@@ -102,7 +102,7 @@ def _set(field: Any, name: str, values: Float32Array, code: Any) -> None:
 
 def _radiance(raw: RawGaussians) -> Float32Array:
     """(N * (degree + 1)^2, 3) coefficients, those of a Gaussian one after the other."""
-    constant = ((raw.colors.astype(np.float64) - 0.5) / PER_COLOR).astype(np.float32)
+    constant = coefficients_of(raw.colors).astype(np.float32)
     return np.concatenate([constant[:, None], raw.harmonics], axis=1).reshape(-1, 3)
 
 
