@@ -12,7 +12,8 @@ from PIL import Image
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.endonerf import open_endonerf, write_endonerf
 from renderer.sources import open_clip
-from tests.renderer.readers.endonerf_folders import COUNT, HEIGHT, WIDTH, make_frames, refusal
+from tests.renderer.readers.endonerf_folders import HEIGHT, WIDTH, make_frames
+from tests.renderer.small_clip import COUNT, refusal
 
 
 @pytest.fixture

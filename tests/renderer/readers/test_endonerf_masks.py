@@ -12,7 +12,8 @@ from PIL import Image
 
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.endonerf import open_endonerf, write_endonerf
-from tests.renderer.readers.endonerf_folders import HEIGHT, WIDTH, make_frames, refusal
+from tests.renderer.readers.endonerf_folders import HEIGHT, WIDTH, make_frames
+from tests.renderer.small_clip import refusal
 
 
 @pytest.fixture
