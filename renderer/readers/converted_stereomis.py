@@ -15,7 +15,7 @@ from renderer.readers.endonerf import open_endonerf
 from renderer.readers.endonerf_poses import POSES, Matrix
 from renderer.readers.numbered_files import numbered
 from renderer.readers.picture_files import read_npy
-from renderer.readers.pictures import common_size
+from renderer.readers.pictures import upright_size
 from renderer.readers.spread import spread
 from renderer.readers.tool_masks import SAMPLES, Sample, marks_tissue
 
@@ -32,7 +32,7 @@ def is_converted_stereomis(path: Path) -> bool:
     said = _said(path)
     if said is None:
         return False
-    width, height = _size(path)
+    width, height = upright_size(next(iter(numbered(path / "images").values())))
     cy, cx, _ = map(float, said[0])
     if not (1.5 < width / cx < 3 and 1.5 < height / cy < 3):
         return False
@@ -80,10 +80,6 @@ def _said(path: Path) -> Matrix | None:
     if not rows.size or not np.isfinite(rows).all() or rows.min() <= 0:
         return None
     return rows
-
-
-def _size(path: Path) -> tuple[int, int]:
-    return common_size([next(iter(numbered(path / "images").values()))])
 
 
 def _samples(path: Path, options: ClipOptions) -> list[Sample]:

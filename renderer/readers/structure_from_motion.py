@@ -43,9 +43,8 @@ def is_structure_from_motion(path: Path) -> bool:
 
 def structure_from_motion_files(path: Path) -> ClipFiles:
     """What such a folder is read from."""
-    masks = [entry for entry in files_in(path) if entry.match(f"{MASK}.*") and is_picture(entry)]
     told = those_there(path, (POSES, INTRINSICS, VIEWS, POINTS))
-    return ClipFiles(numbered_pictures(path), (*masks, *told))
+    return ClipFiles(numbered_pictures(path), (*_masks(path), *told))
 
 
 def open_structure_from_motion(path: Path) -> Clip:
@@ -65,7 +64,7 @@ def open_structure_from_motion(path: Path) -> Clip:
     poses = _poses(path / POSES, len(numbers))
     pictures = numbered(path)
     images = _pictures_of(pictures, numbers, path)
-    mask_file = next((entry for entry in sorted(path.glob(f"{MASK}.*")) if is_picture(entry)), None)
+    mask_file = next(iter(_masks(path)), None)
     width, height = common_size((*images, *((mask_file,) if mask_file else ())))
     cameras = tuple(
         Camera(fx, fy, cx + 0.5, cy + 0.5, width, height, np.linalg.inv(pose).astype(np.float64))
@@ -82,6 +81,11 @@ def open_structure_from_motion(path: Path) -> Clip:
         notices=(*_loose(pictures, numbers), *said, SCALE),
     )
     return replace(clip, points=read_points(path / POINTS))
+
+
+def _masks(path: Path) -> list[Path]:
+    """The first of which is read."""
+    return sorted(entry for entry in files_in(path) if entry.match(f"{MASK}.*") and is_picture(entry))
 
 
 def _pictures_of(pictures: dict[int, Path], numbers: list[int], path: Path) -> tuple[Path, ...]:
