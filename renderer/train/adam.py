@@ -6,12 +6,42 @@ their moments: that is most of the numbers of a dynamic model in any one step.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
 import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from renderer.stored_arrays import FIRST, SECOND, Arrays
+
 BETA_1, BETA_2 = 0.9, 0.999
 EPSILON = 1e-15
+
+
+@dataclass(frozen=True, eq=False)
+class Moments:
+    """Running means of the gradients by arrays, and of their squares, by the arrays' names."""
+
+    first: Arrays
+    second: Arrays
+
+    @classmethod
+    def of(cls, arrays: Mapping[str, NDArray[Any]]) -> Self:
+        """Before the first step: 0."""
+        return cls(*({name: np.zeros_like(value) for name, value in arrays.items()} for _ in range(2)))
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]], names: Iterable[str]) -> Self:
+        """Copies of what `arrays` gave, among others."""
+        chosen = tuple(names)
+        return cls(*({name: arrays[of + name].copy() for name in chosen} for of in (FIRST, SECOND)))
+
+    def arrays(self) -> Arrays:
+        """As a checkpoint has them."""
+        first = {FIRST + name: value for name, value in self.first.items()}
+        return first | {SECOND + name: value for name, value in self.second.items()}
 
 
 def corrected_rate(rate: float, steps: int) -> float:
@@ -20,7 +50,7 @@ def corrected_rate(rate: float, steps: int) -> float:
 
 
 @njit(forceinline=True, error_model="numpy")
-def _update(
+def adam_update(
     value: np.float32, gradient: np.float32, first: np.float32, second: np.float32, rate: np.float32
 ) -> tuple[np.float32, np.float32, np.float32]:
     first = np.float32(BETA_1) * first + np.float32(1.0 - BETA_1) * gradient
@@ -41,7 +71,7 @@ def update_rows(
     for n in prange(values.shape[0]):
         if seen[n]:
             for c in range(values.shape[1]):
-                values[n, c], first[n, c], second[n, c] = _update(
+                values[n, c], first[n, c], second[n, c] = adam_update(
                     values[n, c], gradients[n, c], first[n, c], second[n, c], step
                 )
 
@@ -60,7 +90,7 @@ def coast_taps(
             if start <= k < start + 4:
                 continue
             for c in range(controls.shape[2]):
-                controls[n, k, c], first[k, n, c], second[k, n, c] = _update(
+                controls[n, k, c], first[k, n, c], second[k, n, c] = adam_update(
                     controls[n, k, c], np.float32(0.0), first[k, n, c], second[k, n, c], rates[k]
                 )
 
@@ -86,7 +116,7 @@ def update_taps(
         for c in range(controls.shape[2]):
             for tap in range(4):
                 k = start + tap
-                controls[n, k, c], first[k, n, c], second[k, n, c] = _update(
+                controls[n, k, c], first[k, n, c], second[k, n, c] = adam_update(
                     controls[n, k, c],
                     weights[tap] * gradients[n, c],
                     first[k, n, c],

@@ -26,8 +26,7 @@ from renderer.deformation.fdm import (
 from renderer.rasterize.exp2 import exp2
 from renderer.raw_gaussians import RawGaussians
 from renderer.stored_arrays import Arrays
-from renderer.train.adam import _update as adam_update
-from renderer.train.adam import corrected_rate
+from renderer.train.adam import Moments, adam_update, corrected_rate
 from renderer.train.rates import Rate
 from renderer.train.recipe import BoolArray
 
@@ -54,7 +53,7 @@ class FdmTrainer:
     def __init__(self, motion: FlexibleMotion, rates: FdmRates) -> None:
         self.motion = motion
         self._rates = rates
-        self._first, self._second = np.zeros_like(motion.bumps), np.zeros_like(motion.bumps)
+        self._moments = Moments.of(motion.arrays())
 
     def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
         return self.motion.moved(raw, time)
@@ -65,23 +64,23 @@ class FdmTrainer:
         rates[WEIGHT, POSITION] = self._rates.position.at(iteration)
         rates *= np.float32(corrected_rate(1.0, iteration + 1))
         gradients = np.concatenate([by.means, by.quats, by.log_scales], axis=1)
-        update_bumps(
-            self.motion.bumps, self.motion.spans, self._first, self._second, gradients, seen, time, rates
-        )
+        moments = self._moments.first["bumps"], self._moments.second["bumps"]
+        update_bumps(self.motion.bumps, self.motion.spans, *moments, gradients, seen, time, rates)
 
     def choose(self, index: NDArray[np.int64]) -> None:
         """See MotionTrainer."""
         self.motion = self.motion.rows(index)
-        self._first, self._second = self._first[:, index], self._second[:, index]
+        for moments in (self._moments.first, self._moments.second):
+            moments["bumps"] = moments["bumps"][:, index]
 
     def state(self) -> Arrays:
         """See MotionTrainer."""
-        return self.motion.arrays() | {"first.bumps": self._first, "second.bumps": self._second}
+        return self.motion.arrays() | self._moments.arrays()
 
     def restore(self, arrays: Arrays) -> None:
         """See MotionTrainer."""
         self.motion = FlexibleMotion(arrays["bumps"].copy())
-        self._first, self._second = arrays["first.bumps"].copy(), arrays["second.bumps"].copy()
+        self._moments = Moments.from_arrays(arrays, self.motion.arrays())
 
 
 @njit(parallel=True, cache=True, error_model="numpy")

@@ -13,7 +13,7 @@ from renderer.deformation.hexplane_motion import HexplaneMotion, Trace
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array
 from renderer.stored_arrays import Arrays
-from renderer.train.adam import corrected_rate, update_rows
+from renderer.train.adam import Moments, corrected_rate, update_rows
 from renderer.train.rates import Rate
 from renderer.train.recipe import BoolArray
 
@@ -33,8 +33,7 @@ class HexplaneTrainer:
 
     def __init__(self, motion: HexplaneMotion, rates: HexplaneRates) -> None:
         self.motion, self._rates = motion, rates
-        self._first = {name: np.zeros_like(value) for name, value in _trained(motion).items()}
-        self._second = {name: np.zeros_like(value) for name, value in _trained(motion).items()}
+        self._moments = Moments.of(_trained(motion))
         self._steps = np.zeros(1, np.int64)
         self._row_steps = np.zeros(len(motion.time_cells), np.int64)
         self._by_planes = np.empty_like(motion.plane_cells)
@@ -85,7 +84,7 @@ class HexplaneTrainer:
         self, name: str, gradient: Float32Array, touched: BoolArray, rate: float, part: int | None = None
     ) -> None:
         """One Adam step of an array, or of its `part` along the first axis."""
-        arrays = (self.motion.arrays()[name], self._first[name], self._second[name])
+        arrays = self.motion.arrays()[name], self._moments.first[name], self._moments.second[name]
         values, first, second = (_rows(array if part is None else array[part]) for array in arrays)
         update_rows(values, _rows(gradient), first, second, touched.ravel(), rate)
 
@@ -94,18 +93,14 @@ class HexplaneTrainer:
 
     def state(self) -> Arrays:
         """See MotionTrainer."""
-        first = {f"first.{name}": value for name, value in self._first.items()}
-        second = {f"second.{name}": value for name, value in self._second.items()}
         counts = {"motion_steps": self._steps, "row_steps": self._row_steps}
-        return self.motion.arrays() | first | second | counts
+        return self.motion.arrays() | self._moments.arrays() | counts
 
     def restore(self, arrays: Arrays) -> None:
         """See MotionTrainer."""
-        own = {name: value.copy() for name, value in arrays.items()}
-        self.motion = HexplaneMotion.from_arrays(own)
-        self._first = {name: own[f"first.{name}"] for name in _trained(self.motion)}
-        self._second = {name: own[f"second.{name}"] for name in _trained(self.motion)}
-        self._steps, self._row_steps = own["motion_steps"], own["row_steps"]
+        self.motion = HexplaneMotion.from_arrays({name: arrays[name].copy() for name in HexplaneMotion.NAMES})
+        self._moments = Moments.from_arrays(arrays, _trained(self.motion))
+        self._steps, self._row_steps = arrays["motion_steps"].copy(), arrays["row_steps"].copy()
 
 
 def _trained(motion: HexplaneMotion) -> Arrays:

@@ -12,7 +12,7 @@ from renderer.harmonics import BANDS
 from renderer.raw_gaussians import FIELDS, RawGaussians
 from renderer.splats import Float32Array
 from renderer.stored_arrays import Arrays, check_state
-from renderer.train.adam import corrected_rate, update_rows
+from renderer.train.adam import Moments, corrected_rate, update_rows
 from renderer.train.average import Average
 from renderer.train.densify import Densifier, Plan
 from renderer.train.frames import TrainFrame
@@ -37,8 +37,7 @@ class TrainModel:
         self.raw = raw
         self._pictures: GradientBackend = pictures or CpuBackend()
         self._motion, self._recipe, self._size = motion, recipe, size
-        self._first = {name: np.zeros_like(value) for name, value in raw.arrays().items()}
-        self._second = {name: np.zeros_like(value) for name, value in raw.arrays().items()}
+        self._moments = Moments.of(raw.arrays())
         self._density = Densifier(recipe.density, size, len(raw)) if recipe.density else None
         self._average = Average(recipe.iterations, round(recipe.averaged_share * recipe.iterations))
         self.trouble = Trouble()
@@ -62,10 +61,8 @@ class TrainModel:
 
     def state(self) -> Arrays:
         """Values, moments and counters: all that the next step depends on."""
-        first = {f"first.{name}": value for name, value in self._first.items()}
-        second = {f"second.{name}": value for name, value in self._second.items()}
         density = self._density.state() if self._density else {}
-        of_steps = self.raw.arrays() | first | second | density | self._motion.state()
+        of_steps = self.raw.arrays() | self._moments.arrays() | density | self._motion.state()
         return of_steps | self._average.state()
 
     def restore(self, arrays: Arrays) -> None:
@@ -76,10 +73,8 @@ class TrainModel:
         """
         check_state(arrays, self.state())
         DynamicGaussians.checked(arrays)
-        own = {name: value.copy() for name, value in arrays.items()}
-        self.raw = RawGaussians.from_arrays(own)
-        self._first = {name: own[f"first.{name}"] for name in FIELDS}
-        self._second = {name: own[f"second.{name}"] for name in FIELDS}
+        self.raw = RawGaussians.from_arrays({name: arrays[name].copy() for name in FIELDS})
+        self._moments = Moments.from_arrays(arrays, FIELDS)
         if self._density:
             self._density.restore(arrays)
         self._motion.restore(arrays)
@@ -115,13 +110,13 @@ class TrainModel:
         if more > 0:
             none = np.zeros((len(self.raw), more, 3), np.float32)
             self.raw = replace(self.raw, harmonics=np.concatenate([self.raw.harmonics, none], axis=1))
-            for moments in (self._first, self._second):
+            for moments in (self._moments.first, self._moments.second):
                 moments["harmonics"] = np.concatenate([moments["harmonics"], none], axis=1)
 
     def _carry_out(self, plan: Plan) -> None:
         """Change the number of Gaussians."""
         self.raw = replace(self.raw.rows(plan.index), means=plan.means, log_scales=plan.log_scales)
-        for moments in (self._first, self._second):
+        for moments in (self._moments.first, self._moments.second):
             for name in FIELDS:
                 moments[name] = moments[name][plan.index]
                 moments[name][plan.fresh] = 0.0
@@ -136,7 +131,7 @@ class TrainModel:
                 continue
             rate = getattr(self._recipe.rates, name).at(iteration)
             rate = corrected_rate(rate * self._size if name == "means" else rate, iteration + 1)
-            moments = _flat(self._first[name]), _flat(self._second[name])
+            moments = _flat(self._moments.first[name]), _flat(self._moments.second[name])
             update_rows(_flat(values), _flat(getattr(by, name)), *moments, seen, rate)
 
 

@@ -12,7 +12,7 @@ from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.raw_gaussians import RawGaussians
 from renderer.stored_arrays import Arrays
-from renderer.train.adam import coast_taps, corrected_rate, update_taps
+from renderer.train.adam import Moments, coast_taps, corrected_rate, update_taps
 from renderer.train.rates import Rate
 from renderer.train.recipe import BoolArray
 
@@ -38,9 +38,7 @@ class SplineTrainer:
     def __init__(self, motion: SplineMotion, rates: SplineRates) -> None:
         self._rates = rates
         self._tap_steps = np.zeros(motion.n_controls, np.int64)
-        curves = {name: getattr(motion, name) for name in CURVES}
-        self._first = {name: np.zeros_like(_by_control(curve)) for name, curve in curves.items()}
-        self._second = {name: np.zeros_like(_by_control(curve)) for name, curve in curves.items()}
+        self._moments = Moments.of({name: _by_control(getattr(motion, name)) for name in CURVES})
         self._take(motion)
 
     def _take(self, motion: SplineMotion) -> None:
@@ -69,7 +67,8 @@ class SplineTrainer:
             ("opacity_controls", by.opacity_logits[:, None], seen, rates.opacity),
             ("node_controls", by_nodes, touched, rates.position),
         ):
-            controls, first, second = getattr(self.motion, name), self._first[name], self._second[name]
+            controls = getattr(self.motion, name)
+            first, second = self._moments.first[name], self._moments.second[name]
             corrected = (corrections * rate.at(iteration)).astype(np.float32)
             update_taps(
                 controls, gradient, first, second, wanted, start, weights, corrected[active], smoothing
@@ -86,7 +85,7 @@ class SplineTrainer:
 
     def choose(self, index: NDArray[np.int64]) -> None:
         """See MotionTrainer."""
-        for moments in (self._first, self._second):
+        for moments in (self._moments.first, self._moments.second):
             for name in CURVES[:-1]:
                 if moments[name].size:
                     moments[name] = moments[name].take(index, axis=1)
@@ -94,16 +93,15 @@ class SplineTrainer:
 
     def state(self) -> Arrays:
         """See MotionTrainer."""
-        first = {f"first.{name}": value.swapaxes(0, 1) for name, value in self._first.items()}
-        second = {f"second.{name}": value.swapaxes(0, 1) for name, value in self._second.items()}
-        return self.motion.arrays() | first | second | {"tap_steps": self._tap_steps}
+        moments = {name: value.swapaxes(0, 1) for name, value in self._moments.arrays().items()}
+        return self.motion.arrays() | moments | {"tap_steps": self._tap_steps}
 
     def restore(self, arrays: Arrays) -> None:
         """See MotionTrainer."""
-        self._first = {name: _by_control(arrays[f"first.{name}"]) for name in CURVES}
-        self._second = {name: _by_control(arrays[f"second.{name}"]) for name in CURVES}
+        moments = {name: arrays[name].swapaxes(0, 1) for name in self._moments.arrays()}
+        self._moments = Moments.from_arrays(moments, CURVES)
         self._tap_steps = arrays["tap_steps"].copy()
-        self._take(SplineMotion.from_arrays({name: value.copy() for name, value in arrays.items()}))
+        self._take(SplineMotion.from_arrays({name: arrays[name].copy() for name in SplineMotion.NAMES}))
 
 
 def _by_control(values: NDArray[np.float32]) -> NDArray[np.float32]:
