@@ -12,6 +12,7 @@ place (a tenth within 12), and tissue that rests as a whole has no curves at all
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -56,14 +57,14 @@ error, mesentery 32.68 -> 32.90 dB, phantom 36.17 -> 36.81 dB and 0.26 -> 0.20 m
 
 def recipe(config: TrainConfig, needs: Needs) -> Recipe:
     """See TrainConfig, whose fields it is made of."""
-
-    start = _Start(config, needs)
+    # Where tissue is known to go, Gaussians start where it rests, and curves take them to where it is seen.
+    start = needs.followed.motion(needs.n_controls) if needs.followed else None
 
     def make_trainer(raw: RawGaussians, frames: Sequence[Frame], size: float) -> SplineTrainer:
-        return SplineTrainer(start.curves(raw, frames), spline_rates(config, size))
+        return SplineTrainer(_curves(raw, frames, config, needs, start), spline_rates(config, size))
 
     return Recipe(
-        initialize=start.gaussians,
+        initialize=partial(sampled, config=config, detail=DETAIL, at_rest=start.at_rest if start else None),
         make_trainer=make_trainer,
         rates=row_rates(config, needs),
         stages=stages(config),
@@ -126,40 +127,26 @@ def _falling(config: TrainConfig) -> Callable[[float], Rate]:
     return lambda start: Rate(start, start / config.rate_decay, config.iterations)
 
 
-class _Start:
-    """The first Gaussians, where the tissue rests, and the curves that take them to where it is seen."""
+def _curves(
+    raw: RawGaussians,
+    frames: Sequence[Frame],
+    config: TrainConfig,
+    needs: Needs,
+    start: StartingMotion | None,
+) -> SplineMotion:
+    """Those of the nodes as they start, else zero; none where nothing moves."""
+    camera, grid = node_view(frames, config.node_columns)
+    moving = len(raw) if needs.moves else 0
+    indices, weights = attach(raw.means[:moving], camera, grid)
 
-    def __init__(self, config: TrainConfig, needs: Needs) -> None:
-        self._config, self._needs = config, needs
-        self._begun: tuple[RawGaussians, StartingMotion] | None = None
+    def zero(count: int, channels: int = 3) -> Float32Array:
+        return np.zeros((count, needs.n_controls, channels), np.float32)
 
-    def gaussians(self, frames: Sequence[Frame]) -> RawGaussians:
-        """Where they rest, if it is known where tissue goes."""
-        if self._needs.followed is None:
-            return sampled(frames, self._config, DETAIL)
-        motion = self._needs.followed.motion(self._needs.n_controls)
-        raw = sampled(frames, self._config, DETAIL, motion.at_rest)
-        self._begun = raw, motion
-        return raw
-
-    def curves(self, raw: RawGaussians, frames: Sequence[Frame]) -> SplineMotion:
-        """Those of the nodes as tracked if `raw` are `gaussians`, else zero; none where nothing moves."""
-        camera, grid = node_view(frames, self._config.node_columns)
-        needs = self._needs
-        moving = len(raw) if needs.moves else 0
-        indices, weights = attach(raw.means[:moving], camera, grid)
-
-        def zero(count: int, channels: int = 3) -> Float32Array:
-            return np.zeros((count, needs.n_controls, channels), np.float32)
-
-        nodes = zero(grid[0] * grid[1] if moving else 0)
-        if self._begun is not None and self._begun[0] is raw:
-            nodes = self._begun[1].controls.copy()
-        return SplineMotion(
-            position_controls=zero(moving),
-            color_controls=zero(len(raw) if needs.recolors else 0),
-            opacity_controls=zero(0, 1),
-            node_controls=nodes,
-            node_indices=indices,
-            node_weights=weights,
-        )
+    return SplineMotion(
+        position_controls=zero(moving),
+        color_controls=zero(len(raw) if needs.recolors else 0),
+        opacity_controls=zero(0, 1),
+        node_controls=start.controls.copy() if start else zero(grid[0] * grid[1] if moving else 0),
+        node_indices=indices,
+        node_weights=weights,
+    )
