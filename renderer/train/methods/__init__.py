@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from inspect import cleandoc
-from types import ModuleType
 
 from renderer.train.config import Method, TrainConfig
 from renderer.train.methods import deform3dgs, endogaussian, static, vesselsplat
@@ -20,17 +20,10 @@ RECIPES: dict[Method, Callable[[TrainConfig, Needs], Recipe]] = {
     "static": static.recipe,
 }
 
-MODULES: dict[Method, ModuleType] = {
-    "vesselsplat": vesselsplat,
-    "deform3dgs": deform3dgs,
-    "endogaussian": endogaussian,
-    "static": static,
-}
-
 
 def departures(method: Method) -> str:
     """What the method is and where it departs from its publication, as its file says."""
-    return cleandoc(MODULES[method].__doc__ or "")
+    return cleandoc(sys.modules[RECIPES[method].__module__].__doc__ or "")
 
 
 def recipe_for(config: TrainConfig, needs: Needs) -> Recipe:
