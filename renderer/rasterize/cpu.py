@@ -32,6 +32,7 @@ from renderer.rasterize.binning import (
 from renderer.rasterize.picture import adjoint_of, compose
 from renderer.rasterize.tiles import (
     ADJOINT_PLANES,
+    BY_RED,
     PLANES,
     blend,
     blend_backward,
@@ -193,6 +194,17 @@ class Rasterizer:
             self._entry_splats, self.columns, self.adjoint, self._entry_sums,
         )  # fmt: skip
         reduce_sums(self._entry_sums, self._slot_entries, self._slot_starts, self.visible, self.sums)
+
+    def blending_weights(self, *shares: NDArray[np.bool_] | Float32Array) -> Float32Array:
+        """(K, N) of each splat of the last `forward`, summed over the pixels by K <= 3 shares (H, W) of them;
+        to be read before the next call. The adjoint is lost."""
+        self.adjoint[:] = 0.0
+        for plane, share in enumerate(shares, start=BY_RED):
+            height, width = share.shape
+            self.adjoint[plane, :height, :width] = share
+        self.backward_sums()
+        weights: Float32Array = self.sums[:, SUM_RED : SUM_RED + len(shares)].T
+        return weights
 
     def backward(self, splats: Splats) -> Gradients:
         """Gradients of the loss described by `adjoint`, for the splats of the last `forward`.

@@ -24,9 +24,7 @@ from numpy.typing import NDArray
 from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
-from renderer.projection import SUM_GREEN, SUM_RED
 from renderer.rasterize.cpu import Rasterizer
-from renderer.rasterize.tiles import BY_GREEN, BY_RED
 from renderer.raw_gaussians import logits
 from renderer.splats import RenderMode
 from renderer.train.frames import TrainFrame, tissue_tiles
@@ -88,16 +86,11 @@ def _shares_beyond(
     mode: RenderMode,
 ) -> Iterator[NDArray[np.float32]]:
     """(N,) of each frame: share of the blending weight that lies where no frame shows tissue."""
-    height, width = unseen.shape
     edge = cv2.dilate(tissue_tiles(unseen).astype(np.uint8), np.ones((2 * RING + 1, 2 * RING + 1))) > 0
     rasterizer = Rasterizer(frames[0].camera.width, frames[0].camera.height)
     for frame in frames:
         rasterizer.forward(gaussians.at(frame.time), frame.camera, near, edge, mode)
-        rasterizer.adjoint[:] = 0.0
-        rasterizer.adjoint[BY_RED, :height, :width] = ~unseen
-        rasterizer.adjoint[BY_GREEN, :height, :width] = unseen
-        rasterizer.backward_sums()
-        within, beyond = rasterizer.sums[:, SUM_RED], rasterizer.sums[:, SUM_GREEN]
+        within, beyond = rasterizer.blending_weights(~unseen, unseen)
         yield beyond / (within + beyond + TRACE)
 
 

@@ -38,9 +38,7 @@ from numpy.typing import NDArray
 from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
-from renderer.projection import SUM_GREEN, SUM_RED
 from renderer.rasterize.cpu import Rasterizer
-from renderer.rasterize.tiles import BY_GREEN, BY_RED
 from renderer.splats import RenderMode
 from renderer.train.events import Omission
 from renderer.train.frames import TrainFrame
@@ -118,11 +116,7 @@ def _seen_shares(
     rasterizer = Rasterizer(frames[0].camera.width, frames[0].camera.height)
     for frame in frames:
         rasterizer.forward(gaussians.at(frame.time), frame.camera, near, frame.tile_wanted, mode)
-        rasterizer.adjoint[:] = 0.0
-        rasterizer.adjoint[BY_RED] = frame.color_mask
-        rasterizer.adjoint[BY_GREEN] = _trusted(frame)
-        rasterizer.backward_sums()
-        weight, apart = rasterizer.sums[:, SUM_RED], rasterizer.sums[:, SUM_GREEN]
+        weight, apart = rasterizer.blending_weights(frame.color_mask, _trusted(frame))
         yield weight / (weight + SEEN), apart / (apart + SEEN)
 
 
