@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import cv2
 import numpy as np
@@ -63,7 +64,7 @@ def train_frame(frame: Frame, unseen: NDArray[np.bool_] | None = None) -> TrainF
 
 def unseen_by(frames: Iterable[Frame]) -> NDArray[np.bool_]:
     """(H, W) where none of the frames, of one camera that stands still, shows tissue within MARGIN."""
-    seen = np.logical_or.reduce([frame.tissue_mask for frame in frames])
+    seen = reduce(np.logical_or, (frame.tissue_mask for frame in frames))
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * MARGIN + 1, 2 * MARGIN + 1))
     reached: NDArray[np.bool_] = cv2.dilate(seen.astype(np.uint8), disc) > 0
     return ~reached
