@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from renderer.clip import Clip, ClipError
+from renderer.clip import BoolImage, Clip, ClipError
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE
@@ -29,21 +30,24 @@ from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frame_store import FrameStore, nearest_folder
 from renderer.train.frames import TrainFrame, halved, train_frame, unseen_by, within_reach
 from renderer.train.gradient_backend import GradientBackend
-from renderer.train.guards import LossWatch
+from renderer.train.guards import LossWatch, Trouble
 from renderer.train.held_out import HeldOut, evaluated
 from renderer.train.hidden import smooth_occluded_motion
 from renderer.train.initialize import require_resolved, scene_size, with_points
 from renderer.train.meter import Meter
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
-from renderer.train.needs import decide
-from renderer.train.recipe import Stage
+from renderer.train.needs import Needs, decide
+from renderer.train.recipe import Recipe, Stage
 from renderer.train.unseen import without_unseen
 
 LOSSES, TROUBLE = "loss_watch", "trouble"
 """Among a checkpoint's arrays."""
 HELD_OUT_PHASE, HELD_OUT_EVERY = 4, 7
 """In training frames; of a clip split as the field does, those with index % 8 == 5."""
+REMOVING, SMOOTHING = "removing what no frame shows", "smoothing hidden motion"
+FADING, MEASURING = "fading what moves out of sight", "measuring held-out frames"
+"""What follows the last step."""
 RENDERED, SMOOTHED = 0.45, 0.6
 """Of the time of a step, what drawing a frame takes, and finding what it hides; only the time left depends on
 them."""
@@ -76,19 +80,50 @@ def train_window(
     config: TrainConfig,
     held_out: Sequence[int],
     *,
-    folder: Path | None = None,
-    resume: bool = False,
-    pictures: GradientBackend | None = None,
+    folder: Path | None,
+    resume: bool,
+    pictures: GradientBackend | None,
 ) -> Generator[TrainEvent, None, None]:
     """Reconstruct all of `clip` with one set of Gaussians, see `renderer.train.training.train`. It is not
     fitted to the training frames `held_out`.
 
     Closed between two steps, it leaves a checkpoint of those that are done.
     """
-    opened, spilled = time.perf_counter(), nearest_folder(folder) if folder else None
+    opened = time.perf_counter()
     if config.hold_out and not held_out:
         got = len(clip.train_indices)
         raise ClipError(f"hold_out expects two frames to train on, or more, got {got}: {clip.path}")
+    training, model, needs, checkpoint = _prepared(clip, config, held_out, folder, resume, pictures)
+    watch, start, seconds = LossWatch(), 0, 0.0
+    if checkpoint:
+        training.restore(model, watch, checkpoint)
+        start, seconds = checkpoint.iteration, checkpoint.seconds
+    is_new = checkpoint is None
+    del checkpoint
+    yield Started(start, training.recipe.iterations, len(model), needs.omitted)
+
+    if folder and is_new:
+        # Of another training, or damaged: as the newest by number, they would stay in place of new ones.
+        clear_checkpoints(folder)
+    meter = Meter(training.recipe, seconds, sum(training.after.values()))
+    yield from training.steps(model, watch, meter, start)
+    ending = training.ending(model.result, model.trouble, meter.after_steps())
+    del model  # The moments are twice as large as what they are of.
+    gaussians, omitted = yield from ending
+    wall = time.perf_counter() - opened
+    yield Finished(training.recipe.iterations, meter.seconds, gaussians, omitted, wall)
+
+
+def _prepared(
+    clip: Clip,
+    config: TrainConfig,
+    held_out: Sequence[int],
+    folder: Path | None,
+    resume: bool,
+    pictures: GradientBackend | None,
+) -> tuple[_Training, TrainModel, Needs, Checkpoint | None]:
+    """Everything before the first step, and what `resume` goes on from."""
+    spilled = nearest_folder(folder) if folder else None
     fit = fitted(clip, held_out)
     frames = FrameStore.of((within_reach(clip.read_frame(index)) for index in fit), spilled)
     seeds = frames if clip.points is None else FrameStore.of(with_points(frames, clip.points), spilled)
@@ -106,81 +141,133 @@ def train_window(
     unseen = unseen_by(frames) if judged else None
     taken = (train_frame(frames.take(place), unseen) for place in range(len(frames)))
     pool = _Pool(FrameStore.of(taken, spilled), config.seed, needs.has_masks, spilled)
-    del frames, seeds, taken
-    watch = LossWatch()
-    start, seconds = 0, 0.0
-    if folder and checkpoint:
-        known_as = identity, former_fingerprint(clip, config)
-        _resume(model, watch, checkpoint, known_as, recipe.iterations, folder)
-        start, seconds = checkpoint.iteration, checkpoint.seconds
-    is_new = checkpoint is None
-    del checkpoint
-    yield Started(start, recipe.iterations, len(model), needs.omitted)
-
-    if folder and is_new:
-        # Of another training, or damaged: as the newest by number, they would stay in place of new ones.
-        clear_checkpoints(folder)
+    measured = held_out if config.hold_out else clip.test_indices
 
     bends = isinstance(model.gaussians.motion, SplineMotion)
     hides = needs.has_masks or not clip.camera_is_fixed
-    smooths = "hidden" not in config.keep and hides and bends
-    fades = unseen is not None and bool(unseen.any()) and bends
-    measured = held_out if config.hold_out else clip.test_indices
-    after = RENDERED * len(measured)
-    after += len(fit) * (RENDERED * ("unseen" not in config.keep) + SMOOTHED * (smooths + fades))
-    meter = Meter(recipe, seconds, after)
-    held = HeldOut(clip, measured, size, recipe.mode)
-    done = kept = start
-    try:
-        for iteration in range(start, recipe.iterations):
-            with meter.between():
-                frame = pool.frame(iteration, recipe.stage_at(iteration))
-            began = time.perf_counter()
-            result = model.step(frame, iteration)
-            meter.add(result, iteration, time.perf_counter() - began, len(model))
-            watch.add(result.loss, pool.tissue(frame))
-            if watch.problem:
-                raise TrainingError(f"{watch.problem}, at iteration {iteration}: lower the learning rates")
-            done = iteration + 1
-            if done % config.checkpoint_every == 0 or done == recipe.iterations:
-                with meter.between():
-                    kept = _keep(folder, done, meter.seconds, identity, model, watch)
-            if meter.progress_is_due() or done == recipe.iterations:
-                yield meter.progress(done)
-            if done < recipe.iterations and held.is_due(meter.seconds):
-                yield held.measure(model.gaussians, done, meter.seconds)
-            if meter.snapshot_is_due():
-                yield Snapshot(done, model.snapshot())
-    except GeneratorExit:
-        # Nobody takes further events: what is trained so far is kept.
-        if done > kept:
-            _keep(folder, done, meter.seconds, identity, model, watch)
-        raise
-    left, total = meter.after_steps(), max(after, 1.0)
-    yield Finishing("removing what no frame shows", left)
-    for notice in model.trouble.notices():
-        yield Warned(notice)
-    gaussians: DynamicGaussians = model.result
-    del model
-    omitted: tuple[Omission, ...] = ()
+    after = dict[str, float]()
     if "unseen" not in config.keep:
-        gaussians, omitted = without_unseen(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
-    if not len(gaussians):
-        raise TrainingError("no training frame shows any Gaussian: depth and poses are inconsistent")
-    if smooths:
-        yield Finishing("smoothing hidden motion", left * (1 - RENDERED * len(fit) / total))
-        gaussians, resting = smooth_occluded_motion(gaussians, pool.full, NEAR_SHARE * size, recipe.mode)
-        omitted += resting
-    if unseen is not None and fades:
-        passed = (RENDERED + SMOOTHED * smooths) * len(fit)
-        yield Finishing("fading what moves out of sight", left * (1 - passed / total))
-        gaussians = faded_out_of_sight(gaussians, pool.full, unseen, NEAR_SHARE * size, recipe.mode)
-    yield Finishing("measuring held-out frames", left * RENDERED * len(measured) / total)
-    if measured:
-        views = (clip.read_frame(index) for index in measured)
-        yield evaluated(gaussians, views, recipe.iterations, size, recipe.mode)
-    wall = time.perf_counter() - opened
-    yield Finished(recipe.iterations, meter.seconds, gaussians, omitted, wall)
+        after[REMOVING] = RENDERED * len(fit)
+    if bends and hides and "hidden" not in config.keep:
+        after[SMOOTHING] = SMOOTHED * len(fit)
+    if bends and unseen is not None and unseen.any():
+        after[FADING] = SMOOTHED * len(fit)
+    after[MEASURING] = RENDERED * len(measured)
+    training = _Training(clip, config, recipe, folder, identity, pool, size, unseen, measured, after)
+    return training, model, needs, checkpoint
+
+
+@dataclass(frozen=True, eq=False)
+class _Training:
+    """Of one window: what it is of, and all that its steps do not change."""
+
+    clip: Clip
+    config: TrainConfig
+    recipe: Recipe
+    folder: Path | None
+    """Of checkpoints."""
+    identity: str
+    """See `fingerprint`."""
+    pool: _Pool
+    size: float
+    """Of the scene, in the clip's unit."""
+    unseen: BoolImage | None
+    """(H, W) where no frame shows tissue; None: that is not looked at."""
+    measured: Sequence[int]
+    """Frames of the clip that are not trained on, and evaluated."""
+    after: Mapping[str, float]
+    """What follows the last step, in this order, each with its time in steps at full resolution."""
+
+    def steps(
+        self, model: TrainModel, watch: LossWatch, meter: Meter, start: int
+    ) -> Generator[TrainEvent, None, None]:
+        """All from `start` on. Closed early, it leaves a checkpoint of those that are done."""
+        held = HeldOut(self.clip, self.measured, self.size, self.recipe.mode)
+        end = self.recipe.iterations
+        done = kept = start
+        try:
+            for iteration in range(start, end):
+                with meter.between():
+                    frame = self.pool.frame(iteration, self.recipe.stage_at(iteration))
+                began = time.perf_counter()
+                result = model.step(frame, iteration)
+                meter.add(result, iteration, time.perf_counter() - began, len(model))
+                watch.add(result.loss, self.pool.tissue(frame))
+                if watch.problem:
+                    at = f"at iteration {iteration}"
+                    raise TrainingError(f"{watch.problem}, {at}: lower the learning rates")
+                done = iteration + 1
+                if done % self.config.checkpoint_every == 0 or done == end:
+                    with meter.between():
+                        kept = self._keep(done, meter.seconds, model, watch)
+                if meter.progress_is_due() or done == end:
+                    yield meter.progress(done)
+                if done < end and held.is_due(meter.seconds):
+                    yield held.measure(model.gaussians, done, meter.seconds)
+                if meter.snapshot_is_due():
+                    yield Snapshot(done, model.snapshot())
+        except GeneratorExit:
+            # Nobody takes further events: what is trained so far is kept.
+            if done > kept:
+                self._keep(done, meter.seconds, model, watch)
+            raise
+
+    def ending(
+        self, gaussians: DynamicGaussians, trouble: Trouble, seconds: float
+    ) -> Generator[TrainEvent, None, tuple[DynamicGaussians, tuple[Omission, ...]]]:
+        """What follows the last step, in about so many seconds: the model, and what it does without."""
+        near, mode, frames = NEAR_SHARE * self.size, self.recipe.mode, self.pool.full
+        omitted, costs = tuple[Omission, ...](), list(self.after.values())
+        total = sum(costs) or 1.0
+        left = {stage: seconds * (sum(costs[place:]) / total) for place, stage in enumerate(self.after)}
+        for notice in trouble.notices():
+            yield Warned(notice)
+        if REMOVING in left:
+            yield Finishing(REMOVING, left[REMOVING])
+            gaussians, omitted = without_unseen(gaussians, frames, near, mode)
+        if not len(gaussians):
+            raise TrainingError("no training frame shows any Gaussian: depth and poses are inconsistent")
+        if SMOOTHING in left:
+            yield Finishing(SMOOTHING, left[SMOOTHING])
+            gaussians, resting = smooth_occluded_motion(gaussians, frames, near, mode)
+            omitted += resting
+        if FADING in left:
+            assert self.unseen is not None
+            yield Finishing(FADING, left[FADING])
+            gaussians = faded_out_of_sight(gaussians, frames, self.unseen, near, mode)
+        yield Finishing(MEASURING, left[MEASURING])
+        if self.measured:
+            views = (self.clip.read_frame(index) for index in self.measured)
+            yield evaluated(gaussians, views, self.recipe.iterations, self.size, mode)
+        return gaussians, omitted
+
+    def _keep(self, done: int, seconds: float, model: TrainModel, watch: LossWatch) -> int:
+        """Write a checkpoint, where there is a folder. Returns the steps done."""
+        if self.folder:
+            arrays = {**model.state(), LOSSES: watch.state, TROUBLE: model.trouble.state}
+            write_checkpoint(self.folder, Checkpoint(done, seconds, self.identity, arrays))
+        return done
+
+    def restore(self, model: TrainModel, watch: LossWatch, checkpoint: Checkpoint) -> None:
+        """What a checkpoint holds. Raises TrainingError: it is of another run, or damaged."""
+        assert self.folder is not None
+        if checkpoint.fingerprint not in (self.identity, former_fingerprint(self.clip, self.config)):
+            wanted = "expected a checkpoint of this clip and configuration"
+            raise TrainingError(f"{wanted}, got another: {self.folder.name}")
+        # Checkpoints of earlier versions have no state of the watch, or do not count trouble.
+        arrays = {LOSSES: watch.state, TROUBLE: model.trouble.state, **checkpoint.arrays}
+        layout = {LOSSES: Stored(f"{len(watch.state)}", np.float64), TROUBLE: Stored("2", np.int64, least=0)}
+        most = self.recipe.iterations
+        try:
+            if checkpoint.iteration > most:
+                raise ValueError(f"expected at most {most} iterations, got {checkpoint.iteration}")
+            check(arrays, layout, {})
+            model.restore(arrays)
+            watch.state[:] = arrays[LOSSES]
+            model.trouble.restore(arrays[TROUBLE])
+        except ValueError as error:
+            reason = f"training cannot continue from the checkpoint ({error})"
+            raise TrainingError(f"{reason}: {self.folder}") from error
 
 
 def require_depth(clip: Clip) -> None:
@@ -218,42 +305,6 @@ def _controls_of(checkpoint: Checkpoint) -> int | None:
     """Control values of a curve; None: it has no curves, or is damaged, which is seen when it is restored."""
     nodes = checkpoint.arrays.get("node_controls")
     return int(nodes.shape[1]) if nodes is not None and nodes.ndim == 3 and nodes.shape[1] > 3 else None
-
-
-def _keep(
-    folder: Path | None, done: int, seconds: float, identity: str, model: TrainModel, watch: LossWatch
-) -> int:
-    """Write a checkpoint, where there is a folder. Returns the steps done."""
-    if folder:
-        arrays = {**model.state(), LOSSES: watch.state, TROUBLE: model.trouble.state}
-        write_checkpoint(folder, Checkpoint(done, seconds, identity, arrays))
-    return done
-
-
-def _resume(
-    model: TrainModel,
-    watch: LossWatch,
-    checkpoint: Checkpoint,
-    known_as: Sequence[str],
-    most: int,
-    folder: Path,
-) -> None:
-    """Restore what a checkpoint in `folder` holds. Raises TrainingError: it is of another run, or damaged."""
-    if checkpoint.fingerprint not in known_as:
-        wanted = "expected a checkpoint of this clip and configuration"
-        raise TrainingError(f"{wanted}, got another: {folder.name}")
-    # Checkpoints of earlier versions have no state of the watch, or do not count trouble.
-    arrays = {LOSSES: watch.state, TROUBLE: model.trouble.state, **checkpoint.arrays}
-    layout = {LOSSES: Stored(f"{len(watch.state)}", np.float64), TROUBLE: Stored("2", np.int64, least=0)}
-    try:
-        if checkpoint.iteration > most:
-            raise ValueError(f"expected at most {most} iterations, got {checkpoint.iteration}")
-        check(arrays, layout, {})
-        model.restore(arrays)
-        watch.state[:] = arrays[LOSSES]
-        model.trouble.restore(arrays[TROUBLE])
-    except ValueError as error:
-        raise TrainingError(f"training cannot continue from the checkpoint ({error}): {folder}") from error
 
 
 class _Pool:

@@ -29,7 +29,7 @@ from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frames import within_reach
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.held_out import evaluated
-from renderer.train.trainer import TrainingError, fitted, split, train_window
+from renderer.train.trainer import MEASURING, TrainingError, fitted, split, train_window
 from renderer.train.window_files import (
     Finished,
     finish,
@@ -75,7 +75,7 @@ class WindowedTraining:
         iteration = sum(each.iterations for each in done)
         if not any(each.wall for each in done):
             yield Started(iteration, iteration, len(model), ())
-        yield Finishing("measuring held-out frames", 0.0)
+        yield Finishing(MEASURING, 0.0)
         if measured := self._held_out if self.config.hold_out else self.clip.test_indices:
             views = (self.clip.read_frame(index) for index in measured)
             size = middle_distance(model, self.clip.cameras[0])
@@ -116,24 +116,27 @@ class WindowedTraining:
         )  # fmt: skip
         with closing(training) as events:
             for event in events:
-                if isinstance(event, Ended):
-                    wall, omitted = time.perf_counter() - began, (*omitted, *event.omitted)
-                    model = self._stored(event, window, omitted, folder)
-                    return _Done(event.iteration, event.seconds, wall, omitted, model)
-                if isinstance(event, Started):
-                    omitted, steps = event.omitted, event.iterations
-                ends = isinstance(event, Evaluated) and event.iteration == steps
-                if not ends and not (isinstance(event, Started) and any(each.wall for each in done)):
-                    yield from self._as_of_all(event, done, window, began)
-                if isinstance(event, Started) and folder is not None:
-                    folder.mkdir(parents=True, exist_ok=True)
+                match event:
+                    case Ended():
+                        wall, omitted = time.perf_counter() - began, (*omitted, *event.omitted)
+                        model = self._stored(event, window, omitted, folder)
+                        return _Done(event.iteration, event.seconds, wall, omitted, model)
+                    case Started():
+                        omitted, steps = event.omitted, event.iterations
+                        if not any(each.wall for each in done):
+                            yield from self._as_of_all(event, done, window, began)
+                        if folder is not None:
+                            folder.mkdir(parents=True, exist_ok=True)
+                    case Evaluated() if event.iteration == steps:
+                        pass  # In the end all of the clip is measured.
+                    case _:
+                        yield from self._as_of_all(event, done, window, began)
         raise AssertionError("a training ends with Finished")
 
     def _as_of_all(
         self, event: TrainEvent, done: Sequence[_Done], window: Window, began: float
     ) -> Iterator[TrainEvent]:
-        """An event of a window that began at `began`, after others that are done; but what was measured at
-        its end, as all of the clip is measured in the end."""
+        """An event of a window that began at `began`, after others that are done."""
         before, number = sum(each.iterations for each in done), len(self.windows)
         match event:
             case Started():
