@@ -67,6 +67,12 @@ def test_gaussians_are_drawn_once_each_and_reach_their_neighbours() -> None:
     assert np.allclose(np.exp(raw.log_scales), np.sqrt((three**2).mean(axis=1))[:, None], rtol=1e-3)
 
 
+def test_a_single_gaussian_has_a_place_in_the_order_over_the_view() -> None:
+    """It spans no height by which to sort."""
+    frames = [moving_sheet().read_frame(0)]
+    assert len(recipe(replace(SMALL, n_gaussians=1), NEEDS).initialize(frames)) == 1
+
+
 def test_the_planes_are_as_fine_as_the_gaussians_are_many_and_hold_all_of_them() -> None:
     frames = [moving_sheet().read_frame(index) for index in (0, 2, 3)]
     method = recipe(SMALL, NEEDS)

@@ -88,7 +88,7 @@ def _gaussians(frames: Sequence[Frame], config: TrainConfig) -> RawGaussians:
     raw = sampled(frames, config)
     scales = np.maximum(neighbour_distances(raw.means), np.float32(1e-6))
     raw = round_gaussians(raw.means, scales, raw.colors, OPACITY)
-    rows = np.floor(raw.means[:, 1] / np.ptp(raw.means[:, 1]) * RESOLUTIONS[-1])
+    rows = np.floor(raw.means[:, 1] / (np.ptp(raw.means[:, 1]) or 1.0) * RESOLUTIONS[-1])
     return raw.rows(np.lexsort((raw.means[:, 0], rows)))
 
 
