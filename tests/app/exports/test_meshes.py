@@ -179,7 +179,8 @@ def test_a_changed_line_of_an_obj_is_found_out(
     start: str, runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path
 ) -> None:
     flags = ("--mesh-format", "obj", "--vertices", 500, "--frames", 0)
-    assert vesselsplat("export", runs["original"], "--mesh", tmp_path / "meshes", *flags).code == 0
+    done = vesselsplat("export", runs["original"], "--mesh", tmp_path / "meshes", *flags)
+    assert (done.code, f"{tmp_path / 'meshes'}: 1 mesh of " in done.out) == (0, True)
     path = tmp_path / "meshes" / "frame-000000.obj"
     lines = path.read_text().splitlines()
     first, second = [place for place, line in enumerate(lines) if line.startswith(start)][:2]
