@@ -72,21 +72,26 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
+@pytest.fixture(scope="session")
+def suite_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One for all processes of the suite."""
+    base = tmp_path_factory.getbasetemp()
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+
 @pytest.fixture(scope="session", autouse=True)
-def painted_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+def painted_once(suite_folder: Path) -> Iterator[None]:
     """To paint the tissue takes most of the time of a small phantom, and few seeds are used: what one process
     of the suite has painted, all map into their memory."""
-    base = tmp_path_factory.getbasetemp()
-    folder = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
 
     @cache
     def painted(state: str) -> Tissue:
-        path = folder / f"tissue-{sha256(state.encode()).hexdigest()[:16]}.npy"
+        path = suite_folder / f"tissue-{sha256(state.encode()).hexdigest()[:16]}.npy"
         if not path.exists():
             rng = np.random.default_rng()
             rng.bit_generator.state = literal_eval(state)
             tissue = paint_tissue(rng)
-            with NamedTemporaryFile(dir=folder, delete=False) as file:
+            with NamedTemporaryFile(dir=suite_folder, delete=False) as file:
                 np.save(file, np.concatenate([part.ravel() for part in vars(tissue).values()]))
             Path(file.name).replace(path)
         stored = np.load(path, mmap_mode="c")

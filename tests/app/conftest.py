@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,6 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from filelock import FileLock
 
 from app.__main__ import main
 from app.runs import preparing
@@ -44,31 +46,51 @@ def vesselsplat(capfd: pytest.CaptureFixture[str]) -> Callable[..., Call]:
 
 
 @pytest.fixture(scope="session")
-def clip_path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made_once(suite_folder: Path) -> Callable[[str, Callable[[Path], object]], Path]:
+    """A folder by that name, which the first process of the suite to want it makes for all. Read only."""
+
+    def made(name: str, make: Callable[[Path], object]) -> Path:
+        folder, done = suite_folder / name, suite_folder / f"{name}.made"
+        with FileLock(suite_folder / f"{name}.lock"):
+            if not done.exists():
+                shutil.rmtree(folder, ignore_errors=True)
+                folder.mkdir()
+                make(folder)
+                done.touch()
+        return folder
+
+    return made
+
+
+@pytest.fixture(scope="session")
+def clip_path(made_once: Callable[..., Path]) -> Path:
     """A small phantom clip of 10 frames in EndoNeRF layout. Read only."""
-    path = tmp_path_factory.mktemp("clips") / "small"
-    write_phantom(path, PhantomParams(n_frames=10, width=64, height=48, seed=1), "endonerf")
-    return path
+    params = PhantomParams(n_frames=10, width=64, height=48, seed=1)
+    return made_once("clips", lambda folder: write_phantom(folder / "small", params, "endonerf")) / "small"
 
 
 @pytest.fixture(scope="session")
-def runs(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """One finished run on the original frames and one on the enhanced."""
-    folder = tmp_path_factory.mktemp("runs")
-    paths = {name: folder / name for name in ("original", "enhanced")}
-    list(run_training(request_of(clip_path, paths["original"])))
-    list(run_training(request_of(clip_path, paths["enhanced"], input="enhanced")))
-    return paths
+def runs(clip_path: Path, made_once: Callable[..., Path]) -> dict[str, Path]:
+    """One finished run on the original frames and one on the enhanced. Read only."""
+
+    def make(folder: Path) -> None:
+        list(run_training(request_of(clip_path, folder / "original")))
+        list(run_training(request_of(clip_path, folder / "enhanced", input="enhanced")))
+
+    folder = made_once("runs", make)
+    return {name: folder / name for name in ("original", "enhanced")}
 
 
 @pytest.fixture(scope="session")
-def windowed_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def windowed_run(made_once: Callable[..., Path]) -> Path:
     """A finished run of 112 frames with a moving camera in three windows. Read only."""
-    folder = tmp_path_factory.mktemp("long")
-    clip, config = folder / "clip", replace(CONFIG, iterations=40, n_gaussians=2500, window_frames=48)
-    write_phantom(clip, PhantomParams(n_frames=112, width=64, height=48, camera="moving"))
-    list(run_training(request_of(clip, folder / "run", config=config)))
-    return folder / "run"
+
+    def make(folder: Path) -> None:
+        config = replace(CONFIG, iterations=40, n_gaussians=2500, window_frames=48)
+        write_phantom(folder / "clip", PhantomParams(n_frames=112, width=64, height=48, camera="moving"))
+        list(run_training(request_of(folder / "clip", folder / "run", config=config)))
+
+    return made_once("long", make) / "run"
 
 
 @pytest.fixture
