@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,7 +19,6 @@ from app.errors import UserError
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
-from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
 from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.events import Finished, Planned, Progress, Started, TrainEvent
@@ -68,14 +68,12 @@ def test_a_killed_run_goes_on_to_the_same_model(clip_path: Path, tmp_path: Path)
 
 @pytest.mark.parametrize("is_windowed", [False, True])
 def test_a_run_killed_once_its_model_is_written_tells_what_it_took(
-    clip_path: Path, tmp_path: Path, is_windowed: bool
+    runs: dict[str, Path], windowed_run: Path, tmp_path: Path, is_windowed: bool
 ) -> None:
-    run, clip = RunFolder(tmp_path / "run"), clip_path
-    config = replace(CONFIG, iterations=3)
-    if is_windowed:
-        clip, config = tmp_path / "clip", replace(config, window_frames=48)
-        write_phantom(clip, PhantomParams(n_frames=100, width=48, height=32, camera="moving"))
-    *_, ended = run_training(request_of(clip, run.path, config=config))
+    finished_run = windowed_run if is_windowed else runs["original"]
+    run = RunFolder(Path(shutil.copytree(finished_run, tmp_path / "run")))
+    clip, config = Path(run.record().clip.path), run.record().config
+    (ended,) = run_training(request_of(clip, run.path, config=config, resume=True))
     lines = run.events_path.read_text().splitlines(keepends=True)
     assert isinstance(ended, Finished)
     assert json.loads(lines[-1])["event"] == "Finished"
