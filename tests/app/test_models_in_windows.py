@@ -23,13 +23,14 @@ from app.runs.run_edits import save_edits
 from app.runs.run_folder import RunFolder
 from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene, open_scene
-from app.scenes.surfaces import surface_at
+from app.scenes.surfaces import moment_of_surface, surface_at
 from app.scenes.window_scene import scene_of_window
 from renderer.deformation.motion import Still
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
 from renderer.gaussians import DynamicGaussians
 from renderer.model_windows import windows_of
+from renderer.surface.fineness import Fineness
 from tests.app.conftest import Call
 from tests.app.exports.test_meshes import parts
 from tests.app.exports.test_research import Drift, slope
@@ -69,10 +70,9 @@ def test_motion_and_surface_are_rendered_and_come_again(
 def test_the_surface_of_each_moment_is_that_of_its_window(
     windowed_run: Path, vesselsplat: Cli, tmp_path: Path
 ) -> None:
-    scene, out = open_scene(windowed_run), tmp_path / "meshes"
-    done = vesselsplat(
-        "export", windowed_run, "--mesh", out, "--mesh-format", "obj", "--frames", FIRST, LATER
-    )
+    scene, out, fineness = open_scene(windowed_run), tmp_path / "meshes", Fineness(vertices=2000)
+    flags = ("--mesh-format", "obj", "--frames", FIRST, LATER, "--vertices", fineness.vertices)
+    done = vesselsplat("export", windowed_run, "--mesh", out, *flags)
     assert done.code == 0, done.error
     assert "2 meshes, the first of" in done.out
     for frame in (FIRST, LATER):
@@ -82,7 +82,7 @@ def test_the_surface_of_each_moment_is_that_of_its_window(
         pixels, depths = camera.project(vertices)
         inside = ((pixels > 2) & (pixels < [camera.width - 2, camera.height - 2])).all(axis=1)
         assert inside.mean() > 0.5
-        seen = surface_at(scene, scene.time(frame))
+        seen = moment_of_surface(scene, scene.time(frame), fineness)
         assert len(seen.vertices) > 500
         assert np.median(depths[inside]) == pytest.approx(60, rel=0.15)  # The phantom's tissue, in mm.
 
@@ -169,8 +169,8 @@ def test_a_run_that_does_not_move_has_a_surface_at_once(windowed_run: Path) -> N
 def test_one_window_is_exported_as_a_model_of_its_own(
     windowed_run: Path, vesselsplat: Cli, tmp_path: Path, flag: str, name: str
 ) -> None:
-    path = tmp_path / name
-    done = vesselsplat("export", windowed_run, flag, path, "--window", 2)
+    path, few = tmp_path / name, ("--vertices", 500) if flag == "--mesh" else ()
+    done = vesselsplat("export", windowed_run, flag, path, "--window", 2, *few)
     assert done.code == 0, done.error
     assert recorded(path)["window"] == 2
     again = vesselsplat("replay", path, "--source", windowed_run)
