@@ -24,7 +24,7 @@ def root() -> str:
 def press(ctx: Context, *keys: int) -> None:
     for key in keys:
         ctx.key_press(key)
-        ctx.yield_(3)
+        ctx.yield_()
 
 
 def visited(ctx: Context) -> set[int]:
