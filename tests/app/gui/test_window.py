@@ -63,7 +63,7 @@ def wait(ctx: imgui.test_engine.TestContext, until: Callable[[], bool], what: st
     while not until():
         assert time.monotonic() < end, f"waited {SECONDS} s for {what}"
         ctx.yield_()
-        time.sleep(0.005)
+        time.sleep(0.03)  # Frames cost the processor as much as what is waited for.
 
 
 def enhanced(state: AppState) -> np.ndarray:
