@@ -9,7 +9,7 @@ from annotated_types import Interval
 from pydantic import AfterValidator, BeforeValidator
 
 from app.enhancement.methods import METHODS
-from enhance import shown
+from enhance.shown import Named
 
 Mode = Literal["side by side", "wipe", "flip", "difference"]
 Slot = Literal["A", "B"]
@@ -46,7 +46,7 @@ LONGEST_PATH: Final = 32_767
 """Characters that Windows allows; other systems allow fewer."""
 
 
-def drawn(pixels: Pixels) -> shown.Pixels:
+def drawn(pixels: Pixels) -> Named:
     """What is enhanced."""
     return "automatic" if pixels == "automatic" else "all"
 

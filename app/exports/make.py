@@ -8,8 +8,8 @@ from functools import lru_cache
 from pathlib import Path
 
 from app.enhancement.contact_sheet import contact_sheet, tile
-from app.enhancement.dicom_files import is_dicom_name, write_dicom_film, write_enhanced_still
-from app.enhancement.enhance_files import Made, enhanced, write_enhanced_video
+from app.enhancement.dicom_files import Made, is_dicom_name, write_dicom_film, write_enhanced_still
+from app.enhancement.enhance_files import enhanced, write_enhanced_video
 from app.enhancement.methods import METHODS, MethodEnhancer
 from app.enhancement.parameter_grid import Setting, tried
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet

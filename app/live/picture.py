@@ -9,7 +9,7 @@ from app.enhancement.methods import EnhancementSettings
 from app.live.delays import Delay
 from enhance import Statistics
 from enhance.result import Omission
-from enhance.shown import Pixels
+from enhance.shown import Named
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import StereoLayout
 from renderer.readers.stereo_layout import eye_aspect, eye_size
@@ -26,7 +26,7 @@ class LiveSetting:
     """How frames are enhanced from now on. None: they are shown as they come."""
 
     params: EnhancementSettings | None
-    pixels: Pixels = "automatic"
+    pixels: Named = "automatic"
 
 
 @dataclass(frozen=True, eq=False)
