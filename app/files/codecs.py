@@ -10,6 +10,8 @@ from typing import Final
 MP4: Final = ".mp4"
 WEBM: Final = ".webm"
 HEVC: Final = ".hevc.mp4"
+BT709, BT470BG, BT601, BT2020 = 1, 5, 6, 9
+"""Of colours, as ITU-T H.273 numbers them."""
 
 
 @dataclass(frozen=True)

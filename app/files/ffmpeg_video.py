@@ -9,11 +9,10 @@ from shutil import which
 from tempfile import TemporaryFile
 from typing import IO, Any
 
+from app.files.codecs import CODECS, MP4
 from app.files.image_files import ArrayImage
 from app.files.timing import Timing, losses
 
-QUALITY = {"libx264": ("-crf", "16", "-preset", "veryfast", "-x264-params", "mbtree=0")}
-"""As `codecs` has it."""
 PATIENCE = 10
 """Seconds in which it ends after it has stopped reading."""
 BITS_PER_PIXEL = 0.25
@@ -36,12 +35,14 @@ class FfmpegWriter:
         self._said = TemporaryFile()  # noqa: SIM115 - it is closed with the writer.
         program, (width, height) = which("ffmpeg") or "ffmpeg", size
         rate = f"{timing.frames_per_second:.6f}"
-        bits = str(round(BITS_PER_PIXEL * width * height * timing.frames_per_second))
+        bits = round(BITS_PER_PIXEL * width * height * timing.frames_per_second)
+        told = CODECS[MP4].options if encoder == CODECS[MP4].encoder else {"b:v": str(bits)}
+        quality = [word for name, value in told.items() for word in (f"-{name}", value)]
         command = (
             program, "-hide_banner", "-loglevel", "error", "-nostdin", "-y",
             "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", rate, "-i", "pipe:0",
             "-vf", EXACT, "-pix_fmt", "yuv420p", *TAGS,
-            "-c:v", encoder, *QUALITY.get(encoder, ("-b:v", bits)),
+            "-c:v", encoder, *quality,
             "-movflags", "+faststart", "-f", "mp4", f"file:{path.absolute()}",
         )  # fmt: skip
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=self._said, stderr=self._said)

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import cv2
 
+from app.files.codecs import BT601, BT709
 from app.files.image_files import ArrayImage
 from app.files.timing import Timing, losses
 
-BT709, BT601 = 1, 6
-"""Codes of ITU-T H.273."""
 ENTRY = (b"trak", b"mdia", b"minf", b"stbl", b"stsd", b"mp4v")
 """Where moov holds the description of an MPEG-4 part 2 stream."""
 CHILDREN = {b"stsd": 16}

@@ -14,7 +14,7 @@ import av
 from av.video.reformatter import Interpolation
 
 from app.errors import UserError
-from app.files.codecs import Codec
+from app.files.codecs import BT470BG, BT601, BT709, BT2020, Codec
 from app.files.image_files import ArrayImage
 from app.files.sound import Sound, sound_of
 from app.files.timing import Timing
@@ -24,10 +24,8 @@ from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, usual_matrix
 if TYPE_CHECKING:
     from av.video.stream import VideoStream
 
-BT709, BT470BG, BT601, BT2020 = 1, 5, 6, 9
-"""Codes of ITU-T H.273."""
 MATRICES = {BT709: "ITU709", 4: "FCC", BT470BG: "ITU601", BT601: "ITU601", 7: "SMPTE240M", BT2020: "BT2020"}
-"""Of these codes, as swscale calls them."""
+"""Of the codes of ITU-T H.273, as swscale calls them."""
 TICKS = 90_000
 """Units of a second for frames that do not come evenly, as in broadcasting."""
 # Without these, swscale rounds down: whole pictures become darker by a grey level.

@@ -9,8 +9,9 @@ from typing import Any, Final
 
 import av
 
+from app.files.codecs import BT709
 from app.files.provenance import strict_json
-from app.files.pyav_writing import BT709, MATRICES, TICKS, encodable, encoded
+from app.files.pyav_writing import MATRICES, TICKS, encodable, encoded
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import StereoLayout
 
