@@ -1,7 +1,7 @@
 """A process that reads damaged files one after the other, under limits of memory and time.
 
-It says a line of JSON for each failure, and the number of the file that it begins, so that the one that
-ended the process is known.
+It says a line of JSON for each failure and for each file that it begins, so that the one that ended the
+process is known.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from renderer.splat_files import SplatFileError
 from tests.benchmarks.attack.mutations import mutated
 from tests.benchmarks.attack.readers import readers
 
+Case = tuple[str, int]
+"""A reader and the number that makes a damaged file of it."""
 MEMORY = 4 << 30
 """Bytes beyond what the process has when it begins."""
 SECONDS = 10
@@ -33,17 +35,18 @@ class TooSlow(BaseException):
     """Not caught by what catches exceptions."""
 
 
-def work(seeds: Path, name: str, numbers: range, streams: tuple[Path, Path]) -> None:
+def work(seeds: Path, cases: list[Case], streams: tuple[Path, Path]) -> None:
     """In a process of its own. `streams`: files for stdout and stderr, decoders' words as well."""
     for number, path in enumerate(streams, start=1):
         os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND), number)
     keep_quiet()
-    reader = readers(seeds)[name]
+    every = readers(seeds)
     signal.signal(signal.SIGALRM, _late)
     _limit_memory()
     with tempfile.TemporaryDirectory() as scratch:
-        for number in numbers:
-            print(json.dumps({"begins": number}), flush=True)
+        for name, number in cases:
+            print(json.dumps({"begins": name}), flush=True)
+            reader = every[name]
             folder = Path(scratch) / "all"
             shutil.rmtree(folder, ignore_errors=True)
             shutil.copytree(seeds, folder, copy_function=_link)
@@ -55,12 +58,12 @@ def work(seeds: Path, name: str, numbers: range, streams: tuple[Path, Path]) -> 
             try:
                 reader.read(folder)
             except (UserError, CameraFileError, SplatFileError, OSError) as error:
-                _require_line(error, number)
+                _require_line(error, name, number)
             except ValueError as error:
                 if mistake(error) is None:
-                    _tell(number, error)
+                    _tell(name, number, error)
             except BaseException as error:
-                _tell(number, error)
+                _tell(name, number, error)
             finally:
                 signal.alarm(0)
 
@@ -79,12 +82,12 @@ def _limit_memory() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, used + MEMORY))
 
 
-def _require_line(error: Exception, number: int) -> None:
+def _require_line(error: Exception, name: str, number: int) -> None:
     if not str(error).strip():
-        _tell(number, error)
+        _tell(name, number, error)
 
 
-def _tell(number: int, error: BaseException) -> None:
+def _tell(name: str, number: int, error: BaseException) -> None:
     last = traceback.extract_tb(error.__traceback__)[-1]
     where = f"{Path(last.filename).name}:{last.lineno}"
     ours = [
@@ -92,6 +95,7 @@ def _tell(number: int, error: BaseException) -> None:
     ]
     place = f"{Path(ours[-1].filename).name}:{ours[-1].lineno}"
     told = {
+        "reader": name,
         "number": number,
         "error": type(error).__name__,
         "said": str(error)[:200],
