@@ -21,32 +21,19 @@ from app.gui.work.settings import Places, Settings
 from app.runs.run_changes import Footprint
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
-from app.runs.train_run import TrainRequest, run_training
-from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from renderer.sources import open_clip
-from renderer.train.config import TrainConfig
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.scenes import scene_of
 from tests.app.gui.test_window import Driver, is_settled, wait
 
-CONFIG = TrainConfig(iterations=2, n_gaussians=300)
-
-
-@pytest.fixture(scope="module")
-def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run, to be copied."""
-    path = tmp_path_factory.mktemp("trained") / "run"
-    list(run_training(TrainRequest(clip_path=phantom_path(), run_path=path, config=CONFIG)))
-    return path
-
 
 @pytest.fixture
-def listed(state: AppState, tmp_path: Path, trained: Path) -> AppState:
+def listed(state: AppState, tmp_path: Path, clip_path: Path, runs: dict[str, Path]) -> AppState:
     for name in ("one", "two"):
-        shutil.copytree(trained, tmp_path / "runs" / name)
+        shutil.copytree(runs["original"], tmp_path / "runs" / name)
     state.places = replace(state.places, runs=tmp_path / "runs")
-    state.source.clip = open_clip(phantom_path())
+    state.source.clip = open_clip(clip_path)
     return state
 
 
@@ -186,9 +173,9 @@ def test_a_folder_is_said_in_words() -> None:
 @pytest.mark.display
 @pytest.mark.usefixtures("bin_files")
 def test_the_run_that_is_shown_is_renamed_and_deleted_by_mouse_and_keyboard(
-    places: Places, trained: Path
+    places: Places, runs: dict[str, Path]
 ) -> None:
-    shutil.copytree(trained, places.runs / "first")
+    shutil.copytree(runs["original"], places.runs / "first")
     jobs: list[FakeJob] = []
     driver = Driver(places, Settings(acknowledged=True), jobs)
     state = driver.state
