@@ -56,11 +56,13 @@ def test_a_part_that_fails_takes_no_other_with_it(
     def failing(bench: Bench, clock: Clock) -> Section:
         raise kind(f"expected an image, got a damaged one: {images / '2.png'}")
 
+    quick = Section(title="Enhancement")
+    monkeypatch.setattr("app.report.measures.enhancement.measure", lambda *_: quick)
     monkeypatch.setattr("app.report.measures.stability.measure", failing)
     out = tmp_path / "report"
     call = vesselsplat("report", "--clip", images, "--out", out, "--parts", "enhancement,stability")
     assert call.code == 0, call.error
     parts = json.loads((out / "report.json").read_text())["parts"]
-    assert parts["enhancement"]["plates"]
+    assert parts["enhancement"]["title"] == quick.title
     (reason,) = parts["stability"]["not_measured"]
     assert reason == "expected an image, got a damaged one: case/2.png"
