@@ -20,6 +20,7 @@ from app.gui.window import Window
 from app.gui.work.settings import Places, Settings
 from app.runs.run_folder import RunFolder
 from assets import phantom_path
+from renderer.train.config import TrainConfig
 from tests.app.gui.window_thread import files_touched
 from tests.benchmarks.person import UNPACED, Context, K, Person, quieten
 from tests.benchmarks.soak_deeds import compare, reconstruct
@@ -56,6 +57,7 @@ def test_a_case_from_first_start_to_the_session_taken_up_again(
             ctx.item_input_value("//Enhancement/**/##d_factor", 0.4)
             person.wait(lambda: state.enhancement.params.d_factor == 1.5 and person.settled(), "the setting")
             compare(person)
+            state.runs.reconstruction.config = TrainConfig(n_gaussians=2000)
             reconstruct(person)
             assert person.run is not None
             scrub(person)
