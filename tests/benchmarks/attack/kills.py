@@ -37,6 +37,8 @@ class Known:
     """Of a writer: what its files are, and how long it takes."""
 
     writer: Writer
+    before: Path
+    """What is there when it is run anew."""
     old: Prints
     new: Prints
     seconds: float
@@ -78,14 +80,15 @@ def _learnt(seeds: Path, scratch: Path, writer: Writer) -> Known:
             raise SystemExit(f"{writer.name}: {done.stderr}")
         found.append((prints(out), time.monotonic() - began))
     (old, _), (new, seconds) = found
-    return Known(writer, {} if writer.fresh else old, new, seconds)
+    return Known(writer, scratch / writer.name / "old", {} if writer.fresh else old, new, seconds)
 
 
 def _of_one(seeds: Path, out: Path, known: Known, name: str, code: int, number: int) -> Iterator[str]:
     writer = known.writer
-    out.mkdir()
-    if not writer.fresh:
-        run(command(seeds, out, writer, "old"), out)
+    if writer.fresh:
+        out.mkdir()
+    else:
+        shutil.copytree(known.before, out)
     words, moment = command(seeds, out, writer, "new"), _moment(known, number)
     ended, said = _cut_off(words, out, name, moment)
     if "Traceback" in said:
