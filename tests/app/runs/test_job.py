@@ -197,14 +197,14 @@ def test_a_process_that_is_asked_to_end_clears_up_and_says_so(tmp_path: Path, pa
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows sends no signals")
-@pytest.mark.parametrize("name", ["SIGINT", "SIGHUP"])
-def test_what_a_terminal_sends_to_all_is_the_windows_matter(tmp_path: Path, name: str) -> None:
+def test_what_a_terminal_sends_to_all_is_the_windows_matter(tmp_path: Path) -> None:
     with job_of(fake_steps.endless, tmp_path) as job:
         events_until(job, is_a(Progress))
-        os.kill(job._process.pid or 0, getattr(signal, name))
-        for _ in range(3):
-            events_until(job, is_a(Progress))
-        assert job.state == "running"
+        for name in ("SIGINT", "SIGHUP"):
+            os.kill(job._process.pid or 0, getattr(signal, name))
+            for _ in range(3):
+                events_until(job, is_a(Progress))
+            assert job.state == "running"
 
 
 def test_a_job_that_never_started_can_be_closed(tmp_path: Path) -> None:
