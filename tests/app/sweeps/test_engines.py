@@ -91,7 +91,7 @@ def test_killed_workers_and_a_killed_client_lose_nothing(sweep: Path) -> None:
     assert not alive  # Workers end with the one that started them.
     done = results(sweep)
     written = {key: (sweep.parent / "out" / "jobs" / key / "result.json").stat().st_mtime_ns for key in done}
-    out, error = started(sweep, "--workers", "2", "--json").communicate(timeout=240)
+    out, error = started(sweep, "--workers", "1", "--json").communicate(timeout=240)
     assert error.count("failed") == 0
     facts = json.loads(out)
     assert facts["counts"] == {"finished": 5, "failed": 0, "left": 0}
@@ -152,17 +152,17 @@ def test_ctrl_c_ends_in_one_line_and_leaves_no_process(sweep: Path) -> None:
 @pytest.mark.slow
 def test_dask_and_processes_give_the_same_table(sweep: Path, tmp_path: Path) -> None:
     pytest.importorskip("distributed")
-    sweep.write_text(sweep.read_text().replace("0, 1, 2, 3, 4", "0, 1, 2"))
+    sweep.write_text(sweep.read_text().replace("0, 1, 2, 3, 4", "0, 1"))
     done = started(sweep, "--on", "dask", "--workers", "2")
     out, error = done.communicate(timeout=240)
     assert done.returncode == 0, error
-    assert "3 finished" in out
+    assert "2 finished" in out
     by_dask = results(sweep)
     (sweep.parent / "out").rename(tmp_path / "dask")
-    done = started(sweep, "--workers", "2")
+    done = started(sweep, "--workers", "1")
     done.communicate(timeout=240)
     assert results(sweep) == by_dask
-    assert len(by_dask) == 3
+    assert len(by_dask) == 2
 
 
 @pytest.mark.slow
