@@ -29,6 +29,8 @@ settings.load_profile("compiling")
 
 def pytest_configure() -> None:
     heed_signals()
+    # Where the processor draws windows: threads of it would wait for those of the suite's other process.
+    os.environ.setdefault("LP_NUM_THREADS", "0")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
