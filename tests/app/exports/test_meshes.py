@@ -82,9 +82,10 @@ SHOWN = ((0, range(40)), (1, range(40, 72)), (2, range(72, 112)))
 """Windows of the long run, each with the frames at which it shows most."""
 
 
-def of_windows(run: Path) -> dict[int, tuple[int, np.ndarray]]:
+@pytest.fixture(scope="module")
+def of_windows(windowed_run: Path) -> dict[int, tuple[int, np.ndarray]]:
     """By frame, the window and the vertices that are to be shown."""
-    scene = open_scene(run)
+    scene = open_scene(windowed_run)
     frames = (0, 20, 39, 41, 60, 71, 73, 100, 111)
     windows = {frame: next(one for one, share in SHOWN if frame in share) for frame in frames}
     return {
@@ -94,7 +95,10 @@ def of_windows(run: Path) -> dict[int, tuple[int, np.ndarray]]:
 
 
 def test_of_a_long_clip_the_mesh_of_each_window_has_its_turn_in_one_file(
-    windowed_run: Path, vesselsplat: Callable[..., Call], tmp_path: Path
+    windowed_run: Path,
+    of_windows: dict[int, tuple[int, np.ndarray]],
+    vesselsplat: Callable[..., Call],
+    tmp_path: Path,
 ) -> None:
     """Shown and blended by the rules of glTF, from the arrays of the file alone."""
     path, scene = tmp_path / "a.glb", open_scene(windowed_run)
@@ -107,7 +111,7 @@ def test_of_a_long_clip_the_mesh_of_each_window_has_its_turn_in_one_file(
         for one in animation["channels"]
     }
     assert [node.get("scale", [1, 1, 1]) for node in document["nodes"]] == [[1] * 3, [0] * 3, [0] * 3]
-    for frame, (window, vertices) in of_windows(windowed_run).items():
+    for frame, (window, vertices) in of_windows.items():
         time = frame / 15 + 1e-4
         sizes = []
         for node in range(3):
@@ -129,14 +133,17 @@ def test_of_a_long_clip_the_mesh_of_each_window_has_its_turn_in_one_file(
 
 
 def test_usd_shows_the_mesh_of_each_window_in_its_turn(
-    windowed_run: Path, vesselsplat: Callable[..., Call], tmp_path: Path
+    windowed_run: Path,
+    of_windows: dict[int, tuple[int, np.ndarray]],
+    vesselsplat: Callable[..., Call],
+    tmp_path: Path,
 ) -> None:
     path, scene = tmp_path / "a.usdc", open_scene(windowed_run)
     done = vesselsplat("export", windowed_run, "--mesh", path, "--vertices", 500)
     assert done.code == 0, done.error
     stage = Usd.Stage.Open(str(path))
     meshes = [UsdGeom.Mesh(prim) for prim in stage.GetDefaultPrim().GetChildren()]
-    for frame, (window, vertices) in of_windows(windowed_run).items():
+    for frame, (window, vertices) in of_windows.items():
         hidden = [mesh.ComputeVisibility(frame) == UsdGeom.Tokens.invisible for mesh in meshes]
         assert hidden == [place != window for place in range(3)], frame
         shown = np.array(meshes[window].GetPointsAttr().Get(frame)) * [1, -1, -1]
