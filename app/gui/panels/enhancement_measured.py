@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
+from imgui_bundle import ImVec2, imgui, implot
 from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import Pictures
@@ -14,7 +14,7 @@ from app.enhancement.measures import DEFINITIONS, Measures
 from app.files.legible import legible
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import cell, em, explain, in_table, muted, percent
+from app.gui.style.widgets import cell, em, explain, in_table, muted, note, percent
 from app.gui.work.measuring import BINS, Measured, curves
 from enhance import Statistics
 
@@ -140,8 +140,7 @@ def _draw_table(seen: Measured) -> None:
     explain(DV_TEXT)
     _draw_rows("paper's measures", PAPER_ROWS, seen, f"{DV_TEXT} ")
     if misleads(seen.before, seen.after):
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.text_colored(theme.now().warning, MISLEADS)
+        note(MISLEADS, theme.now().warning)
 
 
 def misleads(before: Measures, after: Measures) -> bool:
@@ -160,10 +159,9 @@ def _draw_rows(name: str, rows: Rows, seen: Measured, why: str, heads: tuple[str
 
 def _draw_omitted(pictures: Pictures) -> None:
     """What this picture does without, and how much that can change."""
-    with imgui_ctx.push_text_wrap_pos(0):
-        for omission in pictures.omitted:
-            bound = f"at most {omission.error:.2f} levels" if omission.error else "changes nothing"
-            muted(legible(f"Left out: {omission.what} ({omission.why}; {bound})"))
+    for omission in pictures.omitted:
+        bound = f"at most {omission.error:.2f} levels" if omission.error else "changes nothing"
+        note(legible(f"Left out: {omission.what} ({omission.why}; {bound})"))
 
 
 def facts_of(used: Statistics, milliseconds: float) -> tuple[tuple[str, str, str], ...]:

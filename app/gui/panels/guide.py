@@ -12,7 +12,7 @@ from app.gui.actions import guide_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import FLAT, button, em, mark_row, muted, within
+from app.gui.style.widgets import FLAT, button, em, mark_row, muted, note, within
 from app.gui.views.key_words import with_keys
 from app.gui.work.shipped import Block, Guide, Page
 from renderer.clip import ByteImage
@@ -92,8 +92,7 @@ def _draw_image(block: Block, image: ByteImage | None, textures: ShowsPictures) 
         scale = min(imgui.get_content_region_avail().x / columns, em() / theme.FONT_SIZE, most)
         size = ImVec2(scale * columns, scale * rows)
         imgui.image(textures.whole(f"guide {block.name}", image), size)
-    with imgui_ctx.push_text_wrap_pos(0):
-        muted(block.text)
+    note(block.text)
 
 
 def _draw_foot(state: AppState, guide: Guide) -> None:

@@ -51,11 +51,10 @@ def draw_notice(state: AppState) -> None:
     with question("Before you begin", 30) as opened:
         if not opened:
             return
-        with imgui_ctx.push_text_wrap_pos(0):
-            imgui.spacing()
-            imgui.text_unformatted(LONG_NOTICE)
-            imgui.spacing()
-            muted(DETAILS)
+        imgui.spacing()
+        note(LONG_NOTICE, theme.now().text)
+        imgui.spacing()
+        note(DETAILS)
         imgui.spacing()
         with imgui_ctx.push_style_color(imgui.Col_.button, theme.now().lit):
             understood = imgui.button("I understand", ImVec2(-1, em(2)))

@@ -204,9 +204,8 @@ def _draw_omission(state: AppState, omission: Omission) -> None:
 
 
 def _draw_messages(run: Reconstruction) -> None:
-    with imgui_ctx.push_text_wrap_pos(0):
-        for warning in run.warnings[-3:]:
-            imgui.text_colored(theme.now().warning, capital(legible(without_flags(warning))))
+    for warning in run.warnings[-3:]:
+        note(capital(legible(without_flags(warning))), theme.now().warning)
     if run.omitted and imgui.tree_node("What is left out###left out"):
         for omission in run.omitted:
             note(f"{capital(omission.what)}: {omission.why}")

@@ -9,7 +9,7 @@ from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.swept import MARKERS, draw_swept, nearest, ring
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import centered, choose, em, muted
+from app.gui.style.widgets import centered, choose, em, muted, note
 from app.gui.views.key_words import with_keys
 from app.gui.work.reported import Chart, Scale, current
 from app.gui.work.reported_tables import ReportPart, ShownTable
@@ -111,9 +111,8 @@ def draw_part(part: ReportPart) -> None:
     """Closed until it is asked for."""
     if not imgui.collapsing_header(part.title):
         return
-    with imgui_ctx.push_text_wrap_pos(0):
-        for sentence in part.sentences:
-            imgui.text_wrapped(sentence)
+    for sentence in part.sentences:
+        imgui.text_wrapped(sentence)
     for place, table in enumerate(part.tables):
         if imgui.tree_node(f"{table.title}##{part.title}{place}"):
             draw_table(table, f"{part.title}{place}")
@@ -137,8 +136,7 @@ def draw_table(table: ShownTable, key: str) -> None:
             imgui.table_headers_row()
             _draw_rows(table)
     if table.note:
-        with imgui_ctx.push_style_color(imgui.Col_.text, theme.now().muted):
-            imgui.text_wrapped(table.note)
+        note(table.note)
     imgui.dummy(ImVec2(0, em(0.3)))
 
 

@@ -37,6 +37,7 @@ from app.gui.style.widgets import (
     em,
     explain,
     muted,
+    note,
 )
 from app.gui.work.tuning import GridCell
 from enhance import EnhanceParams, VesselParams
@@ -284,8 +285,7 @@ def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> Non
     words = f"{said(setting)}   {in_words(cell.measures) if cell is not None else '…'}"
     beside_of(imgui.calc_text_size(words).x, 1)
     imgui.align_text_to_frame_padding()
-    with imgui_ctx.push_text_wrap_pos(0):
-        imgui.text_unformatted(words)
+    note(words, theme.now().text)
     explain(f"{in_the_paper(setting)} Arrows: to its neighbours.".lstrip())
     if state.tuning.look is not None and state.tuning.look.request.grid is state.tuning.grid:
         _draw_pair(state, textures, state.tuning.look)

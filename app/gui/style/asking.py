@@ -7,7 +7,8 @@ from contextlib import contextmanager
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.gui.style.widgets import em, in_line, within
+from app.gui.style import theme
+from app.gui.style.widgets import em, in_line, note, within
 
 
 @contextmanager
@@ -30,9 +31,8 @@ def ask(title: str, sentences: Iterable[str], replies: Sequence[str], *, moot: b
     with question(title, 27) as opened:
         if not opened:
             return reply
-        with imgui_ctx.push_text_wrap_pos(0):
-            for sentence in sentences:
-                imgui.text_unformatted(sentence)
+        for sentence in sentences:
+            note(sentence, theme.now().text)
         imgui.spacing()
         for label, width in in_line(replies):
             if imgui.button(label, ImVec2(em(width), em(2))):
