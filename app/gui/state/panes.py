@@ -11,7 +11,7 @@ from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings, preset_o
 from app.enhancement.settable import ENHANCED, ORIGINAL, RENDER, Mode
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
 from app.exports.page import describe
-from app.files.legible import legible, named
+from app.files.legible import grouped, legible, named
 from app.gui.state.app_state import AppState
 from app.gui.state.live_words import live_tags
 from app.gui.state.tags import Tag, cautions
@@ -162,13 +162,19 @@ def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
     if source == RENDER and model is not None:
         frames = model.record.trained_on
         what = f"RENDER · {legible(model.name)}" + (f" · from {legible(frames)}" if frames else "")
-        name = "LIVE PREVIEW" if state.runs.reconstruction.is_of(model.name) else "UNFINISHED"
-        live = (Tag(f"{name} · iteration {model.iteration}", "caution"),) if model.live else ()
-        return Tag(what, "enhanced"), *live
+        return Tag(what, "enhanced"), *progress_tags(state, model)
     if made.made is None:
         return (Tag(f"METHOD {named(source)}", "enhanced"),)
     head = f"STORED {source}" if source in ("A", "B") else f"METHOD {named(source)}, defaults"
     return Tag(head, "enhanced"), Tag(describe(made.made))
+
+
+def progress_tags(state: AppState, model: Scene) -> tuple[Tag, ...]:
+    """How far a model is whose training is not at its end."""
+    if not model.live:
+        return ()
+    name = "LIVE PREVIEW" if state.runs.reconstruction.is_of(model.name) else "UNFINISHED"
+    return (Tag(f"{name} · iteration {grouped(model.iteration)} / {grouped(model.iterations)}", "caution"),)
 
 
 def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:

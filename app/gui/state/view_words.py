@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.files.legible import grouped, legible, named
+from app.files.legible import legible, named
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import frame_share, hides_enhancement
+from app.gui.state.panes import frame_share, hides_enhancement, progress_tags
 from app.gui.state.tags import Tag, Tone
 from app.gui.views.measurement import LEAST_CORNERS, Measurement
 from app.kernels.progress import rounded
@@ -25,11 +25,7 @@ def view_tags(state: AppState, shown: ViewRequest | None) -> tuple[Tag, ...]:
     tags: list[Tag] = []
     if state.shows_other_clip:
         tags.append(Tag(f"OF ANOTHER CLIP · {legible(model.title)}", "caution"))
-    if model.live:
-        count = f"{grouped(model.iteration)} / {grouped(model.iterations)}"
-        name = "LIVE PREVIEW" if state.runs.reconstruction.is_of(model.name) else "UNFINISHED"
-        tags.append(Tag(f"{name} · iteration {count}", "caution"))
-    tags += [*_model_tags(state, shown), *_guess_tags(model)]
+    tags += [*progress_tags(state, model), *_model_tags(state, shown), *_guess_tags(model)]
     if hides_enhancement(state, model) and not _is_under_frame(state):
         tags.append(Tag(f"OF {str(model.record.input).upper()} FRAMES · not white light", "caution"))
     if model is not second:
