@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Final, Literal
 
 import cv2
-import numpy as np
 
 from app.errors import UserError
 from app.files.atomic import write_bytes
 from app.gui.session_file import SUFFIX, readable_session
 from app.gui.work.opening import VIEW_SUFFIXES
+from app.gui.work.thumbnails import shrunk
 from app.runs.run_folder import RunFolder
 from app.sweeps.folder import is_sweep
 from renderer.clip import ByteImage, ClipError
@@ -107,15 +107,9 @@ def _made(path: Path) -> ByteImage | None:
             record = run.record()
             path, options = Path(record.clip.path), record.clip.options
         clip = open_case(path, options)
-        return _small(clip.read_image(len(clip) // 2))
+        return shrunk(clip.read_image(len(clip) // 2), SIDE, SIDE)
     except TROUBLE:
         return None
-
-
-def _small(image: ByteImage) -> ByteImage:
-    factor = min(1.0, SIDE / max(image.shape[:2]))
-    size = (max(1, round(factor * image.shape[1])), max(1, round(factor * image.shape[0])))
-    return np.ascontiguousarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
 def _kept(file: Path) -> ByteImage | None:

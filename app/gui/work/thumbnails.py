@@ -1,4 +1,4 @@
-"""What each preset makes of the frame on screen, small, so that choosing one is looking."""
+"""Small images: of what each preset makes of the frame on screen, so that choosing one is looking."""
 
 from __future__ import annotations
 
@@ -38,16 +38,22 @@ class Thumbnails:
 def make_thumbnails(request: ThumbnailsRequest) -> Iterator[Thumbnails]:
     """Raises ImageError."""
     original = request.pictures.original
-    factor = min(1.0, SIDE / max(original.shape[:2]))
-    size = (max(1, round(factor * original.shape[1])), max(1, round(factor * original.shape[0])))
-    enhancer = MethodEnhancer()
-    small = np.ascontiguousarray(cv2.resize(original, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-    enhancer.show(small, None, drawn(request.pictures.request.pixels))
+    factor, enhancer = min(1.0, SIDE / max(original.shape[:2])), MethodEnhancer()
+    enhancer.show(shrunk(original, SIDE, SIDE), None, drawn(request.pictures.request.pixels))
     images = {
         name: np.asarray(enhancer.enhance(smaller(look, factor)).image, np.uint8)
         for name, look in request.looks
     }
     yield Thumbnails(request, images)
+
+
+def shrunk(image: ByteImage, width: int, height: int) -> ByteImage:
+    """(h, w, 3): as large as it fits into so many pixels, and no larger than it is."""
+    scale = min(width / image.shape[1], height / image.shape[0])
+    if scale >= 1:
+        return image
+    size = max(1, round(scale * image.shape[1])), max(1, round(scale * image.shape[0]))
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
 def smaller(look: EnhancementSettings, factor: float) -> EnhancementSettings:

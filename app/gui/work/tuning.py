@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import cv2
-import numpy as np
-
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.enhancement.measures import Measures
 from app.enhancement.parameter_grid import Setting
 from app.gui.work.measuring import Reference
+from app.gui.work.thumbnails import shrunk
 from renderer.clip import ByteImage
 
-THUMB_WIDTH, THUMB_HEIGHT = 480, 960
-"""Pixels of a tile at most; one of a smaller picture is as large as that."""
+TILE = (480, 960)
+"""Pixels across and down of a tile at most; one of a smaller picture is as large as that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,20 +61,10 @@ class CellMaker:
         pictures = list(self._pictures.make(wanted))[-1]
         assert pictures.enhanced is not None
         if self._known is None or self._known[0].original.image is not pictures.original:
-            self._known = Reference.of(pictures.original), thumbnail(pictures.original)
+            self._known = Reference.of(pictures.original), shrunk(pictures.original, *TILE)
         of, small = self._known
         measures = of.original.measures(pictures.enhanced, pictures.milliseconds)
         image, original = pictures.enhanced, pictures.original
         if not request.whole:
-            image, original = thumbnail(image), small
+            image, original = shrunk(image, *TILE), small
         yield GridCell(request, image, measures, original, of.measures)
-
-
-def thumbnail(image: ByteImage) -> ByteImage:
-    """(H, W, 3): the picture as large as a tile has room for, and no larger than it is."""
-    height, width = image.shape[:2]
-    scale = min(THUMB_WIDTH / width, THUMB_HEIGHT / height)
-    if scale >= 1:
-        return image
-    size = max(1, round(scale * width)), max(1, round(scale * height))
-    return cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.uint8)

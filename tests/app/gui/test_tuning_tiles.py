@@ -15,7 +15,8 @@ from app.gui.state.app_state import AppState
 from app.gui.state.tags import Tag
 from app.gui.style import theme
 from app.gui.update.channels import Channels
-from app.gui.work.tuning import THUMB_HEIGHT, THUMB_WIDTH, thumbnail
+from app.gui.work.thumbnails import shrunk
+from app.gui.work.tuning import TILE
 from tests.app.gui.test_tuning import finish, turn
 from tests.app.gui.ui import Shown, Ui
 
@@ -29,11 +30,11 @@ def channels() -> Channels:
     ("size", "tile"),
     [
         ((48, 40), (48, 40)),
-        ((1920, 1080), (THUMB_WIDTH, 270)),
-        ((960, 960), (THUMB_WIDTH, THUMB_WIDTH)),
-        ((1, 3000), (1, THUMB_HEIGHT)),
+        ((1920, 1080), (TILE[0], 270)),
+        ((960, 960), (TILE[0], TILE[0])),
+        ((1, 3000), (1, TILE[1])),
         ((4, 400), (4, 400)),
-        ((3000, 1), (THUMB_WIDTH, 1)),
+        ((3000, 1), (TILE[0], 1)),
     ],
 )
 def test_a_tile_is_no_larger_than_its_picture_or_its_room(
@@ -41,7 +42,7 @@ def test_a_tile_is_no_larger_than_its_picture_or_its_room(
 ) -> None:
     """Width and height, also of strips."""
     image = np.full((size[1], size[0], 3), 90, np.uint8)
-    made = thumbnail(image)
+    made = shrunk(image, *TILE)
     assert made.shape == (tile[1], tile[0], 3)
     assert (made == 90).all()
 
