@@ -21,9 +21,8 @@ from app.gui.panels.enhancement_measured import draw_curves, draw_measures
 from app.gui.panels.small_picture import draw_small
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
-from app.gui.style.asking import ask
+from app.gui.style.asking import ask, ask_name
 from app.gui.style.fields import NUMBERS, amount, declared, number, slide, slide_auto, slider, with_beside
-from app.gui.style.naming import ask_name
 from app.gui.style.widgets import (
     FLAT,
     NAMES,

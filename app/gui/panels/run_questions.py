@@ -8,8 +8,7 @@ from app.files.legible import grouped, legible
 from app.gui.actions import changing_runs
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import RunQuestion
-from app.gui.style.asking import ask
-from app.gui.style.naming import ask_name
+from app.gui.style.asking import ask, ask_name
 from app.runs.run_changes import Footprint, folder_name
 
 RENAME, DELETE = "Rename the run", "Delete the run?"

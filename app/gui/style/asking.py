@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui.style import theme
-from app.gui.style.widgets import em, in_line, note, within
+from app.gui.style.widgets import button, em, in_line, muted, note, shortened, within
 
 
 @contextmanager
@@ -44,6 +44,41 @@ def ask(title: str, sentences: Iterable[str], replies: Sequence[str], *, moot: b
         if reply:
             close_question()
     return reply
+
+
+def ask_name(
+    title: str,
+    label: str,
+    name: str,
+    type_name: Callable[[str], None],
+    why_not: Callable[[], str],
+    becomes: str,
+) -> bool | None:
+    """The question for another name: whether what stands in the field is agreed to; None as long as nothing
+    is decided.
+
+    `type_name` takes what is typed; `why_not` says why it cannot be the name, empty when it can.
+    """
+    with question(title, 27) as opened:
+        if not opened:
+            return None
+        imgui.text_unformatted(label)
+        if imgui.is_window_appearing():
+            imgui.set_keyboard_focus_here()
+        imgui.set_next_item_width(-1)
+        entered, typed = imgui.input_text("##name", name, imgui.InputTextFlags_.enter_returns_true)
+        type_name(typed)
+        reason = why_not()
+        # A line either way: the buttons stay where they are.
+        muted(shortened(becomes, imgui.get_content_region_avail().x) or " ")
+        agreed, given_up = entered and not reason, imgui.is_key_pressed(imgui.Key.escape)
+        for reply, width in in_line(("Rename", "Cancel")):
+            if button(reply, width=width, reason=reason if reply == "Rename" else ""):
+                agreed, given_up = reply == "Rename", reply == "Cancel"
+        if not (agreed or given_up):
+            return None
+        close_question()
+        return agreed
 
 
 def take_enter() -> None:

@@ -14,7 +14,7 @@ from app.gui.actions import actions, browse_actions
 from app.gui.panels import cameras, file_browser, menus, runs, summary
 from app.gui.state.app_state import AppState
 from app.gui.state.summary import Item
-from app.gui.style import naming
+from app.gui.style.asking import ask_name
 from app.gui.work.listing import ListRequest, list_folder
 from app.gui.work.runs import FoundRuns, ListedRun
 from app.runs.progress_log import TrainingLog
@@ -99,9 +99,7 @@ def test_of_images_of_a_case(state: AppState, drawn: Callable[[Draw], list[str]]
 
 def test_of_what_a_folder_becomes(drawn: Callable[[Draw], list[str]]) -> None:
     name = NAMES[0]
-    (said,) = set(
-        drawn(lambda: naming.ask_name("Rename", "Name", "a", lambda typed: None, str, f"Becomes {name}"))
-    )
+    (said,) = set(drawn(lambda: ask_name("Rename", "Name", "a", lambda typed: None, str, f"Becomes {name}")))
     assert (said[:7], said[-1]) == ("Becomes", "1")
 
 
