@@ -11,7 +11,7 @@ from app.gui.actions import actions, arriving, run_actions, second_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import RunQuestion
 from app.gui.work.background import Failure
-from app.gui.work.changing_runs import Changed, ChangeRequest
+from app.gui.work.changing_runs import ChangeRequest
 from app.gui.work.runs import ListedRun
 from app.runs.run_changes import Footprint, folder_name
 
@@ -88,27 +88,27 @@ def answer(state: AppState, *, agreed: bool) -> None:
         state.window.wishes += (ChangeRequest(question.path, question.name, question.is_for_good),)
 
 
-def take_changed(state: AppState, request: ChangeRequest, answer: Changed | Failure) -> None:
+def take_changed(state: AppState, request: ChangeRequest, answer: Path | Failure | None) -> None:
     """Say it, and show the run by its new name, or its clip without it."""
     name = legible(request.path.name)
     if isinstance(answer, Failure):
         verb = "deleted" if request.name is None else "renamed"
         actions.fail(state, f"the run {name} was not {verb}: {answer.message}")
         return
-    if answer.path == request.path:
+    if answer == request.path:
         return
     gone = f"deleted {name}" if request.for_good else f"moved {name} to the bin"
-    now = f"the run {name} is now called {legible(answer.path.name)}" if answer.path is not None else gone
+    now = f"the run {name} is now called {legible(answer.name)}" if answer is not None else gone
     actions.announce(state, now)
-    state.settings = state.settings.moved(request.path, answer.path)
+    state.settings = state.settings.moved(request.path, answer)
     actions.save_settings(state)
     second = state.scene.second.shown
     if second is not None and second.path == request.path:
         second_actions.close_second(state)
-        if answer.path is not None:
-            second_actions.open_second(state, answer.path)
+        if answer is not None:
+            second_actions.open_second(state, answer)
     if is_shown(state, request.path):
-        _follow(state, request.path, answer.path)
+        _follow(state, request.path, answer)
 
 
 def _follow(state: AppState, before: Path, path: Path | None) -> None:

@@ -20,21 +20,13 @@ class ChangeRequest:
     """Past the system's bin."""
 
 
-@dataclass(frozen=True)
-class Changed:
-    """What has become of it."""
-
-    path: Path | None
-    """Where it lies now; None: nowhere."""
-
-
-def change_run(request: ChangeRequest) -> Iterator[Changed]:
-    """Answers a ChangeRequest. Raises OSError or UserError."""
+def change_run(request: ChangeRequest) -> Iterator[Path | None]:
+    """Where it lies now; None: nowhere. Raises OSError or UserError."""
     if request.name is None:
         delete_run(request.path, for_good=request.for_good)
-        yield Changed(None)
+        yield None
     else:
-        yield Changed(rename_run(request.path, request.name))
+        yield rename_run(request.path, request.name)
 
 
 def measure_folder(path: Path) -> Iterator[Footprint]:

@@ -23,7 +23,7 @@ from app.gui.session_file import MOST_ITEMS, SessionSource, mended_session, writ
 from app.gui.state.app_state import AppState
 from app.gui.state.summary import Item
 from app.gui.update.channels import Channels
-from app.gui.work.changing_runs import Changed, ChangeRequest
+from app.gui.work.changing_runs import ChangeRequest
 from app.gui.work.settings import Places
 from assets import phantom_path
 from enhance import EnhanceParams
@@ -257,7 +257,7 @@ def test_a_changed_run_does_not_take_the_place_of_what_is_opened(
     state = window[0]
     actions.open_path(state, clips[1])
     wanted = state.source.opening
-    changing_runs.take_changed(state, ChangeRequest(run, None, for_good=True), Changed(None))
+    changing_runs.take_changed(state, ChangeRequest(run, None, for_good=True), None)
     assert state.source.opening is wanted
     views = clips[0] / "views.json"
     actions.open_path(state, views)

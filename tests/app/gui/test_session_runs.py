@@ -20,7 +20,7 @@ from app.gui.actions import (
 from app.gui.session_file import mended_session
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.work.changing_runs import Changed, ChangeRequest
+from app.gui.work.changing_runs import ChangeRequest
 from app.gui.work.settings import Places
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
@@ -89,7 +89,7 @@ def test_a_run_of_another_clip_ends_the_session_after_a_question(
 
 def renamed(window: Window, run: Path) -> Path:
     path = run.rename(run.with_name("two"))
-    changing_runs.take_changed(window[0], ChangeRequest(run, "two"), Changed(path))
+    changing_runs.take_changed(window[0], ChangeRequest(run, "two"), path)
     return path
 
 
@@ -122,7 +122,7 @@ def test_a_session_goes_on_with_the_clip_of_a_run_that_is_deleted(
 ) -> None:
     state = noted[0]
     shutil.rmtree(run)
-    changing_runs.take_changed(state, ChangeRequest(run, None), Changed(None))
+    changing_runs.take_changed(state, ChangeRequest(run, None), None)
     session_actions.save(state)
     settle(noted)
     assert (state.scene.model, state.source.path, state.source.content) == (None, clip, "clip")
