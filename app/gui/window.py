@@ -46,18 +46,18 @@ from app.gui.panels.about import draw_about
 from app.gui.panels.batches import draw_batches
 from app.gui.panels.cameras import draw_cameras
 from app.gui.panels.compare import draw_compare
-from app.gui.panels.editing import PANEL, draw_edit_tools, draw_editing
+from app.gui.panels.editing import PANEL, draw_edit_question, draw_edit_tools, draw_editing
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.panels.export import draw_export
 from app.gui.panels.file_browser import draw_browser
 from app.gui.panels.guide import draw_guide
 from app.gui.panels.live import draw_live_choice
-from app.gui.panels.masking import draw_masking
+from app.gui.panels.masking import draw_masking, draw_masking_question
 from app.gui.panels.palette import draw_palette
 from app.gui.panels.presentation import draw_presentation
-from app.gui.panels.questions import draw_questions
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.report import draw_report
+from app.gui.panels.run_questions import draw_run_question
 from app.gui.panels.runs import draw_runs
 from app.gui.panels.summary import draw_summary
 from app.gui.panels.timeline import draw_timeline
@@ -340,7 +340,9 @@ class Window:
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
         overlays.draw_help(self.state, self._commands)
-        draw_questions(self.state)
+        draw_edit_question(self.state)
+        draw_run_question(self.state)
+        draw_masking_question(self.state)
         overlays.draw_notice(self.state)
         draw_export(self.state)
         draw_batches(self.state)

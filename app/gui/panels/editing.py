@@ -165,7 +165,7 @@ def _draw_range(state: AppState, editing: Editing, trait: Trait) -> None:
         edit_actions.select_range(state, trait, (low, high))
 
 
-def draw_question(state: AppState) -> None:
+def draw_edit_question(state: AppState) -> None:
     """Before unsaved edits are lost."""
     if state.editing.leaving is None:
         return
