@@ -160,10 +160,9 @@ def _draw_thumbnail(state: AppState, name: str, textures: ShowsPictures) -> bool
     area = Area.here(ImVec2(em(WIDEST), em(HEIGHT)))
     imgui.dummy(area.size)
     clicked = imgui.is_item_clicked()
-    is_made = made is not None and made.request.pictures.original is pictures.original
-    image = made.images.get(name) if made is not None and is_made else None
+    images = made.images if made is not None and made.request.pictures.original is pictures.original else {}
     waits = state.lacks(PAPER) or state.lacks(VESSEL)
-    draw_small(textures, f"preset {name}", image, area, PREPARING if waits else "")
+    draw_small(textures, f"preset {name}", images.get(name), area, PREPARING if waits else "")
     return clicked
 
 
