@@ -19,7 +19,7 @@ import numpy as np
 from imgui_bundle.immapp import testing
 
 from app.enhancement.frame_enhancer import Pictures
-from app.gui.actions import export_actions, remembered
+from app.gui.actions import floating_windows, remembered
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.work.settings import Settings
@@ -195,7 +195,7 @@ def _take(shots: Shots) -> None:
         person.ctx.yield_(SETTLED)
     shots.measured("measure.jpg")
     person.press(K.m)
-    export_actions.toggle_export(state)
+    floating_windows.toggle(state.exports)
     person.ctx.yield_(SETTLED)
     shots.guide("6-export.jpg", "//Export")
 

@@ -10,12 +10,12 @@ import numpy as np
 from imgui_bundle import ImVec2
 
 from app.gui.actions import (
-    about_actions,
     actions,
     clip_actions,
     closing,
     edit_actions,
     export_actions,
+    floating_windows,
     second_actions,
     tuning_actions,
 )
@@ -79,10 +79,10 @@ def start(person: Person, model: Model) -> Iterator[str]:
     person.wait(lambda: person.state.guide.pages is not None, "the guide")
     yield "guide"
     person.press(K.escape)
-    about_actions.toggle_about(person.state)
+    floating_windows.toggle(person.state.about)
     person.wait(lambda: person.state.about.facts is not None, "what the program is")
     yield "about"
-    about_actions.toggle_about(person.state)
+    floating_windows.toggle(person.state.about)
 
 
 def pictures(person: Person, model: Model) -> Iterator[str]:

@@ -7,14 +7,6 @@ from app.gui.work.about import About
 from app.gui.work.revealing import RevealRequest
 
 
-def toggle_about(state: AppState) -> None:
-    state.about.shown = not state.about.shown
-
-
-def show_about(state: AppState, shown: bool) -> None:
-    state.about.shown = shown
-
-
 def take_about(state: AppState, request: str, about: About) -> None:
     state.about.facts = about
 

@@ -32,15 +32,6 @@ PIXELS_SAID: Final[Mapping[Pixels, str]] = MappingProxyType(
 )
 
 
-def toggle_batches(state: AppState) -> None:
-    state.batches.shown = not state.batches.shown
-
-
-def show_batches(state: AppState, shown: bool) -> None:
-    """The panel."""
-    state.batches.shown = shown
-
-
 def add_input(state: AppState, path: Path) -> None:
     """A file or a folder, once."""
     if path.absolute() not in state.batches.inputs:

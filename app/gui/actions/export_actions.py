@@ -33,10 +33,6 @@ SETTLING = 3
 """Frames after which the menu or the panel that was clicked has gone."""
 
 
-def toggle_export(state: AppState) -> None:
-    state.exports.shown = not state.exports.shown
-
-
 def choose_what(state: AppState, what: What) -> None:
     """The next export is of this, in the panel, by its own name."""
     if what != state.exports.what:
@@ -223,11 +219,6 @@ def cancelled(state: AppState) -> None:
     """Nothing has been written."""
     state.exports.under_way = None
     actions.announce(state, "export cancelled")
-
-
-def show_exports(state: AppState, shown: bool) -> None:
-    """The panel."""
-    state.exports.shown = shown
 
 
 def choose_sizing(state: AppState, sizing: Sizing) -> None:

@@ -23,15 +23,6 @@ PAGES: Final = MappingProxyType(
 """Of each panel, the page that is about it."""
 
 
-def toggle_guide(state: AppState) -> None:
-    """Where it was left."""
-    state.guide.shown = not state.guide.shown
-
-
-def show_guide(state: AppState, shown: bool) -> None:
-    state.guide.shown = shown
-
-
 def open_about(state: AppState, panel: str) -> None:
     """At the page of a panel; on the guide itself, close it."""
     if panel == TITLE:

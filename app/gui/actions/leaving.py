@@ -5,33 +5,36 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from app.gui.actions import (
-    about_actions,
     actions,
-    batch_actions,
     camera_actions,
     clip_actions,
     edit_actions,
-    export_actions,
+    floating_windows,
     guide_actions,
-    live_actions,
     masking_actions,
     presenting,
-    summary_actions,
     tuning_actions,
     window_actions,
 )
+from app.gui.actions.floating_windows import Floating
 from app.gui.state.app_state import AppState
 
 Open = tuple[Callable[[AppState], bool], Callable[[AppState], None]]
 """Whether one kind of thing is open, and how it is left."""
+
+
+def _window(part: Callable[[AppState], Floating]) -> Open:
+    return lambda s: part(s).shown, lambda s: floating_windows.show(part(s), False)
+
+
 FLOATING: dict[str, Open] = {
-    "About VesselSplat": (lambda s: s.about.shown, about_actions.toggle_about),
-    guide_actions.TITLE: (lambda s: s.guide.shown, guide_actions.toggle_guide),
+    "About VesselSplat": _window(lambda s: s.about),
+    guide_actions.TITLE: _window(lambda s: s.guide),
     "Keys and mouse": (lambda s: s.window.help_open, lambda s: actions.show_help(s, False)),
-    "Open live source": (lambda s: s.live.choice.shown, lambda s: live_actions.show_choice(s, False)),
-    "Export": (lambda s: s.exports.shown, export_actions.toggle_export),
-    "Case summary": (lambda s: s.summary.shown, summary_actions.toggle_summary),
-    "Enhance files and folders": (lambda s: s.batches.shown, batch_actions.toggle_batches),
+    "Open live source": _window(lambda s: s.live.choice),
+    "Export": _window(lambda s: s.exports),
+    "Case summary": _window(lambda s: s.summary),
+    "Enhance files and folders": _window(lambda s: s.batches),
 }
 """Windows that lie over each other, by their titles."""
 INNERMOST_FIRST: tuple[Open, ...] = (

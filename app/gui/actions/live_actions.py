@@ -31,10 +31,6 @@ def choose_source(state: AppState) -> None:
     choice.shown, choice.looks, choice.found, choice.trouble = True, choice.looks + 1, None, ""
 
 
-def show_choice(state: AppState, shown: bool) -> None:
-    state.live.choice.shown = shown
-
-
 def type_address(state: AppState, text: str) -> None:
     state.live.choice.text, state.live.choice.trouble = text, ""
 

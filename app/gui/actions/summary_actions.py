@@ -22,15 +22,6 @@ from renderer.clip import ByteImage
 STEM = "case-summary"
 
 
-def toggle_summary(state: AppState) -> None:
-    state.summary.shown = not state.summary.shown
-
-
-def show_summary(state: AppState, shown: bool) -> None:
-    """The panel."""
-    state.summary.shown = shown
-
-
 def why_not_add(state: AppState) -> str:
     """What is lacking, in a sentence; empty when what is shown can be added."""
     if len(state.summary.items) + len(state.summary.awaited) >= MOST_ITEMS:

@@ -6,7 +6,7 @@ from functools import partial
 
 from imgui_bundle import imgui
 
-from app.gui.actions import about_actions, actions, guide_actions
+from app.gui.actions import about_actions, actions, floating_windows, guide_actions
 from app.gui.commands.command import Command, Section, menu
 from app.gui.state.app_state import AppState
 
@@ -30,7 +30,7 @@ def help_sections() -> tuple[Section, ...]:
     about = (
         Command("Open log folder", about_actions.open_log_folder, synonyms=("bug", "errors", "support"),
                 text="errors of this and earlier sessions, for bug reports"),
-        Command("About VesselSplat", about_actions.toggle_about,
+        Command("About VesselSplat", lambda s: floating_windows.toggle(s.about),
                 text="version, licences, and what to copy into a bug report",
                 synonyms=("version", "licence", "license", "bug", "system", "credits")),
     )  # fmt: skip

@@ -9,7 +9,7 @@ from typing import Final
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui.actions import about_actions
+from app.gui.actions import about_actions, floating_windows
 from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -34,7 +34,7 @@ def draw_about(state: AppState, copy: Callable[[str], None]) -> None:
     if not state.about.shown or about is None:
         return
     with imgui_ctx.begin(TITLE, True, floating(WIDTH) | imgui.WindowFlags_.no_saved_settings) as window:
-        about_actions.show_about(state, bool(window.opened))
+        floating_windows.show(state.about, bool(window.opened))
         if not window:
             return
         with imgui_ctx.push_font(None, 1.5 * theme.FONT_SIZE):

@@ -8,7 +8,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import legible
-from app.gui.actions import actions, batch_actions
+from app.gui.actions import actions, batch_actions, floating_windows
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Kind
 from app.gui.style import theme
@@ -40,7 +40,7 @@ def draw_batches(state: AppState) -> None:
     if not batches.shown:
         return
     with imgui_ctx.begin("Enhance files and folders", True, floating(42)) as window:
-        batch_actions.show_batches(state, bool(window.opened))
+        floating_windows.show(state.batches, bool(window.opened))
         if not window:
             return
         note(TEXT)

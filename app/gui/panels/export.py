@@ -12,7 +12,7 @@ from app.exports.sizing import LEAST_WIDTH, MOST_WIDTH, Sizing
 from app.files.codecs import HEVC, WEBM
 from app.files.dicom.choices import DicomChoices
 from app.files.legible import legible, located
-from app.gui.actions import actions, export_actions
+from app.gui.actions import actions, export_actions, floating_windows
 from app.gui.actions.export_doubts import doubts
 from app.gui.actions.export_lacks import lacks
 from app.gui.actions.export_offers import DICOM, FORMATS, GROUPS, OFFERS, VIDEOS, Form, Offer
@@ -110,7 +110,7 @@ def draw_export(state: AppState) -> None:
         imgui_ctx.push_style_var(imgui.StyleVar_.alpha, alpha),
         imgui_ctx.begin("Export", True, beside) as window,
     ):
-        export_actions.show_exports(state, bool(window.opened))
+        floating_windows.show(state.exports, bool(window.opened))
         if not window:
             return
         height = _list_height()

@@ -8,7 +8,7 @@ from typing import Final
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.gui.actions import guide_actions
+from app.gui.actions import floating_windows, guide_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -40,7 +40,7 @@ def draw_guide(state: AppState, textures: ShowsPictures) -> None:
     imgui.set_next_window_size(within(62, 40), imgui.Cond_.appearing)
     flags = imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking
     with imgui_ctx.begin(guide_actions.TITLE, True, flags | imgui.WindowFlags_.no_saved_settings) as window:
-        guide_actions.show_guide(state, bool(window.opened))
+        floating_windows.show(state.guide, bool(window.opened))
         guide = state.guide.pages
         if not window or guide is None:
             return
@@ -105,4 +105,4 @@ def _draw_foot(state: AppState, guide: Guide) -> None:
     imgui.same_line(0, em(1))
     muted(f"{page + 1} of {last + 1}")
     imgui.same_line(imgui.get_window_width() - em(8))
-    button("Close", partial(guide_actions.show_guide, state, False), width=7)
+    button("Close", partial(floating_windows.show, state.guide, False), width=7)

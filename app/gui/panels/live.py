@@ -11,7 +11,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import as_label
-from app.gui.actions import actions, export_actions, live_actions
+from app.gui.actions import actions, export_actions, floating_windows, live_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.state.app_state import AppState
 from app.gui.state.live import EYES, RATES, SIZES
@@ -141,7 +141,7 @@ def draw_live_choice(state: AppState, textures: ShowsPictures) -> None:
     if not choice.shown:
         return
     with imgui_ctx.begin(TITLE, True, floating(WIDTH) | imgui.WindowFlags_.no_saved_settings) as window:
-        live_actions.show_choice(state, bool(window.opened))
+        floating_windows.show(state.live.choice, bool(window.opened))
         if not window:
             return
         _draw_devices(state, textures)

@@ -9,7 +9,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.exports.exporting import UNTITLED
 from app.files.legible import legible, located
-from app.gui.actions import actions, export_actions, summary_actions
+from app.gui.actions import actions, export_actions, floating_windows, summary_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
@@ -40,7 +40,7 @@ def draw_summary(state: AppState, textures: ShowsPictures) -> None:
     if not state.summary.shown:
         return
     with imgui_ctx.begin("Case summary", True, floating(40)) as window:
-        summary_actions.show_summary(state, bool(window.opened))
+        floating_windows.show(state.summary, bool(window.opened))
         if not window:
             return
         note(TEXT)

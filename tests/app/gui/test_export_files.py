@@ -14,7 +14,7 @@ from app.exports.replay.again import replay
 from app.files.image_files import read_image, write_image
 from app.files.provenance import read_provenance
 from app.files.video_encoder import VideoEncoder
-from app.gui.actions import actions, closing, export_actions
+from app.gui.actions import actions, closing, export_actions, floating_windows
 from app.gui.actions.export_names import default_name, why_not_name
 from app.gui.actions.export_offers import OFFERS
 from app.gui.commands.commands import sections
@@ -253,7 +253,7 @@ def test_the_panel_draws_every_kind_and_says_who_plays_a_video(
 def test_the_encoder_is_asked_for_once_the_panel_is_shown(run: Exporter) -> None:
     run.turn()
     assert run.state.exports.encoder is None
-    export_actions.toggle_export(run.state)
+    floating_windows.toggle(run.state.exports)
     run.turn()
     assert run.state.exports.encoder is not None
 

@@ -10,10 +10,10 @@ import pytest
 from imgui_bundle import imgui
 
 from app.gui.actions import (
-    about_actions,
     camera_actions,
     clip_actions,
     edit_actions,
+    floating_windows,
     guide_actions,
     live_actions,
     masking_actions,
@@ -47,8 +47,8 @@ THINGS: tuple[tuple[Asks, Callable[[AppState], object]], ...] = (
     (lambda s: s.exports.shown, lambda s: setattr(s.exports, "shown", True)),
     (lambda s: s.live.choice.shown, live_actions.choose_source),
     (lambda s: s.window.help_open, lambda s: setattr(s.window, "help_open", True)),
-    (lambda s: s.guide.shown, guide_actions.toggle_guide),
-    (lambda s: s.about.shown, about_actions.toggle_about),
+    (lambda s: s.guide.shown, lambda s: floating_windows.toggle(s.guide)),
+    (lambda s: s.about.shown, lambda s: floating_windows.toggle(s.about)),
 )
 """Outermost first: whether it is open, and what opens it."""
 

@@ -21,7 +21,7 @@ from app.exports.sizing import Sizing
 from app.exports.summary.page import COLUMNS
 from app.files.provenance import read_provenance
 from app.files.stepping import run_to_end
-from app.gui.actions import actions, leaving, session_actions, summary_actions
+from app.gui.actions import actions, floating_windows, leaving, session_actions, summary_actions
 from app.gui.commands.keys import chord
 from app.gui.panels.summary import draw_summary
 from app.gui.session_file import MOST_ITEMS, mended_session, write_session
@@ -189,7 +189,7 @@ def test_the_session_keeps_it(run: Exporter, tmp_path: Path) -> None:
 def test_the_panel_opens_by_its_key_is_drawn_and_left(ui: Ui, run: Exporter, texts: bool) -> None:
     state = run.state
     assert chord("Ctrl+Shift+J") is not None
-    summary_actions.toggle_summary(state)
+    floating_windows.toggle(state.summary)
     if texts:
         add(run)
         run.turn(20)

@@ -1,0 +1,20 @@
+"""Windows that float over the panels, as functions on the part of the state that each is of."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+
+class Floating(Protocol):
+    """The guide, the export, and others."""
+
+    shown: bool
+
+
+def show(window: Floating, shown: bool) -> None:
+    window.shown = shown
+
+
+def toggle(window: Floating) -> None:
+    """A guide, say, is where it was left."""
+    window.shown = not window.shown
