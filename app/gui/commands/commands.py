@@ -73,42 +73,16 @@ def has_something(state: AppState) -> bool:
 
 def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     opening = (
-        Command(
-            "Open folder…",
-            open_folder,
-            ("Ctrl+O",),
-            synonyms=("load", "case", "directory", "dataset"),
-        ),
-        Command(
-            "Open file…",
-            open_file,
-            ("Ctrl+I",),
-            text="open an image, a video, a session or a report",
-            synonyms=("load", "image", "video", "session", "report", "movie", "still", "run"),
-        ),
-        Command(
-            "Open live source…",
-            live_actions.choose_source,
-            ("Ctrl+L",),
-            text="a capture device, a stream, a file as if live, or two for both eyes",
-            synonyms=(
-                "camera",
-                "capture",
-                "stream",
-                "rtsp",
-                "webcam",
-                "grabber",
-                "device",
-                "record",
-                "stereo",
-            ),
-        ),
-        Command(
-            "Try the built-in clip",
-            actions.open_phantom,
-            synonyms=("demo", "example", "sample", "phantom", "test"),
-        ),
-    )
+        Command("Open folder…", open_folder, ("Ctrl+O",), synonyms=("load", "case", "directory", "dataset")),
+        Command("Open file…", open_file, ("Ctrl+I",), text="open an image, a video, a session or a report",
+                synonyms=("load", "image", "video", "session", "report", "movie", "still", "run")),
+        Command("Open live source…", live_actions.choose_source, ("Ctrl+L",),
+                text="a capture device, a stream, a file as if live, or two for both eyes",
+                synonyms=("camera", "capture", "stream", "rtsp", "webcam", "grabber", "device", "record",
+                          "stereo")),
+        Command("Try the built-in clip", actions.open_phantom,
+                synonyms=("demo", "example", "sample", "phantom", "test")),
+    )  # fmt: skip
     remember = (
         Command("Remember recent files", _toggle_recent, ticked=lambda s: s.settings.remember_recent,
                 text="keep a list of opened files; turning this off clears it",
@@ -157,14 +131,9 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
                 text="in the system's file manager", applies=lambda s: s.exports.last is not None),
     )  # fmt: skip
     quitting = (
-        Command(
-            "Quit",
-            lambda s: outside.quit(),
-            ("Ctrl+Q",),
-            while_typing=True,
-            synonyms=("exit", "close", "leave", "end"),
-        ),
-    )
+        Command("Quit", lambda s: outside.quit(), ("Ctrl+Q",), while_typing=True,
+                synonyms=("exit", "close", "leave", "end")),
+    )  # fmt: skip
     return (
         Section("File", opening),
         Section("File", recent_commands.opening(state), "Open recent"),
