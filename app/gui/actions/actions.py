@@ -217,16 +217,6 @@ def choose_chart(state: AppState, place: int) -> None:
     state.reports.place = place
 
 
-def pictures_came(state: AppState) -> None:
-    """Their panel is in front."""
-    state.source.asked = False
-
-
-def report_came(state: AppState) -> None:
-    """Its panel is in front."""
-    state.reports.asked = False
-
-
 def seek(state: AppState, index: int) -> None:
     """Go to a frame, kept within the clip, or to a moment of a reconstruction without one."""
     if state.is_model_alone:

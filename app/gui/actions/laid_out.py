@@ -2,7 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 from app.gui.state.app_state import AppState
+
+
+class Asked(Protocol):
+    """What has a panel that is to come to the front."""
+
+    asked: bool
+
+
+def came(part: Asked) -> None:
+    """Its panel is in front."""
+    part.asked = False
 
 
 def point(state: AppState, pointer: tuple[int, int] | None) -> None:

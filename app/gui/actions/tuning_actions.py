@@ -29,11 +29,6 @@ def toggle_tuning(state: AppState) -> None:
     state.tuning.asked = state.tuning.shown
 
 
-def came(state: AppState) -> None:
-    """Its panel is in front."""
-    state.tuning.asked = False
-
-
 def choose_axis(state: AppState, place: int, choice: Choice) -> None:
     """Vary another parameter, or other values of it, with the next grid."""
     first, second = state.tuning.choices

@@ -8,7 +8,7 @@ from typing import Final, Literal
 import glfw
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
-from app.gui.actions import actions, notes_actions, tuning_actions, window_actions
+from app.gui.actions import laid_out, notes_actions, window_actions
 from app.gui.panels import masking
 from app.gui.panels.editing import PANEL as EDIT
 from app.gui.state.app_state import AppState
@@ -191,7 +191,7 @@ def follow(state: AppState) -> None:
     panel(TUNING).is_visible = state.tuning.shown and free
     if state.tuning.asked:
         panel(TUNING).focus_window_at_next_frame = state.tuning.shown
-        tuning_actions.came(state)
+        laid_out.came(state.tuning)
     _show(panel(EDIT), state.editing.active and free)
     _show(panel(MASKS), state.masking.active and free)
     if state.session.notes_asked:
@@ -204,11 +204,11 @@ def follow(state: AppState) -> None:
         is_in_front = opened.active and not opened.hidden
         panel(name).focus_window_at_next_frame = not is_in_front
         if is_in_front:
-            actions.pictures_came(state)
+            laid_out.came(state.source)
     if state.reports.asked:
         # Once in front, it is as the View menu says.
         panel(REPORT).is_visible = panel(REPORT).focus_window_at_next_frame = True
-        actions.report_came(state)
+        laid_out.came(state.reports)
 
 
 def _show(window: hello_imgui.DockableWindow, wanted: bool) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions, clip_actions, masking_actions
+from app.gui.actions import actions, clip_actions, laid_out, masking_actions
 from app.gui.actions.job_actions import start_reconstruction
 from app.gui.panels import masking as masking_panel
 from app.gui.state.app_state import AppState
@@ -62,7 +62,7 @@ def test_the_images_come_to_the_front_to_be_painted_on(opened: AppState) -> None
     opened.source.asked = False
     masking_actions.toggle(opened)
     assert opened.source.asked
-    actions.pictures_came(opened)
+    laid_out.came(opened.source)
     masking_actions.toggle(opened)
     assert not opened.source.asked
 
