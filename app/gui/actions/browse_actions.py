@@ -26,10 +26,12 @@ def begin(state: AppState, choosing: Choosing) -> None:
 
 def enter(browsing: Browsing, folder: Path) -> None:
     """Look into a folder; nothing in it is marked."""
-    came_from = browsing.folder if folder == browsing.folder.parent else None
-    browsing.folder, browsing.listing, browsing.came_from = folder, None, came_from
-    browsing.in_sight = ()
+    _look_into(browsing, folder, browsing.folder if folder == browsing.folder.parent else None)
     browsing.mark(None)
+
+
+def _look_into(browsing: Browsing, folder: Path, came_from: Path | None = None) -> None:
+    browsing.folder, browsing.listing, browsing.came_from, browsing.in_sight = folder, None, came_from, ()
 
 
 def go_up(browsing: Browsing) -> None:
@@ -45,7 +47,7 @@ def type_path(browsing: Browsing, text: str) -> None:
     is_whole = Path(text).is_absolute() or text.startswith("~")
     path = typed_path(browsing)
     if is_whole and text.endswith(("/", os.sep)) and path != browsing.folder and is_folder(path):
-        browsing.folder, browsing.listing, browsing.came_from, browsing.in_sight = path, None, None, ()
+        _look_into(browsing, path)
 
 
 def type_name(browsing: Browsing, name: str) -> None:

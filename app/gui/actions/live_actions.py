@@ -167,21 +167,15 @@ def choose_what(state: AppState, what: What) -> None:
 
 
 def toggle_recording(state: AppState) -> None:
-    """Begin one in the folder of exports, or end it."""
+    """Begin one in the folder of exports, or end it: what waits is written, and the update tells its end."""
     live = state.live
     if live.recorder is not None:
-        finish_recording(state)
+        live.recorder.end()
         return
     if live.session is None or live.source is None:
         return
     path = state.export_folder / f"live-{stamp()}-{live.what.replace(' ', '-')}.mp4"
     live.recorder = Recorder(path, live.what, live.source.name)
-
-
-def finish_recording(state: AppState) -> None:
-    """What waits is written; its end is told by the update."""
-    if state.live.recorder is not None:
-        state.live.recorder.end()
 
 
 def toggle_sending(state: AppState) -> None:
