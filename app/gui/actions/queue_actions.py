@@ -88,12 +88,6 @@ def wake(state: AppState) -> None:
     )
 
 
-def without_clip(state: AppState) -> TrainRequest | None:
-    """The next one, where its clip is still to be opened."""
-    first = state.runs.next_waiting
-    return first.request if first is not None and first.clip is None else None
-
-
 def take_clip(state: AppState, request: TakeUpRequest, answer: TakenUp | Failure) -> None:
     """Its clip is open: where it is the one that is shown, that very one. Else it waits until it is asked for
     again, or taken out."""

@@ -200,8 +200,10 @@ def layout_wish(state: AppState) -> SealRequest | None:
 
 def clip_wish(state: AppState) -> TakeUpRequest | None:
     """The clip of the reconstruction that is to be made next, where it is of an earlier session."""
-    wanted = queue_actions.without_clip(state)
-    return TakeUpRequest(wanted, state.runs.wakings) if wanted is not None else None
+    first = state.runs.next_waiting
+    if first is None or first.clip is not None:
+        return None
+    return TakeUpRequest(first.request, state.runs.wakings)
 
 
 def results_wish(state: AppState) -> frozenset[Path]:
