@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 from app.report.section import Cell, Column, Plate, Section, Table
 from app.sweeps.plan import SweepRecord
-from app.sweeps.summary import COUNTS, HIGHER, SHOWN, Summary, said
+from app.sweeps.summary import COUNTS, HIGHER, SHOWN, Spread, Summary, said
 from app.sweeps.table import Row, column_of
 from renderer.readers.listing import count, listed
 
@@ -44,7 +44,7 @@ def over_all(summary: Summary, measures: Sequence[str]) -> Table:
     for setting in summary.settings:
         spreads = [summary.spread(setting, name) for name in measures]
         clips = max((one.count for one in spreads), default=0)
-        rows.append((said(setting), clips, *_pairs((one.mean, one.deviation) for one in spreads)))
+        rows.append((said(setting), clips, *_pairs(spreads)))
     return Table(
         title="Means over clips",
         columns=(Column("setting"), Column("clips"), *_columns(measures)),
@@ -88,8 +88,7 @@ def by_clip(summary: Summary, measures: Sequence[str]) -> Table:
             spreads = [summary.spread(setting, name, clip) for name in measures]
             seeds = max((one.count for one in spreads), default=0)
             if seeds:
-                numbers = _pairs((one.mean, one.deviation) for one in spreads)
-                rows.append((clip, said(setting), seeds, *numbers))
+                rows.append((clip, said(setting), seeds, *_pairs(spreads)))
     return Table(
         title="Means over seeds",
         columns=(Column("clip"), Column("setting"), Column("seeds"), *_columns(measures)),
@@ -112,15 +111,7 @@ def differences(summary: Summary, measures: Sequence[str]) -> Iterator[Table]:
                 clear = None if math.isnan(found.half_width) else "yes" if found.is_clear else "no"
                 over = count(found.spread.count, found.over)
                 rows.append((said(setting), name, over, found.spread.mean, low, high, clear))
-    names = (
-        "setting",
-        "measure",
-        "over",
-        "difference",
-        "difference from",
-        "difference to",
-        "differs from 0",
-    )
+    names = ("setting", "measure", "over", "difference", "difference from", "difference to", "differs from 0")
     yield Table(
         title=f"Differences from {said(base)}",
         columns=tuple(map(Column, names)),
@@ -181,10 +172,10 @@ def _columns(measures: Sequence[str]) -> Iterator[Column]:
         yield Column(f"{name} ±")
 
 
-def _pairs(spreads: Iterator[tuple[float, float]]) -> Iterator[Cell]:
-    for mean, deviation in spreads:
-        yield mean
-        yield deviation
+def _pairs(spreads: Sequence[Spread]) -> Iterator[Cell]:
+    for one in spreads:
+        yield one.mean
+        yield one.deviation
 
 
 def _cell(value: Cell) -> Cell:
