@@ -23,7 +23,7 @@ from app.sweeps.engines.opening import open_engine
 from app.sweeps.jobs import JobFolder
 from app.sweeps.keeping import not_kept, to_render
 from app.sweeps.page import sweep_page
-from app.sweeps.plan import Plan, State, estimate, planned, read_sweep, recorded, state
+from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
 from app.sweeps.sections import best, differences, over_all
 from app.sweeps.spec import read_spec
 from app.sweeps.summary import SHOWN, Summary
@@ -117,8 +117,8 @@ def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: 
         try:
             _run(plan, folder, on, workers)
         except KeyboardInterrupt as interrupt:
-            now = state(plan.jobs, folder)
-            done = f"{now.finished} of {len(plan.jobs)} jobs are finished"
+            finished = state(plan.jobs, folder)["finished"]
+            done = f"{finished} of {len(plan.jobs)} jobs are finished"
             raise KeyboardInterrupt(f"interrupted; {done}, the same command resumes") from interrupt
         finally:
             table = write_summary(folder)
@@ -130,7 +130,7 @@ def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: 
 def require_all_done(plan: Plan, folder: Path) -> None:
     """Raises UserError: jobs failed; the first reasons are named, each once."""
     places = [(job, JobFolder.of(folder, job.key)) for job in plan.jobs]
-    failed = [(job, place) for job, place in places if place.has_failed]
+    failed = [(job, place) for job, place in places if place.state == "failed"]
     reasons = Counter((job.clip, (place.failed_facts() or {}).get("reason")) for job, place in failed)
     if failed:
         told = "; ".join(
@@ -142,7 +142,7 @@ def require_all_done(plan: Plan, folder: Path) -> None:
 
 
 def _run(plan: Plan, folder: Path, on: str, workers: int | None) -> None:
-    if not state(plan.jobs, folder).left and not to_render(plan, folder):
+    if not state(plan.jobs, folder)["left"] and not to_render(plan, folder):
         return
     spec = plan.spec
     with (
@@ -164,14 +164,14 @@ def write_summary(folder: Path) -> list[Row]:
 def _preview(plan: Plan, flags: argparse.Namespace) -> None:
     now = state(plan.jobs, flags.out)
     if flags.retry:
-        now = State(now.finished, 0, now.left + now.failed)
+        now["left"] += now.pop("failed", 0)
     seconds, measured = estimate(plan.jobs, flags.out, retry=flags.retry)
     facts = {
         "clips": len(plan.clips),
         "jobs": len(plan.jobs),
-        "finished": now.finished,
-        "failed": now.failed,
-        "left": now.left,
+        "finished": now["finished"],
+        "failed": now["failed"],
+        "left": now["left"],
         "worker_seconds_left": seconds,
         "measured_jobs": measured,
     }
@@ -184,8 +184,10 @@ def _preview(plan: Plan, flags: argparse.Namespace) -> None:
         else "unknown: no job has been measured yet"
     )
     jobs = f"{count(len(plan.jobs), 'job')} on {count(len(plan.clips), 'clip')}"
-    states = f"{now.finished} finished, {now.failed} failed, {now.left} left"
-    sys.stdout.write(f"{jobs}: {states}\ntime left: {took}\n")
+    states = f"{now['finished']} finished, {now['failed']} failed, {now['left']} left"
+    sys.stdout.write(f"{jobs}: {states}
+time left: {took}
+")
 
 
 def _duration(seconds: float) -> str:

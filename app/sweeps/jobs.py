@@ -78,14 +78,6 @@ class JobFolder:
             return "finished"
         return "failed" if (self.path / FAILURE).is_file() else "left"
 
-    @property
-    def is_finished(self) -> bool:
-        return self.state == "finished"
-
-    @property
-    def has_failed(self) -> bool:
-        return self.state == "failed"
-
     def result(self) -> dict[str, Any] | None:
         """None: there is none, or it is damaged, so that the job is done again."""
         return _read(self.path / RESULT)

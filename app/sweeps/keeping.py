@@ -56,7 +56,7 @@ def _finished_trainings(plan: Plan, folder: Path) -> list[Job]:
     return [
         job
         for job in plan.jobs
-        if training_of(job.settings) is not None and JobFolder.of(folder, job.key).is_finished
+        if training_of(job.settings) is not None and JobFolder.of(folder, job.key).state == "finished"
     ]
 
 

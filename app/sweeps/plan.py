@@ -17,7 +17,7 @@ from app.errors import UserError
 from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import digest, provenance, strict_json
 from app.sweeps.folder import SWEEP, is_sweep
-from app.sweeps.jobs import Job, JobFolder
+from app.sweeps.jobs import Job, JobFolder, JobState
 from app.sweeps.names import names_of
 from app.sweeps.settings import TaskName
 from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for
@@ -48,15 +48,6 @@ class SweepRecord:
 
 
 RECORD: Final = TypeAdapter(SweepRecord)
-
-
-@dataclass(frozen=True)
-class State:
-    """Of a sweep's jobs, how many."""
-
-    finished: int
-    failed: int
-    left: int
 
 
 def planned(spec: Spec, path: Path) -> Plan:
@@ -102,9 +93,9 @@ def read_sweep(folder: Path) -> SweepRecord:
         raise UserError(f"expected the {SWEEP} of a sweep: {folder / SWEEP}") from error
 
 
-def state(jobs: Sequence[Job], folder: Path) -> State:
-    counts = Counter(JobFolder.of(folder, job.key).state for job in jobs)
-    return State(counts["finished"], counts["failed"], counts["left"])
+def state(jobs: Sequence[Job], folder: Path) -> Counter[JobState]:
+    """How many of them are finished, failed and left."""
+    return Counter(JobFolder.of(folder, job.key).state for job in jobs)
 
 
 def estimate(jobs: Sequence[Job], folder: Path, *, retry: bool = False) -> tuple[float | None, int]:
@@ -116,7 +107,7 @@ def estimate(jobs: Sequence[Job], folder: Path, *, retry: bool = False) -> tuple
         place = JobFolder.of(folder, job.key)
         result = place.result()
         if result is None:
-            left += [] if place.has_failed and not retry else [job]
+            left += [] if place.state == "failed" and not retry else [job]
         elif isinstance(seconds := result.get("seconds"), int | float):
             known.setdefault(_kind(job), []).append(float(seconds))
     every = [seconds for group in known.values() for seconds in group]

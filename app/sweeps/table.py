@@ -63,7 +63,7 @@ def rows(record: SweepRecord, folder: Path) -> list[Row]:
 
 def _row(key: str, place: JobFolder) -> Row:
     facts = place.result()
-    state = "finished" if facts else "failed" if place.has_failed else "left"
+    state = "finished" if facts else place.state
     told = facts or place.failed_facts() or {}
     settings = {name: _cell(value) for name, value in dict(told.get("settings") or {}).items()}
     return Row(

@@ -66,7 +66,7 @@ class Outcome:
 def carry_out_order(order: Order) -> Outcome:
     """Do a job unless it is done; never raises but for what ends the process."""
     shared = JobFolder.of(order.sweep, order.job.key) if _sees(order) else None
-    if shared and shared.is_finished and not order.renders_again:
+    if shared and shared.state == "finished" and not order.renders_again:
         return Outcome("finished")
     if order.renders_again and not shared:
         return Outcome("failed", "the worker does not see the sweep's folder, where the model is")

@@ -176,7 +176,7 @@ def test_submitit_runs_jobs_as_futures(tmp_path: Path, clip_path: Path) -> None:
     recorded(plan, folder)
     with submitted_by("local", 1, Slurm(minutes=5), folder) as executor:
         run_jobs(plan, folder, Engine("slurm", executor, 2, 2), lambda done, note: None)
-    assert state(plan.jobs, folder).finished == 2
+    assert state(plan.jobs, folder)["finished"] == 2
     assert not list(folder.glob(".slurm-*"))
 
 

@@ -24,7 +24,7 @@ def swept(clip: Path, folder: Path, **given: object) -> Plan:
     recorded(plan, folder)
     with ThreadPoolExecutor(1) as here:
         run_jobs(plan, folder, Engine("here", here, 1, 1), lambda done, note: None)
-    assert state(plan.jobs, folder).finished == 1
+    assert state(plan.jobs, folder)["finished"] == 1
     return plan
 
 

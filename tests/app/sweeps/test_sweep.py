@@ -100,7 +100,7 @@ def test_a_lost_worker_costs_its_job_another_try(plan: Plan, folder: Path) -> No
 
     carried_out(plan, folder, Here(answer))
     assert len(lost) == 6
-    assert state(plan.jobs, folder).finished == 6
+    assert state(plan.jobs, folder)["finished"] == 6
 
 
 def test_a_job_that_ends_every_worker_fails_and_the_rest_goes_on(plan: Plan, folder: Path) -> None:
@@ -115,7 +115,7 @@ def test_a_job_that_ends_every_worker_fails_and_the_rest_goes_on(plan: Plan, fol
     carried_out(plan, folder, executor)
     assert sum(order.job.key == bad for order in executor.orders) == MOST_LOSSES
     now = state(plan.jobs, folder)
-    assert (now.finished, now.failed, now.left) == (5, 1, 0)
+    assert (now["finished"], now["failed"], now["left"]) == (5, 1, 0)
     facts = JobFolder.of(folder, bad).failed_facts()
     assert facts is not None
     assert "its worker ended 5 times" in facts["reason"]
@@ -150,8 +150,8 @@ def test_jobs_that_ran_beside_one_that_ends_its_worker_do_not_fail_with_it(plan:
     bad = plan.jobs[1].key
     run_jobs(plan, folder, Engine("here", OnePool(bad), 4, 4, shares_fate=True), silent)
     now = state(plan.jobs, folder)
-    assert (now.finished, now.failed, now.left) == (5, 1, 0)
-    assert JobFolder.of(folder, bad).has_failed
+    assert (now["finished"], now["failed"], now["left"]) == (5, 1, 0)
+    assert JobFolder.of(folder, bad).state == "failed"
 
 
 def test_a_failed_job_keeps_its_reason_until_it_is_repeated(plan: Plan, folder: Path) -> None:
@@ -168,7 +168,7 @@ def test_a_failed_job_keeps_its_reason_until_it_is_repeated(plan: Plan, folder: 
     for job in plan.jobs:
         JobFolder.of(folder, job.key).forget_failure()
     carried_out(plan, folder, executor)
-    assert state(plan.jobs, folder).finished == 6
+    assert state(plan.jobs, folder)["finished"] == 6
 
 
 def test_a_worker_that_sees_no_folder_gives_the_same_results_through_the_engine(
@@ -232,7 +232,7 @@ def test_a_clip_that_changed_is_another_one(plan: Plan, folder: Path) -> None:
     assert cv2.imwrite(str(changed), np.full((24, 32, 3), 90, np.uint8))
     carried_out(plan, folder, Here())
     now = state(plan.jobs, folder)
-    assert (now.finished, now.failed) == (3, 3)
+    assert (now["finished"], now["failed"]) == (3, 3)
 
 
 def test_a_worker_notices_a_frame_that_is_overwritten_in_place(tmp_path: Path) -> None:
@@ -274,6 +274,6 @@ def test_a_half_written_result_is_no_result(plan: Plan, folder: Path) -> None:
     place = JobFolder.of(folder, plan.jobs[0].key)
     place.path.mkdir(parents=True)
     (place.path / RESULT).write_text('{"measures": {')
-    assert not place.is_finished
+    assert place.state != "finished"
     (place.path / FAILURE).write_text("[]")
     assert place.failed_facts() is None
