@@ -10,14 +10,15 @@ from functools import cached_property
 from statistics import NormalDist, fmean, median, stdev
 from typing import Final, Literal
 
+from app.enhancement.parameter_grid import METRICS, SMALLER_IS_BETTER
 from app.report.diagrams import Diagram, Point
 from app.report.section import Cell
 from app.sweeps.settings import TaskName
 from app.sweeps.table import Row
 
-HIGHER: Final = frozenset(
-    {"psnr", "psnr_masked", "psnr_tissue", "psnr_seldom", "ssim", "coverage", "dv", "dv_bv"}
-    | {"vessel_contrast", "color_difference"}
+HIGHER: Final = (
+    frozenset({"psnr", "psnr_masked", "psnr_tissue", "psnr_seldom", "ssim", "coverage"} | set(METRICS))
+    - SMALLER_IS_BETTER
 )
 """Measures of which more is better; of all others, less is, but for these."""
 COUNTS: Final = frozenset({"images", "n_gaussians", "vertices", "triangles"})
