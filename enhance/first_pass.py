@@ -19,6 +19,7 @@ from enhance.pixel_block import (
     MOST,
     ONE,
     PLANES,
+    QUARTER,
     TOTAL,
     VALUE,
     ZERO,
@@ -27,8 +28,6 @@ from enhance.pixel_block import (
     load_keep,
 )
 from enhance.powers import rounded
-
-QUARTER = np.float32(0.25)
 
 
 @njit(parallel=True, nogil=True, cache=True, fastmath={"contract"}, error_model="numpy")

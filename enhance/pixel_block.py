@@ -24,7 +24,7 @@ BLOCK = 16
 """Low-resolution rows of one task: a fixed number, so that no result depends on the number of threads."""
 BINS = 256
 
-ZERO, ONE, HALF = np.float32(0.0), np.float32(1.0), np.float32(0.5)
+ZERO, QUARTER, HALF, ONE, TWO, THREE = (np.float32(x) for x in (0.0, 0.25, 0.5, 1.0, 2.0, 3.0))
 LEVELS = np.float32(255.0)
 LEAST = np.float32(1e-30)
 """In place of a divisor of 0."""

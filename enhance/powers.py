@@ -16,6 +16,7 @@ SQRT_HALF_BITS = np.int32(0x3F3504F3)
 LOG2_ZERO = np.float32(-1e30)
 """Stands for the logarithm of 0: any power of 0 that is used here ends as 0."""
 LEAST_NORMAL = np.float32(2.0**-126)
+LN_2, LOG2_E = np.float32(np.log(2)), np.float32(1 / np.log(2))
 
 # Minimax fits in the relative error: 2**f on [-1/2, 1/2] and log2(1 + f) / f on [sqrt(1/2) - 1, sqrt(2) - 1].
 E1 = np.float32(0.6931470036506653)

@@ -31,7 +31,9 @@ from enhance.pixel_block import (
     PLANES,
     RED,
     SLOPE,
+    THREE,
     TOTAL,
+    TWO,
     VALUE,
     ZERO,
     copy_pixels,
@@ -44,7 +46,6 @@ from enhance.upscale import bring_up
 
 FLOOR = np.float32(1 / 255)
 BLACK = np.float32(24 / 255)
-TWO, THREE = np.float32(2.0), np.float32(3.0)
 
 # What the second pass keeps for the next, or takes from the last.
 NOTHING, KEEP_LOGARITHM, FROM_LOGARITHM, KEEP_POWER, FROM_POWER = range(5)

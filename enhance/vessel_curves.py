@@ -12,9 +12,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enhance.brightness import brighten
-from enhance.pixel_block import ONE, ZERO
-
-TWO, THREE = np.float32(2.0), np.float32(3.0)
+from enhance.pixel_block import ONE, THREE, TWO, ZERO
 
 TERMS: Final = 11
 NODES: Final = np.cos(np.pi * (np.arange(TERMS) + 0.5) / TERMS)

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from enhance import morphology
 from enhance.field import Spans
 from enhance.image import AnyImage, Float32Image
-from enhance.pixel_block import ONE, ZERO
-from enhance.powers import brief_exp2
+from enhance.pixel_block import ONE, TWO, ZERO
+from enhance.powers import LOG2_E, brief_exp2
 from enhance.reflections import without_reflections
 from enhance.upscale import at_places, bring_up
 from enhance.vessel_curves import faded
@@ -26,9 +26,7 @@ SAMPLES: Final = 1 << 12
 """Places, or up to twice as many, whose median is taken."""
 STRIP: Final = 32
 """Rows of one task."""
-TWO = np.float32(2.0)
 LEAST_SQUARE = np.float32(1e-12)
-LOG2_E = np.float32(1 / np.log(2))
 
 
 def background(absorbed: Float32Image, value: Float32Image, radius: int) -> Float32Image:

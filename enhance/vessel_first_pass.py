@@ -26,6 +26,7 @@ from enhance.pixel_block import (
     LOG,
     ONE,
     PLANES,
+    QUARTER,
     RED,
     TOTAL,
     VALUE,
@@ -33,7 +34,7 @@ from enhance.pixel_block import (
     keep_within,
     load_keep,
 )
-from enhance.powers import brief_log2, rounded
+from enhance.powers import LN_2, brief_log2, rounded
 from enhance.rows import (
     REACH,
     ROWS,
@@ -50,8 +51,6 @@ TASK: Final = SUBSAMPLE * BLOCK
 LUMA = (np.float32(0.299), np.float32(0.587), np.float32(0.114))
 FLOOR = np.float32(8 / 255)
 """Added before a logarithm, so that noise in the dark is no structure."""
-LN_2 = np.float32(np.log(2))
-QUARTER = np.float32(0.25)
 NEXT = np.uint64(1)
 
 

@@ -26,13 +26,14 @@ from enhance.pixel_block import (
     RED,
     SLOPE,
     TOTAL,
+    TWO,
     VALUE,
     ZERO,
     copy_pixels,
     keep_within,
     load_keep,
 )
-from enhance.powers import brief_exp2, brief_log2
+from enhance.powers import LOG2_E, brief_exp2, brief_log2
 from enhance.rows import REACH, ROWS, held_width, read_row
 from enhance.second_pass import (
     FLOOR,
@@ -50,10 +51,8 @@ ABSORPTION: Final = np.array([0.15, 1.0, 0.8], dtype=np.float32)
 """Of haemoglobin in the red, green and blue of a camera, relative to green (coarse: sensors differ)."""
 TWENTY = np.float32(20.0)
 LOWEST, DIM = np.float32(vessel_curves.LOWEST), np.float32(vessel_curves.DIM)
-TWO = np.float32(2.0)
 TINY = np.float32(1e-6)
 LEAST_SQUARE = np.float32(1e-12)
-LOG2_E = np.float32(1 / np.log(2))
 
 
 @njit(parallel=True, nogil=True, cache=True, fastmath={"contract"}, error_model="numpy")
