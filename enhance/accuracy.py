@@ -116,14 +116,15 @@ class _Case:
 def _against_three_scales(image: NDArray[np.uint8]) -> Iterator[_Case]:
     truth = _reference(image, replace(EXACT, subsample=1))
     for subsample in (1, 2, 4, 8):
-        yield _case("subsample", f"s = {subsample}", image, replace(EXACT, subsample=subsample), truth)
+        params = replace(EXACT, subsample=subsample)
+        yield _case(*named(params), image, params, truth)
     yield from _samplings(image, truth)
     for radii in SUBSETS:
         yield _case("scales", " + ".join(map(str, radii)), image, replace(EXACT, radii=radii), truth)
     for subsample in (4, 8):
         for radii in SUBSETS[:-1]:
-            name = f"{' + '.join(map(str, radii))}, s = {subsample}"
-            yield _case("both", name, image, replace(EXACT, radii=radii, subsample=subsample), truth)
+            params = replace(EXACT, radii=radii, subsample=subsample)
+            yield _case(*named(params), image, params, truth)
 
 
 def _samplings(image: NDArray[np.uint8], truth: NDArray[np.float64]) -> Iterator[_Case]:
