@@ -14,23 +14,23 @@ from renderer.clip import Clip, ClipError
 from renderer.depth.clip_depth import depth_files
 from renderer.depth.maps_beside import map_files, with_maps
 from renderer.depth.stereo_pairs import eye_folders, is_stereo_folder, open_stereo_folder
-from renderer.readers import hamlyn, stereomis
 from renderer.readers.clip_files import ClipFiles, numbered_pictures
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.coded_picture import CODED, is_coded_still
 from renderer.readers.coded_still import open_coded_still
-from renderer.readers.converted_stereomis import is_converted_stereomis, open_converted_stereomis
-from renderer.readers.dicom.header import dicom_kind
-from renderer.readers.endonerf import endonerf_files, is_endonerf, open_endonerf
-from renderer.readers.frames import frames_of, open_image, open_images
-from renderer.readers.picture_kinds import frame_folder
-from renderer.readers.pictures import SUFFIXES, is_picture, is_unnamed
-from renderer.readers.scared import is_scared, open_scared, scared_files, usual_step
-from renderer.readers.structure_from_motion import (
+from renderer.readers.data_sets import hamlyn, stereomis
+from renderer.readers.data_sets.converted_stereomis import is_converted_stereomis, open_converted_stereomis
+from renderer.readers.data_sets.endonerf import endonerf_files, is_endonerf, open_endonerf
+from renderer.readers.data_sets.scared import is_scared, open_scared, scared_files, usual_step
+from renderer.readers.data_sets.structure_from_motion import (
     is_structure_from_motion,
     open_structure_from_motion,
     structure_from_motion_files,
 )
+from renderer.readers.dicom.header import dicom_kind
+from renderer.readers.frames import frames_of, open_image, open_images
+from renderer.readers.picture_kinds import frame_folder
+from renderer.readers.pictures import SUFFIXES, is_picture, is_unnamed
 from renderer.readers.video import open_video
 from renderer.regular_files import require_regular
 

@@ -185,9 +185,7 @@ def _preview(plan: Plan, flags: argparse.Namespace) -> None:
     )
     jobs = f"{count(len(plan.jobs), 'job')} on {count(len(plan.clips), 'clip')}"
     states = f"{now['finished']} finished, {now['failed']} failed, {now['left']} left"
-    sys.stdout.write(f"{jobs}: {states}
-time left: {took}
-")
+    sys.stdout.write(f"{jobs}: {states}\ntime left: {took}\n")
 
 
 def _duration(seconds: float) -> str:

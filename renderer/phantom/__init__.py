@@ -24,8 +24,8 @@ from renderer.leftovers import clear, temporary_name
 from renderer.phantom.surface import DISTANCE, Surface, grow_surface
 from renderer.phantom.tissue import Tissue, paint_tissue, sample
 from renderer.phantom.tools import Capsule, ToolHits, hit_tools, instrument
-from renderer.readers.endonerf import write_endonerf
-from renderer.readers.scared import write_scared
+from renderer.readers.data_sets.endonerf import write_endonerf
+from renderer.readers.data_sets.scared import write_scared
 
 FloatArray = NDArray[np.float64]
 

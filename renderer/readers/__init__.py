@@ -1,1 +1,1 @@
-"""Foreign layouts of clips, one a file, and what they share: each gives a Clip. See renderer.sources."""
+"""What gives a Clip of files: data sets, images, videos. renderer.layouts knows them all."""

@@ -16,7 +16,7 @@ from renderer.depth.depth_prior import depth_from_brightness
 from renderer.depth.sparse_depth import depth_between
 from renderer.depth.stereo import disparity, feature_shifts
 from renderer.phantom import Phantom, PhantomParams
-from renderer.readers.endonerf import open_endonerf
+from renderer.readers.data_sets.endonerf import open_endonerf
 from renderer.readers.pictures import read_rgb, read_stored
 from tests.renderer.eyes import BASELINE, look
 

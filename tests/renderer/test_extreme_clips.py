@@ -10,7 +10,7 @@ import pytest
 
 from renderer.clip import Clip, ClipError
 from renderer.phantom import PhantomParams, write_phantom
-from renderer.readers.endonerf_poses import POSES
+from renderer.readers.data_sets.endonerf_poses import POSES
 from renderer.sources import open_clip
 from renderer.train import trainer
 from renderer.train.config import TrainConfig

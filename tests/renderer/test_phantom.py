@@ -21,7 +21,7 @@ from renderer.phantom.surface import grow_surface
 from renderer.phantom.tissue import paint_tissue
 from renderer.phantom.tools import Capsule, hit_tools
 from renderer.phantom.vessels import grow_vessels
-from renderer.readers.scared import BASELINE
+from renderer.readers.data_sets.scared import BASELINE
 from renderer.sources import open_clip
 
 N = 12

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.endonerf import open_endonerf, write_endonerf
+from renderer.readers.data_sets.endonerf import open_endonerf, write_endonerf
 from renderer.sources import open_clip
 from tests.renderer.readers.endonerf_folders import HEIGHT, WIDTH, make_frames
 from tests.renderer.small_clip import COUNT, refusal
@@ -235,7 +235,8 @@ def test_a_size_that_fits_nothing_is_refused(folder):
 def test_frames_are_not_decoded_to_open(folder, monkeypatch):
     read = []
     monkeypatch.setattr(
-        "renderer.readers.endonerf.read_rgb", lambda path: read.append(path) or make_frames()[0].image
+        "renderer.readers.data_sets.endonerf.read_rgb",
+        lambda path: read.append(path) or make_frames()[0].image,
     )
     open_endonerf(folder)
     assert 0 < len(read) <= 4

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.endonerf import open_endonerf, write_endonerf
+from renderer.readers.data_sets.endonerf import open_endonerf, write_endonerf
 from tests.renderer.readers.endonerf_folders import HEIGHT, WIDTH, make_frames
 from tests.renderer.small_clip import refusal
 

@@ -12,7 +12,7 @@ from PIL import Image
 
 from renderer.camera import Camera
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.hamlyn import LEFT_COLUMNS
+from renderer.readers.data_sets.hamlyn import LEFT_COLUMNS
 from renderer.sources import open_clip
 from tests.renderer.small_clip import COUNT, points_of, read_all, refusal, small_frames
 

@@ -11,7 +11,7 @@ from PIL import Image
 
 from renderer.clip import ClipError
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.endonerf import open_endonerf
+from renderer.readers.data_sets.endonerf import open_endonerf
 
 PULLING = Path(__file__).resolve().parents[3] / "../shared/data/endonerf/pulling_soft_tissues"
 pytestmark = [

@@ -16,7 +16,7 @@ from PIL import Image
 from renderer.camera import Camera
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.scared import BASELINE, NEAREST, usual_step, write_scared
+from renderer.readers.data_sets.scared import BASELINE, NEAREST, usual_step, write_scared
 from renderer.sources import open_clip
 from tests.renderer.small_clip import COUNT, HEIGHT, LENS, WIDTH, points_of, read_all, refusal, small_frames
 

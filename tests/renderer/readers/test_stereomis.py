@@ -13,7 +13,7 @@ from PIL import Image
 from renderer.camera import Camera
 from renderer.clip import ClipError
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.converted_stereomis import is_converted_stereomis
+from renderer.readers.data_sets.converted_stereomis import is_converted_stereomis
 from renderer.readers.rectification import read_rectified
 from renderer.sources import open_clip
 from tests.renderer.readers.test_rectification import calibration

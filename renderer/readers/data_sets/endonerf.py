@@ -14,9 +14,9 @@ from PIL import Image
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.data_sets.endonerf_masks import judged, labels_of, unmarked
+from renderer.readers.data_sets.endonerf_poses import POSES, LensOf, cameras_of, load_poses, sized_lens
 from renderer.readers.depth_maps import DepthMap, plausible, read_map
-from renderer.readers.endonerf_masks import judged, labels_of, unmarked
-from renderer.readers.endonerf_poses import POSES, LensOf, cameras_of, load_poses, sized_lens
 from renderer.readers.listing import listed
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.nonzero_masks import read_mask

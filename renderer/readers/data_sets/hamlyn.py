@@ -11,8 +11,8 @@ from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.data_sets.endonerf_poses import POSES
 from renderer.readers.depth_maps import DepthMap, plausible, read_map
-from renderer.readers.endonerf_poses import POSES
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.nonzero_masks import read_nonzero, refuse_inverted
 from renderer.readers.number_tables import read_table

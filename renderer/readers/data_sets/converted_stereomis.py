@@ -10,9 +10,9 @@ import numpy as np
 from renderer.camera import Camera
 from renderer.clip import Clip, Frame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.data_sets.endonerf import open_endonerf
+from renderer.readers.data_sets.endonerf_poses import POSES, Matrix
 from renderer.readers.depth_maps import within
-from renderer.readers.endonerf import open_endonerf
-from renderer.readers.endonerf_poses import POSES, Matrix
 from renderer.readers.numbered_files import numbered
 from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import upright_size

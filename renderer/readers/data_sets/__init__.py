@@ -1,0 +1,1 @@
+"""Data sets, one layout a file: folders that are one clip, with poses, calibration, masks or depth."""
