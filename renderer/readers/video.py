@@ -112,7 +112,7 @@ def _clip(
 
 def _opened(path: Path, options: ClipOptions) -> Video:
     if not holds_stream(path):
-        from renderer.readers.dicom_video import DicomVideo
+        from renderer.readers.dicom.video import DicomVideo
 
         return DicomVideo(path)
     if has_pyav():

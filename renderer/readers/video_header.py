@@ -95,7 +95,7 @@ def first_frame(path: Path) -> ByteImage | None:
     Raises ClipError as `read_video_header`.
     """
     if not holds_stream(path):
-        from renderer.readers.dicom_video import DicomVideo
+        from renderer.readers.dicom.video import DicomVideo
 
         return DicomVideo(path).read(0)
     if has_pyav():
@@ -114,7 +114,7 @@ def first_frame(path: Path) -> ByteImage | None:
 
 def _counted(path: Path) -> VideoHeader:
     """Of a DICOM object that holds its frames one by one, those that are whole."""
-    from renderer.readers.dicom_video import DicomVideo
+    from renderer.readers.dicom.video import DicomVideo
 
     told, found = read_header(path), len(DicomVideo(path))
     is_cut = found < told.frames
