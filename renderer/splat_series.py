@@ -64,23 +64,20 @@ def read_series(folder: Path, most_bytes: int = MOST_BYTES) -> SplatSeries:
     paths = series_files(folder)
     if not paths:
         raise SplatFileError(f"expected two or more numbered splat files, got a folder without: {folder}")
-    count = _fitting(paths, most_bytes)
+    first = read_splats(paths[0])
+    count = _fitting(paths, first.raw, most_bytes)
     kept = sorted({round(place * (len(paths) - 1) / (count - 1)) for place in range(count)})
-    files = tuple(read_splats(paths[place]) for place in kept)
+    files = (first, *(read_splats(paths[place]) for place in kept[1:]))
     return SplatSeries(
         files, (*_left_out(folder, paths, len(kept), most_bytes), *_repairs(paths, kept, files))
     )
 
 
-def _fitting(paths: tuple[Path, ...], most_bytes: int) -> int:
+def _fitting(paths: tuple[Path, ...], first: RawGaussians, most_bytes: int) -> int:
     """How many of them fit, two at least, judged by the first one and the sizes of all."""
     sizes = [max(path.stat().st_size, 1) for path in paths]
-    whole = _bytes_of(read_splats(paths[0]).raw) * sum(sizes) / sizes[0]
+    whole = sum(array.nbytes for array in first.arrays().values()) * sum(sizes) / sizes[0]
     return max(min(len(paths), int(len(paths) * most_bytes / max(whole, 1))), 2)
-
-
-def _bytes_of(raw: RawGaussians) -> int:
-    return sum(array.nbytes for array in raw.arrays().values())
 
 
 def _left_out(folder: Path, paths: tuple[Path, ...], kept: int, most_bytes: int) -> list[str]:
