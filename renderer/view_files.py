@@ -165,5 +165,6 @@ def _get(values: dict[str, Any], name: str, kind: Any, place: str = "") -> Any:
         kinds = kind if isinstance(kind, tuple) else (kind,)
         wanted = " or ".join(one.__name__ for one in kinds)
         got = "nothing" if value is None else repr(value)[:40]
-        raise ValueError(f'expected "{name}" ({wanted}) {place}, got {got}'.replace(" ,", ","))
+        where = f" {place}" if place else ""
+        raise ValueError(f'expected "{name}" ({wanted}){where}, got {got}')
     return value
