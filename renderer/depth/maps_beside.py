@@ -90,14 +90,11 @@ def with_maps(clip: Clip, frames: Path, options: ClipOptions) -> Clip:
     offers = list(_offers(clip.path, frames, clip.labels))
     if not offers:
         return clip
-    kept = tuple(
-        said for said in clip.notices if not said.startswith("left out, ") or " beside the images" not in said
-    )
     depth, used = _chosen(offers, clip, options) if options.depth in ("auto", "measured") else (None, [])
     masks = _chosen_masks(offers, clip) if options.mask_polarity != "auto" else None
     others = [offer for offer in offers if offer not in (depth, masks)]
     said = tuple(left_out(offer.kind, [offer.told], _way(offer, clip, options)) for offer in others)
-    clip = replace(clip, notices=(*kept, *used, *said))
+    clip = replace(clip, notices=(*clip.notices, *used, *said))
     clip = clip if depth is None else _with_depth(clip, depth, options)
     return (
         clip

@@ -34,8 +34,8 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     """The frames of a folder in natural order (2.jpg before 10.jpg).
 
     Files that are no frames (`kinds_of`), and a few without a number beside numbered ones, are left
-    out and reported. Raises ClipError when there is none, when two have one name but for the suffix, or
-    when sizes differ.
+    out and reported, but for maps and masks, of which `with_maps` tells. Raises ClipError when there is
+    none, when two have one name but for the suffix, or when sizes differ.
     """
     visible = [entry for entry in path.iterdir() if is_visible(entry)]
     files = sorted((entry for entry in visible if entry.is_file()), key=natural_key)
@@ -57,7 +57,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         cameras=(camera,) * len(paths),
         labels=tuple(entry.name for entry in paths),
         read_image=lambda index: read_rgb(paths[index]),
-        notices=(*kinds.notices(), *said, *left_pages(paths)),
+        notices=(*kinds.notices_of_pictures(), *said, *left_pages(paths)),
     )
 
 

@@ -91,11 +91,12 @@ class PictureKinds:
             for kind in KINDS
             if (paths := [path for path, own in self.others.items() if own == kind])
         )
+        return (*of_kinds, *self.notices_of_pictures())
+
+    def notices_of_pictures(self) -> tuple[str, ...]:
+        """The same of what is neither a frame nor a map or mask."""
         further = ((NOT_READABLE, self.unreadable), (TWINS, self.twins))
-        return (
-            *of_kinds,
-            *(f"{why}: {listed([path.name for path in paths])}" for why, paths in further if paths),
-        )
+        return tuple(f"{why}: {listed([path.name for path in paths])}" for why, paths in further if paths)
 
 
 def left_out(kind: Kind, names: Sequence[str], why: str = "") -> str:

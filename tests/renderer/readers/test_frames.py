@@ -127,7 +127,7 @@ def test_real_clips():
     assert tool.labels == tuple(f"{index}.jpg" for index in range(31))
     sinus = open_images(DATA / "sinus_moving_camera")
     assert len(sinus) == 35
-    assert "undistorted_mask.jpg" in sinus.notices[0]
+    assert "undistorted_mask.jpg" not in sinus.labels
 
 
 def test_a_folder_of_exported_splats_says_what_to_open(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from PIL import Image
 from renderer.readers.frames import open_images
 from renderer.readers.picture_kinds import frame_folder, kind_by_name, kinds_of
 from renderer.readers.pictures import moves
+from renderer.sources import open_clip
 
 SHAPE = (24, 32)
 
@@ -62,9 +63,9 @@ def test_maps_by_name_are_no_frames(tmp_path):
         image(tmp_path / f"left_{index}.png")
         image(tmp_path / f"left_depthmap_{index}.png")
         labels(tmp_path / f"left_{index}_mask.png")
-    clip = open_images(tmp_path)
+    clip = open_clip(tmp_path)
     assert clip.labels == ("left_9.png", "left_10.png")
-    assert [notice.split(":")[0] for notice in clip.notices] == [
+    assert sorted(notice.split(":")[0] for notice in clip.notices) == [
         "left out, depth maps beside the images",
         "left out, masks beside the images",
     ]
