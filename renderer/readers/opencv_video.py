@@ -43,8 +43,7 @@ class OpenCvVideo:
         self._path = path
         self._lock = threading.Lock()
         self._capture = open_capture(path)
-        rate = self._capture.get(cv2.CAP_PROP_FPS)
-        self.frames_per_second = rate if 0 < rate < 1000 else None
+        self.frames_per_second = rate_of(self._capture)
         packets = _stamps(_packets(path))
         self._stamps = sorted(set(packets))
         # OpenCV tells time in frames of the mean rate: where the rate varies, two may share a stamp.
@@ -163,6 +162,12 @@ def open_capture(path: Path) -> cv2.VideoCapture:
     if not capture.isOpened():
         raise ClipError(neither(path))
     return capture
+
+
+def rate_of(capture: cv2.VideoCapture) -> float | None:
+    """Frames a second as the file says it, where that makes sense."""
+    rate = capture.get(cv2.CAP_PROP_FPS)
+    return rate if 0 < rate < 1000 else None
 
 
 def _packets(path: Path) -> cv2.VideoCapture:

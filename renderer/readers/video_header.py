@@ -177,15 +177,14 @@ def _kept_rate(rate: float, frames: int, seconds: float | None) -> float:
 def _by_opencv(path: Path) -> VideoHeader:
     import cv2
 
-    from renderer.readers.opencv_video import open_capture
+    from renderer.readers.opencv_video import open_capture, rate_of
 
     capture = open_capture(path)
     try:
         names = cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT, cv2.CAP_PROP_FRAME_COUNT
         width, height, frames = (int(capture.get(name)) for name in names)
-        rate = float(capture.get(cv2.CAP_PROP_FPS))
+        rate = rate_of(capture)
     finally:
         capture.release()
-    told = rate if 0 < rate < 1000 else None
-    seconds = frames / rate if told and frames > 0 else None
-    return VideoHeader((width, height), frames if frames > 0 else None, told, seconds)
+    seconds = frames / rate if rate and frames > 0 else None
+    return VideoHeader((width, height), frames if frames > 0 else None, rate, seconds)

@@ -185,10 +185,17 @@ def _numbered(path: Path, scan: _Scan) -> VideoIndex:
         for frame in decoded(container, stream):
             flags.append(frame.interlaced_frame)
             size = frame.width, frame.height
-    count = len(flags)
-    cut = scan.packets.is_short or count < len(scan.packets.stamps)
-    rate, told = scan.rate, scan.packets.announced
-    return VideoIndex(tuple(range(count)), 1 / rate, True, cut, any(flags), rate, told, size, threads)
+    return VideoIndex(
+        stamps=tuple(range(len(flags))),
+        time_base=1 / scan.rate,
+        is_counted=True,
+        is_cut=scan.packets.is_short or len(flags) < len(scan.packets.stamps),
+        is_interlaced=any(flags),
+        nominal_rate=scan.rate,
+        announced=scan.packets.announced,
+        last_size=size,
+        threads=threads,
+    )
 
 
 def told_index(path: Path) -> VideoIndex | None:
@@ -255,9 +262,16 @@ def _timed(path: Path, scan: _Scan) -> VideoIndex | None:
     whole, size = (
         (stamps, None) if scan.is_sure and not packets.is_short else _whole(path, stamps, packets.threads)
     )
-    cut = packets.is_short or len(whole) < len(stamps)
-    rate, told = scan.rate, packets.announced
-    return VideoIndex(tuple(whole), scan.time_base, False, cut, scan.is_interlaced, rate, told, size)
+    return VideoIndex(
+        stamps=tuple(whole),
+        time_base=scan.time_base,
+        is_counted=False,
+        is_cut=packets.is_short or len(whole) < len(stamps),
+        is_interlaced=scan.is_interlaced,
+        nominal_rate=scan.rate,
+        announced=packets.announced,
+        last_size=size,
+    )
 
 
 def start_of(path: Path) -> Fraction:
