@@ -8,10 +8,10 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, Clip, ClipError, Frame
 from renderer.depth.alignment import aligned
+from renderer.depth.averaging import Float32Image
 from renderer.depth.depth_prior import Guess
 from renderer.readers.clip_files import files_in
 from renderer.readers.depth_maps import is_map, plane_of
@@ -23,8 +23,6 @@ FOLDERS = ("monodepth", "depth_dam")
 _STRIDE = 4  # Of the pixels that a map is aligned by.
 _SMALLEST = 0.01
 """Of the median of the reference: smaller inverse depths tell nothing and are none."""
-
-Float32Image = NDArray[np.float32]
 
 
 def monocular_maps(clip: Clip) -> tuple[Path, ...]:

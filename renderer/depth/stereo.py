@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ByteImage
+from renderer.depth.averaging import Float32Image
 from renderer.depth.exposure import well_exposed
 
-Float32Image = NDArray[np.float32]
 GreyImage = NDArray[np.uint8]
 
 _BLOCK = 7  # px
