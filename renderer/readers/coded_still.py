@@ -13,5 +13,5 @@ from renderer.readers.video import open_video
 def open_coded_still(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     """A clip of one frame. Raises ClipError: it cannot be decoded."""
     video = open_video(path, ClipOptions(field_of_view=field_of_view, stereo="off"))
-    first = video.every(len(video))
+    first = video.between(0, 0)
     return replace(first, format="image", labels=(path.name,), frames_per_second=None, frame_times=None)
