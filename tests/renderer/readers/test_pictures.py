@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import struct
+import tracemalloc
 import zlib
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import ExifTags, Image, ImageFile
 
-from renderer.readers.pictures import SeveralSizes, common_size, read_rgb
+from renderer.readers.pictures import SeveralSizes, common_size, read_rgb, stored_kind
 
 ORIENTATIONS = {
     1: lambda image: image,
@@ -77,6 +78,16 @@ def test_so_do_tiffs_and_deep_ones(tmp_path: Path, orientation: int, suffix: str
     Image.fromarray(stored).save(tmp_path / f"plain{suffix}")
     assert np.array_equal(upright, ORIENTATIONS[orientation](read_rgb(tmp_path / f"plain{suffix}")))
     assert common_size([path]) == (upright.shape[1], upright.shape[0])
+
+
+def test_what_an_array_holds_is_told_without_reading_it(tmp_path: Path) -> None:
+    np.save(tmp_path / "depth.npy", np.zeros((1, 1000, 2000), np.float32))
+    tracemalloc.start()
+    told = stored_kind(tmp_path / "depth.npy")
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert told == ("numbers", (2000, 1000))
+    assert most < 1e6
 
 
 def test_a_png_that_tells_its_orientation_after_its_pixels_is_turned(tmp_path: Path) -> None:
