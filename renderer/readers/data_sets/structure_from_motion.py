@@ -12,8 +12,8 @@ from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, Clip, ClipError
 from renderer.evenly import evenly
 from renderer.readers.clip_files import ClipFiles, files_in, numbered_pictures, those_there
-from renderer.readers.field_of_view import is_displaced, lit_field
 from renderer.readers.listing import listed
+from renderer.readers.lit_part import is_displaced, lit_field
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.number_tables import read_table
 from renderer.readers.numbered_files import numbered
