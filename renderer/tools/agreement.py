@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ByteImage
-from renderer.tools.search import shrunk
+from renderer.tools.search import shrunk, shrunk_mask
 
 WEAK: Final = 0.6
 """IoU with the frame before, below which a mask should be looked at."""
@@ -32,7 +32,7 @@ class Agreement:
         """Of the next frame, RGB (H, W, 3), and its mask (H, W); None for the first, where neither shows a
         tool, and where the small image is too thin for the flow."""
         grey = cv2.cvtColor(shrunk(image), cv2.COLOR_RGB2GRAY)
-        tool = shrunk(mask.astype(np.uint8) * 255) > 127
+        tool = shrunk_mask(mask)
         before, self._before = self._before, (np.asarray(grey, dtype=np.uint8), tool)
         if before is None or before[0].shape != grey.shape or min(grey.shape) < _THINNEST:
             return None

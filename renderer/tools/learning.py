@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from renderer.clip import BoolImage, ByteImage
 from renderer.tools.network import Network, train_network
 from renderer.tools.pixel_features import COUNT, Features, features
-from renderer.tools.search import SMALLEST, disc, shrunk
+from renderer.tools.search import SMALLEST, disc, shrunk, shrunk_mask
 
 PER_FRAME: Final = 3000
 """Pixels of each kind that are learned from, of a frame."""
@@ -37,7 +37,7 @@ class Example:
     @classmethod
     def of(cls, image: ByteImage, tool: BoolImage, seen: BoolImage) -> Example:
         """Of an RGB image (H, W, 3), its mask and where the endoscope sees something, both (H, W)."""
-        return cls(features(shrunk(image)), _shrunk_mask(tool), _shrunk_mask(seen))
+        return cls(features(shrunk(image)), shrunk_mask(tool), shrunk_mask(seen))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class LearnedTools:
     def find(self, image: ByteImage, seen: BoolImage) -> BoolImage:
         """(H, W), True = tool, of an RGB image (H, W, 3)."""
         height, width = seen.shape
-        small = self.find_small(features(shrunk(image)), _shrunk_mask(seen))
+        small = self.find_small(features(shrunk(image)), shrunk_mask(seen))
         soft = cv2.GaussianBlur(small.astype(np.float32), (0, 0), 1.0)
         large = cv2.resize(soft, (width, height), interpolation=cv2.INTER_LINEAR)
         return np.asarray(large > 0.5) & seen
@@ -112,7 +112,3 @@ def _drawn(example: Example, place: int) -> tuple[Features, BoolImage]:
 
 def _some(random: np.random.Generator, places: NDArray[np.int64]) -> NDArray[np.int64]:
     return random.choice(places, min(PER_FRAME, len(places)), replace=False)
-
-
-def _shrunk_mask(mask: BoolImage) -> BoolImage:
-    return shrunk(mask.astype(np.uint8) * 255) > 127

@@ -124,6 +124,11 @@ def shrunk(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
 
 
+def shrunk_mask(mask: BoolImage) -> BoolImage:
+    """(h, w) of (H, W), as `shrunk`: what most of a pixel is."""
+    return shrunk(mask.astype(np.uint8) * 255) > 127
+
+
 def disc(across: int) -> ByteImage:
     """To open, close, grow and shrink areas with."""
     return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (across, across)), dtype=np.uint8)
