@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from renderer.budget import budget
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 NARROWEST, WIDEST = 1e-7, 1e4
 """Width by focal length; 2 is 90 degrees."""
 FARTHEST: Final = 1e15

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 import cv2
 import numpy as np
 
-from renderer.camera import FloatArray
+from renderer.camera import FloatArray, IntArray
 from renderer.clip import BoolImage, ByteImage
-from renderer.poses.pictures import Picture
+from renderer.poses.pictures import Picture, at_usable
 
+APART: Final = 1 / 80
+"""Of the width, between features."""
 _QUALITY = 0.01
+_WINDOW = 21  # px
 _CLOSING = 0.7
 """px between a feature and where tracking it there and back ends."""
 
@@ -28,8 +31,18 @@ def found_features(picture: Picture, taken: FloatArray, most: int, apart: float)
     return np.zeros((0, 2)) if found is None else found[:, 0].astype(np.float64) + 0.5
 
 
+def followed_on(
+    picture: Picture, before: ByteImage, key: ByteImage, now: FloatArray, in_key: FloatArray
+) -> tuple[FloatArray, IntArray]:
+    """Where features (N, 2) are in a picture that were at `now` in the one before, and which of them are on
+    usable tissue and look as they do at `in_key` in their keyframe."""
+    there, certain = followed(before, picture.grey, now, now)
+    there, firm = followed(key, picture.grey, in_key, there, levels=1)
+    return there, np.flatnonzero(certain & firm & at_usable(picture, there))
+
+
 def followed(
-    before: ByteImage, after: ByteImage, places: FloatArray, guess: FloatArray, window: int, levels: int = 3
+    before: ByteImage, after: ByteImage, places: FloatArray, guess: FloatArray, levels: int = 3
 ) -> tuple[FloatArray, BoolImage]:
     """Where features (N, 2) of one picture are in another, looked for near `guess` (N, 2), and where that is
     certain (Lucas and Kanade, 1981, in OpenCV; there and back)."""
@@ -37,7 +50,7 @@ def followed(
         return places, np.zeros(0, dtype=bool)
     start, near = ((each - 0.5).astype(np.float32)[:, None] for each in (places, guess))
     options: dict[str, Any] = {
-        "winSize": (window, window), "maxLevel": levels, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW,
+        "winSize": (_WINDOW, _WINDOW), "maxLevel": levels, "flags": cv2.OPTFLOW_USE_INITIAL_FLOW,
         "criteria": (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 30, 0.003),
     }  # fmt: skip
     there, found, _ = cv2.calcOpticalFlowPyrLK(before, after, start, near.copy(), **options)

@@ -19,7 +19,7 @@ from renderer.poses.lost_frame import LostFrame
 from renderer.poses.outlying_points import outlying
 from renderer.poses.parts import MOST_BRIDGED, SHORTEST, Lost, commonest, parts_of, pictures_of
 from renderer.poses.pictures import small_lens
-from renderer.poses.rigid_motion import local, zoomed
+from renderer.poses.rigid_motion import in_unit, local, zoomed
 from renderer.poses.search import FoundPoses, PosesError, found_poses
 from renderer.poses.settling import Settled, settled
 from renderer.poses.starting import started
@@ -62,19 +62,6 @@ class FoundStructure:
     """See Solved."""
 
 
-def find_structure(clip: Clip, *, focal_is_known: bool) -> FoundStructure:
-    """Of a clip whose one camera is of all frames, without depth.
-
-    The world is the first camera of the part; the median depth of points is MEDIAN_DEPTH. A focal length
-    that is not known is sought along with the rest.
-
-    Raises:
-        PosesError: no part of SHORTEST frames tells distances, and why.
-        ClipError: a frame cannot be read.
-    """
-    return structure_of(clip, followed_features(clip), focal_is_known=focal_is_known)
-
-
 @dataclass(frozen=True, eq=False)
 class FollowedFeatures:
     """What frames show, before anything is known of where it is."""
@@ -85,7 +72,8 @@ class FollowedFeatures:
 
 
 def followed_features(clip: Clip, tell: Tell = lambda done, total: None) -> FollowedFeatures:
-    """The first half of `find_structure`; `tell` is called with how many frames are done."""
+    """Of a clip whose one camera is of all frames; `tell` is called with how many are done. Raises ClipError:
+    a frame cannot be read."""
     lens = small_lens(clip.cameras[0])
     bare = replace(clip, read_frame=lambda index: replace(clip.read_frame(index), depth=None))
     parts, lost = parts_of(pictures_of(bare, lens, 1.0, tell), Tracks)
@@ -95,8 +83,15 @@ def followed_features(clip: Clip, tell: Tell = lambda done, total: None) -> Foll
 def structure_of(
     clip: Clip, features: FollowedFeatures, *, focal_is_known: bool, tell: Tell = lambda done, total: None
 ) -> FoundStructure:
-    """The second half; `tell` is called with how many keyframes are placed, of twice as many: placing what
-    lies between them and bringing all to agree takes about as long."""
+    """What the features of a clip show.
+
+    The world is the first camera of the part; the median depth of points is MEDIAN_DEPTH. A focal length
+    that is not known is sought along with the rest. `tell` is called with how many keyframes are placed, of
+    twice as many: placing what lies between them and bringing all to agree takes about as long.
+
+    Raises:
+        PosesError: no part of SHORTEST frames tells distances, and why.
+    """
     lens = small_lens(clip.cameras[0])
     focal = None if focal_is_known else FocalGuess(lens.fx, FOCAL_SPREAD)
     try:
@@ -307,14 +302,8 @@ def _shaped(done: Settled, keys: tuple[int, ...], part: Tracked) -> tuple[Settle
     if not good.any():
         good = often & np.isfinite(found.misfit)
     factor = MEDIAN_DEPTH / float(np.median(local(poses, found.where[ids])[good[ids], 2]))
-    views = tuple(replace(view, pose=_times(view.pose, factor)) for view in done.views)
+    views = tuple(replace(view, pose=in_unit(view.pose, factor)) for view in done.views)
     points = factor * found.where[good]
     points = points[:: -(-len(points) // _MOST_POINTS)]
     points = points[~outlying(done.lens, np.stack([views[key].pose for key in keys]), points)]
     return replace(done, views=views, points=factor * done.points), local(views[0].pose, points), error
-
-
-def _times(pose: FloatArray, factor: float) -> FloatArray:
-    scaled = pose.copy()
-    scaled[:3, 3] *= factor
-    return scaled

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Set
 from copy import copy
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -90,34 +91,28 @@ class Growing:
         self.adjust()
         return ended
 
-    def only(self, which: BoolArray) -> Growing:
-        """The same keyframes by these of the tracks (L,) alone, adjusted. Raises Lost."""
+    def only(self, points: FloatArray) -> Growing:
+        """The same keyframes by these points (L, 3) alone, NaN where there is none, adjusted. Raises Lost."""
         other = copy(self)
-        other.points = np.where((which & np.isfinite(self.misfits()))[:, None], self._all().where, np.nan)
+        other.points = points
         for _ in range(2):
             other.adjust()
         return other
 
-    def misfits(self) -> FloatArray:
-        """(L,) px, of all tracks that SEEN_BY keyframes and more show: root mean square of where the best
-        point for the track would be seen; inf of others."""
-        found = self._all()
-        tracks = self._observations(sorted(self.poses))[1]
+    def best_points(self) -> Triangulated:
+        """For all tracks; their misfit is inf where fewer than SEEN_BY keyframes show them, or tell no
+        distance."""
+        views, tracks, places = self._observations()
+        found = triangulated(self.lens, self._stacked()[views], tracks, places, len(self.points))
         often = np.bincount(tracks, minlength=len(self.points)) >= SEEN_BY
-        return np.where(often & (found.angle > NARROWEST), found.misfit, np.inf)
+        return replace(found, misfit=np.where(often & (found.angle > NARROWEST), found.misfit, np.inf))
 
     def middles(self) -> FloatArray:
         """(L, 2) px, where keyframes show each track in the mean; 0 where none does."""
-        _, tracks, places = self._observations(sorted(self.poses))
+        _, tracks, places = self._observations()
         total = np.zeros((len(self.points), 2))
         np.add.at(total, tracks, places)
         return total / np.maximum(np.bincount(tracks, minlength=len(total)), 1)[:, None]
-
-    def _all(self) -> Triangulated:
-        numbers = sorted(self.poses)
-        views, tracks, places = self._observations(numbers)
-        poses = np.stack([self.poses[number] for number in numbers])[views]
-        return triangulated(self.lens, poses, tracks, places, len(self.points))
 
     def placed(self, sight: Sight, start: FloatArray) -> Resected:
         """The pose of any frame by the points that it shows. Raises Lost."""
@@ -146,24 +141,23 @@ class Growing:
         """Bundle adjustment; points that stray are no longer known. Raises Lost: too few points are."""
         ids = self.known
         self.require(ids)
-        numbers = sorted(self.poses)
         place = np.full(len(self.points), -1)
         place[ids] = np.arange(len(ids))
-        views, tracks, places = self._observations(numbers)
+        views, tracks, places = self._observations()
         held = place[tracks] >= 0
         bundle = Bundle(
             lens=self.lens,
-            poses=np.stack([self.poses[number] for number in numbers]),
+            poses=self._stacked(),
             points=self.points[ids],
             views=views[held],
             seen_points=place[tracks[held]],
             seen=seen_at(places[held], self.noise),
-            focal=self._focal if len(numbers) >= _FREE_FROM else None,
+            focal=self._focal if len(self.poses) >= _FREE_FROM else None,
         )
         bundle = adjusted(bundle, _ROUNDS)
         self.lens, self.points[ids] = bundle.lens, bundle.points
-        self.poses = dict(zip(numbers, bundle.poses, strict=True))
-        self._adjusted_at = len(numbers)
+        self.poses = dict(zip(sorted(self.poses), bundle.poses, strict=True))
+        self._adjusted_at = len(self.poses)
         off = np.linalg.norm(misfit(bundle)[:, :2], axis=1) * self.noise
         self.noise = max(_TO_DEVIATION * float(np.median(off)), _LEAST_PX) if len(off) else _FIRST_PX
         poses = bundle.poses[bundle.views]
@@ -173,17 +167,20 @@ class Growing:
 
     def _triangulate(self, most: float) -> None:
         """Tracks without a point get one where two views and more agree on it, to `most` px."""
-        numbers = sorted(self.poses)
-        views, tracks, places = self._observations(numbers)
+        views, tracks, places = self._observations()
         new = np.isnan(self.points[tracks, 0])
-        poses = np.stack([self.poses[number] for number in numbers])[views[new]]
+        poses = self._stacked()[views[new]]
         found = triangulated(self.lens, poses, tracks[new], places[new], len(self.points))
         good = (found.angle > NARROWEST) & (found.misfit < most)
         self.points[good] = found.where[good]
 
-    def _observations(self, numbers: list[int]) -> tuple[IntArray, IntArray, FloatArray]:
-        """Of these keyframes: which of them, which track, and where."""
-        sights = [self._sights[number] for number in numbers]
+    def _stacked(self) -> FloatArray:
+        """(K, 4, 4) the poses, in the order of their keyframes."""
+        return np.stack([self.poses[number] for number in sorted(self.poses)])
+
+    def _observations(self) -> tuple[IntArray, IntArray, FloatArray]:
+        """Of all keyframes with a pose, in their order: which of them, which track, and where."""
+        sights = [self._sights[number] for number in sorted(self.poses)]
         views = np.repeat(np.arange(len(sights)), [len(sight.ids) for sight in sights])
         ids, places = ([getattr(sight, name) for sight in sights] for name in ("ids", "places"))
         return views, np.concatenate(ids), np.concatenate(places)

@@ -82,7 +82,8 @@ def robust(squared: FloatArray) -> FloatArray:
 def _refined(lens: Camera, points: FloatArray, seen: Seen, start: FloatArray) -> Resected:
     pose = start
     for _ in range(_STAGES):
-        pose = _descended(lens, points, scaled(seen, 1 / _scale(lens, points, seen, pose)), pose)
+        weighed = Seen(seen.measured, seen.weights * (1 / _scale(lens, points, seen, pose)))
+        pose = _descended(lens, points, weighed, pose)
     left = (residuals(lens, local(pose, points), seen) ** 2).sum(axis=1)
     scale = _scale(lens, points, seen, pose)
     return Resected(pose, left < (OUTLYING * scale) ** 2, float(np.median(np.sqrt(left))))
@@ -92,10 +93,6 @@ def _scale(lens: Camera, points: FloatArray, seen: Seen, pose: FloatArray) -> fl
     """By how much the noise is larger than assumed: the tissue deforms."""
     left = residuals(lens, local(pose, points), seen)
     return max(1.0, float(np.median(np.linalg.norm(left, axis=1))) / _MEDIAN_OF_THREE)
-
-
-def scaled(seen: Seen, factor: float) -> Seen:
-    return Seen(seen.measured, seen.weights * factor)
 
 
 def _descended(lens: Camera, points: FloatArray, seen: Seen, start: FloatArray) -> FloatArray:

@@ -29,12 +29,6 @@ class Seen:
     weights: FloatArray
     """(N, 3), one over the standard deviation."""
 
-    def __len__(self) -> int:
-        return len(self.measured)
-
-    def of(self, which: FloatArray) -> Seen:
-        return Seen(self.measured[which], self.weights[which])
-
 
 def local(pose: FloatArray, points: FloatArray) -> FloatArray:
     """Points (N, 3) in the axes of the camera at `pose` (4, 4), or (N, 4, 4) with one pose a point."""
@@ -97,6 +91,13 @@ def inverse(pose: FloatArray) -> FloatArray:
     back[:3, :3] = pose[:3, :3].T
     back[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
     return back
+
+
+def in_unit(pose: FloatArray, factor: float) -> FloatArray:
+    """The pose (4, 4) where lengths are `factor` times as large."""
+    scaled = pose.copy()
+    scaled[:3, 3] *= factor
+    return scaled
 
 
 def moved(pose: FloatArray, step: FloatArray) -> FloatArray:

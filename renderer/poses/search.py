@@ -8,13 +8,13 @@ from functools import partial
 
 import numpy as np
 
-from renderer.camera import Camera, FloatArray
+from renderer.camera import Camera
 from renderer.clip import Clip, Frame
 from renderer.poses.between import between
 from renderer.poses.lost_frame import LostFrame
 from renderer.poses.parts import SHORTEST, commonest, parts_of, pictures_of
-from renderer.poses.pictures import Picture, small_lens
-from renderer.poses.rigid_motion import inverse
+from renderer.poses.pictures import small_lens
+from renderer.poses.rigid_motion import in_unit, inverse
 from renderer.poses.settling import Settled, apart, settled
 from renderer.poses.tracking import Tracker
 
@@ -59,7 +59,7 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
         raise PosesError(f"expected at least {SHORTEST} frames to follow the camera through, got {len(clip)}")
     lens = small_lens(clip.cameras[0])
     unit = _unit(clip)
-    parts, lost = parts_of(pictures_of(clip, lens, unit, partial(_told_half, tell)), partial(_begun, lens))
+    parts, lost = parts_of(pictures_of(clip, lens, unit, partial(_told_half, tell)), partial(Tracker, lens))
     whole = max(parts, key=lambda part: part.views[-1].frame - part.views[0].frame, default=None)
     if whole is None or whole.views[-1].frame - whole.views[0].frame + 1 < SHORTEST:
         why = commonest([each.why for each in lost])
@@ -77,7 +77,7 @@ def found_poses(clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame
     longer = done.lens.fx / small_lens(assumed).fx
     camera = replace(assumed, fx=assumed.fx * longer, fy=assumed.fy * longer)
     back = inverse(done.views[0].pose)
-    poses = {view.frame: _in_unit(view.pose @ back, unit) for view in done.views}
+    poses = {view.frame: in_unit(view.pose @ back, unit) for view in done.views}
     residuals, points = dict[int, float](), dict[int, int]()
     for view in done.views:
         off = np.linalg.norm(apart(done.lens, done.points, view)[:, :2], axis=1)
@@ -100,21 +100,8 @@ def _unit(clip: Clip) -> float:
     return next((typical for frame in frames if (typical := _typical(frame))), 1.0)
 
 
-def _begun(lens: Camera, picture: Picture) -> Tracker:
-    """Raises Lost."""
-    tracker = Tracker(lens)
-    tracker.begin(picture)
-    return tracker
-
-
 def _typical(frame: Frame) -> float:
     """The median depth; 0 without any."""
     if frame.depth is None or not frame.depth_mask.any():
         return 0.0
     return float(np.median(frame.depth[frame.depth_mask]))
-
-
-def _in_unit(pose: FloatArray, unit: float) -> FloatArray:
-    scaled = pose.copy()
-    scaled[:3, 3] *= unit
-    return scaled

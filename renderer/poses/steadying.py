@@ -7,11 +7,13 @@ little. Tissue that moves lies together, so that some region of the view shows n
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
 from renderer.poses.growing import BoolArray, Growing
 from renderer.poses.parts import Lost
+from renderer.poses.triangulation import Triangulated
 from renderer.poses.views import PIXEL_NOISE
 
 _AT_REST = 0.6
@@ -25,30 +27,45 @@ _ROUNDS = 8
 def steadied(growing: Growing) -> Growing:
     """The poses that most tracks agree with to PIXEL_NOISE: those given, or those by one region of the view,
     then by the tracks that agree, in turn; with the points of these alone."""
-    best, count, judged = growing, int(_agreeing(growing).sum()), np.isfinite(growing.misfits()).sum()
-    if count > _AT_REST * judged:
+    given = best = _Tried(growing, growing.best_points())
+    judged = np.isfinite(given.points.misfit).sum()
+    if given.count > _AT_REST * judged:
         return growing
     for region in _regions(growing):
-        best, count = _better(growing, region, best, count)
+        best = given.by(region, best)
     for _ in range(_ROUNDS):
-        before = count
-        best, count = _better(best, _agreeing(best), best, count)
-        if count == before:
+        before = best
+        best = best.by(best.agrees, best)
+        if best is before:
             break
-    return best if count > _FEWEST * judged else growing
+    return best.growing if best.count > _FEWEST * judged else growing
 
 
-def _agreeing(growing: Growing) -> BoolArray:
-    return growing.misfits() < PIXEL_NOISE
+@dataclass(frozen=True, eq=False)
+class _Tried:
+    """Poses, and the best points for all tracks by them."""
 
+    growing: Growing
+    points: Triangulated
 
-def _better(growing: Growing, which: BoolArray, best: Growing, count: int) -> tuple[Growing, int]:
-    try:
-        other = growing.only(which)
-    except Lost:
-        return best, count
-    now = int(_agreeing(other).sum())
-    return (other, now) if now > count else (best, count)
+    @property
+    def agrees(self) -> BoolArray:
+        """(L,) which tracks do."""
+        return self.points.misfit < PIXEL_NOISE
+
+    @property
+    def count(self) -> int:
+        return int(self.agrees.sum())
+
+    def by(self, which: BoolArray, best: _Tried) -> _Tried:
+        """The poses by these of the tracks (L,) alone, where more agree with them than with the best."""
+        told = which & np.isfinite(self.points.misfit)
+        try:
+            other = self.growing.only(np.where(told[:, None], self.points.where, np.nan))
+        except Lost:
+            return best
+        tried = _Tried(other, other.best_points())
+        return tried if tried.count > best.count else best
 
 
 def _regions(growing: Growing) -> Iterator[BoolArray]:

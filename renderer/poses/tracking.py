@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage
-from renderer.poses.features import followed, found_features
+from renderer.poses.features import APART, followed, followed_on, found_features
 from renderer.poses.parts import Lost
 from renderer.poses.pictures import Picture, at_usable, sampled_inverse
 from renderer.poses.resection import FEWEST, Resected, by_chance, resected
@@ -18,9 +18,6 @@ from renderer.poses.views import DEPTH_NOISE, PIXEL_NOISE, Rough, View
 
 IntArray = NDArray[np.int64]
 _FEATURES = 600
-_APART = 1 / 80
-"""Of the width, between features."""
-_WINDOW = 21  # px
 _KEPT = 0.7
 """Share of a keyframe's features below which the next one is made."""
 _FAR = 0.08
@@ -58,19 +55,23 @@ class _Points:
 class Tracker:
     """One part of a clip in which each frame follows from those before it."""
 
-    def __init__(self, lens: Camera) -> None:
+    def __init__(self, lens: Camera, picture: Picture) -> None:
+        """Raises Lost: the frame shows too few points with depth."""
         self.lens = lens
         self.points = _Points()
         self.views: list[View] = []
         self.keys: list[int] = []
         """Of the views, which are keyframes."""
         self._greys: list[ByteImage] = []
-        self._previous: ByteImage | None = None
+        self._previous = picture.grey
         self._ids = np.zeros(0, np.int64)
         """Of the newest keyframe's features, those still followed: their points; where they are in it, and in
         the frame before; how many there were."""
         self._in_key = self._now = np.zeros((0, 2))
         self._of_key = 0
+        self._open_keyframe(picture, np.eye(4), self._ids, self._now)
+        if len(self._ids) < FEWEST:
+            raise Lost(f"{len(self._ids)} points with depth")
 
     @property
     def last(self) -> int:
@@ -80,22 +81,9 @@ class Tracker:
     def rough(self) -> Rough:
         return Rough(self.lens, tuple(self.views), tuple(self.keys), self.points.where)
 
-    def begin(self, picture: Picture) -> None:
-        """Raises Lost: the frame shows too few points with depth."""
-        self._open_keyframe(picture, np.eye(4), np.zeros(0, np.int64), np.zeros((0, 2)))
-        self._previous = picture.grey
-        if len(self._ids) < FEWEST:
-            raise Lost(f"{len(self._ids)} points with depth")
-        self.views[-1] = View(
-            picture.index, np.eye(4), *self._observed(picture), np.ones(len(self._ids), bool)
-        )
-
     def follow(self, picture: Picture) -> None:
         """Raises Lost: no pose of this frame agrees with what came before; the next one may be tried."""
-        assert self._previous is not None
-        there, certain = followed(self._previous, picture.grey, self._now, self._now, _WINDOW)
-        there, firm = followed(self._greys[-1], picture.grey, self._in_key, there, _WINDOW, levels=1)
-        kept = np.flatnonzero(certain & firm & at_usable(picture, there))
+        there, kept = followed_on(picture, self._previous, self._greys[-1], self._now, self._in_key)
         if len(kept) < FEWEST:
             raise Lost(f"{len(kept)} points followed")
         ids, in_key, now = self._ids[kept], self._in_key[kept], there[kept]
@@ -120,20 +108,15 @@ class Tracker:
             there[of], kept[of] = self._looked_up(picture, int(key), ids[of], now[of], _DRIFT, levels=1)
         return ids[kept], there[kept]
 
-    def _observed(self, picture: Picture) -> tuple[IntArray, Seen]:
-        return self._ids, observed(picture, self._now)
-
     def _renew(self, picture: Picture, found: Resected) -> None:
         """The frame becomes a keyframe: what it shows beside what was followed is found."""
         ids, now = self._as_first_seen(picture, self._ids[found.inliers], self._now[found.inliers])
         old, places = self._found_again(picture, found.pose, ids)
         self.views.pop()
         self._open_keyframe(picture, found.pose, np.r_[ids, old], np.concatenate([now, places]))
-        seen = observed(picture, self._now)
-        self.views[-1] = View(picture.index, found.pose, self._ids, seen, np.ones(len(self._ids), bool))
 
     def _open_keyframe(self, picture: Picture, pose: FloatArray, ids: IntArray, places: FloatArray) -> None:
-        fresh = found_features(picture, places, _FEATURES - len(ids), _APART * self.lens.width)
+        fresh = found_features(picture, places, _FEATURES - len(ids), APART * self.lens.width)
         nearness = sampled_inverse(picture, fresh)
         fresh, nearness = fresh[nearness > 0], nearness[nearness > 0]
         where = lifted(self.lens, np.c_[fresh, nearness])
@@ -143,9 +126,8 @@ class Tracker:
         self._in_key, self._of_key = self._now, len(self._ids)
         self.keys.append(len(self.views))
         self._greys.append(picture.grey)
-        self.views.append(
-            View(picture.index, pose, self._ids, observed(picture, self._now), np.ones(0, bool))
-        )
+        seen = observed(picture, self._now)
+        self.views.append(View(picture.index, pose, self._ids, seen, np.ones(len(self._ids), bool)))
 
     def _found_again(
         self, picture: Picture, pose: FloatArray, known: IntArray
@@ -169,9 +151,7 @@ class Tracker:
     ) -> tuple[FloatArray, BoolImage]:
         """Where points (N,) of a keyframe are in the picture, (N, 2), and where that is certain: at most
         `within` of the width from the guess (N, 2)."""
-        there, certain = followed(
-            self._greys[key], picture.grey, self.points.places[ids], guess, _WINDOW, levels=levels
-        )
+        there, certain = followed(self._greys[key], picture.grey, self.points.places[ids], guess, levels)
         near = np.linalg.norm(there - guess, axis=1) < within * self.lens.width
         return there, certain & near & at_usable(picture, there)
 

@@ -10,16 +10,13 @@ from numpy.typing import NDArray
 
 from renderer.camera import FloatArray
 from renderer.clip import ByteImage
-from renderer.poses.features import followed, found_features
+from renderer.poses.features import APART, followed_on, found_features
 from renderer.poses.parts import Lost
-from renderer.poses.pictures import Picture, at_usable
+from renderer.poses.pictures import Picture
 
 IntArray = NDArray[np.int64]
 FEWEST_TRACKS: Final = 40
 _FEATURES = 800
-_APART = 1 / 80
-"""Of the width, between features."""
-_WINDOW = 21  # px
 _KEPT = 0.7
 """Share of a keyframe's features below which the next one is made."""
 _FAR = 0.06
@@ -85,9 +82,7 @@ class Tracks:
     def follow(self, picture: Picture) -> None:
         """Raises Lost: too few features are found again; the next frame may be tried."""
         now = self.sights[-1]
-        there, certain = followed(self._previous, picture.grey, now.places, now.places, _WINDOW)
-        there, firm = followed(self._key_grey, picture.grey, self._in_key, there, _WINDOW, levels=1)
-        kept = np.flatnonzero(certain & firm & at_usable(picture, there))
+        there, kept = followed_on(picture, self._previous, self._key_grey, now.places, self._in_key)
         if len(kept) < FEWEST_TRACKS:
             raise Lost(f"{len(kept)} features followed")
         ids, places, self._in_key = now.ids[kept], there[kept], self._in_key[kept]
@@ -100,7 +95,7 @@ class Tracks:
             self._previous = picture.grey
 
     def _open_keyframe(self, picture: Picture, ids: IntArray, places: FloatArray) -> None:
-        apart = _APART * picture.grey.shape[1]
+        apart = APART * picture.grey.shape[1]
         fresh = found_features(picture, places, _FEATURES - len(ids), apart)
         new = np.arange(self.count, self.count + len(fresh))
         self.count += len(fresh)

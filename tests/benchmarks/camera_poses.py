@@ -25,7 +25,7 @@ import numpy as np
 from renderer.camera import Camera, FloatArray
 from renderer.clip import Clip, Frame
 from renderer.phantom import Phantom, PhantomParams
-from renderer.poses.from_motion import find_structure
+from renderer.poses.from_motion import followed_features, structure_of
 from renderer.poses.search import PosesError, find_poses
 from renderer.rigid import rigid_fit
 
@@ -144,7 +144,9 @@ def from_motion(scene: Phantom, views: Sequence[Frame], true: Sequence[Camera]) 
         lens = known if view is None else Camera.from_fov(view, known.width, known.height)
         began = time.process_time()
         try:
-            found = find_structure(clip.through((lens,) * len(clip)), focal_is_known=view is None).poses
+            seen = clip.through((lens,) * len(clip))
+            features = followed_features(seen)
+            found = structure_of(seen, features, focal_is_known=view is None).poses
         except PosesError as error:
             yield f"without depth: {error}"
             continue

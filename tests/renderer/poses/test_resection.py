@@ -110,7 +110,7 @@ def test_one_view_alone_stays():
     of_first = off.views == 0
     alone = replace(
         off, poses=off.poses[:1], views=off.views[of_first], seen_points=off.seen_points[of_first],
-        seen=off.seen.of(of_first),
+        seen=Seen(off.seen.measured[of_first], off.seen.weights[of_first]),
     )  # fmt: skip
     np.testing.assert_array_equal(adjusted(alone).poses, alone.poses)
 
