@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from renderer.camera import Camera
 from renderer.clip import Clip, Frame
+from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
 from renderer.splats import Splats
 from renderer.train.config import TrainConfig
+from renderer.train.events import Evaluated, Finished, Started
 from renderer.train.needs import Needs, decide
 from renderer.train.trainer import split
+from renderer.train.training import train
 
 SIZE = (48, 32)
 N_FRAMES = 12
@@ -53,6 +57,21 @@ def moving_sheet(unit: float = 1.0, shift: float = 6.0) -> Clip:
         labels=tuple(map(str, range(N_FRAMES))),
         has_depth=True,
         unit="mm",
+    )
+
+
+def finished(clip: Clip, config: TrainConfig, **arguments: Any) -> tuple[DynamicGaussians, float]:
+    """The model that a training gives, and its PSNR on frames that it did not see; NaN without such."""
+    events = list(train(clip, config, **arguments))
+    assert isinstance(events[0], Started)
+    assert isinstance(events[-1], Finished)
+    held_out = [event.psnr for event in events if isinstance(event, Evaluated)]
+    return events[-1].model, held_out[-1] if held_out else float("nan")
+
+
+def same_bytes(a: DynamicGaussians, b: DynamicGaussians) -> bool:
+    return all(
+        x.tobytes() == y.tobytes() for x, y in zip(a.arrays().values(), b.arrays().values(), strict=True)
     )
 
 

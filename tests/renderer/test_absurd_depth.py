@@ -13,8 +13,7 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Finished
 from renderer.train.frames import within_reach
 from renderer.train.training import train
-from tests.renderer.sheet import moving_sheet
-from tests.renderer.test_training import same_bytes
+from tests.renderer.sheet import moving_sheet, same_bytes
 
 CONFIG = TrainConfig(iterations=40, n_gaussians=500, node_columns=5)
 

@@ -11,13 +11,11 @@ import pytest
 from renderer.camera import Camera
 from renderer.clip import ClipError, Frame
 from renderer.deformation.fdm import FlexibleMotion
-from renderer.gaussians import DynamicGaussians
 from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished
 from renderer.train.fusion import OF_OTHERS, OF_REFERENCE, fused, reliable, restless
 from renderer.train.training import train
-from tests.renderer.sheet import moving_sheet
+from tests.renderer.sheet import finished, moving_sheet, same_bytes
 
 CAMERA = Camera(60.0, 60.0, 40.0, 32.0, 80, 64)
 MANY = TrainConfig(method="deform3dgs", n_gaussians=100_000)
@@ -143,24 +141,20 @@ def test_a_clip_without_depth_is_refused() -> None:
 SMALL = TrainConfig(method="deform3dgs", iterations=400, n_gaussians=500, checkpoint_every=100, hold_out=True)
 
 
-def finished(config: TrainConfig, unit: float = 1.0) -> tuple[DynamicGaussians, float]:
-    """Model and held-out PSNR, from a sheet that hardly slides: the published rates are for slow motion."""
-    events = list(train(moving_sheet(unit, shift=1.0), config))
-    assert isinstance(events[-1], Finished)
-    *_, held_out = [event.psnr for event in events if isinstance(event, Evaluated)]
-    return events[-1].model, held_out
+SLOW = moving_sheet(shift=1.0)
+"""It hardly slides: the published rates are for slow motion."""
 
 
 def test_moving_tissue_is_recovered_better_than_a_static_model_could() -> None:
-    _, moving = finished(SMALL)
-    _, static = finished(replace(SMALL, method="static"))
+    _, moving = finished(SLOW, SMALL)
+    _, static = finished(SLOW, replace(SMALL, method="static"))
     assert moving > static + 1
 
 
 def test_bumps_come_and_go_with_their_gaussians() -> None:
     """Past the first time of density control; pictures are as good as before it, soon after."""
-    few, before = finished(SMALL)
-    many, after = finished(replace(SMALL, iterations=650))
+    few, before = finished(SLOW, SMALL)
+    many, after = finished(SLOW, replace(SMALL, iterations=650))
     assert isinstance(many.motion, FlexibleMotion)
     assert len(many) > len(few) == SMALL.n_gaussians
     assert many.motion.bumps.shape[1] == len(many)
@@ -169,19 +163,16 @@ def test_bumps_come_and_go_with_their_gaussians() -> None:
 
 def test_units_do_not_matter() -> None:
     """Metres or millimetres: the same picture quality from the same settings."""
-    _, millimetres = finished(SMALL)
-    _, metres = finished(SMALL, unit=1e-3)
+    _, millimetres = finished(SLOW, SMALL)
+    _, metres = finished(moving_sheet(1e-3, shift=1.0), SMALL)
     assert metres == pytest.approx(millimetres, abs=0.3)
 
 
 def test_resumed_run_equals_the_uninterrupted_one(tmp_path: Path) -> None:
     clip, config = moving_sheet(), replace(SMALL, iterations=120, checkpoint_every=50)
-    *_, whole = train(clip, config)
-    assert isinstance(whole, Finished)
+    whole, _ = finished(clip, config)
     for _ in train(clip, config, folder=tmp_path):
         if checkpoint_paths(tmp_path):
             break
-    *_, resumed = train(clip, config, folder=tmp_path, resume=True)
-    assert isinstance(resumed, Finished)
-    for name, value in whole.model.arrays().items():
-        assert np.array_equal(value, resumed.model.arrays()[name]), name
+    resumed, _ = finished(clip, config, folder=tmp_path, resume=True)
+    assert same_bytes(whole, resumed)

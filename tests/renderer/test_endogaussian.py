@@ -11,10 +11,9 @@ import pytest
 from renderer.deformation.hexplane_motion import HexplaneMotion
 from renderer.train import trainer
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished
 from renderer.train.methods.endogaussian import recipe
 from renderer.train.training import train
-from tests.renderer.sheet import moving_sheet, needs_of
+from tests.renderer.sheet import finished, moving_sheet, needs_of, same_bytes
 
 SMALL = TrainConfig(
     method="endogaussian", iterations=150, n_gaussians=500, checkpoint_every=60, hold_out=True
@@ -24,8 +23,7 @@ NEEDS = needs_of(moving_sheet(), SMALL)
 
 def held_out_psnr(config: TrainConfig, unit: float = 1.0) -> float:
     """Of a sheet that hardly slides: the published rates are for slow motion."""
-    events = train(moving_sheet(unit, shift=1.0), config)
-    return [event.psnr for event in events if isinstance(event, Evaluated)][-1]
+    return finished(moving_sheet(unit, shift=1.0), config)[1]
 
 
 def test_motion_is_learned(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -45,16 +43,13 @@ def test_units_do_not_matter() -> None:
 
 def test_a_run_that_goes_on_in_either_stage_ends_as_one_that_was_not_interrupted(tmp_path: Path) -> None:
     clip, config = moving_sheet(), replace(SMALL, iterations=60, checkpoint_every=15)
-    *_, whole = train(clip, config)
-    assert isinstance(whole, Finished)
+    whole, _ = finished(clip, config)
     for stop in (15, 45):  # Of 20 steps at rest and 60 that move.
         for _ in train(clip, config, folder=tmp_path, resume=True):
             if (tmp_path / f"checkpoint-{stop:07d}.safetensors").exists():
                 break
-    *_, resumed = train(clip, config, folder=tmp_path, resume=True)
-    assert isinstance(resumed, Finished)
-    arrays = resumed.model.arrays()
-    assert all(value.tobytes() == arrays[name].tobytes() for name, value in whole.model.arrays().items())
+    resumed, _ = finished(clip, config, folder=tmp_path, resume=True)
+    assert same_bytes(whole, resumed)
 
 
 def test_gaussians_are_drawn_once_each_and_reach_their_neighbours() -> None:

@@ -17,8 +17,7 @@ from renderer.train import held_out
 from renderer.train.events import Evaluated, Finished
 from renderer.train.held_out import MOST, SHARE, HeldOut, evaluated
 from renderer.train.training import train
-from tests.renderer.sheet import SMALL, moving_sheet
-from tests.renderer.test_training import same_bytes
+from tests.renderer.sheet import SMALL, moving_sheet, same_bytes
 
 PLAIN = replace(SMALL, iterations=90, hold_out=False)
 

@@ -25,7 +25,7 @@ from renderer.sources import open_clip
 from renderer.train import trainer
 from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Started
+from renderer.train.events import Finished
 from renderer.train.frames import halved, train_frame
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
@@ -34,7 +34,7 @@ from renderer.train.recipe import Recipe
 from renderer.train.training import train
 from renderer.train.unseen import seen_in, without_unseen
 from tests.renderer.plane import N_FRAMES, plane_clip
-from tests.renderer.sheet import moving_sheet, needs_of
+from tests.renderer.sheet import finished, moving_sheet, needs_of, same_bytes
 
 PULLING = Path(__file__).resolve().parents[2] / "../shared/data/endonerf/pulling_soft_tissues"
 SMALL = TrainConfig(iterations=120, n_gaussians=800, checkpoint_every=30, hold_out=True)
@@ -184,13 +184,6 @@ def three_gaussians(config: TrainConfig, needs: Needs) -> Any:
     return recipe_for(replace(config, n_gaussians=3), needs).initialize(frames), frames, 50.0
 
 
-def finished(clip: Clip, config: TrainConfig, **arguments: Any) -> tuple[DynamicGaussians, float]:
-    events = list(train(clip, config, **arguments))
-    assert isinstance(events[0], Started)
-    assert isinstance(events[-1], Finished)
-    return events[-1].model, [event.psnr for event in events if isinstance(event, Evaluated)][-1]
-
-
 def test_what_is_left_out_has_no_numbers() -> None:
     clip = plane_clip(lamp=0.2)
     lit, _ = finished(clip, replace(SMALL, iterations=2))
@@ -233,8 +226,7 @@ def test_a_run_with_harmonics_goes_on_as_if_it_had_never_stopped(tmp_path: Path,
         if len(checkpoint_paths(tmp_path)) and int(checkpoint_paths(tmp_path)[-1].stem[-7:]) >= stop:
             break
     resumed, _ = finished(clip, config, folder=tmp_path, resume=True)
-    for name, value in whole.arrays().items():
-        assert value.tobytes() == resumed.arrays()[name].tobytes(), name
+    assert same_bytes(whole, resumed)
 
 
 def test_unseen_gaussians_change_no_tissue_in_any_frame() -> None:

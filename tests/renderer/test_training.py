@@ -9,34 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from renderer.clip import Clip, ClipError, Split
-from renderer.gaussians import DynamicGaussians
+from renderer.clip import ClipError, Split
 from renderer.rasterize.cpu import Rasterizer, render
 from renderer.splats import Splats
 from renderer.train.adam import coast_taps, corrected_rate, update_rows, update_taps
 from renderer.train.checkpoint import Checkpoint, checkpoint_paths, read_newest_checkpoint, write_checkpoint
-from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Finishing, Progress, Started
+from renderer.train.events import Finishing, Progress, Started
 from renderer.train.frames import halved, train_frame
 from renderer.train.initialize import sampled, scene_size
 from renderer.train.losses import LossWeights, picture_loss
 from renderer.train.trainer import TrainingError, frame_of, split
 from renderer.train.training import train
-from tests.renderer.sheet import SIZE, SMALL, moving_sheet
-
-
-def finished(clip: Clip, config: TrainConfig, **arguments: object) -> tuple[DynamicGaussians, float]:
-    events = list(train(clip, config, **arguments))  # type: ignore[arg-type]
-    assert isinstance(events[0], Started)
-    assert isinstance(events[-1], Finished)
-    held_out = [event.psnr for event in events if isinstance(event, Evaluated)]
-    return events[-1].model, held_out[-1] if held_out else float("nan")
-
-
-def same_bytes(a: DynamicGaussians, b: DynamicGaussians) -> bool:
-    return all(
-        x.tobytes() == y.tobytes() for x, y in zip(a.arrays().values(), b.arrays().values(), strict=True)
-    )
+from tests.renderer.sheet import SIZE, SMALL, finished, moving_sheet, same_bytes
 
 
 @pytest.mark.parametrize("kind", ["field", "even-odd"])
