@@ -10,12 +10,12 @@ from typing import Any, ClassVar, Final, Self, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.camera import IntArray
 from renderer.deformation.kinds import motion_among
 from renderer.deformation.motion import Motion
 from renderer.raw_gaussians import RawGaussians, joined, logits, sigmoid
 from renderer.stored_arrays import LazyArrays, Stored, check
 
-IntArray = NDArray[np.int64]
 HELD: Final = 3
 """Motions of windows that stay in memory: two that overlap, and one on the way there."""
 FAINTEST: Final = 1e-6

@@ -18,7 +18,7 @@ from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
 from renderer.atomic_files import patiently
-from renderer.camera import Camera
+from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, ClipError, Frame
 from renderer.leftovers import clear, temporary_name
 from renderer.phantom.surface import DISTANCE, Surface, grow_surface
@@ -26,8 +26,6 @@ from renderer.phantom.tissue import Tissue, paint_tissue, sample
 from renderer.phantom.tools import Capsule, ToolHits, hit_tools, instrument
 from renderer.readers.data_sets.endonerf import write_endonerf
 from renderer.readers.data_sets.scared import write_scared
-
-FloatArray = NDArray[np.float64]
 
 _FOCAL = 0.89  # Of the longer side: the da Vinci endoscope.
 _BREATH = 20  # Frames, about.

@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from renderer.camera import FloatArray
 
 DISTANCE = 60.0
 """Mean distance of the tissue from the first camera, mm."""

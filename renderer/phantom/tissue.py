@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from renderer.camera import FloatArray
 from renderer.phantom.vessels import Vessel, grow_vessels
-
-Float32Array = NDArray[np.float32]
+from renderer.splats import Float32Array
 
 REACH = 64.0
 """Half the painted width, mm."""
@@ -48,7 +47,7 @@ class Tissue:
         return Tissue(albedo, self.vessels, relief)
 
 
-def sample(texture: Float32Array, u: NDArray[np.float64], v: NDArray[np.float64]) -> Float32Array:
+def sample(texture: Float32Array, u: FloatArray, v: FloatArray) -> Float32Array:
     """Bilinear values of a texture at material coordinates (H, W) in mm; mirrored beyond its edge."""
     columns = ((u + REACH) * _PER_MM - 0.5).astype(np.float32)
     rows = ((v + REACH) * _PER_MM - 0.5).astype(np.float32)

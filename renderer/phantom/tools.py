@@ -7,9 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from renderer.camera import FloatArray
 
 _SHAFT, _WRIST, _JAW = 3.6, 2.2, 0.8  # Radii in mm.
 _WRIST_LENGTH, _JAW_LENGTH, _SHAFT_LENGTH = 7.0, 9.0, 120.0

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+_VEINS, _ARTERIES = 2, 5
 _STEP = 0.4  # mm between points of a path
 _THINNEST = 0.1  # mm; thinner twigs end
 _FINEST_SHARE = 0.2  # Of the root's radius; twigs end there too.
@@ -32,12 +33,13 @@ class _Bud:
     radius: float
 
 
-def grow_vessels(rng: np.random.Generator, reach: float, veins: int = 2, arteries: int = 5) -> list[Vessel]:
+def grow_vessels(rng: np.random.Generator, reach: float) -> list[Vessel]:
     """Trees that enter from a circle of radius `reach` mm: wide veins and narrower arteries."""
     vessels: list[Vessel] = []
-    turns = rng.permutation(veins + arteries) * 2 * math.pi / (veins + arteries)
-    for number, turn in enumerate(turns + rng.uniform(0, 0.4, veins + arteries)):
-        vein = number < veins
+    count = _VEINS + _ARTERIES
+    turns = rng.permutation(count) * 2 * math.pi / count
+    for number, turn in enumerate(turns + rng.uniform(0, 0.4, count)):
+        vein = number < _VEINS
         start = (reach * math.cos(turn), reach * math.sin(turn))
         heading = turn + math.pi + rng.uniform(-0.35, 0.35)
         root = _Bud(start, heading, rng.uniform(0.6, 1.0) if vein else rng.uniform(0.3, 0.55))

@@ -12,13 +12,11 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from renderer.camera import Camera, FloatArray
+from renderer.camera import Camera, FloatArray, IntArray
 from renderer.poses.resection import residuals, robust, trust
 from renderer.poses.rigid_motion import Seen, lens_slopes, local, motion_slopes, moved, slopes, zoomed
 
-IntArray = NDArray[np.int64]
 _ROUNDS = 15
 _ENOUGH = 1e-5
 """Of the cost: a smaller gain ends it."""

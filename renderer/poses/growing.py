@@ -13,10 +13,9 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from renderer.camera import Camera, FloatArray
-from renderer.poses.bundle import Bundle, FocalGuess, IntArray, adjusted, misfit
+from renderer.camera import Camera, FloatArray, IntArray
+from renderer.poses.bundle import Bundle, FocalGuess, adjusted, misfit
 from renderer.poses.parts import Lost
 from renderer.poses.resection import FEWEST, OUTLYING, Resected, by_chance, resected
 from renderer.poses.rigid_motion import Seen
@@ -26,7 +25,6 @@ from renderer.poses.views import PIXEL_NOISE
 
 NARROWEST: Final = math.radians(1.0)
 """Between rays to a point: where they are more alike, its distance is not certain."""
-BoolArray = NDArray[np.bool_]
 MOST_MISFIT: Final = 0.008
 """Of the width: half of the points of a frame that moved by more on their own leave it without a pose."""
 SEEN_BY: Final = 3

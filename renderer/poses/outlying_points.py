@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.camera import Camera, FloatArray
+from renderer.camera import BoolArray, Camera, FloatArray
 from renderer.evenly import evenly
 from renderer.poses.growing import BoolArray
 from renderer.poses.rigid_motion import local, projected

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from renderer.camera import Camera, FloatArray
-from renderer.poses.bundle import Bundle, IntArray, adjusted
+from renderer.camera import Camera, FloatArray, IntArray
+from renderer.poses.bundle import Bundle, adjusted
 from renderer.poses.resection import resected, trust
 from renderer.poses.rigid_motion import Seen, inverse, local, projected
 from renderer.poses.views import DEPTH_NOISE, Rough, View

@@ -9,12 +9,12 @@ from typing import Final
 
 import numpy as np
 
-from renderer.camera import Camera, FloatArray
+from renderer.camera import Camera, FloatArray, IntArray
 from renderer.poses.bundle import FocalGuess
 from renderer.poses.growing import Growing
 from renderer.poses.parts import Lost
 from renderer.poses.rigid_motion import zoomed
-from renderer.poses.tracks import FEWEST_TRACKS, IntArray, Tracked
+from renderer.poses.tracks import FEWEST_TRACKS, Tracked
 from renderer.poses.two_views import WIDER, parallax, second_poses
 
 LEAST_PARALLAX: Final = 0.003

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from renderer.poses.growing import BoolArray, Growing
+from renderer.camera import BoolArray
+from renderer.poses.growing import Growing
 from renderer.poses.parts import Lost
 from renderer.poses.triangulation import Triangulated
 from renderer.poses.views import PIXEL_NOISE

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from renderer.camera import Camera, FloatArray
+from renderer.camera import Camera, FloatArray, IntArray
 from renderer.clip import BoolImage, ByteImage
 from renderer.poses.features import APART, followed, followed_on, found_features
 from renderer.poses.parts import Lost
@@ -16,7 +15,6 @@ from renderer.poses.resection import FEWEST, Resected, by_chance, resected
 from renderer.poses.rigid_motion import Seen, inverse, lifted, local, projected
 from renderer.poses.views import DEPTH_NOISE, PIXEL_NOISE, Rough, View
 
-IntArray = NDArray[np.int64]
 _FEATURES = 600
 _KEPT = 0.7
 """Share of a keyframe's features below which the next one is made."""

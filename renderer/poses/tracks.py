@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from renderer.camera import FloatArray
+from renderer.camera import FloatArray, IntArray
 from renderer.clip import ByteImage
 from renderer.poses.features import APART, followed_on, found_features
 from renderer.poses.parts import Lost
 from renderer.poses.pictures import Picture
 
-IntArray = NDArray[np.int64]
 FEWEST_TRACKS: Final = 40
 _FEATURES = 800
 _KEPT = 0.7

@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from renderer.camera import Camera, FloatArray
+from renderer.camera import Camera, FloatArray, IntArray
 from renderer.poses.rigid_motion import local, projected
 from renderer.poses.two_views import rays
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

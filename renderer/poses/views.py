@@ -5,15 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
-from renderer.camera import Camera, FloatArray
+from renderer.camera import Camera, FloatArray, IntArray
 from renderer.clip import BoolImage
 from renderer.poses.bundle import FocalGuess
 from renderer.poses.rigid_motion import Seen
 
-IntArray = NDArray[np.int64]
 PIXEL_NOISE: Final = 0.5
 """px: standard deviation of where a feature is found, before it is measured."""
 DEPTH_NOISE: Final = 0.02

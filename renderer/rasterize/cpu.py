@@ -8,7 +8,7 @@ import numpy as np
 from numba import get_num_threads
 from numpy.typing import NDArray
 
-from renderer.camera import Camera
+from renderer.camera import BoolArray, Camera
 from renderer.harmonics import harmonics_backward
 from renderer.projection import (
     NEAR,
@@ -40,7 +40,6 @@ from renderer.rasterize.tiles import (
 )
 from renderer.splats import Float32Array, RenderMode, Splats, require_drawable
 
-BoolArray = NDArray[np.bool_]
 Floats = NDArray[np.floating]
 Background = tuple[float, float, float]
 BLACK: Background = (0.0, 0.0, 0.0)

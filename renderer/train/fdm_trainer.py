@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from renderer.camera import BoolArray
 from renderer.deformation.fdm import (
     CENTRE,
     CHANNELS,
@@ -28,7 +29,6 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.stored_arrays import Arrays
 from renderer.train.adam import Moments, adam_update, corrected_rate
 from renderer.train.rates import Rate
-from renderer.train.recipe import BoolArray
 
 FOUR = np.float32(4.0)
 

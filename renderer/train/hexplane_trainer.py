@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.camera import BoolArray
 from renderer.deformation.heads import OFFSETS, PARTS
 from renderer.deformation.hexplane import Layout, sample_backward, time_taps
 from renderer.deformation.hexplane_motion import HexplaneMotion, Trace
@@ -15,7 +16,6 @@ from renderer.splats import Float32Array
 from renderer.stored_arrays import Arrays
 from renderer.train.adam import Moments, corrected_rate, update_rows
 from renderer.train.rates import Rate
-from renderer.train.recipe import BoolArray
 
 FIXED = ("box", "unit", "resolutions")
 

@@ -15,9 +15,8 @@ from renderer.clip import BoolImage, Clip, ClipError, Frame, SparsePoints
 from renderer.depth.filled_depth import filled_depth
 from renderer.depth.sparse_depth import depth_between
 from renderer.raw_gaussians import RawGaussians
+from renderer.splats import Float32Array
 from renderer.train.config import TrainConfig
-
-Float32Array = NDArray[np.float32]
 
 MOST_DISTANT = 1e9
 """Depth in the clip's unit; the reciprocal is the least."""
@@ -120,9 +119,9 @@ def sampled(
 class Density:
     """How the samples of all frames together lie over the view."""
 
-    seen: NDArray[np.float32]
+    seen: Float32Array
     """(H, W), the number of frames that show tissue there."""
-    detail: NDArray[np.float32]
+    detail: Float32Array
     """(H, W), how much denser than elsewhere they lie there, by the frames that show it; about 1."""
 
     @classmethod
@@ -135,13 +134,13 @@ class Density:
         seen, detail = np.asarray(both, np.float32)
         return cls(seen, detail / np.maximum(seen, np.float32(1)))
 
-    def weights(self, tissue: BoolImage) -> NDArray[np.float32]:
+    def weights(self, tissue: BoolImage) -> Float32Array:
         """(H, W) relative frequency of a sample in a pixel of a frame; 0 where it shows no tissue."""
         often = self.seen.sum() / np.count_nonzero(self.seen)
         rarity = often / np.maximum(self.seen, np.float32(1))
         return np.asarray(tissue * self.detail * ((1 - EVENNESS) + EVENNESS * rarity), np.float32)
 
-    def expected(self, count: int) -> NDArray[np.float32]:
+    def expected(self, count: int) -> Float32Array:
         """(H, W) how many of `count` samples fall into a pixel, of which a frame gives one at most."""
         wanted = (self.seen * self.weights(self.seen > 0)).astype(np.float64)
         low, high = 0.0, float(self.seen.max() / wanted[wanted > 0].min())
@@ -152,7 +151,7 @@ class Density:
         return np.minimum(high * wanted, self.seen).astype(np.float32)
 
 
-def relative_detail(frame: Frame, share: float) -> NDArray[np.float32]:
+def relative_detail(frame: Frame, share: float) -> Float32Array:
     """(H, W) 1 - share, and share times the mean slope of the brightness about a pixel over that of all
     tissue; the border of the mask has no part in it."""
     if share == 0 or not frame.tissue_mask.any():

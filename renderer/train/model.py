@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from renderer.camera import BoolArray
 from renderer.gaussians import DynamicGaussians
 from renderer.harmonics import BANDS
 from renderer.raw_gaussians import FIELDS, RawGaussians
@@ -19,7 +20,7 @@ from renderer.train.frames import TrainFrame
 from renderer.train.gradient_backend import CpuBackend, GradientBackend
 from renderer.train.guards import Trouble, hold_scales, leave_out_broken
 from renderer.train.losses import Measured
-from renderer.train.recipe import BoolArray, MotionTrainer, Recipe
+from renderer.train.recipe import MotionTrainer, Recipe
 
 
 class TrainModel:

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.camera import BoolArray
 from renderer.clip import Frame
 from renderer.deformation.motion import Motion
 from renderer.raw_gaussians import RawGaussians
@@ -17,8 +18,6 @@ from renderer.stored_arrays import Arrays
 from renderer.train.densify import DensityControl
 from renderer.train.losses import LossWeights
 from renderer.train.rates import RowRates
-
-BoolArray = NDArray[np.bool_]
 
 
 class MotionTrainer(Protocol):

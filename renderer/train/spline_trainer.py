@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.camera import BoolArray
 from renderer.deformation.nodes import Attachment, gather_gradients
 from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
@@ -14,7 +15,6 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.stored_arrays import Arrays
 from renderer.train.adam import Moments, coast_taps, corrected_rate, update_taps
 from renderer.train.rates import Rate
-from renderer.train.recipe import BoolArray
 
 CURVES = ("position_controls", "color_controls", "opacity_controls", "node_controls")
 

@@ -19,9 +19,8 @@ from dataclasses import dataclass, replace
 from typing import Final, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from renderer.camera import Camera, FloatArray
+from renderer.camera import BoolArray, Camera, FloatArray
 from renderer.clip import Frame
 from renderer.deformation.nodes import attach, node_grid
 from renderer.deformation.spline import (
@@ -34,8 +33,6 @@ from renderer.deformation.spline import (
 from renderer.splats import Float32Array
 from renderer.train.curve_fit import ROUGH, CurveFit, Seen
 from renderer.train.flow_tracks import REACH, Tracks, View, tracks_from, view_of
-
-BoolArray = NDArray[np.bool_]
 
 APART = 16
 """Frames between those from which tracks start."""

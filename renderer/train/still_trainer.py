@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.camera import BoolArray
 from renderer.deformation.motion import Still
 from renderer.raw_gaussians import RawGaussians
 from renderer.stored_arrays import Arrays
-from renderer.train.recipe import BoolArray
 
 
 class StillTrainer:

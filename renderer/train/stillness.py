@@ -20,10 +20,10 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from renderer.camera import BoolArray
 from renderer.clip import Frame
 
 Plane = NDArray[np.float32]
-BoolArray = NDArray[np.bool_]
 
 LONGEST_SIDE = 320
 """Pixels of the frames that are compared: larger ones are halved, thirded, ... until they fit."""
