@@ -108,6 +108,12 @@ class Frame:
             return np.zeros(self.tissue_mask.shape, dtype=bool)
         return self.tissue_mask & (self.depth > 0) & (self.depth < np.inf)
 
+    @property
+    def median_depth(self) -> float | None:
+        """Of the tissue with measured depth; None without any."""
+        known = self.depth_mask
+        return float(np.median(self.depth[known])) if self.depth is not None and known.any() else None
+
 
 def _require(
     array: NDArray[np.generic], name: str, kind: type[np.generic], shape: tuple[int, ...], index: int

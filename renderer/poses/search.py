@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from renderer.camera import Camera
-from renderer.clip import Clip, Frame
+from renderer.clip import Clip
 from renderer.poses.between import between
 from renderer.poses.lost_frame import LostFrame
 from renderer.poses.parts import SHORTEST, commonest, parts_of, pictures_of
@@ -97,11 +97,4 @@ def found_poses(clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame
 def _unit(clip: Clip) -> float:
     """Of lengths: the median depth of the first frame that has any."""
     frames = (clip.read_frame(index) for index in range(len(clip)))
-    return next((typical for frame in frames if (typical := _typical(frame))), 1.0)
-
-
-def _typical(frame: Frame) -> float:
-    """The median depth; 0 without any."""
-    if frame.depth is None or not frame.depth_mask.any():
-        return 0.0
-    return float(np.median(frame.depth[frame.depth_mask]))
+    return next((median for frame in frames if (median := frame.median_depth) is not None), 1.0)

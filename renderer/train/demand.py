@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from renderer.clip import Clip
 from renderer.deformation.spline import MIN_CONTROLS, most_controls
+from renderer.harmonics import BANDS
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Planned
 from renderer.train.frame_store import MOST_BYTES
-from renderer.train.needs import FRAMES_PER_CONTROL_AT_REST
+from renderer.train.needs import FRAMES_PER_CONTROL_AT_REST, RAW_NUMBERS
 from renderer.train.windows import windows_of
 
 PROGRAM = 450_000_000
@@ -23,7 +24,7 @@ STORED = 10
 """Of the model on the disk: three checkpoints of three arrays each while the oldest goes, and the model."""
 KEPT = 2
 """The same of a window that is finished: its model, and its part of that of the clip."""
-PLAIN = 14 + 45
+PLAIN = RAW_NUMBERS + 3 * BANDS[-1]
 """Numbers of a Gaussian at rest, with harmonics."""
 BUMPS, GROWTH = 510, 2
 """Numbers of a Gaussian of deform3dgs, and by how much these multiply in a long run."""

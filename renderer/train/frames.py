@@ -44,9 +44,9 @@ class TrainFrame:
 def within_reach(frame: Frame) -> Frame:
     """The frame without depth that is no depth of tissue, as where a program writes a huge number for none;
     the same frame where there is none such."""
-    if frame.depth is None or not (known := frame.depth_mask).any():
+    if frame.depth is None or (median := frame.median_depth) is None:
         return frame
-    near = frame.depth <= BEYOND * float(np.median(frame.depth[known]))
+    near = frame.depth <= BEYOND * median
     return frame if near.all() else replace(frame, depth=np.where(near, frame.depth, np.float32(0)))
 
 

@@ -56,8 +56,8 @@ def scene_size(frames: Iterable[Frame]) -> float:
     """
     medians, is_masked = list[float](), False
     for frame in frames:
-        if _has_depth(frame):
-            medians.append(float(np.median(frame.depth[frame.depth_mask])))  # type: ignore[index]
+        if (median := frame.median_depth) is not None:
+            medians.append(median)
         else:
             # Readers may leave no depth where they leave no tissue.
             left_out = not frame.tissue_mask.any()
@@ -101,7 +101,7 @@ def sampled(
     """
     rng = np.random.default_rng(config.seed)
     # The frames themselves may be more than memory holds.
-    measured = [place for place in range(len(frames)) if _has_depth(frames[place])]
+    measured = [place for place in range(len(frames)) if frames[place].depth_mask.any()]
     density = Density.of((frames[place] for place in measured), detail)
     totals = np.array([density.weights(frames[place].tissue_mask).sum() for place in measured])
     ends = np.rint(np.cumsum(totals) / totals.sum() * config.n_gaussians).astype(int)
@@ -182,10 +182,6 @@ def round_gaussians(
         colors=colors,
         harmonics=np.zeros((len(means), 0, 3), np.float32),
     )
-
-
-def _has_depth(frame: Frame) -> bool:
-    return bool(frame.depth_mask.any())
 
 
 def _sample(

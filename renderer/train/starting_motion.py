@@ -92,10 +92,9 @@ class Followed:
     def of(cls, frames: Sequence[Frame], columns: int) -> Self:
         """Through frames in the order of time, some of which have depth: where none is, nothing is seen."""
         camera, grid = node_view(frames, columns)
-        first = next(frame for frame in frames if frame.depth_mask.any())
-        pixel = float(np.median(first.depth[first.depth_mask])) / camera.fx  # type: ignore[index]
+        depth = next(median for frame in frames if (median := frame.median_depth) is not None)
         times = tuple(frame.time for frame in frames)
-        return cls(camera, grid, times, pixel, tuple(_seen(frames, camera, grid)))
+        return cls(camera, grid, times, depth / camera.fx, tuple(_seen(frames, camera, grid)))
 
     def motion(self, n_controls: int) -> StartingMotion:
         """Curves of so many control values."""

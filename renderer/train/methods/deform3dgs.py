@@ -35,7 +35,7 @@ FUNCTIONS = 17
 INITIAL_WIDTH = 1 / (FUNCTIONS - 1)
 """As wide as centres are apart."""
 MILLIMETRES = 68.0
-"""Scene size of the pulling clip."""
+"""Scene size of the pulling clip, for which lengths and rates were published."""
 FALL, FALL_STEPS = 100.0, 4 / 3
 """Rates of positions and bumps fall by this over so many runs of the configured length."""
 PER_COLOR = 0.28209479177387814

@@ -31,13 +31,12 @@ from renderer.train.config import TrainConfig
 from renderer.train.hexplane_trainer import HexplaneRates, HexplaneTrainer
 from renderer.train.initialize import round_gaussians, sampled
 from renderer.train.losses import LossWeights
+from renderer.train.methods.deform3dgs import MILLIMETRES
 from renderer.train.needs import Needs
 from renderer.train.neighbours import neighbour_distances
 from renderer.train.rates import Rate, RowRates
 from renderer.train.recipe import Recipe, Stage
 
-MILLIMETRES = 68.0
-"""Scene size of the pulling clip, for which lengths and rates were published."""
 RESOLUTIONS = (64, 128, 256, 512)
 """Cells of each level along x, y and z."""
 CELLS = 3.0
