@@ -58,7 +58,7 @@ class CurveFit:
         return cls(np.array([first for first, _ in active]), taps, n_controls, grid, seen)
 
     def solved(self, tolerance: float = CLOSE) -> FloatArray:
-        """(M, K, 3), by conjugate gradients."""
+        """The control values (K, M, 3), by conjugate gradients."""
         rest = self._transposed([one.weights[:, :, None] * one.shifts for one in self.seen])
         controls, scale = np.zeros_like(rest), 1 / self._diagonal()
         step = direction = scale * rest
@@ -73,7 +73,7 @@ class CurveFit:
             step = scale * rest
             before, size = size, float((rest * step).sum())
             direction = step + size / before * direction
-        return controls.transpose(1, 0, 2)
+        return controls
 
     def _times(self, controls: FloatArray) -> FloatArray:
         """The matrix of the normal equations times (K, M, 3)."""
@@ -89,7 +89,7 @@ class CurveFit:
         return out + NEIGHBOURS * apart.reshape(controls.shape)
 
     def curves(self, controls: FloatArray) -> FloatArray:
-        """(n, M, 3) values at the frames."""
+        """(n, M, 3) values at the frames, of control values (K, M, 3)."""
         return np.asarray(sum(self.taps[:, tap, None, None] * controls[self.first + tap] for tap in range(4)))
 
     def _summed(self, values: FloatArray) -> FloatArray:

@@ -23,7 +23,7 @@ MOST_BYTES = 256_000_000
 Item = TypeVar("Item", Frame, TrainFrame)
 
 
-class FrameStore(Sequence[Item], Generic[Item]):
+class FrameStore(Sequence[Item]):
     """Frames in the order in which they were appended; their arrays come back equal to the last bit.
 
     The file has no name where the system allows that, so that nothing is left of a process that is killed.

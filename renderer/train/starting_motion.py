@@ -99,7 +99,7 @@ class Followed:
     def motion(self, n_controls: int) -> StartingMotion:
         """Curves of so many control values."""
         fit = CurveFit.of(self.times, n_controls, self.grid, self.seen)
-        return StartingMotion(self.camera, self.grid, fit.solved().astype(np.float32))
+        return StartingMotion(self.camera, self.grid, fit.solved().transpose(1, 0, 2).astype(np.float32))
 
     def controls_for(self, n_frames: int) -> int:
         """How many control values curves need, in a clip of `n_frames`: the fewest with which frames that are
@@ -132,7 +132,7 @@ class Followed:
             replace(one, weights=np.where(left_out[one.frames, None], 0, one.weights)) for one in self.seen
         )
         fit = CurveFit.of(self.times, n_controls, self.grid, fitted)
-        return fit.curves(fit.solved(ROUGH).transpose(1, 0, 2))
+        return fit.curves(fit.solved(ROUGH))
 
 
 def node_view(frames: Sequence[Frame], columns: int) -> tuple[Camera, tuple[int, int]]:

@@ -69,7 +69,8 @@ def exactly(seen: tuple[Seen, ...]) -> NDArray[np.float64]:
 
 
 def fitted(seen: tuple[Seen, ...]) -> NDArray[np.float64]:
-    return CurveFit.of(TIMES, CONTROLS, GRID, seen).solved()
+    """(M, K, 3)"""
+    return CurveFit.of(TIMES, CONTROLS, GRID, seen).solved().transpose(1, 0, 2)
 
 
 @pytest.mark.parametrize("seed", range(3))
