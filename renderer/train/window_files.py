@@ -31,7 +31,7 @@ _NAME: Final = re.compile(r"(\d{6})-(\d{6})")
 
 
 @dataclass(frozen=True)
-class Finished:
+class FinishedWindow:
     """A window whose model is there."""
 
     fingerprint: str
@@ -64,7 +64,7 @@ def next_of(run: Path, windows: Sequence[Window]) -> Window:
     return next((window for window in windows if not is_finished(folder_of(run, window))), windows[-1])
 
 
-def finish(folder: Path, model: DynamicGaussians, finished: Finished) -> None:
+def finish(folder: Path, model: DynamicGaussians, finished: FinishedWindow) -> None:
     """Its checkpoints go. Raises OSError: the model cannot be written."""
     model.save(unlinked(folder / _MODEL), {_STATE: json.dumps(asdict(finished))})
     clear_checkpoints(folder)
@@ -76,13 +76,15 @@ def clear(run: Path) -> None:
     clear_checkpoints(run)
 
 
-def finished(folder: Path) -> Finished:
+def finished(folder: Path) -> FinishedWindow:
     """Raises ValueError: the file is damaged, or another."""
     path = folder / _MODEL
     try:
         told = parsed(stored_metadata(path)[_STATE])
         omitted = tuple(map(_omission, told.get("omitted", ())))
-        return Finished(str(told["fingerprint"]), int(told["iterations"]), float(told["seconds"]), omitted)
+        return FinishedWindow(
+            str(told["fingerprint"]), int(told["iterations"]), float(told["seconds"]), omitted
+        )
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f"expected a window of a run, got a damaged file or another: {path}") from error
 

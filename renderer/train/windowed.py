@@ -16,6 +16,7 @@ from renderer.near_plane import middle_distance
 from renderer.train.config import TrainConfig
 from renderer.train.events import (
     Evaluated,
+    Finished,
     Finishing,
     Omission,
     Progress,
@@ -24,14 +25,13 @@ from renderer.train.events import (
     TrainEvent,
     Warned,
 )
-from renderer.train.events import Finished as Ended
 from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frames import within_reach
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.held_out import evaluated
 from renderer.train.trainer import MEASURING, TrainingError, fitted, split, train_window
 from renderer.train.window_files import (
-    Finished,
+    FinishedWindow,
     finish,
     finished,
     folder_of,
@@ -81,7 +81,7 @@ class WindowedTraining:
             size = middle_distance(model, self.clip.cameras[0])
             yield evaluated(model, views, iteration, size, self.config.render_mode)
         seconds, wall = sum(each.seconds for each in done), time.perf_counter() - opened
-        yield Ended(iteration, seconds, model, in_words([each.omitted for each in done]), wall)
+        yield Finished(iteration, seconds, model, in_words([each.omitted for each in done]), wall)
 
     @property
     def _held_out(self) -> tuple[int, ...]:
@@ -117,7 +117,7 @@ class WindowedTraining:
         with closing(training) as events:
             for event in events:
                 match event:
-                    case Ended():
+                    case Finished():
                         wall, omitted = time.perf_counter() - began, (*omitted, *event.omitted)
                         model = self._stored(event, window, omitted, folder)
                         return _Done(event.iteration, event.seconds, wall, omitted, model)
@@ -163,12 +163,12 @@ class WindowedTraining:
                 yield Warned(f"window {len(done) + 1}: {event.message}")
 
     def _stored(
-        self, event: Ended, window: Window, omitted: tuple[Omission, ...], folder: Path | None
+        self, event: Finished, window: Window, omitted: tuple[Omission, ...], folder: Path | None
     ) -> Callable[[], DynamicGaussians]:
         """The model of a window, on the disk where there is a folder for it."""
         if folder is None:
             return lambda: event.model
-        told = Finished(self._fingerprint(window), event.iteration, event.seconds, omitted)
+        told = FinishedWindow(self._fingerprint(window), event.iteration, event.seconds, omitted)
         finish(folder, event.model, told)
         return lambda: load(folder)
 
