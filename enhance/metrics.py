@@ -294,8 +294,13 @@ def _local_variance(grey: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _dilated(mask: BoolImage, radius: int) -> BoolImage:
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
-    return np.asarray(cv2.dilate(mask.astype(np.uint8), disc)) > 0
+    return np.asarray(cv2.dilate(mask.astype(np.uint8), disc(radius))) > 0
+
+
+def disc(radius: int) -> NDArray[np.uint8]:
+    """For morphology, (2 radius + 1, 2 radius + 1)."""
+    shape = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
+    return np.asarray(shape, np.uint8)
 
 
 def _ratio(dv: float, bv: float) -> DvBv:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, Picture, read_mask, read_picture
-from enhance.metrics import colors_of, green
+from enhance.metrics import colors_of, disc, green
 
 SIGMAS: Final = (1.5, 2.5, 4.0)
 """Gaussian scales in pixels: vessels some 3 to 12 pixels wide."""
@@ -144,7 +144,7 @@ def creases(image: AnyImage) -> BoolImage:
         [60, 61, 62, 63]
     """
     smooth = cv2.GaussianBlur(np.ascontiguousarray(green(colors_of(image))), (0, 0), SIGMAS[0])
-    around = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, _disc(CREASE_RADIUS))
+    around = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, disc(CREASE_RADIUS))
     return np.asarray(smooth < CREASE * around)
 
 
@@ -188,13 +188,8 @@ def _kernel(sigma: float, order: int) -> NDArray[np.float64]:
 
 def _eroded(mask: BoolImage, radius: int) -> BoolImage:
     # What lies outside the picture is not kept: its edge is one, too.
-    kept = cv2.erode(mask.astype(np.uint8), _disc(radius), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    kept = cv2.erode(mask.astype(np.uint8), disc(radius), borderType=cv2.BORDER_CONSTANT, borderValue=0)
     return np.asarray(kept) > 0
-
-
-def _disc(radius: int) -> NDArray[np.uint8]:
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
-    return np.asarray(disc, np.uint8)
 
 
 def _without_specks(mask: BoolImage) -> BoolImage:
