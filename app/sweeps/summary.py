@@ -10,7 +10,7 @@ from functools import cached_property
 from statistics import NormalDist, fmean, median, stdev
 from typing import Final, Literal
 
-from app.enhancement.parameter_grid import METRICS, SMALLER_IS_BETTER
+from app.enhancement.measures import METRICS, SMALLER_IS_BETTER
 from app.report.diagrams import Diagram, Point
 from app.report.section import Cell
 from app.sweeps.settings import TaskName

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from renderer.camera import BoolArray, Camera, FloatArray
 from renderer.evenly import evenly
-from renderer.poses.growing import BoolArray
 from renderer.poses.rigid_motion import local, projected
 
 _AROUND = 8
