@@ -139,7 +139,8 @@ def _death(exit_code: int | None, *, kept: bool) -> str:
     """How the process ended that did not say so itself, and whether it left a checkpoint."""
     left = "the last checkpoint is kept" if kept else "there is no checkpoint"
     if exit_code is not None and exit_code < 0:
-        name = signal.Signals(-exit_code).name
+        # Those of real time have no names.
+        name = next((one.name for one in signal.Signals if one == -exit_code), f"signal {-exit_code}")
         cause = " (often: out of memory)" if name == "SIGKILL" else ""
         return f"the training process was killed by {name}{cause}; {left}"
     return f"the training process ended with exit code {exit_code} before training was finished; {left}"

@@ -99,6 +99,12 @@ def killed(request: TrainRequest) -> Steps:
     yield Started(0, 1, 1, ())
 
 
+def killed_without_a_name(request: TrainRequest) -> Steps:
+    """By a signal of real time, of Linux."""
+    yield Started(0, 1, 1, ())
+    os.kill(os.getpid(), 40)
+
+
 def exited(request: TrainRequest) -> Steps:
     yield Started(0, 1, 1, ())
     os._exit(3)

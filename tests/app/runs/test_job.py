@@ -151,6 +151,12 @@ def test_cancel_closes_the_steps(tmp_path: Path, paused: bool) -> None:
         (fake_steps.mistaken, "expected better, got this", False),
         (fake_steps.broken, "ZeroDivisionError: a bug", True),
         (fake_steps.killed, "SIGKILL", False),
+        pytest.param(
+            fake_steps.killed_without_a_name,
+            "killed by signal 40;",
+            False,
+            marks=pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is no such signal"),
+        ),
         (fake_steps.exited, "exit code 3", False),
     ],
 )
