@@ -335,8 +335,8 @@ def _finished_before(run: RunFolder) -> Finished:
     """As the log tells; of a run that was killed after its model was written, the log is completed."""
     run.clear_windows()
     if events := run.events("Finished"):
-        steps, wall = run.train_seconds() or 0.0, run.wall_seconds()
-        return Finished(int(events[-1]["iteration"]), steps, run.model(), wall_seconds=wall)
+        steps, seconds = int(events[-1]["iteration"]), float(events[-1]["seconds"])
+        return Finished(steps, seconds, run.model(), wall_seconds=run.wall_seconds())
     finished, memory = _saved(run)
     run.log(finished, peak_memory_mb=memory, n_gaussians=len(finished.model))
     return finished
