@@ -39,27 +39,34 @@ def refused(inputs: list[Path], output: Path, *, below: bool) -> None:
     assert contents(root) == before
 
 
+@pytest.fixture
+def home(tmp_path: Path) -> Path:
+    """A folder with nothing of other tests beside it."""
+    (tmp_path / "home").mkdir()
+    return tmp_path / "home"
+
+
 @pytest.mark.parametrize("below", [False, True])
-def test_outputs_in_the_folder_of_an_input_are_refused(tmp_path: Path, below: bool) -> None:
-    put(tmp_path / "p.png", tmp_path / "q.png", tmp_path / "x/1.png", tmp_path / "y/1.png")
-    write_avi(tmp_path / "a.avi")
-    write_avi(tmp_path / "b.avi")
+def test_outputs_in_the_folder_of_an_input_are_refused(home: Path, below: bool) -> None:
+    put(home / "p.png", home / "q.png", home / "x/1.png", home / "y/1.png")
+    write_avi(home / "a.avi")
+    write_avi(home / "b.avi")
     for names in (("p.png", "q.png"), ("x", "y"), ("x", "p.png"), ("y", "b.avi")):
-        refused([tmp_path / name for name in names], tmp_path, below=below)
-    (tmp_path / "other/x").mkdir(parents=True)
-    put(tmp_path / "other/x/1.png")
-    refused([tmp_path / "x", tmp_path / "other/x"], tmp_path / "other", below=below)
+        refused([home / name for name in names], home, below=below)
+    (home / "other/x").mkdir(parents=True)
+    put(home / "other/x/1.png")
+    refused([home / "x", home / "other/x"], home / "other", below=below)
 
 
-def test_what_has_another_name_may_lie_beside_the_inputs(tmp_path: Path) -> None:
-    put(tmp_path / "p.jpg", tmp_path / "q.png")
+def test_what_has_another_name_may_lie_beside_the_inputs(home: Path) -> None:
+    put(home / "p.jpg", home / "q.png")
     for name in ("a.avi", "b.avi"):
-        write_avi(tmp_path / name)
-    (tmp_path / "c.mp4").write_bytes((tmp_path / "a.avi").read_bytes())
-    given = [tmp_path / name for name in ("a.avi", "b.avi", "p.jpg")]
-    assert len(items_in(given, tmp_path, below=False)) == 3
-    refused([*given, tmp_path / "q.png"], tmp_path, below=False)
-    refused([*given, tmp_path / "c.mp4"], tmp_path, below=False)
+        write_avi(home / name)
+    (home / "c.mp4").write_bytes((home / "a.avi").read_bytes())
+    given = [home / name for name in ("a.avi", "b.avi", "p.jpg")]
+    assert len(items_in(given, home, below=False)) == 3
+    refused([*given, home / "q.png"], home, below=False)
+    refused([*given, home / "c.mp4"], home, below=False)
 
 
 def test_only_what_is_read_of_a_folder_is_kept(tmp_path: Path) -> None:
