@@ -32,38 +32,39 @@ def picture(path: Path, seed: int = 0) -> Path:
     return path
 
 
-@pytest.fixture
-def bad(tmp_path: Path, clip_path: Path) -> Path:
-    """A folder with one of every bad input."""
-    whole = picture(tmp_path / "whole.png").read_bytes()
-    picture(tmp_path / "other.png", seed=1)
-    (tmp_path / "empty").mkdir()
-    (tmp_path / "truncated.png").write_bytes(whole[: len(whole) // 2])
-    (tmp_path / "text.mp4").write_text("no video at all\n")
-    (tmp_path / "text.png").write_text("no picture at all\n")
-    np.save(tmp_path / "nan.npy", np.full((8, 8, 3), np.nan, dtype=np.float32))
-    np.save(tmp_path / "large.npy", np.full((8, 8, 3), 7.0, dtype=np.float32))
-    np.save(tmp_path / "objects.npy", np.array([{"pickled": 1}], dtype=object))
-    np.save(tmp_path / "small.npy", np.zeros((4, 4, 3), dtype=np.float32))
-    (tmp_path / "mixed").mkdir()
-    picture(tmp_path / "mixed" / "0.png")
-    (tmp_path / "damaged").mkdir()
-    for folder in ("mixed", "damaged"):
-        (tmp_path / folder / "1.png").write_bytes(whole[: len(whole) // 2])
-    shutil.copytree(clip_path, tmp_path / "fewer_depths")
-    for path in (tmp_path / "fewer_depths").glob("depth*/*000004*"):
+@pytest.fixture(scope="module")
+def bad(tmp_path_factory: pytest.TempPathFactory, clip_path: Path) -> Path:
+    """A folder with one of every bad input, which each mistake leaves as it is."""
+    folder = tmp_path_factory.mktemp("bad")
+    whole = picture(folder / "whole.png").read_bytes()
+    picture(folder / "other.png", seed=1)
+    (folder / "empty").mkdir()
+    (folder / "truncated.png").write_bytes(whole[: len(whole) // 2])
+    (folder / "text.mp4").write_text("no video at all\n")
+    (folder / "text.png").write_text("no picture at all\n")
+    np.save(folder / "nan.npy", np.full((8, 8, 3), np.nan, dtype=np.float32))
+    np.save(folder / "large.npy", np.full((8, 8, 3), 7.0, dtype=np.float32))
+    np.save(folder / "objects.npy", np.array([{"pickled": 1}], dtype=object))
+    np.save(folder / "small.npy", np.zeros((4, 4, 3), dtype=np.float32))
+    (folder / "mixed").mkdir()
+    picture(folder / "mixed" / "0.png")
+    (folder / "damaged").mkdir()
+    for name in ("mixed", "damaged"):
+        (folder / name / "1.png").write_bytes(whole[: len(whole) // 2])
+    shutil.copytree(clip_path, folder / "fewer_depths")
+    for path in (folder / "fewer_depths").glob("depth*/*000004*"):
         path.unlink()
-    shutil.copytree(clip_path, tmp_path / "inverted")
-    for path in (*(tmp_path / "inverted" / "masks").iterdir(), *(tmp_path / "inverted").glob("gt_masks/*")):
+    shutil.copytree(clip_path, folder / "inverted")
+    for path in (*(folder / "inverted" / "masks").iterdir(), *(folder / "inverted").glob("gt_masks/*")):
         cv2.imwrite(str(path), 255 - cv2.imread(str(path), cv2.IMREAD_UNCHANGED))
-    shutil.copytree(clip_path, tmp_path / "cut_frame")
-    frame = sorted((tmp_path / "cut_frame" / "images").iterdir())[4]
+    shutil.copytree(clip_path, folder / "cut_frame")
+    frame = sorted((folder / "cut_frame" / "images").iterdir())[4]
     frame.write_bytes(frame.read_bytes()[:500])
-    (tmp_path / "broken_run").mkdir()
-    (tmp_path / "broken_run" / "run.json").write_text('{"schema": 1, "version": 3')
-    (tmp_path / "foreign").mkdir()
-    (tmp_path / "foreign" / "thesis.txt").write_text("years of work")
-    return tmp_path
+    (folder / "broken_run").mkdir()
+    (folder / "broken_run" / "run.json").write_text('{"schema": 1, "version": 3')
+    (folder / "foreign").mkdir()
+    (folder / "foreign" / "thesis.txt").write_text("years of work")
+    return folder
 
 
 MISTAKES = [
