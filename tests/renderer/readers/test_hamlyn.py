@@ -108,7 +108,7 @@ def test_noise_of_lossy_masks_marks_nothing(folder):
     for path in list((folder / "gt_masks").iterdir()):
         tool = np.where(np.asarray(Image.open(path)), 255, 0).astype(np.uint8)
         path.unlink()
-        Image.fromarray(tool).save(path.with_suffix(".jpg"), quality=100)
+        Image.fromarray(tool).save(path.with_suffix(".jpg"))
     frames, truth = read_all(folder), small_frames(WHOLE)
     for frame, wanted in zip(frames, truth, strict=True):
         np.testing.assert_array_equal(frame.tissue_mask, wanted.tissue_mask[:, LEFT_COLUMNS:])
