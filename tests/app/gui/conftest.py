@@ -135,6 +135,12 @@ def clip(tmp_path: Path) -> Clip:
 
 
 @pytest.fixture
+def own_clip(clip_path: Path, tmp_path: Path) -> Path:
+    """One on disk that a test may change."""
+    return Path(shutil.copytree(clip_path, tmp_path / "clip"))
+
+
+@pytest.fixture
 def state(places: Places, clip: Clip) -> AppState:
     """With a clip open and the notice read."""
     return AppState(places, Settings(acknowledged=True), Source(clip=clip))

@@ -23,7 +23,6 @@ from app.gui.work.presets import load_presets, presets_file
 from app.gui.work.settings import Places, load_settings
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
-from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
 from tests.app.gui.settling import keep_all
 from tests.app.gui.test_trouble import App
@@ -69,20 +68,13 @@ def disk(tmp_path: Path) -> Iterator[Disk]:
     subprocess.run(["umount", "--lazy", str(place)], check=True)
 
 
-@pytest.fixture
-def clip_path(tmp_path: Path) -> Path:
-    path = tmp_path / "clip"
-    write_phantom(path, PhantomParams(n_frames=10, width=64, height=48, seed=1), "endonerf")
-    return path
-
-
 def contents(folder: Path) -> dict[str, bytes]:
     """Every file in it, also hidden ones."""
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_under_the_pictures(disk: Disk, places: Places, clip_path: Path) -> None:
-    app = App(replace(places, pictures=disk.folder("pictures")), clip_path)
+def test_under_the_pictures(disk: Disk, places: Places, own_clip: Path) -> None:
+    app = App(replace(places, pictures=disk.folder("pictures")), own_clip)
     app.save()
     before = contents(app.state.places.pictures)
     disk.fill()
@@ -103,9 +95,9 @@ def test_under_the_pictures(disk: Disk, places: Places, clip_path: Path) -> None
     assert len(contents(app.state.places.pictures)) == len(before) + 1
 
 
-def test_under_the_settings(disk: Disk, places: Places, clip_path: Path) -> None:
+def test_under_the_settings(disk: Disk, places: Places, own_clip: Path) -> None:
     config = disk.folder("config")
-    app = App(replace(places, config=config), clip_path)
+    app = App(replace(places, config=config), own_clip)
     state = app.state
     actions.choose_theme(state, "light")
     preset_actions.keep(state, "mine")
@@ -144,9 +136,9 @@ def test_under_the_settings(disk: Disk, places: Places, clip_path: Path) -> None
 
 
 @pytest.mark.slow
-def test_under_the_runs(disk: Disk, places: Places, clip_path: Path) -> None:
+def test_under_the_runs(disk: Disk, places: Places, own_clip: Path) -> None:
     """Training ends with a sentence at what it cannot write, and goes on when there is room."""
-    app = App(replace(places, runs=disk.folder("runs")), clip_path)
+    app = App(replace(places, runs=disk.folder("runs")), own_clip)
     state = app.state
     state.runs.reconstruction.config = TrainConfig(iterations=400, n_gaussians=300, checkpoint_every=20)
     job_actions.start_reconstruction(state)

@@ -24,7 +24,6 @@ from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
 from assets import phantom_path
 from enhance import EnhanceParams
-from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
 from tests.app.gui.settling import served
 
@@ -75,15 +74,8 @@ class App:
         return message
 
 
-@pytest.fixture
-def clip_path(tmp_path: Path) -> Path:
-    path = tmp_path / "clip"
-    write_phantom(path, PhantomParams(n_frames=10, width=64, height=48, seed=1), "endonerf")
-    return path
-
-
-def test_a_full_disk(places: Places, clip_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    app = App(places, clip_path)
+def test_a_full_disk(places: Places, own_clip: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = App(places, own_clip)
     app.save()
     (before,) = places.pictures.glob("*.png")
     content = before.read_bytes()
@@ -110,10 +102,10 @@ def test_a_full_disk(places: Places, clip_path: Path, monkeypatch: pytest.Monkey
     assert len(list(places.pictures.glob("*.png"))) == 2
 
 
-def test_a_clip_deleted_under_the_app(places: Places, clip_path: Path) -> None:
-    app = App(places, clip_path)
+def test_a_clip_deleted_under_the_app(places: Places, own_clip: Path) -> None:
+    app = App(places, own_clip)
     app.save()
-    shutil.rmtree(clip_path)
+    shutil.rmtree(own_clip)
     actions.seek(app.state, 7)
     app.turn()
     assert "frame" in app.trouble()
@@ -130,8 +122,8 @@ def test_a_clip_deleted_under_the_app(places: Places, clip_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_killed_job_leaves_its_last_checkpoint(places: Places, clip_path: Path) -> None:
-    app = App(places, clip_path)
+def test_a_killed_job_leaves_its_last_checkpoint(places: Places, own_clip: Path) -> None:
+    app = App(places, own_clip)
     app.state.runs.reconstruction.config = TrainConfig(
         iterations=100_000, n_gaussians=300, checkpoint_every=10
     )
