@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import glfw
 import pytest
@@ -108,9 +109,9 @@ def test_a_signal_that_ends_the_training_too_starts_none_of_those_that_wait(plac
 
 
 @pytest.mark.display
-def test_what_was_cut_short_before_is_found_and_goes_on(places: Places) -> None:
+def test_what_was_cut_short_before_is_found_and_goes_on(places: Places, clip_path: Path) -> None:
     config = TrainConfig(iterations=8, n_gaussians=300, checkpoint_every=2)
-    request = TrainRequest(clip_path=phantom_path(), run_path=places.runs / "short", config=config)
+    request = TrainRequest(clip_path=clip_path, run_path=places.runs / "short", config=config)
     steps = run_training(request)
     while not RunFolder(request.run_path).has_checkpoint:
         next(steps)
@@ -118,10 +119,10 @@ def test_what_was_cut_short_before_is_found_and_goes_on(places: Places) -> None:
     jobs: list[FakeJob] = []
     driver = Driver(places, Settings(acknowledged=True), jobs)
     state = driver.state
-    actions.open_path(state, phantom_path())
+    actions.open_path(state, clip_path)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
-        wait(ctx, lambda: is_settled(state), "the phantom")
+        wait(ctx, lambda: is_settled(state), "the clip")
         ctx.window_focus("//Runs")
         wait(ctx, lambda: state.runs.found is not None, "the run")
         ctx.yield_(2)
