@@ -51,7 +51,7 @@ def written_as(temporary: str) -> str | None:
         name = temporary.removesuffix(PARTIAL)  # Of versions before 0.4.0.
     else:
         return None
-    # Those wrote a model beside a file that was being written itself.
+    # Up to 0.4.0 a model was written beside a file that was being written itself.
     return written_as(name) or name
 
 

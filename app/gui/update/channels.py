@@ -255,7 +255,7 @@ class Channels:
             Row(self.about, told("the versions cannot be listed", about_actions.take_about),
                 lambda s: s.scene.drawn_by if s.about.shown else None, SECOND, forgets=False),
             Row(self.clearing, taking.take_nothing, lambda s: s.places, SECOND),
-            Row(self.clearing_results, taking.take_nothing, wishes.results_wish, SECOND),
+            Row(self.clearing_results, taking.take_nothing, wishes.results_wish, "apart"),
             Row(self.saving, summary_actions.take_saved),
             Row(self.summary_pictures, summary_actions.take_thumbnail, summary_actions.thumbnail_wish,
                 "apart"),

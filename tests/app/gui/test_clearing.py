@@ -53,7 +53,7 @@ def start(places: Places) -> None:
 def serve(state: AppState) -> None:
     channels = Channels()
     update(state, channels, 0.0)
-    for channel in channels.of("second"):
+    for channel in (*channels.of("second"), channels.clearing_results):
         channel.run_waiting()
 
 

@@ -45,6 +45,12 @@ def keys(state: AppState) -> dict[str, str]:
     return {keys: one.label for one in commands if one.applies(state) for keys in one.keys}
 
 
+def test_no_image_waits_for_a_session_that_is_saved() -> None:
+    """Saving reads all that is open, for its digests."""
+    channels = Channels()
+    assert {channels.sessions, channels.autosaves} <= set(channels.of("second"))
+
+
 def test_the_first_save_asks_and_the_next_ones_write_the_same_file(
     liver: tuple[AppState, Channels], places: Places
 ) -> None:
