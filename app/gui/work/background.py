@@ -201,15 +201,23 @@ class Worker:
         self._wake.wait()
         while not self._closing.is_set():
             self._wake.clear()
-            while not self._closing.is_set():
-                served = [channel.run_waiting(self._on_answer) for channel in self._channels]
-                if not any(served):
-                    break
-            if not self._wake.wait(REST):
+            while self._serve():
+                pass
+            # A call to close may have come just before the wake-up was cleared.
+            if not self._closing.is_set() and not self._wake.wait(REST):
                 self._at_rest()
                 self._wake.wait()
         for channel in self._channels:
             channel.close()
+
+    def _serve(self) -> bool:
+        """Each channel once, none once it is to close: whether any had something to do."""
+        served = False
+        for channel in self._channels:
+            if self._closing.is_set():
+                return False
+            served = channel.run_waiting(self._on_answer) or served
+        return served
 
 
 class Apart:

@@ -150,6 +150,35 @@ def test_a_worker_rests_once_after_all_work(monkeypatch: pytest.MonkeyPatch) -> 
     assert rests.empty()
 
 
+def test_after_closing_no_other_work_is_begun() -> None:
+    """The window's own thread does what must not be given up, and removes what the end makes useless."""
+    begun, allowed, ended = threading.Event(), threading.Event(), threading.Event()
+    done = list[str]()
+
+    def long(request: int) -> Iterator[int]:
+        begun.set()
+        allowed.wait(SECONDS)
+        yield request
+
+    def late(request: int) -> Iterator[int]:
+        done.append("late")
+        yield request
+
+    class Last(Channel[int, int]):
+        def close(self) -> None:
+            ended.set()
+
+    first, second = Channel(long), Last(late)
+    worker = Worker((first, second), lambda: None)
+    first.ask(1)
+    assert begun.wait(SECONDS)
+    worker.close(timeout=0.01)
+    second.ask(1)
+    allowed.set()
+    assert ended.wait(SECONDS)
+    assert not done
+
+
 def test_waiting_ends_with_the_last_answer_of_the_newest_request() -> None:
     allowed = threading.Event()
 
