@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from app.gui.state.app_state import AppState
-from app.gui.update.channels import Channels
+from app.gui.update.channels import Channels, Server
 from app.gui.update.update import update
 from app.gui.work.settings import Places
 from app.runs import shared_model
@@ -47,13 +47,14 @@ def shared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def start(places: Places) -> None:
     """The window without its drawing, for a frame."""
-    serve(AppState(places))
-
-
-def serve(state: AppState) -> None:
     channels = Channels()
-    update(state, channels, 0.0)
-    for channel in (*channels.of("second"), channels.clearing_results):
+    update(AppState(places), channels, 0.0)
+    serve(channels, "second")
+    serve(channels, "apart")
+
+
+def serve(channels: Channels, server: Server) -> None:
+    for channel in channels.of(server):
         channel.run_waiting()
 
 
@@ -87,13 +88,17 @@ def test_what_was_being_written_is_gone_and_what_was_whole_is_put_into_place(
 def test_batches_are_cleared_where_they_write_and_no_folder_of_others_is_searched(
     places: Places, tmp_path: Path, dead: int
 ) -> None:
-    state, chosen = AppState(places), tmp_path / "results"
+    state, channels, chosen = AppState(places), Channels(), tmp_path / "results"
     names = ("enhanced-1/below", "enhanced-2", "mine/below")
     for folder in (root / name for root in (chosen, places.pictures) for name in names):
         folder.mkdir(parents=True)
         (folder / name_of(dead, "a")).write_text("x")
     state.window.folders = {"results": chosen}
-    serve(state)
+    update(state, channels, 0.0)
+    serve(channels, "second")
+    # The drive that they lie on may not answer, which holds up nothing else.
+    assert len(list(chosen.rglob(name_of(dead, "a")))) == len(names)
+    serve(channels, "apart")
     found = {path.relative_to(tmp_path).parts[-3:-1] for path in tmp_path.rglob(name_of(dead, "a"))}
     assert found == {("mine", "below")}
 
