@@ -91,6 +91,7 @@ Server = Literal["first", "second", "apart"]
 waits for; or a thread of its own for each request: what opens files, without numba, may never end."""
 SECOND: Final = "second"
 NO_STRIP = "the clip's thumbnails cannot be shown"
+NO_TINT = "what is left out of this frame cannot be shown"
 NO_MODELS = "what can be seen in a second view cannot be told"
 NO_NEIGHBOURS = "the images beside this one cannot be listed"
 NO_MASKS = "tool masks cannot be listed"
@@ -243,7 +244,7 @@ class Channels:
                 wishes.thumbnails_wish, forgets=False),
             Row(self.strip, told(NO_STRIP, taking.take_strip, actions.say), wishes.strip_wish, SECOND,
                 forgets=False),
-            Row(self.left_out, told(NO_STRIP, taking.take_left_out, actions.say), wishes.left_out_wish,
+            Row(self.left_out, told(NO_TINT, taking.take_left_out, actions.say), wishes.left_out_wish,
                 SECOND, forgets=False),
             Row(self.recents, told("recent files cannot be shown", taking.take_recents, actions.say),
                 wishes.recents_wish, "apart", forgets=False),

@@ -20,6 +20,7 @@ from app.gui.update.update import update
 from app.gui.views.picture_view import Placement
 from app.gui.views.resample import TINT, Patch
 from app.gui.views.resample import tinted as tint
+from app.gui.work import masking
 from app.gui.work.opening import Opened
 from app.gui.work.settings import FILE, MOST_CLIPS, KnownClip, Places, clips_content, load_clips
 from app.gui.work.strip import DAMAGED, HEIGHT, MOST, StripRequest, count_for, make_strip
@@ -223,3 +224,13 @@ def test_the_tint_is_where_pixels_are_left_out_and_only_while_it_is_asked_for(st
     actions.seek(state, 2)
     update(state, channels, 0.2)
     assert tinted(state) is None  # Of another frame.
+
+
+def test_a_tint_that_cannot_be_made_is_told_as_one(state: AppState, monkeypatch: pytest.MonkeyPatch) -> None:
+    def damaged(clip: Clip, index: int) -> None:
+        raise ClipError("frame 1 is damaged")
+
+    monkeypatch.setattr(masking, "found_around", damaged)
+    clip_actions.toggle_overlay(state)
+    settle(state, Channels(), 0.0)
+    assert state.window.log[-1] == "what is left out of this frame cannot be shown: frame 1 is damaged"
