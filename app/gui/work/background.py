@@ -166,9 +166,13 @@ class SteppedChannel(Channel[Request, Answer]):
 
 
 def _end(work: tuple[Any, Iterator[Any]] | None) -> None:
-    """Close its steps, which removes what they had begun to write."""
+    """Close its steps, which removes what they had begun to write. A drive that is gone by now, where they
+    cannot, is no trouble of other work."""
     if work is not None and isinstance(work[1], Generator):
-        work[1].close()
+        try:
+            work[1].close()
+        except Exception:
+            log.info("what was given up is not cleared away", exc_info=True)
 
 
 class Worker:

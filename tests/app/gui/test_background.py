@@ -104,6 +104,27 @@ def test_the_window_may_go_on_while_what_is_given_up_is_cleared_away() -> None:
     assert free == [True]
 
 
+def test_what_cannot_be_cleared_away_stops_no_other_work() -> None:
+    def work(request: int) -> Iterator[int]:
+        try:
+            while True:
+                yield request
+        finally:
+            if request == 1:
+                raise OSError("the drive is gone")
+
+    channel = SteppedChannel(work)
+    for request in (1, 2):
+        channel.ask(request)
+        channel.run_waiting()
+        assert channel.take() == (request, request)
+        channel.cancel()
+    channel.run_waiting()
+    channel.ask(1)
+    channel.run_waiting()
+    channel.close()
+
+
 def test_an_exception_is_an_answer() -> None:
     def work(request: int) -> Iterator[int]:
         yield 1 // request
