@@ -16,5 +16,5 @@ def show(window: Floating, shown: bool) -> None:
 
 
 def toggle(window: Floating) -> None:
-    """A guide, say, is where it was left."""
+    """It comes back as it was left: a guide at the same page."""
     window.shown = not window.shown

@@ -94,19 +94,19 @@ class Measurer:
     """Measures pictures; remembers what follows from the frame alone."""
 
     def __init__(self) -> None:
-        self._of: Reference | None = None
+        self._reference: Reference | None = None
 
     def measure(self, pictures: Pictures) -> Iterator[Measured]:
         """Raises ImageError."""
         enhanced = pictures.enhanced
         if enhanced is None:
             return
-        if self._of is None or self._of.original.image is not pictures.original:
-            self._of = Reference.of(pictures.original)
-        of = self._of
-        before, after = of.measures, of.original.measures(enhanced, pictures.milliseconds)
-        fainter = _loses(before.color_difference, after.color_difference) and of.is_fainter(enhanced)
-        yield Measured(pictures, before, after, of.spread, spread(enhanced), fainter)
+        if self._reference is None or self._reference.original.image is not pictures.original:
+            self._reference = Reference.of(pictures.original)
+        frame = self._reference
+        before, after = frame.measures, frame.original.measures(enhanced, pictures.milliseconds)
+        fainter = _loses(before.color_difference, after.color_difference) and frame.is_fainter(enhanced)
+        yield Measured(pictures, before, after, frame.spread, spread(enhanced), fainter)
 
 
 def _loses(before: float, after: float) -> bool:

@@ -62,9 +62,9 @@ class CellMaker:
         assert pictures.enhanced is not None
         if self._known is None or self._known[0].original.image is not pictures.original:
             self._known = Reference.of(pictures.original), shrunk(pictures.original, *TILE)
-        of, small = self._known
-        measures = of.original.measures(pictures.enhanced, pictures.milliseconds)
+        frame, small = self._known
+        measures = frame.original.measures(pictures.enhanced, pictures.milliseconds)
         image, original = pictures.enhanced, pictures.original
         if not request.whole:
             image, original = shrunk(image, *TILE), small
-        yield GridCell(request, image, measures, original, of.measures)
+        yield GridCell(request, image, measures, original, frame.measures)
