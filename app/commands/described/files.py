@@ -30,8 +30,8 @@ from renderer.splat_files.splat_records import RECORD
 READ_WHOLE = 64 << 20
 """Bytes: a larger file of splats is told by its header."""
 FOR_OTHERS = (".glb", ".usdc", ".4dgs", ".obj", ".npz", ".csv", ".html")
-READ_FOR_FACTS = {*FOR_OTHERS, ".ply"} - {".npz"}
-"""Of which all is read for what they say of themselves."""
+READ_FOR_FACTS = (".glb", ".html", ".obj", ".ply", ".usdc")
+"""Of which all is read for what they say of themselves; a file beside others tells it."""
 Facts = tuple[Fact, ...]
 
 
