@@ -13,7 +13,7 @@ from typing import Any, Final
 from rich.table import Table
 
 from app.console.flags import refuse
-from app.console.progress import progress, wide_terminal
+from app.console.progress import WIDTH, Terminal, progress
 from app.errors import UserError
 from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import provenance, strict_json
@@ -227,7 +227,8 @@ def print_table(part: Measured) -> None:
         table.add_column(column.name, overflow="fold")
     for row in part.rows[:PRINTED]:
         table.add_row(*(said(cell, column) for cell, column in zip(row, part.columns, strict=True)))
-    console = wide_terminal()
+    # In a narrow terminal lines go on below: columns as narrow would cut their numbers in two.
+    console = Terminal(width=max(Terminal().width, WIDTH))
     console.print(table)
     if len(part.rows) > PRINTED:
         console.print(f"{len(part.rows) - PRINTED} more rows in {PAGE}")

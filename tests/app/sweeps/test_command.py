@@ -10,6 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
+from app.commands.sweep import print_table
+from app.report.section import Column, Table
 from app.sweeps.engines import dask
 from app.sweeps.jobs import Job, JobFolder
 from app.sweeps.plan import Plan, recorded
@@ -106,3 +108,13 @@ def test_info_says_what_a_sweep_has_and_what_is_next(vesselsplat: Cli, tmp_path:
         assert told.code == 0
         assert "3: 1 finished, 1 failed, 1 left" in told.out
         assert "--table" in told.out
+
+
+def test_a_narrow_terminal_cuts_no_number(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "80")
+    columns = tuple(Column(f"measure {number}") for number in range(12))
+    print_table(Table(title="Means", columns=columns, rows=((0.1234,) * len(columns),)))
+    assert capsys.readouterr().out.count("0.1234") == len(columns)
