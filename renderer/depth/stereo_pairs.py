@@ -25,12 +25,12 @@ from renderer.depth.row_offset import (
     unseen,
 )
 from renderer.depth.stereo import disparity, feature_shifts
+from renderer.evenly import evenly_floored
 from renderer.readers.clip_files import folders_in
 from renderer.readers.frames import is_seen_by_assumption, open_images
 from renderer.readers.listing import count, listed
 from renderer.readers.picture_kinds import kind_by_name
 from renderer.readers.pictures import common_size, is_picture, read_rgb
-from renderer.readers.spread import spread
 
 LARGEST_VERTICAL_OFFSET = 1.5
 """Median distance in px between the rows of what both eyes see, beyond which a pair is not rectified; what is
@@ -258,7 +258,7 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
 
     Raises ClipError: they look like no rectified pair, or like one that is swapped or is one image twice.
     """
-    every = list(_shifts(clip, right, spread(len(clip), PAIRS)))
+    every = list(_shifts(clip, right, evenly_floored(range(len(clip)), PAIRS)))
     if len(every[0]) < _FEWEST_FEATURES:
         # One frame may be blurred or dark; the pair that shows most stands for all.
         every = sorted(every, key=len, reverse=True)

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ClipError
+from renderer.evenly import evenly_floored
 from renderer.readers.pictures import read_stored, stored_kind
-from renderer.readers.spread import spread
 from renderer.readers.tool_masks import SAMPLES, Sample, is_lossy, levels, marked_pixels, marks_tissue
 
 Marked = Literal["tool", "tissue"]
@@ -58,7 +58,7 @@ def _require_shape(found: tuple[int, int], size: tuple[int, int], path: Path) ->
 
 def refuse_inverted(sample: Callable[[int], Sample], count: int, marked: Marked, masks: Path) -> None:
     """Raises ClipError when the masks of a clip of `count` frames look like the opposite of `marked`."""
-    samples = [sample(place) for place in spread(count, SAMPLES)]
+    samples = [sample(place) for place in evenly_floored(range(count), SAMPLES)]
     other: Marked = "tissue" if marked == "tool" else "tool"
     if other == "tool":
         samples = [replace(one, marked=~one.marked) for one in samples]

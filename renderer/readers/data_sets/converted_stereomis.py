@@ -9,6 +9,7 @@ import numpy as np
 
 from renderer.camera import Camera
 from renderer.clip import Clip, Frame
+from renderer.evenly import evenly_floored
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.data_sets.endonerf import open_endonerf
 from renderer.readers.data_sets.endonerf_poses import POSES, Matrix
@@ -16,7 +17,6 @@ from renderer.readers.depth_maps import within
 from renderer.readers.numbered_files import numbered
 from renderer.readers.picture_files import read_npy
 from renderer.readers.pictures import upright_size
-from renderer.readers.spread import spread
 from renderer.readers.tool_masks import SAMPLES, Sample, marks_tissue
 
 FARTHEST = 250.0
@@ -85,5 +85,5 @@ def _said(path: Path) -> Matrix | None:
 def _samples(path: Path, options: ClipOptions) -> list[Sample]:
     """A few frames of the folder with what their masks mark."""
     clip = open_endonerf(path, replace(options, mask_polarity="tool", bottom_rows=0), _centred_lens)
-    frames = [clip.read_frame(place) for place in spread(len(clip), SAMPLES)]
+    frames = [clip.read_frame(place) for place in evenly_floored(range(len(clip)), SAMPLES)]
     return [Sample(frame.image, ~frame.tissue_mask, frame.depth) for frame in frames]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
+from renderer.evenly import evenly_floored
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.data_sets.endonerf_masks import judged, labels_of, unmarked
@@ -22,7 +23,6 @@ from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.nonzero_masks import read_mask
 from renderer.readers.numbered_files import numbered, strays
 from renderer.readers.pictures import common_size, read_rgb
-from renderer.readers.spread import spread
 from renderer.readers.tool_masks import SAMPLES, Sample, burned_in_rows, marked_pixels
 
 FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
@@ -121,7 +121,7 @@ def _reader(
     path: Path, files: _Files, size: tuple[int, int], options: ClipOptions
 ) -> tuple[_Reader, list[str]]:
     """What reads frames, and what is worth saying of their masks. Raises ClipError: see `open_endonerf`."""
-    looked_at = spread(len(files.images), SAMPLES)
+    looked_at = evenly_floored(range(len(files.images)), SAMPLES)
     masks = _masks(files.masks, looked_at, options, size)
     tools = masks if files.tools == files.masks else _masks(files.tools, looked_at, options, size)
     reader = _Reader(files, masks, tools, options.evaluation_masks)

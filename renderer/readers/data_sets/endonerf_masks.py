@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import ClipError
+from renderer.evenly import evenly_floored
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.pictures import read_stored
-from renderer.readers.spread import spread
 from renderer.readers.tool_masks import (
     DARK,
     Sample,
@@ -37,7 +37,7 @@ def labels_of(masks: Sequence[Path], looked_at: Iterable[int]) -> int:
         return 1
     seen = [_levels(masks[index]) for index in looked_at]
     if not any(mask.any() for mask in seen):
-        read = (_levels(masks[index]) for index in spread(len(masks), _MOST_LOOKED_AT))
+        read = (_levels(mask) for mask in evenly_floored(masks, _MOST_LOOKED_AT))
         seen += islice((mask for mask in read if mask.any()), 1)
     return highest_label(seen)
 

@@ -17,7 +17,6 @@ from app.files.image_files import read_image, write_image
 from app.files.image_series import open_series
 from enhance import EnhanceParams, Pool, enhance, measure
 from renderer.clip import ByteImage, Clip
-from renderer.evenly import evenly
 from renderer.sources import open_clip
 from tests.app.gui.conftest import make_clip
 from tests.enhance.pictures import vessels
@@ -82,15 +81,6 @@ def test_the_command_gives_what_the_window_shows(tmp_path: Path, scope: Scope) -
     for index in range(18):
         *_, shown = maker.make(PictureRequest(clip, index, params, scope, "automatic"))
         np.testing.assert_array_equal(read_image(tmp_path / f"out/{index:02d}.png"), shown.enhanced)
-
-
-@pytest.mark.parametrize(
-    ("first", "last", "count"), [(0, 0, 16), (0, 17, 16), (3, 90, 4), (5, 6, 2), (0, 9, 16)]
-)
-def test_frames_are_evenly_spread_from_the_first_to_the_last(first: int, last: int, count: int) -> None:
-    found = evenly(range(first, last + 1), count)
-    assert (found[0], found[-1], len(found)) == (first, last, min(count, last + 1 - first))
-    assert max(np.diff(found), default=0) - min(np.diff(found), default=0) <= 1
 
 
 def test_a_clip_of_a_known_layout_is_pooled_without_a_look(clip: Clip) -> None:
