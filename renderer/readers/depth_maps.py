@@ -34,7 +34,7 @@ def plane_of(stored: NDArray[Any], path: Path) -> DepthMap:
         ClipError: not one number a pixel.
     """
     plane = stored if stored.ndim == 2 else np.squeeze(stored)
-    if plane.ndim != 2 or plane.dtype.kind not in "fiu":
+    if plane.ndim != 2 or plane.dtype.kind not in "bfiu":
         raise ClipError(f"expected one number a pixel, got {stored.dtype} {stored.shape}: {path}")
     values = plane.astype(np.float32)
     return np.where(np.isfinite(values) & (values > 0), values, np.float32(0))

@@ -82,6 +82,13 @@ def test_depth_that_is_no_number_is_no_measurement(folder):
     assert not frame.depth_mask[0, :3].any()
 
 
+def test_a_frame_of_one_bit_a_pixel_has_no_depth(folder):
+    """As programs that shrink PNGs store a map that is 0 throughout."""
+    shutil.rmtree(folder / "depth_fine")
+    Image.new("1", (WIDTH, HEIGHT)).save(folder / "depth/frame-000004.depth.png")
+    assert not open_endonerf(folder).read_frame(4).depth_mask.any()
+
+
 def test_the_split_is_the_fields(folder):
     clip = open_endonerf(folder)
     assert clip.test_indices == (1, 9)
