@@ -12,7 +12,7 @@ from renderer.clip import ClipError
 from renderer.readers.pictures import is_array, is_picture, read_stored
 
 OUTLIER: Final = 3.0
-"""Depth this many times a frame's median or more, or its inverse or less, is a failed match."""
+"""Depth beyond this many times a frame's median, or below its inverse, is a failed match."""
 
 DepthMap = NDArray[np.float32]
 
@@ -50,5 +50,5 @@ def plausible(depth: DepthMap) -> DepthMap:
     measured = depth[depth > 0]
     if not measured.size:
         return depth
-    median = np.median(measured)
-    return np.where((depth < OUTLIER * median) & (depth * OUTLIER > median), depth, np.float32(0))
+    median = float(np.median(measured))
+    return within(depth, median / OUTLIER, median * OUTLIER)

@@ -17,7 +17,7 @@ from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.data_sets.endonerf_masks import judged, labels_of, unmarked
 from renderer.readers.data_sets.endonerf_poses import POSES, LensOf, cameras_of, load_poses, sized_lens
-from renderer.readers.depth_maps import DepthMap, plausible, read_map
+from renderer.readers.depth_maps import OUTLIER, DepthMap, read_map
 from renderer.readers.listing import listed
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.nonzero_masks import read_mask
@@ -49,7 +49,7 @@ def open_endonerf(path: Path, options: ClipOptions = DEFAULTS, lens_of: LensOf =
     """Opens a folder in EndoNeRF layout; frames are decoded when they are asked for.
 
     Files are paired by the last number in their names. depth/ holds millimetres along z in 8-bit,
-    16-bit or float pictures, 0 = none, and so is depth far from the frame's median (`plausible`);
+    16-bit or float pictures, 0 = none, and so is depth far from the frame's median (OUTLIER);
     depth_fine/ (1/32 mm, 16 bit), which `write_endonerf` adds, is preferred. Without masks every
     pixel is tissue; without depth the clip has none.
 
@@ -163,7 +163,7 @@ class _Reader:
     def depth(self, index: int) -> DepthMap | None:
         if not self.files.depth:
             return None
-        return plausible(read_map(self.files.depth[index]) / np.float32(self.files.depth_steps))
+        return _plausible(read_map(self.files.depth[index]) / np.float32(self.files.depth_steps))
 
     def sample(self, index: int) -> Sample:
         return Sample(self.image(index), self.masks.marked(index), self.depth(index))
@@ -181,6 +181,16 @@ class _Reader:
         tissue[len(tissue) - self.bottom_rows :] = False
         evaluation = reliable if self.evaluation == "masks" else tools
         return Known(tissue, evaluation, None if depth is None else np.where(reliable, depth, np.float32(0)))
+
+
+def _plausible(depth: DepthMap) -> DepthMap:
+    """As `plausible` of other layouts, but without its ends, on which whole millimetres often lie: training
+    takes what these leave, to the pixel."""
+    measured = depth[depth > 0]
+    if not measured.size:
+        return depth
+    median = np.median(measured)
+    return np.where((depth < OUTLIER * median) & (depth * OUTLIER > median), depth, np.float32(0))
 
 
 def _pair(path: Path, options: ClipOptions) -> tuple[_Files, list[str]]:

@@ -263,3 +263,13 @@ def test_failed_stereo_matches_are_not_depth(folder: Path) -> None:
     assert after[0, 3] == after[0, 5] == 0
     before[0, 3] = before[0, 5] = 0
     assert np.array_equal(before, after)
+
+
+def test_depth_that_is_just_three_times_the_median_is_none(folder: Path) -> None:
+    shutil.rmtree(folder / "depth_fine")
+    depth = np.full((HEIGHT, WIDTH), 60, np.uint8)
+    depth[0, :4] = 20, 21, 179, 180
+    Image.fromarray(depth).save(folder / "depth/frame-000000.depth.png")
+    read = open_endonerf(folder).read_frame(0).depth
+    assert read is not None
+    np.testing.assert_array_equal(read[0, :5], [0, 21, 179, 0, 60])

@@ -114,6 +114,14 @@ def test_noise_of_lossy_masks_marks_nothing(folder):
         np.testing.assert_array_equal(frame.tissue_mask, wanted.tissue_mask[:, LEFT_COLUMNS:])
 
 
+def test_depth_beyond_three_times_the_median_is_none(folder):
+    depth = np.full((WHOLE.height, WHOLE.width), 60, np.uint16)
+    depth[0, LEFT_COLUMNS : LEFT_COLUMNS + 4] = 19, 20, 180, 181
+    Image.fromarray(depth).save(folder / "gt_depth/000000.png")
+    read = open_clip(folder).read_frame(0).depth
+    np.testing.assert_array_equal(read[0, :5], [0, 20, 180, 0, 60])
+
+
 def test_a_folder_with_poses_is_no_hamlyn_clip(folder):
     poses = np.zeros((COUNT, 17))
     poses[:, :15] = np.column_stack([np.eye(3, 4), [WHOLE.height, WHOLE.width, WHOLE.fx]]).ravel()
