@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from app.errors import UserError
-from renderer.readers.calibration import Calibration
+from renderer.readers.lenses.calibration import Calibration
 
 AUTO = "auto"
 LONGEST = 120

@@ -18,8 +18,8 @@ from app.files.records import LENIENT, Record, Source, Told
 from enhance import Statistics
 from enhance.noise import NoiseCut
 from enhance.result import Omission
-from renderer.readers.calibration import Calibration
 from renderer.readers.clip_options import Deinterlacing, Stereo
+from renderer.readers.lenses.calibration import Calibration
 
 
 def _numbers(given: Any) -> Any:

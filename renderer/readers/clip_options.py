@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, ConfigDict
 from pydantic.dataclasses import dataclass
 
 from renderer.clip import Split
-from renderer.readers.calibration import Calibration
+from renderer.readers.lenses.calibration import Calibration
 
 DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "motion", "off"]
 
@@ -29,7 +29,7 @@ def _read(given: object) -> object:
     """A file is what it says. Raises ValueError."""
     if not isinstance(given, Path):
         return given
-    from renderer.readers.calibration_files import read_calibration
+    from renderer.readers.lenses.calibration_files import read_calibration
 
     return read_calibration(given)
 

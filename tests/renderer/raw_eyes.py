@@ -10,7 +10,7 @@ import numpy as np
 
 from renderer.camera import Camera
 from renderer.phantom import Phantom, PhantomParams
-from renderer.readers.calibration import Calibration, LensCalibration, SecondEye
+from renderer.readers.lenses.calibration import Calibration, LensCalibration, SecondEye
 
 SIZE = 320, 256
 BENT = -0.32, 0.1, 0.0, 0.0, -0.01

@@ -22,9 +22,9 @@ from app.scenes.scene import Scene, Training, finished_scene, run_scene, series_
 from app.sweeps.folder import SWEEP, is_sweep
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
-from renderer.readers.calibration_files import read_calibration
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.cut_off import CUT_OFF
+from renderer.readers.lenses.calibration_files import read_calibration
 from renderer.readers.listing import listed
 from renderer.readers.passed_over import NOT_READABLE
 from renderer.regular_files import require_regular

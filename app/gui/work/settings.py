@@ -23,8 +23,8 @@ from app.files.provenance import strict_json
 from app.runs.clip_selection import ClipPart
 from app.runs.runs_place import runs_place
 from app.scenes.backgrounds import BackgroundName
-from renderer.readers.calibration import Calibration
 from renderer.readers.clip_options import FIELD_OF_VIEW, DepthSource, Stereo
+from renderer.readers.lenses.calibration import Calibration
 
 RECENT_LIMIT = 8
 MOST_FOLDERS = 32

@@ -14,9 +14,9 @@ from app.exports.replay.again import replay
 from app.files.image_files import read_image
 from app.files.image_series import open_series
 from enhance import EnhanceParams
-from renderer.readers.calibration import Calibration
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.straightening import straightening
+from renderer.readers.lenses.calibration import Calibration
+from renderer.readers.lenses.straightening import straightening
 from tests.renderer.raw_eyes import EYES, LEFT, SIZE, raw_pairs
 
 OPTIONS = ClipOptions(calibration=Calibration(lens=LEFT))

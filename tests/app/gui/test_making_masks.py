@@ -17,8 +17,8 @@ from app.gui.update.update import update
 from app.gui.work.background import Failure
 from app.gui.work.masking import KeepMask, MakingRequest, MaskRequest, folder_of, keep_mask, make_all
 from app.gui.work.opening import OpenRequest, open_path
-from renderer.readers.calibration import Calibration, LensCalibration
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.lenses.calibration import Calibration, LensCalibration
 from renderer.tools.mask_files import origin_of, write_mask
 from tests.app.gui.conftest import SIZE
 from tests.app.gui.test_masking import begun, on_disk, settle, shown, stroke

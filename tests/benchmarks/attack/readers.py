@@ -23,8 +23,8 @@ from app.runs.run_lock import holder
 from renderer.clip import ClipError
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
-from renderer.readers.calibration_files import read_calibration
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.lenses.calibration_files import read_calibration
 from renderer.sources import open_clip
 from renderer.splat_files import read_splats
 from renderer.train.checkpoint import read_checkpoint

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from renderer.clip import ClipError
-from renderer.readers.calibration import Calibration, LensCalibration
-from renderer.readers.calibration_files import read_calibration
+from renderer.readers.lenses.calibration import Calibration, LensCalibration
+from renderer.readers.lenses.calibration_files import read_calibration
 
 MATRIX = [[438.5, 0.0, 305.25], [0.0, 437.0, 243.75], [0.0, 0.0, 1.0]]
 BENT = [-0.36, 0.11, 0.001, 1e-5, -0.02]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from renderer.clip import ClipError
-from renderer.readers.rectification import read_rectified
+from renderer.readers.lenses.rectification import read_rectified
 
 MATRIX = np.array([[1035.0, 0, 596.9], [0, 1036.0, 520.4], [0, 0, 1]])
 SHIFT = np.array([-4.1, 0.02, -0.03])

@@ -14,7 +14,7 @@ from renderer.camera import Camera
 from renderer.clip import ClipError
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.data_sets.converted_stereomis import is_converted_stereomis
-from renderer.readers.rectification import read_rectified
+from renderer.readers.lenses.rectification import read_rectified
 from renderer.sources import open_clip
 from tests.renderer.readers.test_rectification import calibration
 from tests.renderer.small_clip import COUNT, points_of, read_all, refusal, small_frames

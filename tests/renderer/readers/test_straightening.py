@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from renderer.readers.calibration import Calibration, LensCalibration, SecondEye
-from renderer.readers.straightening import WIDEST, straight_eyes, straightening
+from renderer.readers.lenses.calibration import Calibration, LensCalibration, SecondEye
+from renderer.readers.lenses.straightening import WIDEST, straight_eyes, straightening
 
 SIZE = 320, 256
 BARREL = LensCalibration(

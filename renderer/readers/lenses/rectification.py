@@ -8,8 +8,8 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from renderer.clip import ClipError
-from renderer.readers.calibration import Calibration, LensCalibration, SecondEye, first_fault
-from renderer.readers.straightening import Rectified, rectified
+from renderer.readers.lenses.calibration import Calibration, LensCalibration, SecondEye, first_fault
+from renderer.readers.lenses.straightening import Rectified, rectified
 from renderer.regular_files import read_whole
 
 

@@ -14,10 +14,10 @@ import yaml
 from pydantic import ValidationError
 
 from renderer.clip import ClipError
-from renderer.readers.calibration import Calibration, LensCalibration, Model, SecondEye, first_fault
-from renderer.readers.colmap_lens import colmap_lens
-from renderer.readers.opencv_xml import opencv_xml
-from renderer.readers.rectification import read_ini
+from renderer.readers.lenses.calibration import Calibration, LensCalibration, Model, SecondEye, first_fault
+from renderer.readers.lenses.colmap_lens import colmap_lens
+from renderer.readers.lenses.opencv_xml import opencv_xml
+from renderer.readers.lenses.rectification import read_ini
 from renderer.regular_files import read_regular
 
 MOST_BYTES: Final = 1 << 20

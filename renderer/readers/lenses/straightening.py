@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage
-from renderer.readers.calibration import Calibration, LensCalibration
+from renderer.readers.lenses.calibration import Calibration, LensCalibration
 
 Level = TypeVar("Level", np.uint8, np.uint16, np.float16, np.float32, np.float64)
 SAME_SHAPE: Final = 0.005

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from renderer.readers.calibration import Calibration, LensCalibration, Model
+from renderer.readers.lenses.calibration import Calibration, LensCalibration, Model
 
 CENTER: Final = 0.5
 """COLMAP counts pixels from the corner of the first one, OpenCV from its centre."""
