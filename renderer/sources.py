@@ -15,8 +15,8 @@ from renderer.depth.clip_depth import with_depth
 from renderer.layouts import layout_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.picture_kinds import frame_folder
-from renderer.readers.stereo_layout import chosen_layout
 from renderer.readers.stills import images_in, open_stills
+from renderer.readers.video_decoding.stereo_layout import chosen_layout
 from renderer.readers.video_header import read_video_header
 
 

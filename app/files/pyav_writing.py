@@ -18,8 +18,8 @@ from app.files.codecs import BT470BG, BT601, BT709, BT2020, Codec
 from app.files.image_files import ArrayImage
 from app.files.sound import Sound, sound_of
 from app.files.timing import Timing
-from renderer.readers.video_index import decoded, open_container, video_stream
-from renderer.readers.video_shape import UNSPECIFIED, pixel_aspect, usual_matrix
+from renderer.readers.video_decoding.video_index import decoded, open_container, video_stream
+from renderer.readers.video_decoding.video_shape import UNSPECIFIED, pixel_aspect, usual_matrix
 
 if TYPE_CHECKING:
     from av.video.stream import VideoStream

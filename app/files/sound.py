@@ -11,7 +11,7 @@ import av
 
 from app.files.codecs import Container
 from app.files.timing import Timing
-from renderer.readers.video_index import open_container, start_of
+from renderer.readers.video_decoding.video_index import open_container, start_of
 
 if TYPE_CHECKING:
     from av.audio.codeccontext import AudioCodecContext

@@ -12,7 +12,7 @@ from enhance.result import Omission
 from enhance.shown import Named
 from renderer.clip import ByteImage
 from renderer.readers.clip_options import StereoLayout
-from renderer.readers.stereo_layout import eye_aspect, eye_size
+from renderer.readers.video_decoding.stereo_layout import eye_aspect, eye_size
 
 LIVE: Final = "live"
 """Format of a clip that stands for a live source, or for a frame of it."""

@@ -22,7 +22,7 @@ from app.live.picture import EyePair, LivePicture, LiveSetting, LiveStatus, Sign
 from app.live.sources.source import Arrived, Source, SourceLost
 from enhance import ImageError, LiveStatistics
 from renderer.clip import ByteImage, ClipError
-from renderer.readers.stereo_layout import eyes
+from renderer.readers.video_decoding.stereo_layout import eyes
 
 STALE: Final = 0.5
 """Seconds without a picture after which the last one is not live any more."""

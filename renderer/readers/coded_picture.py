@@ -63,8 +63,8 @@ class CodedPicture(ImageFile.ImageFile):
         super().__init__(path)
 
     def _open(self) -> None:
-        from renderer.readers.video_index import decoded, open_container, video_stream
-        from renderer.readers.video_shape import lies_down
+        from renderer.readers.video_decoding.video_index import decoded, open_container, video_stream
+        from renderer.readers.video_decoding.video_shape import lies_down
 
         with open_container(self._path) as container:
             stream = video_stream(container, self._path)
@@ -79,7 +79,7 @@ class CodedPicture(ImageFile.ImageFile):
 
     def load(self) -> PixelAccess | None:
         if not self._is_loaded:
-            from renderer.readers.pyav_video import PyAvVideo
+            from renderer.readers.video_decoding.pyav_video import PyAvVideo
 
             self.im = Image.fromarray(PyAvVideo(self._path).read(0)).im
             self._is_loaded = True

@@ -16,7 +16,7 @@ from renderer.readers.dicom.header import holds_stream
 from renderer.readers.frames import assumed_camera
 from renderer.readers.new_clip import new_clip
 from renderer.readers.pictures import require_moving
-from renderer.readers.stereo_layout import (
+from renderer.readers.video_decoding.stereo_layout import (
     HALVES,
     chosen_layout,
     eye_aspect,
@@ -116,9 +116,9 @@ def _opened(path: Path, options: ClipOptions) -> Video:
 
         return DicomVideo(path)
     if has_pyav():
-        from renderer.readers.pyav_video import PyAvVideo
+        from renderer.readers.video_decoding.pyav_video import PyAvVideo
 
         return PyAvVideo(path, options.deinterlacing)
-    from renderer.readers.opencv_video import OpenCvVideo
+    from renderer.readers.video_decoding.opencv_video import OpenCvVideo
 
     return OpenCvVideo(path)

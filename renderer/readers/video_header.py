@@ -71,7 +71,7 @@ def read_counted_header(path: Path) -> VideoHeader:
     header = read_video_header(path)
     if not has_pyav() or path.stat().st_size > QUICKLY_READ:
         return header
-    from renderer.readers.video_index import told_index
+    from renderer.readers.video_decoding.video_index import told_index
 
     if (index := told_index(path)) is None:
         return header
@@ -99,14 +99,14 @@ def first_frame(path: Path) -> ByteImage | None:
 
         return DicomVideo(path).read(0)
     if has_pyav():
-        from renderer.readers.video_index import decoded, open_container, video_stream
+        from renderer.readers.video_decoding.video_index import decoded, open_container, video_stream
 
         with open_container(path) as container:
             first = next(decoded(container, video_stream(container, path)), None)
             return None if first is None else np.asarray(first.to_ndarray(format="rgb24"), np.uint8)
     import cv2
 
-    from renderer.readers.opencv_video import open_capture
+    from renderer.readers.video_decoding.opencv_video import open_capture
 
     there, frame = open_capture(path).read()
     return np.asarray(cv2.cvtColor(frame, cv2.COLOR_BGR2RGB), np.uint8) if there else None
@@ -132,9 +132,9 @@ def _of_frames(told: DicomHeader, frames: int) -> VideoHeader:
 
 
 def _by_pyav(path: Path) -> VideoHeader:
-    from renderer.readers.stereo_layout import told_layout
-    from renderer.readers.video_index import decoded, open_container, rate_of, video_stream
-    from renderer.readers.video_shape import bits_of, lies_down, pixel_aspect
+    from renderer.readers.video_decoding.stereo_layout import told_layout
+    from renderer.readers.video_decoding.video_index import decoded, open_container, rate_of, video_stream
+    from renderer.readers.video_decoding.video_shape import bits_of, lies_down, pixel_aspect
 
     with open_container(path) as container:
         stream = video_stream(container, path)
@@ -177,7 +177,7 @@ def _kept_rate(rate: float, frames: int, seconds: float | None) -> float:
 def _by_opencv(path: Path) -> VideoHeader:
     import cv2
 
-    from renderer.readers.opencv_video import open_capture, rate_of
+    from renderer.readers.video_decoding.opencv_video import open_capture, rate_of
 
     capture = open_capture(path)
     try:

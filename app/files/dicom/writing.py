@@ -129,7 +129,7 @@ def _sound(video: Path) -> Dataset:
     from pydicom import Dataset
 
     from app.files.sound import named_layout
-    from renderer.readers.video_index import open_container
+    from renderer.readers.video_decoding.video_index import open_container
 
     with open_container(video) as container:
         layout = named_layout(container.streams.audio[0].codec_context)

@@ -187,7 +187,7 @@ def _video_frame(path: Path) -> ByteImage | None:
 def _frame_by_pyav(path: Path) -> ByteImage | None:
     import av
 
-    from renderer.readers.video_index import open_container
+    from renderer.readers.video_decoding.video_index import open_container
 
     try:
         with open_container(path) as container:
@@ -204,8 +204,8 @@ def _frame_by_pyav(path: Path) -> ByteImage | None:
 
 def _next_frame(container: InputContainer, path: Path) -> ByteImage | None:
     """Upright, in the shape that it has on the screen."""
-    from renderer.readers.video_index import decoded, video_stream
-    from renderer.readers.video_shape import pixel_aspect, upright
+    from renderer.readers.video_decoding.video_index import decoded, video_stream
+    from renderer.readers.video_decoding.video_shape import pixel_aspect, upright
 
     stream = video_stream(container, path)
     frame = next(decoded(container, stream), None)

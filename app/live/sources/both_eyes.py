@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from app.live.sources.source import Arrived, Source
 from renderer.readers.clip_options import StereoLayout
-from renderer.readers.stereo_layout import eye_size, squeezed
+from renderer.readers.video_decoding.stereo_layout import eye_size, squeezed
 
 
 class BothEyesSource:

@@ -11,7 +11,7 @@ from app.live.sources.both_eyes import BothEyesSource
 from app.live.sources.paired import PairedSource
 from app.live.sources.source import Source, Wish
 from renderer.readers.clip_options import StereoLayout
-from renderer.readers.stereo_layout import chosen_layout
+from renderer.readers.video_decoding.stereo_layout import chosen_layout
 from renderer.readers.video_header import read_video_header
 
 

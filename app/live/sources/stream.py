@@ -12,7 +12,13 @@ from app.errors import UserError
 from app.live.sources.source import Arrived, SourceLost, Wish
 from renderer.clip import ByteImage
 from renderer.pyav_presence import has_pyav, why_not_pyav
-from renderer.readers.video_shape import UNSPECIFIED, lies_down, pixel_aspect, upright, usual_matrix
+from renderer.readers.video_decoding.video_shape import (
+    UNSPECIFIED,
+    lies_down,
+    pixel_aspect,
+    upright,
+    usual_matrix,
+)
 
 if TYPE_CHECKING:
     from av import Packet, VideoFrame

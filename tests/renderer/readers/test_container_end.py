@@ -7,9 +7,9 @@ from pathlib import Path
 import av
 import pytest
 
-from renderer.readers.container_end import ends_early
-from renderer.readers.opencv_video import OpenCvVideo
-from renderer.readers.pyav_video import PyAvVideo
+from renderer.readers.video_decoding.container_end import ends_early
+from renderer.readers.video_decoding.opencv_video import OpenCvVideo
+from renderer.readers.video_decoding.pyav_video import PyAvVideo
 from renderer.readers.video_header import read_counted_header, read_video_header
 from tests.renderer.readers.numbered import encoded, number_of, numbered_picture, opencv_video
 

@@ -12,7 +12,7 @@ import pytest
 from renderer.clip import ClipError
 from renderer.depth.depth_ways import depth_ways
 from renderer.readers.clip_options import ClipOptions, StereoLayout
-from renderer.readers.stereo_layout import eye_aspect, likely_layout
+from renderer.readers.video_decoding.stereo_layout import eye_aspect, likely_layout
 from renderer.readers.video_header import read_video_header
 from renderer.sources import open_bare, open_clip, require_depth_source
 from tests.renderer.eyes import BASELINE, Eyes, look

@@ -19,8 +19,8 @@ import pytest
 from renderer.clip import Clip, ClipError
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.video import open_video
+from renderer.readers.video_decoding.video_index import decoded, open_container, video_stream
 from renderer.readers.video_header import read_video_header
-from renderer.readers.video_index import decoded, open_container, video_stream
 from renderer.sources import open_clip
 from tests.renderer.readers.numbered import (
     INTERLACED,

@@ -12,8 +12,8 @@ import numpy as np
 import psutil
 import pytest
 
-from renderer.readers.decoders import MOST
 from renderer.readers.video import open_video
+from renderer.readers.video_decoding.decoders import MOST
 from tests.renderer.readers.numbered import opencv_video
 
 

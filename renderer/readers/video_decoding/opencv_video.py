@@ -10,10 +10,10 @@ import cv2
 import numpy as np
 
 from renderer.clip import ByteImage, ClipError
-from renderer.readers.container_end import ends_early
 from renderer.readers.cut_off import cut_off
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.misnamed import neither
+from renderer.readers.video_decoding.container_end import ends_early
 from renderer.utf8_paths import not_utf8
 
 STEP_LIMIT = 32

@@ -15,11 +15,23 @@ import numpy as np
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import Deinterlacing
 from renderer.readers.cut_off import cut_off
-from renderer.readers.decoders import DECODERS
-from renderer.readers.deinterlacing import deinterlaced
-from renderer.readers.stereo_layout import told_layout
-from renderer.readers.video_index import Threads, decoded, index_of, open_container, video_stream
-from renderer.readers.video_shape import UNSPECIFIED, bits_of, pixel_aspect, upright, usual_matrix
+from renderer.readers.video_decoding.decoders import DECODERS
+from renderer.readers.video_decoding.deinterlacing import deinterlaced
+from renderer.readers.video_decoding.stereo_layout import told_layout
+from renderer.readers.video_decoding.video_index import (
+    Threads,
+    decoded,
+    index_of,
+    open_container,
+    video_stream,
+)
+from renderer.readers.video_decoding.video_shape import (
+    UNSPECIFIED,
+    bits_of,
+    pixel_aspect,
+    upright,
+    usual_matrix,
+)
 
 if TYPE_CHECKING:
     from av import VideoFrame

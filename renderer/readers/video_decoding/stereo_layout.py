@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import Stereo, StereoLayout
-from renderer.readers.video_shape import said_with
+from renderer.readers.video_decoding.video_shape import said_with
 
 if TYPE_CHECKING:
     from av import VideoFrame
