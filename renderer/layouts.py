@@ -16,7 +16,6 @@ from renderer.depth.maps_beside import map_files, with_maps
 from renderer.depth.stereo_pairs import eye_folders, is_stereo_folder, open_stereo_folder
 from renderer.readers.clip_files import ClipFiles, numbered_pictures
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.coded_picture import CODED, is_coded_still
 from renderer.readers.coded_still import open_coded_still
 from renderer.readers.data_sets import hamlyn, stereomis
 from renderer.readers.data_sets.converted_stereomis import is_converted_stereomis, open_converted_stereomis
@@ -29,8 +28,9 @@ from renderer.readers.data_sets.structure_from_motion import (
 )
 from renderer.readers.dicom.header import dicom_kind
 from renderer.readers.frames import frames_of, open_image, open_images
+from renderer.readers.image_files.coded_picture import CODED, is_coded_still
+from renderer.readers.image_files.pictures import SUFFIXES, is_picture, is_unnamed
 from renderer.readers.picture_kinds import frame_folder
-from renderer.readers.pictures import SUFFIXES, is_picture, is_unnamed
 from renderer.readers.video import open_video
 from renderer.regular_files import require_regular
 

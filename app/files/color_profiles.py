@@ -7,8 +7,8 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from renderer.readers.picture_files import opened
-from renderer.readers.pictures import BROKEN, is_frame
+from renderer.readers.image_files.picture_files import opened
+from renderer.readers.image_files.pictures import BROKEN, is_frame
 
 KINDS: Final = {b"GRAY": (1,), b"RGB ": (3, 4)}
 """Channels that a profile's numbers may have, by what its header says at KIND."""

@@ -22,15 +22,15 @@ from renderer.budget import OverBudget
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
 from renderer.readers.clip_files import folders_in
-from renderer.readers.coded_picture import is_coded, is_coded_still
 from renderer.readers.coded_still import open_coded_still
 from renderer.readers.dicom.opening import is_dicom
+from renderer.readers.image_files.coded_picture import is_coded, is_coded_still
+from renderer.readers.image_files.picture_files import opened, read_npy, require_size
+from renderer.readers.image_files.pictures import BROKEN, SUFFIXES, is_picture, moves, natural_key
+from renderer.readers.image_files.tiff_layouts import TiffLayout, tiff_layout
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
-from renderer.readers.picture_files import opened, read_npy, require_size
 from renderer.readers.picture_kinds import PictureKinds, frame_folder, kinds_of
-from renderer.readers.pictures import BROKEN, SUFFIXES, is_picture, moves, natural_key
-from renderer.readers.tiff_layouts import TiffLayout, tiff_layout
 
 ArrayImage = NDArray[Any]
 

@@ -28,9 +28,9 @@ from renderer.depth.stereo import disparity, feature_shifts
 from renderer.evenly import evenly_floored
 from renderer.readers.clip_files import folders_in
 from renderer.readers.frames import is_seen_by_assumption, open_images
+from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb
 from renderer.readers.listing import count, listed
 from renderer.readers.picture_kinds import kind_by_name
-from renderer.readers.pictures import common_size, is_picture, read_rgb
 
 LARGEST_VERTICAL_OFFSET = 1.5
 """Median distance in px between the rows of what both eyes see, beyond which a pair is not rectified; what is

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from renderer.readers.image_files.pictures import is_picture, is_visible, natural_key
 from renderer.readers.numbered_files import number_of
-from renderer.readers.pictures import is_picture, is_visible, natural_key
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,8 @@ from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
-from renderer.readers.coded_picture import CODED
-from renderer.readers.listing import listed
-from renderer.readers.new_clip import new_clip
-from renderer.readers.numbered_files import number_of
-from renderer.readers.pages import left_pages
-from renderer.readers.passed_over import passed_over
-from renderer.readers.picture_kinds import PictureKinds, kinds_of
-from renderer.readers.pictures import (
+from renderer.readers.image_files.coded_picture import CODED
+from renderer.readers.image_files.pictures import (
     SUFFIXES,
     common_size,
     is_visible,
@@ -25,6 +19,12 @@ from renderer.readers.pictures import (
     natural_key,
     read_rgb,
 )
+from renderer.readers.listing import listed
+from renderer.readers.new_clip import new_clip
+from renderer.readers.numbered_files import number_of
+from renderer.readers.pages import left_pages
+from renderer.readers.passed_over import passed_over
+from renderer.readers.picture_kinds import PictureKinds, kinds_of
 
 FEW = 3
 """So many times more numbered images make of the others a cover, a sketch, a logo."""

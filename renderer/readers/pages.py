@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
+from renderer.readers.image_files.picture_files import opened
+from renderer.readers.image_files.pictures import BROKEN
 from renderer.readers.listing import listed
-from renderer.readers.picture_files import opened
-from renderer.readers.pictures import BROKEN
 
 PAGED = frozenset({".tif", ".tiff", ".webp", ".png", ".dcm", ".dicom", ".avif", ""})
 BESIDE: Final = "MPO"

@@ -6,7 +6,7 @@ from collections.abc import Container, Iterable, Iterator
 from pathlib import Path
 
 from renderer.pyav_presence import has_pyav
-from renderer.readers.coded_picture import CODED
+from renderer.readers.image_files.coded_picture import CODED
 from renderer.readers.listing import listed
 
 NOT_READABLE = "left out, not readable"

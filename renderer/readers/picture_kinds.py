@@ -16,11 +16,9 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from renderer.readers.clip_files import folders_in
-from renderer.readers.coded_picture import CODED
-from renderer.readers.listing import listed
-from renderer.readers.passed_over import NOT_READABLE
-from renderer.readers.picture_files import opened
-from renderer.readers.pictures import (
+from renderer.readers.image_files.coded_picture import CODED
+from renderer.readers.image_files.picture_files import opened
+from renderer.readers.image_files.pictures import (
     BROKEN,
     SUFFIXES,
     is_array,
@@ -29,6 +27,8 @@ from renderer.readers.pictures import (
     opens,
     read_stored,
 )
+from renderer.readers.listing import listed
+from renderer.readers.passed_over import NOT_READABLE
 
 Kind = Literal["depth", "disparity", "mask", "map"]
 """A "map" is a picture of numbers that nothing tells more about."""

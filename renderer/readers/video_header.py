@@ -12,7 +12,7 @@ from renderer.clip import ByteImage, ClipError
 from renderer.pyav_presence import has_pyav
 from renderer.readers.clip_options import StereoLayout
 from renderer.readers.dicom.header import DicomHeader, holds_stream, read_header
-from renderer.readers.pictures import require_moving
+from renderer.readers.image_files.pictures import require_moving
 
 if TYPE_CHECKING:
     from av.container import InputContainer

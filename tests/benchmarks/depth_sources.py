@@ -17,7 +17,7 @@ from renderer.depth.sparse_depth import depth_between
 from renderer.depth.stereo import disparity, feature_shifts
 from renderer.phantom import Phantom, PhantomParams
 from renderer.readers.data_sets.endonerf import open_endonerf
-from renderer.readers.pictures import read_rgb, read_stored
+from renderer.readers.image_files.pictures import read_rgb, read_stored
 from tests.renderer.eyes import BASELINE, look
 
 DATA = Path(__file__).resolve().parents[2] / "../shared/data"

@@ -19,7 +19,7 @@ import numpy as np
 from enhance.field_search import find_field
 from renderer.clip import BoolImage, ByteImage, held_out_frames
 from renderer.readers.clip_files import numbered_pictures
-from renderer.readers.pictures import read_rgb
+from renderer.readers.image_files.pictures import read_rgb
 from renderer.tools.learning import Example, LearnedTools
 from renderer.tools.search import find_tools
 

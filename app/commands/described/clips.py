@@ -24,8 +24,8 @@ from renderer.layouts import LAYOUTS, layout_of
 from renderer.readers.clip_options import DEFAULTS, StereoLayout
 from renderer.readers.cut_off import cut_off
 from renderer.readers.frames import is_seen_by_assumption
+from renderer.readers.image_files.pictures import SeveralSizes
 from renderer.readers.listing import count, listed
-from renderer.readers.pictures import SeveralSizes
 from renderer.readers.video import eyes_hint
 from renderer.readers.video_decoding.stereo_layout import likely_layout
 from renderer.readers.video_header import first_frame, read_counted_header

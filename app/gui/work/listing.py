@@ -19,11 +19,19 @@ from app.files.legible import legible
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
 from renderer.pyav_presence import has_pyav
-from renderer.readers.coded_picture import CODED
 from renderer.readers.dicom.header import holds_stream
-from renderer.readers.picture_files import opened
+from renderer.readers.image_files.coded_picture import CODED
+from renderer.readers.image_files.picture_files import opened
+from renderer.readers.image_files.pictures import (
+    BROKEN,
+    VIDEOS,
+    is_picture,
+    is_visible,
+    moves,
+    natural_key,
+    read_rgb,
+)
 from renderer.readers.picture_kinds import kind_by_name
-from renderer.readers.pictures import BROKEN, VIDEOS, is_picture, is_visible, moves, natural_key, read_rgb
 from renderer.utf8_paths import not_utf8
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from app.runs.run_folder import RunFolder
 from app.sweeps.folder import is_sweep
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.clip_options import DEFAULTS
-from renderer.readers.pictures import read_rgb
+from renderer.readers.image_files.pictures import read_rgb
 from renderer.sources import open_case
 from renderer.splat_files import is_named_as_splats
 from renderer.splat_series import series_files

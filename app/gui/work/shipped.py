@@ -9,7 +9,7 @@ from typing import Literal
 
 from app.errors import UserError
 from renderer.clip import ByteImage
-from renderer.readers.pictures import read_rgb
+from renderer.readers.image_files.pictures import read_rgb
 
 Role = Literal["text", "point", "image"]
 

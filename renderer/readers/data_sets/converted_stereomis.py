@@ -14,9 +14,9 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.data_sets.endonerf import open_endonerf
 from renderer.readers.data_sets.endonerf_poses import POSES, Matrix
 from renderer.readers.depth_maps import within
+from renderer.readers.image_files.picture_files import read_npy
+from renderer.readers.image_files.pictures import upright_size
 from renderer.readers.numbered_files import numbered
-from renderer.readers.picture_files import read_npy
-from renderer.readers.pictures import upright_size
 from renderer.readers.tool_masks import SAMPLES, Sample, marks_tissue
 
 FARTHEST = 250.0

@@ -18,11 +18,11 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.data_sets.endonerf_masks import judged, labels_of, unmarked
 from renderer.readers.data_sets.endonerf_poses import POSES, LensOf, cameras_of, load_poses, sized_lens
 from renderer.readers.depth_maps import OUTLIER, DepthMap, read_map
+from renderer.readers.image_files.pictures import common_size, read_rgb
 from renderer.readers.listing import listed
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.nonzero_masks import read_mask
 from renderer.readers.numbered_files import numbered, strays
-from renderer.readers.pictures import common_size, read_rgb
 from renderer.readers.tool_masks import SAMPLES, Sample, burned_in_rows, marked_pixels
 
 FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")

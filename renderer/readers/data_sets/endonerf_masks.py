@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from renderer.clip import ClipError
 from renderer.evenly import evenly_floored
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.pictures import read_stored
+from renderer.readers.image_files.pictures import read_stored
 from renderer.readers.tool_masks import (
     DARK,
     Sample,

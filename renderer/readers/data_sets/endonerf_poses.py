@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.clip import ClipError
-from renderer.readers.picture_files import read_npy
+from renderer.readers.image_files.picture_files import read_npy
 from renderer.readers.poses import nearest_rotations
 
 POSES = "poses_bounds.npy"

@@ -12,12 +12,12 @@ from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, Clip, ClipError
 from renderer.evenly import evenly
 from renderer.readers.clip_files import ClipFiles, files_in, numbered_pictures, those_there
+from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.readers.listing import listed
 from renderer.readers.lit_part import is_displaced, lit_field
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.number_tables import read_table
 from renderer.readers.numbered_files import numbered
-from renderer.readers.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.readers.point_ply import read_points
 from renderer.readers.poses import pose_matrix
 from renderer.readers.tool_masks import marked_pixels

@@ -33,7 +33,7 @@ from app.files.image_files import read_image, write_image
 from app.files.timing import Timing
 from app.files.video import write_video
 from renderer.leftovers import temporary_name
-from renderer.readers.pictures import read_rgb
+from renderer.readers.image_files.pictures import read_rgb
 
 
 def _write_half(path: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from app.files.image_files import read_image, write_image
-from renderer.readers.pictures import read_rgb
+from renderer.readers.image_files.pictures import read_rgb
 from tests.app.conftest import Call
 from tests.app.files.test_video import Cli
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from app.errors import UserError
 from app.files.image_files import read_image
 from renderer.clip import ClipError
-from renderer.readers.pictures import read_rgb
-from renderer.readers.tiff_layouts import tiff_numbers
+from renderer.readers.image_files.pictures import read_rgb
+from renderer.readers.image_files.tiff_layouts import tiff_numbers
 from tests.app.files.tiff_file import tiff
 
 WHITE, BLACK, RGB, CMYK = 0, 1, 2, 5

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from renderer.depth.stereo import disparity, disparity_limits, feature_shifts
-from renderer.readers.pictures import read_rgb, read_stored
+from renderer.readers.image_files.pictures import read_rgb, read_stored
 from tests.renderer.eyes import BASELINE, Eyes, look
 
 SCARED = Path(__file__).resolve().parents[3] / "../shared/data/scared/d1k1_rectified_pair"

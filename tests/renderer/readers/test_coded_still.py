@@ -11,7 +11,7 @@ from PIL import Image
 from app.files.image_files import is_still, read_image
 from app.gui.views.clip_time import seconds_at
 from renderer.clip import ClipError
-from renderer.readers.pictures import upright_size
+from renderer.readers.image_files.pictures import upright_size
 from renderer.sources import open_clip
 from tests.renderer.readers.tiled_avif import tiled
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import ExifTags, Image, ImageFile
 
-from renderer.readers.pictures import SeveralSizes, common_size, read_rgb, stored_kind
+from renderer.readers.image_files.pictures import SeveralSizes, common_size, read_rgb, stored_kind
 
 ORIENTATIONS = {
     1: lambda image: image,

@@ -17,14 +17,14 @@ from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
 from renderer.pyav_presence import has_pyav
 from renderer.readers.byte_levels import in_bytes
-from renderer.readers.coded_picture import CODED
 from renderer.readers.dicom.header import Kind, dicom_kind
 from renderer.readers.dicom.opening import SUFFIXES as DICOM
 from renderer.readers.dicom.opening import has_pydicom
+from renderer.readers.image_files.coded_picture import CODED
+from renderer.readers.image_files.picture_files import mapped_npy, opened
+from renderer.readers.image_files.tiff_layouts import TiffLayout, tiff_layout
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
-from renderer.readers.picture_files import mapped_npy, opened
-from renderer.readers.tiff_layouts import TiffLayout, tiff_layout
 from renderer.regular_files import require_regular, what_else
 
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from PIL import Image, ImageFile, UnidentifiedImageError
 
 from renderer.budget import budget
-from renderer.readers.coded_picture import CodedPicture, is_coded
 from renderer.readers.dicom.opening import is_dicom
-from renderer.readers.tiff_layouts import tiff_numbers
+from renderer.readers.image_files.coded_picture import CodedPicture, is_coded
+from renderer.readers.image_files.tiff_layouts import tiff_numbers
 from renderer.regular_files import require_regular
 
 UNREADABLE_ARRAY = (

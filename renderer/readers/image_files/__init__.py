@@ -1,0 +1,1 @@
+"""One image file in, one array out, whatever decodes it."""
