@@ -14,8 +14,8 @@ from renderer.depth.calibrated import with_calibration
 from renderer.depth.clip_depth import with_depth
 from renderer.layouts import layout_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-from renderer.readers.picture_kinds import frame_folder
-from renderer.readers.stills import images_in, open_stills
+from renderer.readers.image_folders.picture_kinds import frame_folder
+from renderer.readers.image_folders.stills import images_in, open_stills
 from renderer.readers.video_decoding.stereo_layout import chosen_layout
 from renderer.readers.video_header import read_video_header
 

@@ -28,9 +28,9 @@ from renderer.readers.image_files.coded_picture import is_coded, is_coded_still
 from renderer.readers.image_files.picture_files import opened, read_npy, require_size
 from renderer.readers.image_files.pictures import BROKEN, SUFFIXES, is_picture, moves, natural_key
 from renderer.readers.image_files.tiff_layouts import TiffLayout, tiff_layout
+from renderer.readers.image_folders.picture_kinds import PictureKinds, frame_folder, kinds_of
 from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
-from renderer.readers.picture_kinds import PictureKinds, frame_folder, kinds_of
 
 ArrayImage = NDArray[Any]
 

@@ -19,11 +19,11 @@ from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.dicom.header import holds_stream
 from renderer.readers.image_files.pictures import is_visible
+from renderer.readers.image_folders.pages import left_pages
+from renderer.readers.image_folders.passed_over import passed_over
+from renderer.readers.image_folders.picture_kinds import PictureKinds, frame_folder, left_out, map_folders
 from renderer.readers.lenses.calibration import LensCalibration
 from renderer.readers.lenses.straightening import straightening
-from renderer.readers.pages import left_pages
-from renderer.readers.passed_over import passed_over
-from renderer.readers.picture_kinds import PictureKinds, frame_folder, left_out, map_folders
 from renderer.sources import open_clip
 
 FRAMES_PER_SECOND = 25.0

@@ -15,7 +15,7 @@ from renderer.clip import Clip, ClipError
 from renderer.poses.from_motion import FoundStructure, followed_features, structure_of
 from renderer.poses.search import PosesError
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.frames import is_seen_by_assumption
+from renderer.readers.image_folders.frames import is_seen_by_assumption
 from renderer.train.config import TrainConfig
 from renderer.train.events import Preparing
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.depth.stereo_pairs import RightEye, right_eye
 from renderer.readers.clip_options import StereoLayout
-from renderer.readers.frames import is_seen_by_assumption
+from renderer.readers.image_folders.frames import is_seen_by_assumption
 from renderer.readers.lenses.calibration import Calibration
 from renderer.readers.lenses.straightening import Straightening, alike, straight_eyes, straightening
 

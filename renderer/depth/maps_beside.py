@@ -18,10 +18,7 @@ from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.depth_maps import DepthMap, is_map, plausible, read_map
 from renderer.readers.image_files.pictures import natural_key, stored_kind
-from renderer.readers.listing import listed
-from renderer.readers.nonzero_masks import read_nonzero, require_shapes
-from renderer.readers.number_pairs import number_pairs, numbers_of
-from renderer.readers.picture_kinds import (
+from renderer.readers.image_folders.picture_kinds import (
     PLURAL,
     WORDS,
     Kind,
@@ -29,6 +26,9 @@ from renderer.readers.picture_kinds import (
     left_out,
     map_folders,
 )
+from renderer.readers.listing import listed
+from renderer.readers.nonzero_masks import read_nonzero, require_shapes
+from renderer.readers.number_pairs import number_pairs, numbers_of
 
 USES_MASKS: Final = "--mask-polarity tool or tissue says what they mark, and uses them"
 USES_BYTES: Final = "8-bit maps may be inverse or stretched: --depth measured reads them as distances"

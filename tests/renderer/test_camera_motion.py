@@ -13,7 +13,7 @@ import pytest
 from renderer.camera_motion import camera_motion, contradicted
 from renderer.clip import Clip, Frame
 from renderer.phantom import Phantom, PhantomParams
-from renderer.readers.frames import open_images
+from renderer.readers.image_folders.frames import open_images
 from renderer.readers.video import open_video
 from renderer.sources import open_clip
 

@@ -23,8 +23,8 @@ from renderer.evenly import evenly
 from renderer.layouts import LAYOUTS, layout_of
 from renderer.readers.clip_options import DEFAULTS, StereoLayout
 from renderer.readers.cut_off import cut_off
-from renderer.readers.frames import is_seen_by_assumption
 from renderer.readers.image_files.pictures import SeveralSizes
+from renderer.readers.image_folders.frames import is_seen_by_assumption
 from renderer.readers.listing import count, listed
 from renderer.readers.video import eyes_hint
 from renderer.readers.video_decoding.stereo_layout import likely_layout

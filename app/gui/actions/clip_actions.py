@@ -14,7 +14,7 @@ from app.gui.work.settings import UNKNOWN, KnownClip
 from app.runs.clip_selection import ClipPart
 from enhance.field_search import find_field
 from renderer.readers.clip_options import ClipOptions, Stereo
-from renderer.readers.frames import is_seen_by_assumption
+from renderer.readers.image_folders.frames import is_seen_by_assumption
 
 
 def why_no_clip(state: AppState) -> str:

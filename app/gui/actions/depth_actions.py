@@ -21,7 +21,7 @@ from app.scenes.view_kinds import SCENE_UNITS
 from renderer.clip import Clip, DepthOrigin
 from renderer.depth.depth_ways import DEPTH_WAYS, DepthWay, DepthWays, way_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions, DepthSource
-from renderer.readers.frames import is_seen_by_assumption
+from renderer.readers.image_folders.frames import is_seen_by_assumption
 
 BY: Final[Mapping[DepthOrigin, str]] = {
     "measured": "Depth in units of its own",

@@ -21,7 +21,7 @@ from app.live.sources.source import Wish
 from app.live.start import LiveStart
 from renderer.clip import ByteImage, Clip
 from renderer.readers.clip_options import FIELD_OF_VIEW
-from renderer.readers.frames import assumed_camera
+from renderer.readers.image_folders.frames import assumed_camera
 from renderer.readers.new_clip import new_clip
 
 

@@ -12,7 +12,7 @@ from app.enhancement.batch import Failed, Item, Step, enhance_batch, items_in
 from app.enhancement.enhance_files import STOPPED, Setting
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.cut_off import CUT_OFF
-from renderer.readers.passed_over import NOT_READABLE
+from renderer.readers.image_folders.passed_over import NOT_READABLE
 
 NAMED: Final = "enhanced-"
 """How the name of a batch's folder begins."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from renderer.clip import Clip
 from renderer.depth.depth_ways import DepthWays, depth_ways
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.frames import with_field_of_view
+from renderer.readers.image_folders.frames import with_field_of_view
 from renderer.sources import open_case, with_chosen_depth
 
 

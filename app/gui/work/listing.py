@@ -31,7 +31,7 @@ from renderer.readers.image_files.pictures import (
     natural_key,
     read_rgb,
 )
-from renderer.readers.picture_kinds import kind_by_name
+from renderer.readers.image_folders.picture_kinds import kind_by_name
 from renderer.utf8_paths import not_utf8
 
 if TYPE_CHECKING:

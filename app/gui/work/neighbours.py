@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from renderer.readers.stills import images_in
+from renderer.readers.image_folders.stills import images_in
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,11 @@ from app.files.image_series import open_series
 from app.files.provenance import digest
 from enhance import EnhanceParams
 from renderer.clip import ByteImage, ClipError
-from renderer.readers import passed_over
 from renderer.readers.image_files import pictures
 from renderer.readers.image_files.coded_picture import CodedPicture
 from renderer.readers.image_files.pictures import read_rgb, upright_size
-from renderer.readers.stills import images_in
+from renderer.readers.image_folders import passed_over
+from renderer.readers.image_folders.stills import images_in
 from renderer.sources import open_case, open_clip
 from tests.renderer.readers.numbered import encoded
 from tests.renderer.readers.tiled_avif import tiled

@@ -13,7 +13,7 @@ from pydantic import TypeAdapter
 
 from renderer import ClipError, ClipOptions, PhantomParams, open_clip
 from renderer.phantom import write_phantom
-from renderer.readers.frames import is_seen_by_assumption
+from renderer.readers.image_folders.frames import is_seen_by_assumption
 from renderer.readers.lenses.calibration import Calibration
 from renderer.readers.lenses.calibration_files import read_calibration
 from tests.renderer.raw_eyes import EYES, LEFT, RIGHT, SHIFT, SIZE, TURN, Seen, raw_pairs, write_calibration

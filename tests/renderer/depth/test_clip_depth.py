@@ -14,7 +14,7 @@ from renderer.depth.clip_depth import BY_BRIGHTNESS, BY_MAPS, with_depth
 from renderer.depth.stereo_pairs import open_stereo_folder
 from renderer.readers.clip_options import ClipOptions, DepthSource
 from renderer.readers.data_sets.endonerf import open_endonerf
-from renderer.readers.frames import open_image, open_images
+from renderer.readers.image_folders.frames import open_image, open_images
 from renderer.train.trainer import require_depth
 from tests.renderer.eyes import BASELINE, write_eyes
 

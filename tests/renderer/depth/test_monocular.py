@@ -11,7 +11,7 @@ from PIL import Image
 from renderer.clip import Clip, ClipError
 from renderer.depth.depth_prior import with_guessed_depth
 from renderer.depth.monocular import monocular_guess, monocular_maps, read_inverse_depth
-from renderer.readers.frames import open_images
+from renderer.readers.image_folders.frames import open_images
 
 HEIGHT, WIDTH, COUNT = 60, 80, 4
 ROWS, COLUMNS = np.indices((HEIGHT, WIDTH))

@@ -23,7 +23,7 @@ from renderer.depth.stereo_pairs import (
     right_pictures,
     with_stereo_depth,
 )
-from renderer.readers.frames import open_images
+from renderer.readers.image_folders.frames import open_images
 from renderer.sources import open_bare, open_case
 from tests.renderer.eyes import BASELINE, Eyes, write_eyes
 

@@ -9,8 +9,8 @@ import pytest
 from PIL import Image
 
 from renderer.clip import ClipError
-from renderer.readers.frames import open_image, open_images
 from renderer.readers.image_files.pictures import read_rgb
+from renderer.readers.image_folders.frames import open_image, open_images
 from tests.renderer.readers.numbered import number_of, numbered_picture
 
 DATA = Path(__file__).resolve().parents[3] / "../shared/data/clips"

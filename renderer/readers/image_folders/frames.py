@@ -19,12 +19,12 @@ from renderer.readers.image_files.pictures import (
     natural_key,
     read_rgb,
 )
+from renderer.readers.image_folders.pages import left_pages
+from renderer.readers.image_folders.passed_over import passed_over
+from renderer.readers.image_folders.picture_kinds import PictureKinds, kinds_of
 from renderer.readers.listing import listed
 from renderer.readers.new_clip import new_clip
 from renderer.readers.numbered_files import number_of
-from renderer.readers.pages import left_pages
-from renderer.readers.passed_over import passed_over
-from renderer.readers.picture_kinds import PictureKinds, kinds_of
 
 FEW = 3
 """So many times more numbered images make of the others a cover, a sketch, a logo."""

@@ -27,8 +27,8 @@ from renderer.readers.image_files.pictures import (
     opens,
     read_stored,
 )
+from renderer.readers.image_folders.passed_over import NOT_READABLE
 from renderer.readers.listing import listed
-from renderer.readers.passed_over import NOT_READABLE
 
 Kind = Literal["depth", "disparity", "mask", "map"]
 """A "map" is a picture of numbers that nothing tells more about."""

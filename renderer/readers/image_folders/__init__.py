@@ -1,0 +1,1 @@
+"""Folders of images: recordings and stills, and what lies beside their frames."""
