@@ -13,7 +13,7 @@ from annotated_types import Ge, Interval
 from app.runs.dark_surround import lit_part
 from renderer.clip import BoolImage, Clip, Frame
 from renderer.evenly import evenly
-from renderer.readers.nonzero_masks import read_nonzero
+from renderer.readers.masks.nonzero_masks import read_nonzero
 from renderer.tools.agreement import WEAK, Agreement
 from renderer.tools.learning import Example, LearnedTools, learned_well
 from renderer.tools.mask_files import MaskFiles, MaskOrigin, mask_names, origin_of, write_mask

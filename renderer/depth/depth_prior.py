@@ -13,7 +13,7 @@ from renderer.camera import Camera
 from renderer.clip import BoolImage, Clip, ClipError, Frame
 from renderer.depth.averaging import Float32Image, averaged
 from renderer.depth.exposure import well_exposed
-from renderer.readers.lit_part import beyond_surround
+from renderer.readers.masks.lit_part import beyond_surround
 
 Guess = Callable[[Frame], Float32Image]
 """Depth (H, W) of a frame up to one factor for the clip, 0 = none."""

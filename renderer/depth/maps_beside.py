@@ -27,7 +27,7 @@ from renderer.readers.image_folders.picture_kinds import (
     map_folders,
 )
 from renderer.readers.listing import listed
-from renderer.readers.nonzero_masks import read_nonzero, require_shapes
+from renderer.readers.masks.nonzero_masks import read_nonzero, require_shapes
 from renderer.readers.number_pairs import number_pairs, numbers_of
 
 USES_MASKS: Final = "--mask-polarity tool or tissue says what they mark, and uses them"

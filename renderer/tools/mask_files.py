@@ -17,7 +17,7 @@ from renderer.clip import BoolImage, Clip, ClipError, Frame, within
 from renderer.readers.clip_files import files_in
 from renderer.readers.image_files.pictures import NAMED, natural_key
 from renderer.readers.listing import listed
-from renderer.readers.nonzero_masks import read_nonzero
+from renderer.readers.masks.nonzero_masks import read_nonzero
 from renderer.readers.number_pairs import NumberPairs, number_pairs, numbers_of
 
 MaskOrigin = Literal["by hand", "from a folder", "learned", "by colour", "by a model"]

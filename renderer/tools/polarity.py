@@ -9,7 +9,7 @@ import numpy as np
 
 from renderer.clip import Clip, ClipError
 from renderer.evenly import evenly
-from renderer.readers.tool_masks import Sample, marks_tissue
+from renderer.readers.masks.tool_masks import Sample, marks_tissue
 from renderer.tools.mask_files import MaskFiles
 
 _SAMPLES: Final = 4

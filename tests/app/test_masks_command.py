@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from app.__main__ import main
-from renderer.readers.nonzero_masks import read_nonzero
+from renderer.readers.masks.nonzero_masks import read_nonzero
 from renderer.tools.mask_files import origin_of, write_mask
 
 SIZE = (48, 32)

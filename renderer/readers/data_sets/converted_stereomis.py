@@ -16,8 +16,8 @@ from renderer.readers.data_sets.endonerf_poses import POSES, Matrix
 from renderer.readers.depth_maps import within
 from renderer.readers.image_files.picture_files import read_npy
 from renderer.readers.image_files.pictures import upright_size
+from renderer.readers.masks.tool_masks import SAMPLES, Sample, marks_tissue
 from renderer.readers.numbered_files import numbered
-from renderer.readers.tool_masks import SAMPLES, Sample, marks_tissue
 
 FARTHEST = 250.0
 """Depth in mm beyond which the conversion keeps none."""

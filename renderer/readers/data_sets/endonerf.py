@@ -20,10 +20,10 @@ from renderer.readers.data_sets.endonerf_poses import POSES, LensOf, cameras_of,
 from renderer.readers.depth_maps import OUTLIER, DepthMap, read_map
 from renderer.readers.image_files.pictures import common_size, read_rgb
 from renderer.readers.listing import listed
+from renderer.readers.masks.nonzero_masks import read_mask
+from renderer.readers.masks.tool_masks import SAMPLES, Sample, burned_in_rows, marked_pixels
 from renderer.readers.new_clip import Known, new_clip
-from renderer.readers.nonzero_masks import read_mask
 from renderer.readers.numbered_files import numbered, strays
-from renderer.readers.tool_masks import SAMPLES, Sample, burned_in_rows, marked_pixels
 
 FOLDERS = ("images", "depth", "depth_fine", "masks", "gt_masks")
 FINE_STEPS = 32

@@ -14,7 +14,7 @@ from renderer.clip import ClipError
 from renderer.evenly import evenly_floored
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.image_files.pictures import read_stored
-from renderer.readers.tool_masks import (
+from renderer.readers.masks.tool_masks import (
     DARK,
     Sample,
     highest_label,

@@ -15,12 +15,12 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb
 from renderer.readers.lenses.rectification import read_rectified
 from renderer.readers.listing import listed
+from renderer.readers.masks.nonzero_masks import read_nonzero, refuse_inverted, require_shapes
+from renderer.readers.masks.tool_masks import Sample
 from renderer.readers.new_clip import Known, new_clip
-from renderer.readers.nonzero_masks import read_nonzero, refuse_inverted, require_shapes
 from renderer.readers.number_tables import read_table
 from renderer.readers.numbered_files import numbered
 from renderer.readers.poses import pose_matrix
-from renderer.readers.tool_masks import Sample
 
 CALIBRATION, TRAJECTORY = "StereoCalibration.ini", "groundtruth.txt"
 METRE = 1000.0

@@ -7,8 +7,8 @@ import pytest
 from PIL import Image
 
 from renderer.clip import ClipError
-from renderer.readers.nonzero_masks import read_mask, read_nonzero
-from renderer.readers.tool_masks import MOST_LABELS, highest_label, marked_pixels
+from renderer.readers.masks.nonzero_masks import read_mask, read_nonzero
+from renderer.readers.masks.tool_masks import MOST_LABELS, highest_label, marked_pixels
 
 TOOL = np.zeros((40, 60), bool)
 TOOL[10:20, 10:30] = True

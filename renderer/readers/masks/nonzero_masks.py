@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from renderer.clip import BoolImage, ClipError
 from renderer.evenly import evenly_floored
 from renderer.readers.image_files.pictures import read_stored, stored_kind
-from renderer.readers.tool_masks import SAMPLES, Sample, is_lossy, levels, marked_pixels, marks_tissue
+from renderer.readers.masks.tool_masks import SAMPLES, Sample, is_lossy, levels, marked_pixels, marks_tissue
 
 Marked = Literal["tool", "tissue"]
 
