@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera, whole_pixels
 from renderer.json_files import read_json, read_text
-from renderer.readers.poses import pose_matrix
+from renderer.readers.geometry.poses import pose_matrix
 
 FROM_OPENGL: Final = np.diag([1.0, -1.0, -1.0, 1.0])
 """Cameras of transforms.json look along -z, with y up."""

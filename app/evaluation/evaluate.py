@@ -35,7 +35,7 @@ from renderer.measuring.tissue_seen import SELDOM, seldom_seen
 from renderer.metrics import OPAQUE, depth_abs_rel, depth_coverage, depth_rmse
 from renderer.near_plane import near_plane
 from renderer.rasterize.cpu import BLACK, Rasterizer
-from renderer.readers.depth_maps import OUTLIER
+from renderer.readers.geometry.depth_maps import OUTLIER
 from renderer.splats import RenderMode
 from renderer.torch_presence import NO_TORCH, has_torch
 from renderer.train.config import CHOSEN

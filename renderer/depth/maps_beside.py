@@ -16,7 +16,7 @@ from renderer.clip import Clip, Frame
 from renderer.depth.monocular import FOLDERS as MONOCULAR
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.depth_maps import DepthMap, is_map, plausible, read_map
+from renderer.readers.geometry.depth_maps import DepthMap, is_map, plausible, read_map
 from renderer.readers.image_files.pictures import natural_key, stored_kind
 from renderer.readers.image_folders.picture_kinds import (
     PLURAL,

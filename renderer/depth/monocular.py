@@ -14,7 +14,7 @@ from renderer.depth.alignment import aligned
 from renderer.depth.averaging import Float32Image
 from renderer.depth.depth_prior import Guess
 from renderer.readers.clip_files import files_in
-from renderer.readers.depth_maps import is_map, plane_of
+from renderer.readers.geometry.depth_maps import is_map, plane_of
 from renderer.readers.image_files.pictures import is_array, read_stored
 from renderer.readers.numbered_files import beside, number_of
 

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from renderer.camera import Camera
 from renderer.camera_files import CameraFileError, NamedCamera, off_center, read_cameras, splatting_json
-from renderer.readers.poses import pose_matrix
+from renderer.readers.geometry.poses import pose_matrix
 
 LENS = Camera(500.0, 510.0, 320.0, 240.0, 640, 480)
 POINT = np.array([[3.0, -2.0, 40.0]])

@@ -13,7 +13,7 @@ from renderer.evenly import evenly_floored
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.data_sets.endonerf import open_endonerf
 from renderer.readers.data_sets.endonerf_poses import POSES, Matrix
-from renderer.readers.depth_maps import within
+from renderer.readers.geometry.depth_maps import within
 from renderer.readers.image_files.picture_files import read_npy
 from renderer.readers.image_files.pictures import upright_size
 from renderer.readers.masks.tool_masks import SAMPLES, Sample, marks_tissue

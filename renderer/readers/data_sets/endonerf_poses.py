@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.clip import ClipError
+from renderer.readers.geometry.poses import nearest_rotations
 from renderer.readers.image_files.picture_files import read_npy
-from renderer.readers.poses import nearest_rotations
 
 POSES = "poses_bounds.npy"
 

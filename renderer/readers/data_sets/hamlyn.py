@@ -12,12 +12,12 @@ from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.data_sets.endonerf_poses import POSES
-from renderer.readers.depth_maps import DepthMap, plausible, read_map
+from renderer.readers.geometry.depth_maps import DepthMap, plausible, read_map
+from renderer.readers.geometry.number_tables import read_table
 from renderer.readers.image_files.pictures import common_size, read_rgb
 from renderer.readers.masks.nonzero_masks import read_nonzero, refuse_inverted
 from renderer.readers.masks.tool_masks import Sample
 from renderer.readers.new_clip import Known, new_clip
-from renderer.readers.number_tables import read_table
 from renderer.readers.numbered_files import beside, numbered, strays
 
 LEFT_COLUMNS = 40

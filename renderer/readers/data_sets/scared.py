@@ -18,12 +18,12 @@ from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.json_files import read_json
 from renderer.readers.clip_files import ClipFiles, files_in, pictures_of
-from renderer.readers.depth_maps import DepthMap, read_map, within
+from renderer.readers.geometry.depth_maps import DepthMap, read_map, within
+from renderer.readers.geometry.poses import nearest_rotations
 from renderer.readers.image_files.picture_files import require_size
 from renderer.readers.image_files.pictures import common_size, read_rgb
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.numbered_files import beside, numbered, strays
-from renderer.readers.poses import nearest_rotations
 from renderer.regular_files import read_whole
 
 NEAREST, FARTHEST = 30.0, 300.0

@@ -12,15 +12,15 @@ from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, Clip, ClipError
 from renderer.evenly import evenly
 from renderer.readers.clip_files import ClipFiles, files_in, numbered_pictures, those_there
+from renderer.readers.geometry.number_tables import read_table
+from renderer.readers.geometry.point_ply import read_points
+from renderer.readers.geometry.poses import pose_matrix
 from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb, read_stored
 from renderer.readers.listing import listed
 from renderer.readers.masks.lit_part import is_displaced, lit_field
 from renderer.readers.masks.tool_masks import marked_pixels
 from renderer.readers.new_clip import Known, new_clip
-from renderer.readers.number_tables import read_table
 from renderer.readers.numbered_files import numbered
-from renderer.readers.point_ply import read_points
-from renderer.readers.poses import pose_matrix
 from renderer.regular_files import read_whole
 
 POSES, INTRINSICS, VIEWS = "motion.yaml", "camera_intrinsics_per_view", "visible_view_indexes"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from renderer.clip import ClipError
-from renderer.readers.point_ply import read_points
+from renderer.readers.geometry.point_ply import read_points
 
 POINTS = np.array([[0.5, -2.0, 3.25], [1e3, 0.0, -0.125], [7.0, 8.0, 9.0]])
 COLORS = np.array([[255, 0, 7], [1, 2, 3], [0, 128, 64]], dtype=np.uint8)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from renderer.phantom import PhantomParams, write_phantom
-from renderer.readers.poses import LARGEST_DEVIATION, nearest_rotations
+from renderer.readers.geometry.poses import LARGEST_DEVIATION, nearest_rotations
 from renderer.rotations import matrix
 from renderer.sources import open_clip
 from tests.renderer.small_clip import refusal

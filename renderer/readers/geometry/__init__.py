@@ -1,0 +1,1 @@
+"""Depth maps, poses, points and tables of numbers, as the files of data sets hold them."""
