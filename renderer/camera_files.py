@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, whole_pixels
-from renderer.json_files import read_json, read_text
+from renderer.json_files import read_json, read_json_bytes
 from renderer.readers.geometry.poses import pose_matrix
 
 FROM_OPENGL: Final = np.diag([1.0, -1.0, -1.0, 1.0])
@@ -232,7 +232,7 @@ def _of_colmap(folder: Path) -> tuple[NamedCamera, ...]:
 
 def _lines(path: Path, every: int = 1) -> list[list[str]]:
     """Words of every first of so many lines that are no comments; points of an image may be an empty line."""
-    text = read_text(path).decode()
+    text = read_json_bytes(path).decode()
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     return [line.split() for line in lines[::every] if line.strip()]
 

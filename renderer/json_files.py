@@ -40,10 +40,10 @@ def read_json(path: Path) -> Any:
         OSError: it cannot be read, is no regular file, or is larger than MOST_BYTES.
         ValueError: see `parsed`.
     """
-    return parsed(read_text(path))
+    return parsed(read_json_bytes(path))
 
 
-def read_text(path: Path) -> bytes:
+def read_json_bytes(path: Path) -> bytes:
     """The bytes of a file of JSON, for pydantic, which bounds the depth by itself. Raises OSError."""
     return read_regular(path, MOST_BYTES)
 
