@@ -20,6 +20,7 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
 from tests.app.apart import Call, command
 
+Cli = Callable[..., Call]
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = TrainConfig(iterations=40, n_gaussians=600, checkpoint_every=10)
 
@@ -29,7 +30,7 @@ def request_of(clip_path: Path, run_path: Path, **changes: object) -> TrainReque
 
 
 @pytest.fixture
-def vesselsplat(capfd: pytest.CaptureFixture[str]) -> Callable[..., Call]:
+def vesselsplat(capfd: pytest.CaptureFixture[str]) -> Cli:
     """Runs a command in this process; streams are captured below Python, where decoders write too."""
 
     def call(*arguments: object) -> Call:

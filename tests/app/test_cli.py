@@ -10,7 +10,6 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -20,9 +19,8 @@ import pytest
 from app.__main__ import main
 from app.cli import COMMANDS, chosen, load
 from app.errors import UserError
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 
-Cli = Callable[..., Call]
 ROOT = Path(__file__).resolve().parents[2]
 
 

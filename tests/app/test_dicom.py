@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -23,7 +22,7 @@ from app.gui.work.listing import thumbnail_of
 from renderer.readers.dicom import opening
 from renderer.readers.video_header import read_video_header
 from renderer.sources import open_clip
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.renderer.readers.dicom_files import (
     VIDEO,
     labelled,
@@ -41,7 +40,7 @@ SECRETS = ("Müller", "PID-4711", "19500102", "20240501", "ACC-A77", "Clinic", "
 """Of the source, its name among them."""
 
 
-def test_a_folder_of_stills_and_videos_is_enhanced(vesselsplat: Callable[..., Call], tmp_path: Path) -> None:
+def test_a_folder_of_stills_and_videos_is_enhanced(vesselsplat: Cli, tmp_path: Path) -> None:
     given, made = tmp_path / "given", tmp_path / "made"
     given.mkdir()
     kinds = stills(IMAGE)
@@ -64,7 +63,7 @@ def test_thumbnails_are_those_of_stills_frames_and_streams(tmp_path: Path) -> No
         assert image.shape == (48, 64, 3)
 
 
-def test_more_than_8_bits_are_kept(vesselsplat: Callable[..., Call], tmp_path: Path) -> None:
+def test_more_than_8_bits_are_kept(vesselsplat: Cli, tmp_path: Path) -> None:
     grey = cv2.cvtColor(IMAGE, cv2.COLOR_RGB2GRAY)
     for kind, levels in (("grey 12", grey), ("rgb 16", IMAGE)):
         path = saved(stills(IMAGE)[kind][0], tmp_path / "a.dcm")
@@ -73,9 +72,7 @@ def test_more_than_8_bits_are_kept(vesselsplat: Callable[..., Call], tmp_path: P
         assert read_image(tmp_path / "a.png").dtype == np.uint16
 
 
-def test_an_object_without_its_mark_is_told_how_to_get_one(
-    vesselsplat: Callable[..., Call], tmp_path: Path
-) -> None:
+def test_an_object_without_its_mark_is_told_how_to_get_one(vesselsplat: Cli, tmp_path: Path) -> None:
     path = saved(stills(IMAGE)["rgb"][0], tmp_path / "a.dcm")
     path.write_bytes(path.read_bytes()[132:])
     for command in (("enhance", path, tmp_path / "a.png"), ("info", path)):
@@ -84,7 +81,7 @@ def test_an_object_without_its_mark_is_told_how_to_get_one(
 
 
 def test_without_pydicom_a_line_says_what_to_install(
-    vesselsplat: Callable[..., Call], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    vesselsplat: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = saved(stills(IMAGE)["rgb"][0], tmp_path / "a.dcm")
     monkeypatch.setattr(opening, "find_spec", lambda name: None)
@@ -152,9 +149,7 @@ def test_an_object_says_that_it_is_derived_and_of_nobody(made: Path) -> None:
     assert "SourceImageSequence" not in dcmread(made / "bare.dcm")
 
 
-def test_identity_is_kept_where_it_is_asked_for(
-    made: Path, tmp_path: Path, vesselsplat: Callable[..., Call]
-) -> None:
+def test_identity_is_kept_where_it_is_asked_for(made: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     for name in ("still-kept.dcm", "video-kept.dcm"):
         told = dcmread(made / name)
         assert (str(told.PatientName), told.PatientID) == ("Müller^Hanna", "PID-4711")
@@ -176,9 +171,7 @@ def test_identity_is_kept_where_it_is_asked_for(
         assert (done.code, line in done.error, (tmp_path / output).exists()) == (2, True, False)
 
 
-def test_pixels_are_those_of_other_files_and_can_be_made_again(
-    made: Path, vesselsplat: Callable[..., Call]
-) -> None:
+def test_pixels_are_those_of_other_files_and_can_be_made_again(made: Path, vesselsplat: Cli) -> None:
     assert np.array_equal(read_image(made / "still.dcm"), read_image(made / "still.png"))
     film, plain = open_clip(made / "video.dcm"), open_clip(made / "video.mp4")
     assert (len(film), film.frames_per_second) == (len(plain), plain.frames_per_second) == (6, 25)
@@ -197,9 +190,7 @@ def test_pixels_are_those_of_other_files_and_can_be_made_again(
         assert (done.code, '"identical": true' in done.out) == (0, True), done.error + done.out
 
 
-def test_what_dicom_has_no_room_for_is_refused(
-    made: Path, tmp_path: Path, vesselsplat: Callable[..., Call]
-) -> None:
+def test_what_dicom_has_no_room_for_is_refused(made: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     Image.fromarray(np.zeros((64, 64), np.uint16)).save(tmp_path / "deep.png")
     done = vesselsplat("enhance", tmp_path / "deep.png", tmp_path / "a.dcm")
     assert (done.code, ".dcm holds 8 bits a value, not uint16" in done.error) == (2, True)

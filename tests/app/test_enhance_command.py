@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -19,9 +18,7 @@ from enhance.baselines import BASELINES
 from enhance.surround import inside
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.sources import open_clip
-from tests.app.conftest import Call, tissue
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli, tissue
 
 
 def test_a_picture_is_what_the_library_makes_of_it(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -20,10 +19,8 @@ from app.files.timing import Timing
 from enhance import EnhanceParams
 from renderer.clip import ClipError
 from renderer.sources import open_clip
-from tests.app.conftest import Call, tissue
+from tests.app.conftest import Cli, tissue
 from tests.app.files.test_video import without
-
-Cli = Callable[..., Call]
 
 
 def test_a_video_keeps_its_frames_and_its_speed(tmp_path: Path, vesselsplat: Cli) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,10 +30,8 @@ from renderer.splat_files import read_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.unobserved import GREY
 from renderer.view_files import Views, read_views, views_json
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.renderer.splat_files.files import gaussians, zipped
-
-Cli = Callable[..., Call]
 
 
 def test_a_run_becomes_a_file_a_frame_that_draws_the_same(

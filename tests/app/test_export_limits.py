@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from app.exports.replay.recorded import recorded
 from app.runs.run_folder import RunFolder
-from tests.app.conftest import Call
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from app.scenes.scene import open_scene
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.rotations import matrix, unit_quats
 from renderer.splat_files import write_splats
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.renderer.splat_files.files import gaussians
 from tests.renderer.splat_files.plain_readers import (
     CONSTANT,
@@ -79,7 +79,7 @@ def test_splats_are_where_and_what_they_were(tmp_path: Path, suffix: str, bands:
 
 @pytest.mark.parametrize("suffix", READERS)
 def test_an_export_of_a_run_is_its_model_at_that_frame(
-    runs: dict[str, Path], tmp_path: Path, vesselsplat: Callable[..., Call], suffix: str
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, suffix: str
 ) -> None:
     call = vesselsplat("export", runs["original"], FLAGS[suffix], tmp_path / "out", "--frames", 4)
     assert (call.code, call.error) == (0, "")

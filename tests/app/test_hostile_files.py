@@ -11,7 +11,6 @@ import struct
 import subprocess
 import sys
 import zlib
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -28,9 +27,8 @@ from app.runs.queue_file import take_over
 from app.runs.run_folder import RunFolder
 from renderer.view_files import FORMAT, VERSION
 from tests.app.apart import Call, called
-from tests.app.conftest import ROOT
+from tests.app.conftest import ROOT, Cli
 
-Cli = Callable[..., Call]
 BRACKETS = b"[" * 100_000
 SECONDS = 20
 

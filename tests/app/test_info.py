@@ -22,11 +22,9 @@ from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
-from tests.app.conftest import CONFIG, Call, request_of, tissue
+from tests.app.conftest import CONFIG, Cli, request_of, tissue
 from tests.renderer.eyes import look, write_eyes
 from tests.renderer.readers.numbered import encoded, numbered_picture
-
-Cli = Callable[..., Call]
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -12,10 +11,8 @@ import pytest
 
 from app.files.provenance import digest
 from renderer.sources import open_clip
-from tests.app.conftest import Call, tissue
+from tests.app.conftest import Cli, tissue
 from tests.renderer.readers.test_hamlyn import write_hamlyn
-
-Cli = Callable[..., Call]
 
 
 def test_metrics_against_itself_is_perfect(folder: Path, vesselsplat: Cli) -> None:

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 import pytest
 
-from tests.app.conftest import Call, tissue
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli, tissue
 
 
 @pytest.fixture

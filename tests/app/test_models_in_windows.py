@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,12 +30,11 @@ from renderer.editing.mask import Mask
 from renderer.gaussians import DynamicGaussians
 from renderer.model_windows import windows_of
 from renderer.surface.fineness import Fineness
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.app.exports.test_meshes import parts
 from tests.app.exports.test_research import Drift, slope
 from tests.renderer.windowed import windowed
 
-Cli = Callable[..., Call]
 FIRST, LATER = 4, 107
 """Frames of the first window and of the last one."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +15,7 @@ from enhance import measure
 from enhance.metrics import dvbv_otsu
 from enhance.vessel import VesselParams, enhance_vessels
 from renderer.sources import open_clip
-from tests.app.conftest import Call
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli
 
 
 def test_a_run_on_frames_of_the_preset_goes_through_every_command(

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from tests.app.apart import Call
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli
 
 UNHEEDED = [
     ("clip", "--stereo off"),

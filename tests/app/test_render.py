@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,12 +29,11 @@ from renderer.rasterize.cpu import render
 from renderer.splat_files import read_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.unobserved import GREY
-from tests.app.conftest import CONFIG, Call, request_of
+from tests.app.conftest import CONFIG, Cli, request_of
 from tests.app.fake_steps import model_of
 from tests.renderer.scenes import random_splats, turned_camera
 from tests.renderer.splat_files.files import gaussians
 
-Cli = Callable[..., Call]
 ENDS = ("-depth.npy", "-depth.npy.json", "-depth.png", ".png")
 
 

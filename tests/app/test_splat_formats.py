@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,12 +11,10 @@ import pytest
 
 from app.files.provenance import read_provenance
 from renderer.splat_files.inria_ply import ply_bytes
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.renderer.splat_files.files import gaussians
 from tests.renderer.splat_files.ksplat_files import ksplat
 from tests.renderer.splat_files.sog_files import bundled, sog
-
-Cli = Callable[..., Call]
 
 
 def rendered(vesselsplat: Cli, path: Path, out: Path) -> Path:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +13,7 @@ from app.exports.replay.recorded import recorded
 from renderer import read_splats, write_splats
 from renderer.splat_files import packed_writing
 from renderer.splat_files.spz_writing import clipped
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.renderer.splat_files.files import gaussians
 
 SMALL = "30 of 120 sizes are beyond 4.54e-05 to 379, which SPZ does not hold: they are clipped"
@@ -50,7 +49,7 @@ def test_what_is_beyond_is_counted_kind_by_kind() -> None:
 
 @pytest.mark.parametrize(("flag", "suffix"), [("--spz", ".spz"), ("--spz4", ".v4.spz")])
 def test_the_command_tells_and_so_does_the_file_beside(
-    flag: str, suffix: str, tmp_path: Path, vesselsplat: Callable[..., Call]
+    flag: str, suffix: str, tmp_path: Path, vesselsplat: Cli
 ) -> None:
     call = vesselsplat("export", tiny(tmp_path), flag, tmp_path / "out")
     file = tmp_path / "out" / f"frame-000000{suffix}"
@@ -60,14 +59,14 @@ def test_the_command_tells_and_so_does_the_file_beside(
     assert vesselsplat("replay", file, "--source", tiny(tmp_path)).out.rstrip().endswith("identical")
 
 
-def test_another_format_holds_it(tmp_path: Path, vesselsplat: Callable[..., Call]) -> None:
+def test_another_format_holds_it(tmp_path: Path, vesselsplat: Cli) -> None:
     call = vesselsplat("export", tiny(tmp_path), "--sog", tmp_path / "out")
     assert (call.code, call.error) == (0, "")
     raw = read_splats(tmp_path / "out" / "frame-000000.sog").raw
     assert np.exp(raw.log_scales.min()) == pytest.approx(2e-5, rel=0.05)
 
 
-def test_compressed_ply_tells_in_the_file_itself(tmp_path: Path, vesselsplat: Callable[..., Call]) -> None:
+def test_compressed_ply_tells_in_the_file_itself(tmp_path: Path, vesselsplat: Cli) -> None:
     raw = gaussians(600)
     raw.means[3] = 1e5
     write_splats(tmp_path / "a.ply", raw)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from app.console.frame_numbers import frame_numbers
 from app.errors import UserError
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 
 
 def test_numbers_and_ranges_in_the_order_given() -> None:
@@ -29,7 +28,7 @@ def test_anything_else_is_refused_with_what_was_expected(text: str) -> None:
 
 
 def test_render_and_train_take_the_same(
-    runs: dict[str, Path], clip_path: Path, tmp_path: Path, vesselsplat: Callable[..., Call]
+    runs: dict[str, Path], clip_path: Path, tmp_path: Path, vesselsplat: Cli
 ) -> None:
     call = vesselsplat("render", runs["original"], "--out", tmp_path / "out", "--frames", "2:4", 7)
     assert call.code == 0

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from app.console.older_files import say_older
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 
 
 @pytest.mark.parametrize(
@@ -32,7 +31,7 @@ def test_files_of_the_same_endings_are_counted(
 
 
 def test_fewer_frames_into_the_same_folder_say_so(
-    runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path
+    runs: dict[str, Path], vesselsplat: Cli, tmp_path: Path
 ) -> None:
     first = vesselsplat("export", runs["original"], "--ply", tmp_path / "splats", "--frames", 0, 1, 2)
     assert (first.code, first.error) == (0, "")

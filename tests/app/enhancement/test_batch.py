@@ -5,7 +5,7 @@ from __future__ import annotations
 import errno
 import json
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
@@ -25,9 +25,8 @@ from enhance import EnhanceParams, enhance
 from enhance.vessel import VesselParams
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
-from tests.app.conftest import Call, tissue
+from tests.app.conftest import Cli, tissue
 
-Cli = Callable[..., Call]
 SETTING = Setting("paper", EnhanceParams(d_factor=0.5))
 
 

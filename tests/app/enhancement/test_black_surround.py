@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -21,10 +21,9 @@ from enhance import EnhanceParams
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share
 from enhance.ridges import field_of_view
 from renderer.clip import ByteImage
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.enhance.pictures import vessels
 
-Cli = Callable[..., Call]
 NARROW, WIDE = 20, 90
 """Columns of the surround at either side."""
 MEASURED = ("dv", "bv", "dv_bv", "saturated_share")

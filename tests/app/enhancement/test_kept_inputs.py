@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,10 +14,8 @@ from app.enhancement.enhance_files import Setting
 from app.enhancement.kept_inputs import identities
 from app.errors import UserError
 from enhance import EnhanceParams
-from tests.app.conftest import Call, tissue
+from tests.app.conftest import Cli, tissue
 from tests.app.enhancement.test_batch import write_avi
-
-Cli = Callable[..., Call]
 
 
 def put(*paths: Path) -> None:

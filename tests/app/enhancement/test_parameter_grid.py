@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -22,9 +21,7 @@ from enhance.metrics import dvbv_otsu
 from enhance.noise import noise_gain
 from enhance.ridges import field_of_view
 from enhance.vessel import VesselParams, enhance_vessels
-from tests.app.conftest import Call, tissue
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli, tissue
 
 
 def test_an_axis_is_a_range_or_a_list() -> None:

@@ -7,7 +7,6 @@ import math
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -29,9 +28,8 @@ from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import CHOSEN
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 
-Cli = Callable[..., Call]
 PULLING = Path(__file__).resolve().parents[3] / "../shared/data/endonerf/pulling_soft_tissues"
 
 

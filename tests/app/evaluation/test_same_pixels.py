@@ -13,9 +13,7 @@ import pytest
 from app.runs.train_run import run_training
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
-from tests.app.conftest import CONFIG, Call, request_of
-
-Cli = Callable[..., Call]
+from tests.app.conftest import CONFIG, Cli, request_of
 
 
 @pytest.fixture(scope="module")

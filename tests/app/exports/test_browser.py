@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tracemalloc
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,7 @@ from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 
 CAMERA = Camera(fx=50, fy=50, cx=16, cy=12, width=32, height=24)
 COUNT, CONTROLS = 40, 7
@@ -203,7 +202,7 @@ def test_the_page_stands_alone_and_names_cannot_break_it() -> None:
 
 
 def test_a_long_clip_is_one_page_whose_camera_goes_with_it(
-    vesselsplat: Callable[..., Call], windowed_run: Path, tmp_path: Path
+    vesselsplat: Cli, windowed_run: Path, tmp_path: Path
 ) -> None:
     scene, page = open_scene(windowed_run), tmp_path / "model.html"
     written = vesselsplat("export", windowed_run, "--html", page)
@@ -224,7 +223,7 @@ def test_a_long_clip_is_one_page_whose_camera_goes_with_it(
 
 
 def test_the_page_numbers_its_frames_as_the_clip(
-    vesselsplat: Callable[..., Call], windowed_run: Path, tmp_path: Path
+    vesselsplat: Cli, windowed_run: Path, tmp_path: Path
 ) -> None:
     page = tmp_path / "two.html"
     done = vesselsplat("export", windowed_run, "--window", 2, "--html", page)
@@ -242,7 +241,7 @@ def test_the_page_numbers_its_frames_as_the_clip(
 
 
 def test_more_than_a_browser_opens_is_told(
-    vesselsplat: Callable[..., Call], runs: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    vesselsplat: Cli, runs: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("app.exports.browser.page.LONGEST", 1000)
     done = vesselsplat("export", runs["original"], "--html", tmp_path / "a.html")
@@ -273,7 +272,7 @@ def test_another_page_is_refused_in_one_line(damage: str) -> None:
 
 
 def test_a_run_becomes_a_page_that_is_reproduced(
-    vesselsplat: Callable[..., Call], runs: dict[str, Path], tmp_path: Path
+    vesselsplat: Cli, runs: dict[str, Path], tmp_path: Path
 ) -> None:
     run = runs["original"]
     page = tmp_path / "model.html"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,7 @@ from renderer.deformation.fdm import CENTRE, WEIGHT, WIDTH, FlexibleMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from renderer.train.config import TrainConfig
-from tests.app.conftest import Call, request_of
+from tests.app.conftest import Cli, request_of
 from tests.app.exports.test_browser import drawn
 
 FRAMES, BEAT, HEIGHT = 250, 20, 2.0
@@ -119,7 +118,7 @@ def test_the_page_says_how_far_it_is_off(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_a_run_of_such_a_motion_is_a_page_that_comes_again(
-    clip_path: Path, tmp_path: Path, vesselsplat: Callable[..., Call], monkeypatch: pytest.MonkeyPatch
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run, page = tmp_path / "run", tmp_path / "a.html"
     config = TrainConfig(method="deform3dgs", iterations=20, n_gaussians=300)

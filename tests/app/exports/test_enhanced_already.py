@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from app.exports.replay.enhanced_already import enhanced_already
 from app.gui.work.opening import OpenRequest, open_path
-from tests.app.conftest import Call
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli
 
 
 @pytest.mark.parametrize("name", ["made.png", "made.jpg", "made.mp4", "made.dcm"])

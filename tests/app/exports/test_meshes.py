@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,7 @@ from app.scenes.scene import open_scene
 from app.scenes.surfaces import moment_of_surface, surface
 from renderer.surface.fineness import Fineness
 from renderer.surface.following import Follower
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 
 FINENESS = Fineness(vertices=500)
 
@@ -97,7 +96,7 @@ def of_windows(windowed_run: Path) -> dict[int, tuple[int, np.ndarray]]:
 def test_of_a_long_clip_the_mesh_of_each_window_has_its_turn_in_one_file(
     windowed_run: Path,
     of_windows: dict[int, tuple[int, np.ndarray]],
-    vesselsplat: Callable[..., Call],
+    vesselsplat: Cli,
     tmp_path: Path,
 ) -> None:
     """Shown and blended by the rules of glTF, from the arrays of the file alone."""
@@ -135,7 +134,7 @@ def test_of_a_long_clip_the_mesh_of_each_window_has_its_turn_in_one_file(
 def test_usd_shows_the_mesh_of_each_window_in_its_turn(
     windowed_run: Path,
     of_windows: dict[int, tuple[int, np.ndarray]],
-    vesselsplat: Callable[..., Call],
+    vesselsplat: Cli,
     tmp_path: Path,
 ) -> None:
     path, scene = tmp_path / "a.usdc", open_scene(windowed_run)
@@ -163,7 +162,7 @@ def parts(path: Path) -> tuple[Any, list[np.ndarray]]:
 
 @pytest.mark.parametrize("form", ["ply", "obj"])
 def test_a_mesh_per_frame_is_read_by_trimesh_and_reproduced(
-    form: str, runs: dict[str, Path], follower: Follower, vesselsplat: Callable[..., Call], tmp_path: Path
+    form: str, runs: dict[str, Path], follower: Follower, vesselsplat: Cli, tmp_path: Path
 ) -> None:
     run, folder = runs["original"], tmp_path / "meshes"
     flags = ("--mesh-format", form, "--vertices", 500, "--frames", 0, 7)
@@ -183,7 +182,7 @@ def test_a_mesh_per_frame_is_read_by_trimesh_and_reproduced(
 
 @pytest.mark.parametrize("start", ["v ", "vn ", "f "])
 def test_a_changed_line_of_an_obj_is_found_out(
-    start: str, runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path
+    start: str, runs: dict[str, Path], vesselsplat: Cli, tmp_path: Path
 ) -> None:
     flags = ("--mesh-format", "obj", "--vertices", 500, "--frames", 0)
     done = vesselsplat("export", runs["original"], "--mesh", tmp_path / "meshes", *flags)
@@ -199,7 +198,7 @@ def test_a_changed_line_of_an_obj_is_found_out(
 
 
 def test_the_file_says_what_it_is_of_and_comes_again(
-    written: Path, runs: dict[str, Path], vesselsplat: Callable[..., Call]
+    written: Path, runs: dict[str, Path], vesselsplat: Cli
 ) -> None:
     facts, _ = read_glb(written)
     assert (facts["kind"], facts["run"]["name"], facts["vertices"]) == ("surface mesh", "original", 500)
@@ -209,7 +208,7 @@ def test_the_file_says_what_it_is_of_and_comes_again(
 
 
 def test_usd_core_reads_the_surface_of_every_frame(
-    runs: dict[str, Path], follower: Follower, vesselsplat: Callable[..., Call], tmp_path: Path
+    runs: dict[str, Path], follower: Follower, vesselsplat: Cli, tmp_path: Path
 ) -> None:
     scene, path = open_scene(runs["original"]), tmp_path / "surface.usdc"
     done = vesselsplat("export", runs["original"], "--mesh", path, "--vertices", 500)
@@ -242,7 +241,7 @@ def test_usd_core_reads_the_surface_of_every_frame(
 
 
 def test_bad_wishes_are_one_line(
-    runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    runs: dict[str, Path], vesselsplat: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = runs["original"]
     for flags, said in (

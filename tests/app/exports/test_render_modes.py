@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, get_args
@@ -33,12 +32,11 @@ from renderer.splat_files import read_splats
 from renderer.splat_files.inria_ply import ply_bytes
 from renderer.splats import RenderMode
 from renderer.unobserved import GREY
-from tests.app.conftest import CONFIG, Call, request_of
+from tests.app.conftest import CONFIG, Cli, request_of
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.exporting import Exporter, same
 from tests.app.gui.settling import show_finished, show_live
 
-Cli = Callable[..., Call]
 Kind = Literal["finished run", "edited run", "splat file"]
 MODES: tuple[RenderMode, ...] = get_args(RenderMode)
 SIZE = (64, 48)

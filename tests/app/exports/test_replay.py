@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -28,11 +27,9 @@ from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.sources import open_clip
 from renderer.splat_files.inria_ply import ply_bytes
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.app.gui.saving import saved
 from tests.renderer.splat_files.files import gaussians
-
-Cli = Callable[..., Call]
 
 
 def changed(path: Path, **facts: object) -> None:

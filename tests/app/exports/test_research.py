@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import random
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -30,9 +30,7 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.rotations import unit_quats
 from renderer.splats import Splats
 from renderer.stored_arrays import Arrays
-from tests.app.conftest import Call
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 import sys
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -28,7 +27,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.model_windows import windows_of
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Splats
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.app.exports.test_splat_glb import TURN, covariances
 from tests.renderer.splat_files.files import gaussians
 
@@ -72,7 +71,7 @@ def apart(decoded: object, scene: Scene, time: float, at: Splats) -> dict[str, f
 
 
 def test_each_frame_is_read_back_within_the_bounds_of_the_format(
-    runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path
+    runs: dict[str, Path], vesselsplat: Cli, tmp_path: Path
 ) -> None:
     scene, path = open_scene(runs["original"]), tmp_path / "a.4dgs"
     done = vesselsplat("export", runs["original"], "--4dgs", path, "--frames-per-second", 15)
@@ -94,7 +93,7 @@ def test_each_frame_is_read_back_within_the_bounds_of_the_format(
 
 
 def test_of_a_long_clip_gaussians_come_and_go_with_their_windows(
-    windowed_run: Path, vesselsplat: Callable[..., Call], tmp_path: Path
+    windowed_run: Path, vesselsplat: Cli, tmp_path: Path
 ) -> None:
     scene, path = open_scene(windowed_run), tmp_path / "a.4dgs"
     done = vesselsplat("export", windowed_run, "--4dgs", path, "--frames-per-second", 15)
@@ -162,9 +161,7 @@ def test_what_cannot_be_written_is_told_and_leaves_nothing(
 
 
 @pytest.mark.parametrize("name", ["a.ply", "folder"])
-def test_another_name_is_one_line(
-    name: str, runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path
-) -> None:
+def test_another_name_is_one_line(name: str, runs: dict[str, Path], vesselsplat: Cli, tmp_path: Path) -> None:
     done = vesselsplat("export", runs["original"], "--4dgs", tmp_path / name)
     assert (done.code, done.error.count("\n")) == (2, 1)
     assert f"--4dgs: expected the name of a .4dgs file, got {name}" in done.error

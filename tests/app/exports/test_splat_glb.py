@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from app.scenes.scene import open_scene
 from renderer.harmonics import seen_colors
 from renderer.raw_gaussians import RawGaussians
 from renderer.rotations import matrix
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.renderer.splat_files.files import gaussians
 
 TURN = np.diag([1.0, -1.0, -1.0])
@@ -70,7 +69,7 @@ def test_attributes_are_activated_and_turned_as_gltf_has_them(bands: int) -> Non
 
 
 def test_programs_without_the_extension_show_points(
-    runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path
+    runs: dict[str, Path], vesselsplat: Cli, tmp_path: Path
 ) -> None:
     done = vesselsplat("export", runs["original"], "--glb", tmp_path, "--frames", 4)
     assert (done.code, done.error) == (0, "")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import random
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,7 +23,7 @@ from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.harmonics import seen_colors
 from renderer.splats import Splats
-from tests.app.conftest import ROOT, Call
+from tests.app.conftest import ROOT, Cli
 from tests.app.exports.test_splat_glb import TURN, covariances
 from tests.renderer.splat_files.files import gaussians
 
@@ -61,7 +60,7 @@ def same(theirs: Splats, own: Splats) -> None:
 
 
 def test_usd_core_reads_the_splats_of_every_frame(
-    runs: dict[str, Path], vesselsplat: Callable[..., Call], tmp_path: Path
+    runs: dict[str, Path], vesselsplat: Cli, tmp_path: Path
 ) -> None:
     scene, path = open_scene(runs["original"]), tmp_path / "a.usdc"
     done = vesselsplat("export", runs["original"], "--usd", path, "--frames-per-second", 15)
@@ -93,7 +92,7 @@ def test_usd_core_reads_the_splats_of_every_frame(
 
 
 def test_each_window_of_a_long_clip_is_seen_while_it_is_there(
-    windowed_run: Path, vesselsplat: Callable[..., Call], tmp_path: Path
+    windowed_run: Path, vesselsplat: Cli, tmp_path: Path
 ) -> None:
     scene, path = open_scene(windowed_run), tmp_path / "a.usdc"
     done = vesselsplat("export", windowed_run, "--usd", path, "--frames-per-second", 15)
@@ -133,7 +132,7 @@ def test_colours_by_direction_are_turned_with_the_axes(
 
 def test_another_suffix_or_no_usd_core_is_one_line(
     runs: dict[str, Path],
-    vesselsplat: Callable[..., Call],
+    vesselsplat: Cli,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

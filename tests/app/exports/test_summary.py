@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import json
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -28,12 +27,11 @@ from app.runs.clip_selection import ClipPart
 from app.scenes.cpu_rendering import ON_CPU
 from app.scenes.scene import Scene, open_scene
 from app.scenes.view_request import ViewRequest, view_record
-from tests.app.apart import Call
+from tests.app.conftest import Cli
 
 BEFORE = Path(__file__).with_name("before")
 NAMES = ("panes.png", "render-color.png", "enhanced.png", "tuning-sheet.png")
 PICTURES = tuple(BEFORE / name for name in NAMES)
-Vesselsplat = Callable[..., Call]
 
 
 def page_of(path: Path, *pictures: tuple[Path, str], title: str = "A case", notes: str = "") -> str:
@@ -148,7 +146,7 @@ def test_a_page_fits_phones_and_paper_and_one_that_does_not_say_so_comes_again_a
         assert rule not in before
 
 
-def test_the_command_writes_it(vesselsplat: Vesselsplat, tmp_path: Path) -> None:
+def test_the_command_writes_it(vesselsplat: Cli, tmp_path: Path) -> None:
     page = tmp_path / "out" / "case.html"
     call = vesselsplat("summary", page, *PICTURES[:2], "--title", "Two", "--note", "first", "--notes", "both")
     assert (call.code, call.out) == (0, f"{page}\n")
@@ -169,7 +167,7 @@ def test_the_command_writes_it(vesselsplat: Vesselsplat, tmp_path: Path) -> None
     ],
 )
 def test_a_mistake_is_one_line_and_writes_nothing(
-    arguments: tuple[object, ...], said: str, vesselsplat: Vesselsplat, tmp_path: Path
+    arguments: tuple[object, ...], said: str, vesselsplat: Cli, tmp_path: Path
 ) -> None:
     call = vesselsplat("summary", tmp_path / str(arguments[0]), *arguments[1:])
     assert call.code == 2

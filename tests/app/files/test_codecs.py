@@ -18,8 +18,8 @@ from app.files.pyav_writing import rate_of
 from app.files.timing import Timing
 from app.files.video import write_video
 from renderer.sources import open_clip
-from tests.app.conftest import Call
-from tests.app.files.test_video import RED, Cli, frames, read, without
+from tests.app.conftest import Call, Cli
+from tests.app.files.test_video import RED, frames, read, without
 from tests.renderer.readers.numbered import encoded
 
 ENDINGS = [WEBM, HEVC]

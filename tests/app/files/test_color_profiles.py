@@ -11,8 +11,7 @@ from PIL import Image, ImageCms
 from app.files.embedded import LONGEST_PROFILE
 from app.files.image_files import read_image, write_image
 from app.files.provenance import read_provenance
-from tests.app.conftest import Call
-from tests.app.files.test_video import Cli
+from tests.app.conftest import Call, Cli
 
 SUFFIXES = (".png", ".jpg", ".tif")
 RGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()

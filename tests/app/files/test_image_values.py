@@ -12,8 +12,7 @@ from PIL import Image
 
 from app.files.image_files import read_image, write_image
 from renderer.readers.image_files.pictures import read_rgb
-from tests.app.conftest import Call
-from tests.app.files.test_video import Cli
+from tests.app.conftest import Call, Cli
 
 
 @pytest.mark.parametrize("dtype", [np.float16, np.float64])

@@ -24,11 +24,10 @@ from app.files.timing import Timing
 from app.files.video import write_video
 from app.files.video_encoder import VideoEncoder, video_encoder
 from renderer.sources import open_clip
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.renderer.readers.numbered import INTERLACED, encoded, turned, woven
 
 RED = (200, 60, 50)
-Cli = Callable[..., Call]
 
 
 def without(monkeypatch: pytest.MonkeyPatch, *programs: str) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,7 +25,7 @@ from renderer.editing.highlight import COLOR, OWN
 from renderer.gaussians import DynamicGaussians
 from renderer.splat_files import read_splats
 from renderer.splat_files.inria_ply import ply_bytes
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.app.gui.conftest import make_model
 from tests.app.gui.scenes import scene_of
 from tests.app.gui.settling import keep_all
@@ -210,7 +209,7 @@ def test_an_edited_file_is_saved_as_another(splats: AppState, tmp_path: Path) ->
 
 
 def test_an_edited_file_is_made_again_of_its_source(
-    splats: AppState, tmp_path: Path, vesselsplat: Callable[..., Call]
+    splats: AppState, tmp_path: Path, vesselsplat: Cli
 ) -> None:
     drag(splats, (0, 0), (48, 80))
     settle(splats)

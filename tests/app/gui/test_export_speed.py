@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from shutil import copytree
 
@@ -22,10 +21,9 @@ from app.runs.train_run import run_training
 from app.scenes.clip_speed import clip_speed
 from app.scenes.scene import open_scene
 from renderer.readers.clip_options import ClipOptions
-from tests.app.conftest import Call, request_of
+from tests.app.conftest import Cli, request_of
 from tests.app.gui.exporting import Exporter
 
-Cli = Callable[..., Call]
 FRAMES, RATE = 24, 25.0
 ASSUMED = "how fast the clip goes is not known: 15 frames a second are assumed"
 

@@ -6,7 +6,6 @@ import csv
 import errno
 import json
 import os
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -35,7 +34,7 @@ from app.scenes.color_bar import LEAST_HEIGHT
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.metrics import dvbv_otsu
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.app.gui.conftest import SIZE
 from tests.app.gui.exporting import Exporter, same
 from tests.app.gui.test_window import Driver, is_settled, wait
@@ -122,7 +121,7 @@ def test_measures_are_of_every_pane_and_frame(run: Exporter) -> None:
 
 
 def test_the_table_comes_again_and_a_changed_number_is_found_out(
-    run: Exporter, clip_path: Path, vesselsplat: Callable[..., Call]
+    run: Exporter, clip_path: Path, vesselsplat: Cli
 ) -> None:
     path = run.made("measures of both panes")
     assert same(path, clip_path)

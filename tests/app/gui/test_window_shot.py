@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -18,7 +17,7 @@ from app.gui.commands.keys import chord
 from app.gui.state.app_state import AppState
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.app.gui.test_window import Driver, is_settled, wait
 
 
@@ -32,9 +31,7 @@ def test_the_frame_is_taken_once_what_was_clicked_has_gone(state: AppState) -> N
     assert not state.exports.is_busy
 
 
-def test_it_says_what_was_seen_and_that_it_cannot_be_made_again(
-    state: AppState, vesselsplat: Callable[..., Call]
-) -> None:
+def test_it_says_what_was_seen_and_that_it_cannot_be_made_again(state: AppState, vesselsplat: Cli) -> None:
     assert state.source.clip is not None
     state.source.clip.path.mkdir()
     image = np.random.default_rng(0).integers(0, 255, (30, 40, 3), np.uint8)

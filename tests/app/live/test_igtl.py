@@ -6,7 +6,7 @@ import json
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 import numpy as np
@@ -21,7 +21,7 @@ from app.live.igtl.sender import Sender
 from app.live.picture import LivePicture, LiveSetting
 from app.live.session import LiveSession
 from assets import phantom_path
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.app.live.painted import PaintedSource, painted, wait_for
 from tests.ports import free_port
 
@@ -116,7 +116,7 @@ def listens(endpoint: Endpoint) -> bool:
     return False
 
 
-def test_a_command_sends_and_counts(vesselsplat: Callable[..., Call]) -> None:
+def test_a_command_sends_and_counts(vesselsplat: Cli) -> None:
     endpoint, seen = free(), list[tuple[int, ...]]()
 
     def fetch() -> None:
@@ -158,7 +158,7 @@ def test_what_is_no_address_is_said_and_nothing_is_looked_up(said: str) -> None:
         endpoint_of(said)
 
 
-def test_mistakes_are_one_line(vesselsplat: Callable[..., Call]) -> None:
+def test_mistakes_are_one_line(vesselsplat: Cli) -> None:
     with sending() as taken:
         done = vesselsplat("live", phantom_path(), "--igtl", str(taken.endpoint))
     assert (done.code, done.error.count("\n")) == (2, 1)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,12 +13,10 @@ from app.live.picture import LiveStatus
 from assets import phantom_path
 from renderer.sources import open_clip
 from tests.app.apart import called
-from tests.app.conftest import Call
-
-Command = Callable[..., Call]
+from tests.app.conftest import Cli
 
 
-def test_a_clip_as_if_live_is_enhanced_recorded_and_measured(vesselsplat: Command, tmp_path: Path) -> None:
+def test_a_clip_as_if_live_is_enhanced_recorded_and_measured(vesselsplat: Cli, tmp_path: Path) -> None:
     film = tmp_path / "new" / "film.mp4"
     done = vesselsplat("live", phantom_path(), "--once", "--record", film, "--what", "side by side", "--json")
     assert done.code == 0
@@ -63,7 +60,7 @@ def test_a_clip_as_if_live_is_enhanced_recorded_and_measured(vesselsplat: Comman
         (("--list", "--record", "a.mp4"), "--record has no effect with --list"),
     ],
 )
-def test_mistakes_are_one_line(vesselsplat: Command, flags: tuple[str, ...], said: str) -> None:
+def test_mistakes_are_one_line(vesselsplat: Cli, flags: tuple[str, ...], said: str) -> None:
     done = vesselsplat("live", *flags)
     assert done.code == 2
     assert said in done.error
@@ -71,7 +68,7 @@ def test_mistakes_are_one_line(vesselsplat: Command, flags: tuple[str, ...], sai
 
 
 def test_a_source_that_never_came_is_told_once_and_not_as_lost(
-    vesselsplat: Command, monkeypatch: pytest.MonkeyPatch
+    vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("app.commands.live.PATIENCE", 2.5)
     done = vesselsplat("live", "tcp://127.0.0.1:9")
@@ -104,7 +101,7 @@ def test_ctrl_c_ends_it_as_the_time_does(tmp_path: Path) -> None:
     assert len(open_clip(film)) == told["recording"]["pictures"] > 0
 
 
-def test_a_recording_that_ends_early_is_told_at_once(vesselsplat: Command, tmp_path: Path) -> None:
+def test_a_recording_that_ends_early_is_told_at_once(vesselsplat: Cli, tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"no folder")
     done = vesselsplat("live", phantom_path(), "--seconds", "1.5", "--record", tmp_path / "file" / "x.mp4")
     assert done.code == 2
@@ -112,7 +109,7 @@ def test_a_recording_that_ends_early_is_told_at_once(vesselsplat: Command, tmp_p
     assert [line.split(":")[0] for line in told] == ["live", "vesselsplat"]
 
 
-def test_devices_are_listed(vesselsplat: Command) -> None:
+def test_devices_are_listed(vesselsplat: Cli) -> None:
     done = vesselsplat("live", "--list", "--json")
     assert done.code == 0
     assert isinstance(json.loads(done.out)["devices"], list)

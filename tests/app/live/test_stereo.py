@@ -27,7 +27,7 @@ from assets import phantom_path
 from renderer.clip import ClipError
 from renderer.readers.clip_options import ClipOptions, Stereo, StereoLayout
 from renderer.sources import open_clip
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.app.live.painted import PaintedSource, painted, wait_for
 from tests.renderer.eyes import BASELINE, Eyes, look
 from tests.renderer.readers.numbered import encoded
@@ -164,7 +164,7 @@ def film(tmp_path_factory, eyes: Eyes) -> Path:
 
 
 def test_a_recording_of_a_stereo_source_opens_with_the_depth_of_the_scene(
-    vesselsplat: Callable[..., Call], film: Path, eyes: Eyes, tmp_path: Path
+    vesselsplat: Cli, film: Path, eyes: Eyes, tmp_path: Path
 ) -> None:
     made = tmp_path / "live.mp4"
     done = vesselsplat("live", film, "--stereo", "side-by-side", "--once", "--record", made, "--fps", "10")
@@ -222,7 +222,7 @@ def test_two_files_start_together(film: Path) -> None:
     assert sum(one.unpaired for one in came if one is not None) == 0
 
 
-def test_two_clips_of_two_sizes_are_refused(vesselsplat: Callable[..., Call], film: Path) -> None:
+def test_two_clips_of_two_sizes_are_refused(vesselsplat: Cli, film: Path) -> None:
     done = vesselsplat("live", film, "--right", phantom_path())
     assert done.code == 2
     assert "expected two eyes of one size, got 384x144 from eyes.mp4" in done.error

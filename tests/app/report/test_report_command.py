@@ -1,16 +1,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from app.report.bench import PARTS, Bench, Clock
 from app.report.section import Section
-from tests.app.conftest import Call
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli
 
 
 def test_a_report_holds_page_and_figures_of_the_parts_asked_for(

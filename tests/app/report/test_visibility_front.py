@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import astuple
 from functools import cache
 from itertools import combinations
@@ -41,10 +41,9 @@ from app.report.visibility_front import (
     thin_part,
 )
 from enhance import VesselParams, enhance_vessels, noise_gain, unsharp, vessel_contrast
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.enhance.pictures import vessels
 
-Cli = Callable[..., Call]
 GAINS = st.floats(0.2, 5)
 
 

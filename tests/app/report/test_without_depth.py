@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -13,10 +12,9 @@ from app.errors import UserError
 from app.report.bench import Bench, Clock
 from app.report.section import Section
 from renderer.clip import ClipError
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.enhance.pictures import vessels
 
-Cli = Callable[..., Call]
 REASON = "reconstruction expects depth, and this clip has none"
 
 

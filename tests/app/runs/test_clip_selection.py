@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,7 +21,7 @@ from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Evaluated, Finished
 from renderer.train.training import train
-from tests.app.conftest import Call, request_of
+from tests.app.conftest import Cli, request_of
 
 PART = ClipPart(trim=(2, 8), mask=PictureMask(text=(40, 0, 64, 20)))
 
@@ -110,7 +109,7 @@ def run(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
 
 
 def test_the_run_says_so_and_is_measured_and_drawn_on_it_alone(
-    run: RunFolder, vesselsplat: Callable[..., Call], tmp_path: Path
+    run: RunFolder, vesselsplat: Cli, tmp_path: Path
 ) -> None:
     record = run.record()
     assert (record.clip.part, record.clip.frames) == (PART, 7)
@@ -127,9 +126,7 @@ def test_the_run_says_so_and_is_measured_and_drawn_on_it_alone(
     assert len(list((tmp_path / "pictures").glob("*.png"))) == 7
 
 
-def test_a_run_goes_on_with_its_own_part_only(
-    clip_path: Path, tmp_path: Path, vesselsplat: Callable[..., Call]
-) -> None:
+def test_a_run_goes_on_with_its_own_part_only(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     begin = ("train", clip_path, "--run", tmp_path / "run", "--iterations", 20)
     said = ("--frames", "2:8", "--text-box", 40, 0, 64, 20, "--view-circle", 32, 24, 39)
     first = vesselsplat(*begin, *said)
@@ -161,7 +158,7 @@ def test_a_run_goes_on_with_its_own_part_only(
     ],
 )
 def test_flags_that_say_nothing_are_one_line(
-    clip_path: Path, tmp_path: Path, vesselsplat: Callable[..., Call], flags: tuple[object, ...], said: str
+    clip_path: Path, tmp_path: Path, vesselsplat: Cli, flags: tuple[object, ...], said: str
 ) -> None:
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run", "--iterations", 5, *flags)
     assert call.code == 2
@@ -174,7 +171,7 @@ def test_flags_that_say_nothing_are_one_line(
 def test_a_part_that_is_not_there_is_refused_before_depth_is_matched(
     clip_path: Path,
     tmp_path: Path,
-    vesselsplat: Callable[..., Call],
+    vesselsplat: Cli,
     monkeypatch: pytest.MonkeyPatch,
     flags: tuple[object, ...],
 ) -> None:
@@ -185,9 +182,7 @@ def test_a_part_that_is_not_there_is_refused_before_depth_is_matched(
     assert vesselsplat("train", clip_path, "--run", tmp_path / "run", *flags).code == 2
 
 
-def test_runs_of_two_parts_are_not_compared(
-    run: RunFolder, runs: dict[str, Path], vesselsplat: Callable[..., Call]
-) -> None:
+def test_runs_of_two_parts_are_not_compared(run: RunFolder, runs: dict[str, Path], vesselsplat: Cli) -> None:
     call = vesselsplat("evaluate", run.path, "--against", runs["original"])
     assert call.code == 2
     assert "another part" in call.error

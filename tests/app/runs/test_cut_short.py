@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,10 +22,9 @@ from app.runs.train_run import TrainRequest, run_training
 from renderer.readers.clip_options import ClipOptions
 from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.events import Finished, Planned, Progress, Started, TrainEvent
-from tests.app.conftest import CONFIG, Call, request_of
+from tests.app.conftest import CONFIG, Cli, request_of
 from tests.app.runs.test_job import events_until, is_a
 
-Cli = Callable[..., Call]
 ROOT = Path(__file__).resolve().parents[3]
 
 KILLED = """

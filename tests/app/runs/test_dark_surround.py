@@ -28,9 +28,8 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, Started, Warned
-from tests.app.conftest import Call, request_of
+from tests.app.conftest import Cli, request_of
 
-Cli = Callable[..., Call]
 WIDTH, HEIGHT, RADIUS = 128, 96, 44
 CONFIG = TrainConfig(iterations=400, n_gaussians=2500, checkpoint_every=200)
 WITH_SURROUND = replace(CONFIG, n_gaussians=1508, keep=("surround",))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,9 +12,7 @@ from app.runs import device
 from app.runs.device import choose, missing
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import device_of
-from tests.app.conftest import Call, request_of
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli, request_of
 
 
 def machine(monkeypatch: pytest.MonkeyPatch, *, cards: int, gsplat: bool, trouble: str = "") -> None:

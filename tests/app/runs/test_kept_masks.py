@@ -18,7 +18,7 @@ from renderer.clip import ClipError
 from renderer.sources import open_clip
 from renderer.tools.mask_files import save_mask
 from renderer.train.events import Progress
-from tests.app.conftest import Call, request_of
+from tests.app.conftest import Cli, request_of
 
 SAID = "expected the tool masks that the run began with, got lost or changed ones"
 
@@ -62,9 +62,7 @@ def test_a_run_goes_on_with_the_masks_it_began_with_or_not_at_all(
         list(run_training(request_of(clip_path, tmp_path / "run", resume=True)))
 
 
-def test_a_run_is_not_measured_on_other_masks(
-    clip_path: Path, tmp_path: Path, vesselsplat: Callable[..., Call]
-) -> None:
+def test_a_run_is_not_measured_on_other_masks(clip_path: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     list(run_training(request_of(clip_path, tmp_path / "run", part=masks_of(clip_path, tmp_path / "masks"))))
     record = RunFolder(tmp_path / "run").record()
     assert len(run_clip(record)) == 10

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,9 +21,7 @@ from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.events import Finished, Planned, Preparing, Started, TrainEvent
 from renderer.train.windows import Window
-from tests.app.conftest import CONFIG, Call, request_of
-
-Cli = Callable[..., Call]
+from tests.app.conftest import CONFIG, Cli, request_of
 
 
 def ended(work: Generator[Preparing, None, object]) -> tuple[list[Preparing], object]:

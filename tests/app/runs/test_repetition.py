@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from app.files import provenance
-from tests.app.conftest import Call
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli
 
 
 def contents(folder: Path) -> dict[str, bytes]:

@@ -6,7 +6,6 @@ import base64
 import json
 import shutil
 import zlib
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -23,9 +22,7 @@ from renderer.editing.mask import Mask
 from renderer.near_plane import near_plane
 from renderer.splat_files import read_splats
 from renderer.unobserved import GREY
-from tests.app.conftest import Call
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli
 
 
 @pytest.fixture

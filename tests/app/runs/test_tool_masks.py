@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -25,10 +25,9 @@ from renderer.sources import open_clip
 from renderer.tools.mask_files import origin_of, write_mask
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, Warned
-from tests.app.conftest import Call, request_of
+from tests.app.conftest import Cli, request_of
 from tests.renderer.tools.onnx_files import write_convolution
 
-Cli = Callable[..., Call]
 CONFIG = TrainConfig(iterations=2, n_gaussians=500)
 
 

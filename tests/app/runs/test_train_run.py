@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,9 +25,8 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Warned
-from tests.app.conftest import CONFIG, Call, request_of
+from tests.app.conftest import CONFIG, Cli, request_of
 
-Cli = Callable[..., Call]
 ROOT = Path(__file__).resolve().parents[3]
 PULLING = ROOT / "../shared/data/endonerf/pulling_soft_tissues"
 

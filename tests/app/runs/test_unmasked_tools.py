@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,9 +19,7 @@ from app.runs.unmasked_tools import tools_in
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started
-from tests.app.conftest import Call, request_of
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli, request_of
 
 
 @pytest.fixture(scope="module")

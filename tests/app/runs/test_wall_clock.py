@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -14,9 +14,7 @@ from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.runs.wall_clock import STEPS, WALL, WallClock, in_all
 from renderer.train.events import Finished, Progress
-from tests.app.conftest import Call, request_of
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli, request_of
 
 
 def without_wall(run: RunFolder) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -14,10 +13,8 @@ from app.scenes.cpu_rendering import Drawn, draw_on_cpu
 from app.scenes.supersampling import FACTORS, averaged, supersampled
 from renderer.camera import Camera
 from renderer.splats import RenderMode, Shape, Splats
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.app.gui.conftest import make_model
-
-Cli = Callable[..., Call]
 
 
 def test_a_drawing_is_averaged_before_it_is_clipped() -> None:

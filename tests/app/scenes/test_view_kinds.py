@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,10 +33,9 @@ from renderer.near_plane import near_plane
 from renderer.paint import by_motion
 from renderer.splats import Shape, Splats
 from renderer.view_files import Views, views_json
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 from tests.renderer.scenes import random_splats, turned_camera
 
-Cli = Callable[..., Call]
 CAMERA = turned_camera(96, 80)
 
 

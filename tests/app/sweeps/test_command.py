@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -17,9 +16,7 @@ from app.sweeps.jobs import Job, JobFolder
 from app.sweeps.plan import Plan, recorded
 from app.sweeps.spec import all_settings, spec_of
 from app.sweeps.worker import sweep_locked
-from tests.app.conftest import Call
-
-Cli = Callable[..., Call]
+from tests.app.conftest import Cli
 
 
 @pytest.fixture

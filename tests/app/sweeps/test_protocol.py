@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 
@@ -12,11 +11,11 @@ from app.sweeps.jobs import JobFolder
 from app.sweeps.plan import planned, recorded
 from app.sweeps.settings import Training
 from app.sweeps.spec import spec_of
-from tests.app.conftest import Call
+from tests.app.conftest import Cli
 
 
 def test_it_prints_a_sweep_that_runs_every_method_at_its_published_length(
-    vesselsplat: Callable[..., Call], clip_path: Path, tmp_path: Path
+    vesselsplat: Cli, clip_path: Path, tmp_path: Path
 ) -> None:
     printed = vesselsplat("protocol", "--print")
     assert printed.out == files("app.sweeps").joinpath("protocol.toml").read_text()
@@ -36,9 +35,7 @@ def test_it_prints_a_sweep_that_runs_every_method_at_its_published_length(
     assert methods == {"vesselsplat", "deform3dgs", "endogaussian", "static"}
 
 
-def test_any_name_of_a_clip_is_printed_as_toml_reads_it(
-    vesselsplat: Callable[..., Call], tmp_path: Path
-) -> None:
+def test_any_name_of_a_clip_is_printed_as_toml_reads_it(vesselsplat: Cli, tmp_path: Path) -> None:
     clips = [tmp_path / name for name in ("c\N{GRINNING FACE}", "a\x7fb", 'q"\\u0041', "é\n")]
     printed = vesselsplat("protocol", *clips, "--print")
     assert tomllib.loads(printed.out)["clips"] == [str(path) for path in clips]
@@ -60,14 +57,14 @@ def test_rows_of_a_known_clip_stand_beside_the_published_ones(clip_path: Path, t
     assert all(row[-1] for row in published)
 
 
-def test_without_clips_it_says_what_it_expects(vesselsplat: Callable[..., Call]) -> None:
+def test_without_clips_it_says_what_it_expects(vesselsplat: Cli) -> None:
     called = vesselsplat("protocol")
     assert (called.code, called.error.count("\n")) == (2, 1)
     assert "expected CLIP... and --out DIR, or --print" in called.error
 
 
 def test_a_number_of_workers_that_cannot_be_is_refused_before_anything_is_written(
-    vesselsplat: Callable[..., Call], clip_path: Path, tmp_path: Path
+    vesselsplat: Cli, clip_path: Path, tmp_path: Path
 ) -> None:
     for number in ("0", "-1", "two"):
         called = vesselsplat("protocol", clip_path, "--out", tmp_path / "out", "--workers", number)
