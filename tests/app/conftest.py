@@ -71,6 +71,14 @@ def clip_path(made_once: Callable[..., Path]) -> Path:
 
 
 @pytest.fixture(scope="session")
+def unmasked(clip_path: Path, made_once: Callable[..., Path]) -> Path:
+    """The small clip without its masks. Read only."""
+    omitted = shutil.ignore_patterns("masks", "gt_masks")
+    made = made_once("unmasked", lambda folder: shutil.copytree(clip_path, folder / "clip", ignore=omitted))
+    return made / "clip"
+
+
+@pytest.fixture(scope="session")
 def runs(clip_path: Path, made_once: Callable[..., Path]) -> dict[str, Path]:
     """One finished run on the original frames and one on the enhanced. Read only."""
 

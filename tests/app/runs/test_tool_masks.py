@@ -31,13 +31,6 @@ from tests.renderer.tools.onnx_files import write_convolution
 CONFIG = TrainConfig(iterations=2, n_gaussians=500)
 
 
-@pytest.fixture(scope="module")
-def unmasked(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The phantom without its masks."""
-    path = tmp_path_factory.mktemp("unmasked") / "clip"
-    return Path(shutil.copytree(clip_path, path, ignore=shutil.ignore_patterns("masks", "gt_masks")))
-
-
 def corner(right: int = 20) -> BoolImage:
     mask = np.zeros((48, 64), bool)
     mask[:16, :right] = True

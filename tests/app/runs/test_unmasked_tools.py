@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from app.enhancement.image_mask import NO_MASK
 from app.gui.work.masking import LeftOutRequest, left_out
@@ -20,13 +18,6 @@ from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started
 from tests.app.conftest import Cli, request_of
-
-
-@pytest.fixture(scope="module")
-def unmasked(clip_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The phantom without its masks."""
-    path = tmp_path_factory.mktemp("unmasked") / "clip"
-    return Path(shutil.copytree(clip_path, path, ignore=shutil.ignore_patterns("masks", "gt_masks")))
 
 
 def test_a_run_leaves_them_out_and_says_so(unmasked: Path, clip_path: Path, tmp_path: Path) -> None:
