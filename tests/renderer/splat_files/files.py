@@ -101,6 +101,13 @@ def zipped(*names: str) -> bytes:
     return file.getvalue()
 
 
+def at(content: bytes, place: int, form: str, value: float) -> bytes:
+    """The content with another value at a place, in a form of the module struct."""
+    changed = bytearray(content)
+    struct.pack_into(f"<{form}", changed, place, value)
+    return bytes(changed)
+
+
 def damaged(content: bytes, rng: np.random.Generator) -> bytes:
     out = bytearray(content)
     for _ in range(rng.integers(1, 4)):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 import tracemalloc
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,7 @@ import pytest
 
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splat_files import SplatFile, SplatFileError, read_splats
-from tests.renderer.splat_files.files import damaged, gaussians
+from tests.renderer.splat_files.files import at, damaged, gaussians
 from tests.renderer.splat_files.ksplat_files import head, ksplat
 
 
@@ -73,12 +72,6 @@ def test_a_file_may_have_ranges_of_its_own(tmp_path: Path) -> None:
 
 GOOD = ksplat(scene(9, 3), level=1)
 FIRST = 4096
-
-
-def at(content: bytes, place: int, form: str, value: float) -> bytes:
-    changed = bytearray(content)
-    struct.pack_into(f"<{form}", changed, place, value)
-    return bytes(changed)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 import sys
 import tracemalloc
 from pathlib import Path
@@ -12,7 +11,7 @@ import pytest
 import zstandard
 
 from renderer.splat_files import SplatFile, SplatFileError, read_splats
-from tests.renderer.splat_files.files import damaged, spz, spz_streams
+from tests.renderer.splat_files.files import at, damaged, spz, spz_streams
 
 
 def read(folder: Path, content: bytes) -> SplatFile:
@@ -54,12 +53,6 @@ def test_no_splats_are_none(tmp_path: Path) -> None:
 
 
 GOOD = spz_streams(1, planes_of(5, 3), count=5)
-
-
-def at(content: bytes, place: int, form: str, value: int) -> bytes:
-    changed = bytearray(content)
-    struct.pack_into(f"<{form}", changed, place, value)
-    return bytes(changed)
 
 
 @pytest.mark.parametrize(
