@@ -105,8 +105,9 @@ def test_the_next_writer_into_the_folder_completes_what_was_cut_off(tmp_path: Pa
     pytest.fail("the set was never written")
 
 
-def name_of(process: int) -> str:
-    return temporary_name("run").replace(f"-{os.getpid()}.", f"-{process}.")
+def name_of(process: int, name: str = "run") -> str:
+    """What the process writes the file of that name as."""
+    return temporary_name(name).replace(f"-{os.getpid()}.", f"-{process}.")
 
 
 def gone() -> int:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -18,6 +16,7 @@ from app.runs import shared_model
 from app.runs.run_lock import LOCK, NAME, locked
 from app.runs.shared_model import PREFIX
 from renderer.leftovers import COMMIT, temporary_name
+from tests.app.files.test_leftovers import gone, name_of
 
 ELSEWHERE = re.sub(r"-\w+\.partial$", "-0badcafe.partial", temporary_name("checkpoint-00000010.safetensors"))
 FORMERLY = (
@@ -30,10 +29,7 @@ FORMERLY = (
 
 @pytest.fixture
 def dead() -> int:
-    """The number of a process that has ended."""
-    process = subprocess.Popen([sys.executable, "-c", ""])
-    process.wait()
-    return process.pid
+    return gone()
 
 
 @pytest.fixture(autouse=True)
@@ -61,10 +57,6 @@ def serve(channels: Channels, server: Server) -> None:
 def left(places: Places) -> list[str]:
     found = [path.name for folder in vars(places).values() for path in folder.rglob("*")]
     return sorted(name for name in found if name.startswith(".") or "partial" in name)
-
-
-def name_of(process: int, name: str) -> str:
-    return temporary_name(name).replace(f"-{os.getpid()}.", f"-{process}.")
 
 
 def test_what_was_being_written_is_gone_and_what_was_whole_is_put_into_place(
