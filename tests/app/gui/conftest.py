@@ -18,6 +18,7 @@ from app.gui.actions import job_actions
 from app.gui.commands.command import WindowServices
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
+from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.work.settings import Places, Settings
 from renderer.camera import Camera
@@ -176,6 +177,11 @@ def chooser(ui: Ui, places: Places, monkeypatch: pytest.MonkeyPatch) -> Chooser:
     monkeypatch.setattr(shutil, "which", lambda name: None)
     ui.io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard
     return Chooser(ui, AppState(places, Settings(acknowledged=True)))
+
+
+@pytest.fixture
+def channels() -> Channels:
+    return Channels()
 
 
 @pytest.fixture

@@ -38,11 +38,6 @@ from tests.app.gui.settling import settle
 from tests.app.gui.ui import Shown, StillViewport, Ui, compare
 
 
-@pytest.fixture
-def channels() -> Channels:
-    return Channels()
-
-
 def image(state: AppState, side: str = "right") -> np.ndarray:
     assert state.picture.pictures is not None
     return pane(state, state.picture.pictures, side).image  # type: ignore[arg-type]

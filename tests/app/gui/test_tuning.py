@@ -31,11 +31,6 @@ from tests.app.gui.test_window import Driver, wait
 from tests.app.gui.ui import Shown, Ui
 
 
-@pytest.fixture
-def channels() -> Channels:
-    return Channels()
-
-
 def turn(state: AppState, channels: Channels) -> None:
     """One frame, with the worker's share done in between."""
     update(state, channels, state.window.now + 0.01)

@@ -21,11 +21,6 @@ from tests.app.gui.test_tuning import finish, turn
 from tests.app.gui.ui import Shown, Ui
 
 
-@pytest.fixture
-def channels() -> Channels:
-    return Channels()
-
-
 @pytest.mark.parametrize(
     ("size", "tile"),
     [

@@ -30,11 +30,6 @@ MakeFake = Callable[[object], FakeJob]
 STARTED = Started(0, 100, 30, (Omission("motion", "nothing moves", "half the time"),))
 
 
-@pytest.fixture
-def channels() -> Channels:
-    return Channels()
-
-
 def test_the_pair_on_screen_is_of_one_request(state: AppState, channels: Channels) -> None:
     settle(state, channels)
     shown = state.picture.pictures
