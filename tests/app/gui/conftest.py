@@ -192,6 +192,14 @@ def opened(state: AppState) -> AppState:
     return state
 
 
+@pytest.fixture
+def seen(state: AppState, model: DynamicGaussians) -> AppState:
+    """A reconstruction on screen, through the clip's camera and as large as its frames."""
+    start_live(state, model)
+    state.scene.size = SIZE
+    return state
+
+
 def start_live(state: AppState, model: DynamicGaussians) -> None:
     job_actions.start_reconstruction(state)
     start_due(state, FakeJob)

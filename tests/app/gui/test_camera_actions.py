@@ -6,27 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions, job_actions
+from app.gui.actions import actions, camera_actions
 from app.gui.state.app_state import AppState
-from app.gui.update.jobs import start_due
 from app.gui.views.measurement import Located
 from app.gui.work.selecting import PickRequest, pick
 from app.scenes.view_request import ViewRequest
-from renderer.gaussians import DynamicGaussians
-from tests.app.gui.conftest import SIZE, FakeJob, make_model
-from tests.app.gui.settling import show_live
+from tests.app.gui.conftest import make_model
 
 Act = Callable[[AppState], None]
-
-
-@pytest.fixture
-def seen(state: AppState, model: DynamicGaussians) -> AppState:
-    """A reconstruction on screen, through the clip's camera and as large as its frames."""
-    job_actions.start_reconstruction(state)
-    start_due(state, FakeJob)
-    show_live(state, model)
-    state.scene.size = SIZE
-    return state
 
 
 def request(state: AppState) -> ViewRequest:

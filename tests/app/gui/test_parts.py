@@ -22,8 +22,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
-from tests.app.gui.conftest import FakeJob
-from tests.app.gui.settling import show_live
+from tests.app.gui.conftest import FakeJob, start_live
 from tests.app.gui.ui import Ui
 
 MASK = PictureMask(text=(0, 0, 9, 9))
@@ -40,9 +39,7 @@ def live(state: AppState, model: DynamicGaussians) -> AppState:
     """Frames 2 to 4 of 6 are being reconstructed."""
     trimmed(state, 2, 4)
     clip_actions.set_mask(state, MASK)
-    job_actions.start_reconstruction(state)
-    start_due(state, FakeJob)
-    show_live(state, model)
+    start_live(state, model)
     return state
 
 

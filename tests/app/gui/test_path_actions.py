@@ -8,28 +8,16 @@ import numpy as np
 import pytest
 
 from app.exports.exporting import export
-from app.gui.actions import actions, arriving, camera_actions, export_actions, job_actions, path_actions
+from app.gui.actions import actions, arriving, camera_actions, export_actions, path_actions
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera, read_cameras, splatting_json
 from renderer.camera_path import Keyframe
-from renderer.gaussians import DynamicGaussians
 from renderer.view_files import Views, import_views, read_views, views_json
-from tests.app.gui.conftest import SIZE, FakeJob
-from tests.app.gui.settling import keep_all, show_live
-
-
-@pytest.fixture
-def seen(state: AppState, model: DynamicGaussians) -> AppState:
-    job_actions.start_reconstruction(state)
-    start_due(state, FakeJob)
-    show_live(state, model)
-    state.scene.size = SIZE
-    return state
+from tests.app.gui.settling import keep_all
 
 
 def camera(state: AppState) -> Camera:

@@ -36,7 +36,7 @@ from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Evaluated, Finished
-from tests.app.gui.conftest import FakeJob
+from tests.app.gui.conftest import FakeJob, start_live
 from tests.app.gui.settling import follow_run, show_live
 from tests.app.gui.ui import Ui
 
@@ -264,9 +264,7 @@ def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model:
     ui.frame(lambda: draw_runs(opened))
     found(opened)
     ui.frame(lambda: draw_runs(opened))
-    job_actions.start_reconstruction(opened)
-    start_due(opened, FakeJob)
-    show_live(opened, model)
+    start_live(opened, model)
     opened.runs.preview = replace(opened.scene.model, name="short") if opened.scene.model else None
     ui.frame(lambda: draw_runs(opened))
     ui.frame(lambda: draw_reconstruction(opened))

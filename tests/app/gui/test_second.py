@@ -9,12 +9,10 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, camera_actions, job_actions, run_actions, second_actions
+from app.gui.actions import actions, camera_actions, run_actions, second_actions
 from app.gui.commands import recent_commands
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.jobs import start_due
-from app.gui.update.update import update
 from app.gui.update.wishes import SLOW_VIEW, second_wish, view_wish
 from app.gui.work.settings import Places, Settings
 from app.scenes.drawer import View
@@ -22,27 +20,10 @@ from app.scenes.view_kinds import ViewKind
 from app.scenes.view_request import FrameImage, FrameRequest
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
-from tests.app.gui.conftest import SIZE, FakeJob
-from tests.app.gui.settling import served, show_live
+from tests.app.gui.conftest import SIZE
+from tests.app.gui.settling import settle
 from tests.app.gui.test_opening import make_run
 from tests.app.gui.test_window import Driver, is_settled, wait
-
-
-@pytest.fixture
-def seen(state: AppState, model: DynamicGaussians) -> AppState:
-    job_actions.start_reconstruction(state)
-    start_due(state, FakeJob)
-    show_live(state, model)
-    state.scene.size = SIZE
-    return state
-
-
-def settle(state: AppState, channels: Channels) -> None:
-    for _ in range(6):
-        update(state, channels, 0.0)
-        for channel in served(channels):
-            while channel.run_waiting():
-                pass
 
 
 def test_a_run_is_opened_and_drawn_beside_the_first(

@@ -6,11 +6,10 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.gui.actions import actions, camera_actions, job_actions
+from app.gui.actions import actions, camera_actions
 from app.gui.drawing.textures import Textures
 from app.gui.drawing.viewport import GraphicsViewport, processor_picture
 from app.gui.state.app_state import AppState
-from app.gui.update.jobs import start_due
 from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
 from app.scenes.drawer import draw_view
 from app.scenes.view_kinds import BY_PROCESSOR, EXPLAINED, ViewKind, has_scale
@@ -19,8 +18,7 @@ from renderer.deformation.frame_by_frame import FrameByFrame
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Splats
-from tests.app.gui.conftest import FakeJob
-from tests.app.gui.settling import show_live
+from tests.app.gui.conftest import start_live
 from tests.renderer.scenes import random_splats
 
 SIZE = (64, 48)
@@ -28,9 +26,7 @@ SIZE = (64, 48)
 
 @pytest.fixture
 def live(state: AppState, model: DynamicGaussians) -> AppState:
-    job_actions.start_reconstruction(state)
-    start_due(state, FakeJob)
-    show_live(state, model)
+    start_live(state, model)
     state.scene.size = SIZE
     camera_actions.turn(state, 0.3, 0.2)
     return state
