@@ -172,7 +172,7 @@ def test_the_panels_draw_at_the_very_start(ui: Ui, state: AppState) -> None:
     state.source.clip = None
     ui.frame(lambda: draw_enhancement(state, Shown()))
     ui.frame(lambda: draw_reconstruction(state))
-    ui.frame(lambda: draw_timeline(state, lambda image: imgui.ImTextureRef(1)))
+    ui.frame(lambda: draw_timeline(state, Shown()))
     ui.frame(lambda: view3d(state))
     ui.frame(compare(state, Shown()))
 
