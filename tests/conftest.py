@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import gc
 import os
+import shutil
 from ast import literal_eval
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache, lru_cache
 from hashlib import sha256
 from math import isqrt
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 
 import moderngl
 import numpy as np
 import pytest
+from filelock import FileLock
 from hypothesis import settings
 
 from app.console.startup import has_display
@@ -81,21 +82,37 @@ def suite_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
 
 
+@pytest.fixture(scope="session")
+def made_once(suite_folder: Path) -> Callable[[str, Callable[[Path], object]], Path]:
+    """A folder by that name, which the first process of the suite to want it makes for all. Read only."""
+
+    def made(name: str, make: Callable[[Path], object]) -> Path:
+        folder, done = suite_folder / name, suite_folder / f"{name}.made"
+        with FileLock(suite_folder / f"{name}.lock"):
+            if not done.exists():
+                shutil.rmtree(folder, ignore_errors=True)
+                folder.mkdir()
+                make(folder)
+                done.touch()
+        return folder
+
+    return made
+
+
 @pytest.fixture(scope="session", autouse=True)
-def painted_once(suite_folder: Path) -> Iterator[None]:
+def painted_once(made_once: Callable[..., Path]) -> Iterator[None]:
     """To paint the tissue takes most of the time of a small phantom, and few seeds are used: what one process
     of the suite has painted, all map into their memory."""
 
     @cache
     def painted(state: str) -> Tissue:
-        path = suite_folder / f"tissue-{sha256(state.encode()).hexdigest()[:16]}.npy"
-        if not path.exists():
+        def store(folder: Path) -> None:
             rng = np.random.default_rng()
             rng.bit_generator.state = literal_eval(state)
             tissue = paint_tissue(rng)
-            with NamedTemporaryFile(dir=suite_folder, delete=False) as file:
-                np.save(file, np.concatenate([part.ravel() for part in vars(tissue).values()]))
-            Path(file.name).replace(path)
+            np.save(folder / "tissue.npy", np.concatenate([part.ravel() for part in vars(tissue).values()]))
+
+        path = made_once(f"tissue-{sha256(state.encode()).hexdigest()[:16]}", store) / "tissue.npy"
         stored = np.load(path, mmap_mode="c")
         texels = len(stored) // 6
         side = isqrt(texels)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,7 +10,6 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from filelock import FileLock
 
 from app.__main__ import main
 from app.runs import preparing
@@ -44,23 +42,6 @@ def vesselsplat(capfd: pytest.CaptureFixture[str]) -> Cli:
         return Call(code, captured.out, captured.err)
 
     return call
-
-
-@pytest.fixture(scope="session")
-def made_once(suite_folder: Path) -> Callable[[str, Callable[[Path], object]], Path]:
-    """A folder by that name, which the first process of the suite to want it makes for all. Read only."""
-
-    def made(name: str, make: Callable[[Path], object]) -> Path:
-        folder, done = suite_folder / name, suite_folder / f"{name}.made"
-        with FileLock(suite_folder / f"{name}.lock"):
-            if not done.exists():
-                shutil.rmtree(folder, ignore_errors=True)
-                folder.mkdir()
-                make(folder)
-                done.touch()
-        return folder
-
-    return made
 
 
 @pytest.fixture(scope="session")
