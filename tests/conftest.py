@@ -7,10 +7,11 @@ import os
 import shutil
 from ast import literal_eval
 from collections.abc import Callable, Iterator
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from hashlib import sha256
 from math import isqrt
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import moderngl
 import numpy as np
@@ -28,8 +29,18 @@ settings.register_profile("compiling", deadline=None)
 settings.load_profile("compiling")
 
 
-def pytest_configure() -> None:
+SUITE_FOLDER = "VESSELSPLAT_SUITE_FOLDER"
+"""Variable that names to all processes of the suite the folder of what they share."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
     heed_signals()
+    if SUITE_FOLDER not in os.environ:
+        # The first process; pytest would keep gigabytes of painted tissue for its next three sessions.
+        folder = TemporaryDirectory(prefix="vesselsplat-suite-", ignore_cleanup_errors=True)
+        os.environ[SUITE_FOLDER] = folder.name
+        config.add_cleanup(partial(os.environ.pop, SUITE_FOLDER))
+        config.add_cleanup(folder.cleanup)
     # Where the processor draws windows: threads of it would wait for those of the suite's other process.
     os.environ.setdefault("LP_NUM_THREADS", "0")
 
@@ -76,15 +87,10 @@ def pytest_collection_finish() -> None:
 
 
 @pytest.fixture(scope="session")
-def suite_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """One for all processes of the suite."""
-    base = tmp_path_factory.getbasetemp()
-    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
-
-
-@pytest.fixture(scope="session")
-def made_once(suite_folder: Path) -> Callable[[str, Callable[[Path], object]], Path]:
+def made_once() -> Callable[[str, Callable[[Path], object]], Path]:
     """A folder by that name, which the first process of the suite to want it makes for all. Read only."""
+
+    suite_folder = Path(os.environ[SUITE_FOLDER])
 
     def made(name: str, make: Callable[[Path], object]) -> Path:
         folder, done = suite_folder / name, suite_folder / f"{name}.made"
