@@ -53,5 +53,8 @@ def clear_results(folders: frozenset[Path]) -> Iterator[None]:
 
 
 def _folders_in(folder: Path) -> list[Path]:
-    inside = sorted(folder.iterdir()) if folder.is_dir() else []
-    return [path for path in inside if path.is_dir() and not path.is_symlink()]
+    """In their order; none where the system does not let us look."""
+    with suppress(OSError):
+        inside = sorted(folder.iterdir()) if folder.is_dir() else []
+        return [path for path in inside if path.is_dir() and not path.is_symlink()]
+    return []

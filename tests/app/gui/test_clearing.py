@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -75,6 +76,24 @@ def test_what_was_being_written_is_gone_and_what_was_whole_is_put_into_place(
     start(places)
     assert left(places) == []
     assert (places.pictures / "a.mp4.json").read_text() == "new"
+
+
+def test_runs_are_cleared_where_the_images_cannot_be_looked_at(
+    places: Places, dead: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    look = Path.iterdir
+
+    def refused(folder: Path) -> Iterator[Path]:
+        if folder == places.pictures:
+            raise PermissionError(folder)
+        return look(folder)
+
+    monkeypatch.setattr(Path, "iterdir", refused)
+    for folder in (places.pictures, places.runs / "first"):
+        folder.mkdir(parents=True)
+    (places.runs / "first" / name_of(dead, "a")).write_text("x")
+    start(places)
+    assert left(places) == []
 
 
 def test_batches_are_cleared_where_they_write_and_no_folder_of_others_is_searched(
