@@ -43,8 +43,10 @@ def read_ini(path: Path) -> Calibration:
         return Calibration(lens=left, right=SecondEye(lens=right, turn=turn, shift=shift))
     except ValidationError as error:
         raise ClipError(f"{first_fault(error)}: {path}") from error
-    except (KeyError, ValueError) as error:
+    except KeyError as error:
         raise ClipError(f"expected a stereo calibration, got one without {error}: {path}") from error
+    except (ValueError, OverflowError) as error:
+        raise ClipError(f"expected a stereo calibration of numbers ({error}): {path}") from error
 
 
 def _sections(path: Path) -> configparser.ConfigParser:
