@@ -52,7 +52,7 @@ def unmarked(masks: Sequence[Path], labels: int) -> list[str]:
     dark = [mask for mask in seen if labels < mask.max() <= DARK]
     if not dark:
         return []
-    said = f"masks/ holds values up to {int(max(mask.max() for mask in dark))} of 255"
+    said = f"{masks[0].parent.name}/ holds values up to {int(max(mask.max() for mask in dark))} of 255"
     if not any(mask.max() > DARK for mask in seen):
         return [f"{said} and marks nothing: above {DARK} it would"]
     some = sum(np.count_nonzero(mask) > _NOISE * mask.size for mask in dark)

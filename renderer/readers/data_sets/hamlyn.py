@@ -9,14 +9,16 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError
+from renderer.evenly import evenly
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.data_sets.endonerf_masks import unmarked
 from renderer.readers.data_sets.endonerf_poses import POSES
 from renderer.readers.geometry.depth_maps import DepthMap, plausible, read_map
 from renderer.readers.geometry.number_tables import read_table
 from renderer.readers.image_files.pictures import common_size, read_rgb
 from renderer.readers.masks.nonzero_masks import read_nonzero, refuse_inverted
-from renderer.readers.masks.tool_masks import Sample
+from renderer.readers.masks.tool_masks import SAMPLES, Sample, is_lossy
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.numbered_files import beside, numbered, strays
 
@@ -69,6 +71,7 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     said = [stray for part in parts for stray in strays(images, path / part)]
     if not depth:
         said.append("no gt_depth/ and no depth/: no measured depth")
+    said += unmarked(evenly(list(filter(is_lossy, masks)), SAMPLES), labels=1)
     if not masks:
         said.append("no gt_masks/: every pixel is treated as tissue")
     clip = new_clip(

@@ -122,6 +122,16 @@ def test_depth_beyond_three_times_the_median_is_none(folder):
     np.testing.assert_array_equal(read[0, :5], [0, 20, 180, 0, 60])
 
 
+def test_lossy_masks_that_mark_nothing_for_being_dark_are_named(folder):
+    for path in list((folder / "gt_masks").iterdir()):
+        tool = np.where(np.asarray(Image.open(path)), 90, 0).astype(np.uint8)
+        path.unlink()
+        Image.fromarray(tool).save(path.with_suffix(".jpg"))
+    clip = open_clip(folder)
+    assert clip.read_frame(0).tissue_mask.all()
+    assert any("gt_masks/ holds" in told and "marks nothing" in told for told in clip.notices)
+
+
 def test_a_folder_with_poses_is_no_hamlyn_clip(folder):
     poses = np.zeros((COUNT, 17))
     poses[:, :15] = np.column_stack([np.eye(3, 4), [WHOLE.height, WHOLE.width, WHOLE.fx]]).ravel()

@@ -112,6 +112,14 @@ def test_masks_of_half_the_size_fit(sequence):
         np.testing.assert_array_equal(frame.tissue_mask[::2, ::2], wanted.tissue_mask[::2, ::2])
 
 
+def test_lossy_masks_that_mark_nothing_for_being_dark_are_named(sequence):
+    for path in list((sequence / "masks").iterdir()):
+        tissue = np.where(np.asarray(Image.open(path)), 90, 0).astype(np.uint8)
+        path.unlink()
+        Image.fromarray(tissue).save(path.with_suffix(".jpg"))
+    assert any("masks/ holds" in told and "marks nothing" in told for told in open_clip(sequence).notices)
+
+
 def test_a_mask_of_another_shape_is_refused_when_the_clip_is_opened(sequence):
     last = sorted((sequence / "masks").iterdir())[-1]
     Image.new("L", (9, 9)).save(last)
