@@ -65,7 +65,7 @@ def _references(flags: argparse.Namespace) -> Clip:
     if is_named_as_splats(flags.scene) or flags.camera or flags.path or flags.time is not None:
         raise UserError("--view difference: expected frames of a run from its own cameras")
     record = RunFolder(flags.scene).record()
-    camera = record.camera(0)
+    camera = record.cameras[0]
     if flags.size and not camera.has_shape(*flags.size):
         raise UserError(
             "--view difference: expected a --size of the shape of the frames, "

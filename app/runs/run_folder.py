@@ -166,10 +166,6 @@ class RunRecord:
     """None when the run was trained on the original frames."""
     device: Device = "cpu"
 
-    def camera(self, index: int) -> Camera:
-        """The camera of frame `index`."""
-        return self.cameras[index]
-
     @property
     def cameras(self) -> tuple[Camera, ...]:
         """One a frame."""

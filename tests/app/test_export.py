@@ -45,7 +45,7 @@ def test_a_run_becomes_a_file_a_frame_that_draws_the_same(
     record, model = run.record(), run.model()
     for index in (0, 9):
         path = tmp_path / "ply" / f"frame-{index:06d}.ply"
-        camera = record.camera(index)
+        camera = record.cameras[index]
         near = near_plane(model, camera)
         own = draw_on_cpu(model.at(record.time(index)), camera, near).image
         theirs = render(read_splats(path).raw.splats(), camera, near=near).image
@@ -69,7 +69,7 @@ def test_a_run_becomes_a_video_and_cameras(runs: dict[str, Path], tmp_path: Path
     facts = json.loads((tmp_path / "a.mp4.json").read_text())
     assert [moment["frame"] for moment in facts["moments"]] == list(range(10))
     poses = json.loads(cameras.read_text())
-    camera = RunFolder(runs["original"]).record().camera(0).resized(64, 48)
+    camera = RunFolder(runs["original"]).record().cameras[0].resized(64, 48)
     assert (poses[0]["fx"], poses[0]["width"], poses[9]["id"]) == (camera.fx, 64, 9)
     assert np.allclose(poses[0]["rotation"], camera.world_from_camera[:3, :3])
     assert np.allclose(poses[0]["position"], camera.position)
@@ -252,7 +252,7 @@ def test_pictures_of_exported_cameras_are_those_of_the_cameras_that_were_given(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
 ) -> None:
     """With the principal point off the middle, pixels that are not square, and another shape."""
-    camera = RunFolder(runs["original"]).record().camera(0)
+    camera = RunFolder(runs["original"]).record().cameras[0]
     turned = camera.camera_from_world.copy()
     turned[:3, :3] = matrix(exponential(np.array([0.1, 0.3, 0.2]))) @ turned[:3, :3]
     odd = replace(camera, fy=1.1 * camera.fy, cx=camera.cx - 3.3, cy=camera.cy + 5.7).moved(turned)
@@ -276,7 +276,7 @@ SLOWLY = ("--frames-per-second", "8")
 
 def path_file(folder: Path, run: Path) -> Path:
     """From the clip's camera to one nearer and turned, backwards in time."""
-    camera = RunFolder(run).record().camera(0)
+    camera = RunFolder(run).record().cameras[0]
     turned = camera.camera_from_world.copy()
     turned[:3, :3] = matrix(exponential(np.array([0.0, 0.3, 0.1]))) @ turned[:3, :3]
     turned[2, 3] -= 5

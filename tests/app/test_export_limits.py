@@ -76,7 +76,7 @@ def test_what_no_file_heeds_is_refused(
 def test_a_page_opens_as_the_camera_that_is_given(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
 ) -> None:
-    camera = RunFolder(runs["original"]).record().camera(5).shaped(80, 60)
+    camera = RunFolder(runs["original"]).record().cameras[5].shaped(80, 60)
     (tmp_path / "one.json").write_text(json.dumps(camera.to_json()))
     page = tmp_path / "a.html"
     call = vesselsplat("export", runs["original"], "--html", page, "--camera", tmp_path / "one.json")

@@ -199,7 +199,7 @@ def test_a_run_of_impossible_frames_and_cameras(
 def test_a_camera_that_is_none_is_refused_wherever_it_stands(
     run: RunFolder, vesselsplat: Cli, tmp_path: Path, name: str, value: float
 ) -> None:
-    camera = run.record().camera(0).to_json() | {name: value}
+    camera = run.record().cameras[0].to_json() | {name: value}
     (tmp_path / "camera.json").write_text(json.dumps(camera))
     flags = ["--camera", tmp_path / "camera.json", "--frames", "0"]
     one_line(vesselsplat("render", run.path, "--out", tmp_path / "out", *flags))
@@ -208,7 +208,7 @@ def test_a_camera_that_is_none_is_refused_wherever_it_stands(
 
 
 def test_a_camera_path_of_months_is_refused(run: RunFolder, vesselsplat: Cli, tmp_path: Path) -> None:
-    camera = run.record().camera(0).to_json()
+    camera = run.record().cameras[0].to_json()
     keys = [{"seconds": seconds, "time": 0.5, "camera": camera} for seconds in (0, 1e5)]
     views = {"format": FORMAT, "version": VERSION, "views": [], "path": {"loop": False, "keyframes": keys}}
     (tmp_path / "path.json").write_text(json.dumps(views))

@@ -46,12 +46,12 @@ def test_render_writes_pictures_that_know_where_they_come_from(
     assert sorted(path.name for path in out.iterdir()) == names
     run = RunFolder(runs["original"])
     record, model = run.record(), run.model()
-    drawn = draw_on_cpu(model.at(record.time(9)), record.camera(9), near_plane(model, record.camera(9)))
+    drawn = draw_on_cpu(model.at(record.time(9)), record.cameras[9], near_plane(model, record.cameras[9]))
     assert np.array_equal(cv2.imread(str(out / "frame-000009.png"))[..., ::-1], drawn.over(GREY))
     assert np.array_equal(np.load(out / "frame-000009-depth.npy"), drawn.depth)
     facts = read_provenance(out / "frame-000009.png")
     assert (facts["frame"], facts["time"]) == (9, record.time(9))
-    assert facts["camera"] == record.camera(9).to_json()
+    assert facts["camera"] == record.cameras[9].to_json()
     assert str(runs["original"].parent) not in json.dumps(facts)
 
 
@@ -62,7 +62,7 @@ def test_a_run_is_drawn_exported_and_measured_as_it_was_trained(
     list(run_training(request_of(clip_path, path, config=config)))
     run = RunFolder(path)
     record, model = run.record(), run.model()
-    at = model.at(record.time(9)), record.camera(9), near_plane(model, record.camera(9))
+    at = model.at(record.time(9)), record.cameras[9], near_plane(model, record.cameras[9])
     picture = draw_on_cpu(*at, "mip").over(GREY)
     assert not np.array_equal(picture, draw_on_cpu(*at).over(GREY))
     assert vesselsplat("render", path, "--out", tmp_path / "out", "--frames", 9).code == 0
@@ -97,7 +97,7 @@ def test_opengl_is_as_exact_as_the_trainer_on_a_trained_run(
     """At the clip's own frames and between them; `draw_agreement` says the same of runs of full size."""
     run = RunFolder(runs["original"])
     record, model = run.record(), run.model()
-    camera = record.camera(0)
+    camera = record.cameras[0]
     near = near_plane(model, camera)
     for time in (record.time(1), record.time(9), 0.47):
         splats = model.at(time)
@@ -118,7 +118,7 @@ def test_what_opengl_cannot_hold_is_refused_in_a_line() -> None:
 def test_render_takes_another_camera_and_size(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
 ) -> None:
-    camera = RunFolder(runs["original"]).record().camera(0)
+    camera = RunFolder(runs["original"]).record().cameras[0]
     file = tmp_path / "camera.json"
     file.write_text(json.dumps(camera.to_json()))
     flags = ("--frames", 3, "--camera", file, "--size", 32, 24)
@@ -133,7 +133,7 @@ def test_a_size_of_another_shape_shows_more_and_stretches_nothing(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, size: tuple[int, int], where: str
 ) -> None:
     """What the clip's camera sees is in the middle, as it is drawn alone."""
-    own = RunFolder(runs["original"]).record().camera(3)
+    own = RunFolder(runs["original"]).record().cameras[3]
     scale = min(size[0] / own.width, size[1] / own.height)
     inner = (round(scale * own.width), round(scale * own.height))
     pictures = []
@@ -192,7 +192,7 @@ def test_what_was_not_observed_is_told_by_the_background(
     path = tmp_path / "out" / "frame-000003.png"
     run = RunFolder(runs["original"])
     record, model = run.record(), run.model()
-    camera = record.camera(3).resized(32, 24)
+    camera = record.cameras[3].resized(32, 24)
     drawn = draw_on_cpu(model.at(record.time(3)), camera, near_plane(model, camera))
     assert np.array_equal(cv2.imread(str(path))[..., ::-1], drawn.over(BACKGROUNDS[name]))
     assert vesselsplat("replay", path, "--source", runs["original"]).code == 0
@@ -207,7 +207,7 @@ def test_a_transparent_picture_has_straight_alpha(
     assert read_provenance(path)["background"] is None
     run = RunFolder(runs["original"])
     record, model = run.record(), run.model()
-    camera = record.camera(3).resized(32, 24)
+    camera = record.cameras[3].resized(32, 24)
     drawn = draw_on_cpu(model.at(record.time(3)), camera, near_plane(model, camera))
     stored = cv2.cvtColor(cv2.imread(str(path), cv2.IMREAD_UNCHANGED), cv2.COLOR_BGRA2RGBA)
     assert np.array_equal(stored, drawn.straight)
@@ -261,7 +261,7 @@ def test_a_folder_of_exported_splats_is_the_run_through_time(
     assert told["what"] == {"kind": "splat series"}
     assert told["files"] == {"count": 3}
     camera = tmp_path / "camera.json"
-    camera.write_text(json.dumps(RunFolder(runs["original"]).record().camera(0).to_json()))
+    camera.write_text(json.dumps(RunFolder(runs["original"]).record().cameras[0].to_json()))
     for source, frames in ((runs["original"], ("0", "4", "9")), (folder, ("0", "1", "2"))):
         out = tmp_path / f"of-{source.name}"
         call = vesselsplat("render", source, "--out", out, "--frames", *frames, "--camera", camera)

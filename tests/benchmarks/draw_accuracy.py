@@ -20,7 +20,7 @@ from renderer.near_plane import middle_distance, near_plane
 def main(run_path: Path, frame: int) -> None:
     run = RunFolder(run_path)
     record, model = run.record(), run.model()
-    camera, context = record.camera(frame), standalone_context()
+    camera, context = record.cameras[frame], standalone_context()
     near = near_plane(model, camera)
     splats = model.at(record.time(frame))
     truth = exact(splats, camera, near)

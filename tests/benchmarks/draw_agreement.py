@@ -36,7 +36,7 @@ def main(run_path: Path, frames: list[int]) -> None:
     print(f"OpenGL: {renderer_name(context)}; {len(model)} Gaussians, {record.clip.frames} frames")
     print("frame  renderer       PSNR dB    p99.9     max (grey levels)   ms   reference s")
     for index in frames or (1, record.clip.frames // 2):
-        camera = record.camera(index)
+        camera = record.cameras[index]
         splats = model.at(record.time(index)).seen_from(camera.position)
         near = near_plane(model, camera)
         began = time.perf_counter()

@@ -121,7 +121,7 @@ def inside(page: Path) -> ByteImage:
 def drawn_of(run: RunFolder, mode: RenderMode) -> ByteImage:
     """The oracle: by the rasteriser itself."""
     record, model = run.record(), run.model()
-    camera = record.camera(FRAME)
+    camera = record.cameras[FRAME]
     return draw_on_cpu(model.at(record.time(FRAME)), camera, near_plane(model, camera), mode).over(GREY)
 
 

@@ -84,7 +84,7 @@ def test_render_draws_what_is_left_and_says_so(run: RunFolder, tmp_path: Path, v
     assert call.code == 0
     assert f"{edits.count - len(edits.visible)} of {edits.count} Gaussians are removed" in call.error
     model = edits.applied(run.model())
-    drawn = draw_on_cpu(model.at(record.time(4)), record.camera(4), near_plane(model, record.camera(4)))
+    drawn = draw_on_cpu(model.at(record.time(4)), record.cameras[4], near_plane(model, record.cameras[4]))
     path = tmp_path / "frame-000004.png"
     assert np.array_equal(cv2.imread(str(path))[..., ::-1], drawn.over(GREY))
     facts = read_provenance(path)["edits"]

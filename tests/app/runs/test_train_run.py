@@ -37,7 +37,7 @@ def test_a_run_folder_holds_what_was_asked_and_what_happened(runs: dict[str, Pat
     clip = open_clip(clip_path)
     assert (record.config, record.input, record.enhancement) == (CONFIG, "original", None)
     assert (record.clip.path, record.clip.frames) == (str(clip_path), len(clip))
-    assert [record.camera(index) for index in range(len(clip))] == list(clip.cameras)
+    assert record.cameras == clip.cameras
     assert [record.time(index) for index in range(len(clip))] == list(clip.times)
     names = [event["event"] for event in run.events()]
     assert (names[0], names[-1]) == ("Started", "Finished")

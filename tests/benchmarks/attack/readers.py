@@ -68,7 +68,7 @@ def _clip(path: Path) -> None:
 def _model(folder: Path, method: str) -> None:
     run = RunFolder(folder / method)
     model = run.model()
-    render(model.at(0.4), run.record().camera(0))
+    render(model.at(0.4), run.record().cameras[0])
 
 
 def _checkpoint(path: Path) -> None:
@@ -81,7 +81,7 @@ def _checkpoint(path: Path) -> None:
 def _run(folder: Path) -> None:
     run = RunFolder(folder / "vesselsplat")
     record = run.record()
-    record.camera(min(1, record.clip.frames - 1))
+    tuple(record.cameras)
     run.omitted(), run.train_seconds(), told(run), described(run.path)
     read_edits(run, len(run.model()))
 

@@ -83,7 +83,7 @@ def _window_files(folder: Path, run: RunFolder) -> None:
 
 def session_of(run: RunFolder, folder: Path) -> Session:
     """With every field set."""
-    model, camera = run.model(), run.record().camera(0)
+    model, camera = run.model(), run.record().cameras[0]
     mask = Mask.of(np.arange(len(model)) % 7 == 0)
     path = CameraPath((Keyframe(0.0, 0.0, camera), Keyframe(2.0, 0.5, camera), Keyframe(3.0, 1.0, camera)))
     views = Views((NamedCamera("a", camera), NamedCamera("b", camera)), path, loop=True, unit="mm")
@@ -120,7 +120,7 @@ def session_of(run: RunFolder, folder: Path) -> Session:
 
 
 def _cameras(folder: Path, run: RunFolder) -> None:
-    camera = run.record().camera(0)
+    camera = run.record().cameras[0]
     path = CameraPath((Keyframe(0.0, 0.0, camera), Keyframe(2.0, 1.0, camera)))
     (folder / "views.json").write_bytes(views_json(Views((NamedCamera("a", camera),), path)))
     (folder / "cameras.json").write_bytes(splatting_json([NamedCamera("a", camera)]))
