@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera, whole_pixels
-from renderer.json_files import read_json, read_json_bytes
+from renderer.json_files import read_json
 from renderer.readers.geometry.poses import pose_matrix
+from renderer.regular_files import read_regular
 
 FROM_OPENGL: Final = np.diag([1.0, -1.0, -1.0, 1.0])
 """Cameras of transforms.json look along -z, with y up."""
@@ -232,7 +233,7 @@ def _of_colmap(folder: Path) -> tuple[NamedCamera, ...]:
 
 def _lines(path: Path, every: int = 1) -> list[list[str]]:
     """Words of every first of so many lines that are no comments; points of an image may be an empty line."""
-    text = read_json_bytes(path).decode()
+    text = read_regular(path).decode()
     lines = [line for line in text.splitlines() if not line.startswith("#")]
     return [line.split() for line in lines[::every] if line.strip()]
 

@@ -9,8 +9,6 @@ from typing import Any
 
 from renderer.regular_files import read_regular
 
-MOST_BYTES = 1 << 28
-"""Of a file. The cameras of 100,000 frames take 60 MB."""
 DEEPEST = 100
 """Lists and objects within one another. Our own files have fewer than 12."""
 
@@ -37,15 +35,10 @@ def read_json(path: Path) -> Any:
     """What `parsed` gives of a file.
 
     Raises:
-        OSError: it cannot be read, is no regular file, or is larger than MOST_BYTES.
+        OSError: it cannot be read, is no regular file, or is too large.
         ValueError: see `parsed`.
     """
-    return parsed(read_json_bytes(path))
-
-
-def read_json_bytes(path: Path) -> bytes:
-    """The bytes of a file of JSON, for pydantic, which bounds the depth by itself. Raises OSError."""
-    return read_regular(path, MOST_BYTES)
+    return parsed(read_regular(path))
 
 
 TOO_DEEP = f"expected at most {DEEPEST} lists and objects within one another, got more"

@@ -7,6 +7,8 @@ import os
 import stat
 from pathlib import Path
 
+MOST_BYTES = 1 << 28
+"""Of a file of text. The cameras of 100,000 frames take 60 MB, the poses of a million frames less."""
 KINDS = {
     stat.S_IFIFO: "a pipe",
     stat.S_IFSOCK: "a socket",
@@ -41,7 +43,7 @@ def read_whole(path: Path) -> bytes:
     return path.read_bytes()
 
 
-def read_regular(path: Path, most: int) -> bytes:
+def read_regular(path: Path, most: int = MOST_BYTES) -> bytes:
     """The content of a regular file of at most that many bytes.
 
     Raises:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Final
 
-from renderer.json_files import parsed, read_json_bytes
+from renderer.json_files import parsed
+from renderer.regular_files import read_regular
 
 LIST: Final = "meta.json"
 """Ends the names of lists; that of one level of detail is called so."""
@@ -18,7 +19,7 @@ def is_unpacked_sog(folder: Path) -> bool:
 def is_sog_list(path: Path) -> bool:
     """Whether a file is the list of an unpacked SOG, by its name and what it says."""
     try:
-        return path.name.endswith(LIST) and is_list(read_json_bytes(path), path.name)
+        return path.name.endswith(LIST) and is_list(read_regular(path), path.name)
     except OSError:
         return False
 

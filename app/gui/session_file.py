@@ -50,8 +50,9 @@ from app.scenes.free_camera import FreeView
 from app.scenes.view_kinds import ViewKind
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
-from renderer.json_files import parsed, read_json_bytes
+from renderer.json_files import parsed
 from renderer.readers.clip_options import DEFAULTS, FIELD_OF_VIEW, ClipOptions
+from renderer.regular_files import read_regular
 from renderer.train.config import TrainConfig
 from renderer.view_files import Views, views_json, views_of
 
@@ -271,7 +272,7 @@ def readable_session(path: Path) -> Session | None:
     Raises:
         OSError: it cannot be read.
     """
-    return _readable(read_json_bytes(path))[0]
+    return _readable(read_regular(path))[0]
 
 
 def mended_session(path: Path) -> tuple[Session, str]:
@@ -282,7 +283,7 @@ def mended_session(path: Path) -> tuple[Session, str]:
             NAME.broken.
     """
     try:
-        content = read_json_bytes(path)
+        content = read_regular(path)
     except OSError as error:
         raise UserError(f"the session cannot be read, {error.strerror}: {path}") from error
     kept = path.with_name(f"{path.name}.broken")

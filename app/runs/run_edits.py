@@ -24,7 +24,7 @@ from app.runs.run_folder import RunFolder
 from renderer.atomic_files import unlinked
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
-from renderer.json_files import read_json_bytes
+from renderer.regular_files import read_regular
 
 MOST = 100_000_000
 """Gaussians: no file makes the program ask for more memory than their masks take."""
@@ -66,7 +66,7 @@ def save_edits(folder: RunFolder, edits: Edits) -> None:
 def saved_since(folder: RunFolder, known: Edits) -> Edits | None:
     """What another window has saved beside the run since `known` was read or saved; None: nothing."""
     try:
-        record = RECORD.validate_json(read_json_bytes(folder.edits_path))
+        record = RECORD.validate_json(read_regular(folder.edits_path))
         there = unpacked(record.deleted, record.hidden, known.count, folder.edits_path)
     except FileNotFoundError:
         there = Edits.none(known.count)
@@ -85,7 +85,7 @@ def read_edits(folder: RunFolder, count: int) -> Edits | None:
     if not path.is_file():
         return None
     try:
-        record = RECORD.validate_json(read_json_bytes(path))
+        record = RECORD.validate_json(read_regular(path))
     except ValidationError as error:
         raise UserError(f"{path}: {problem(error)}") from error
     if record.model_sha256 != digest(folder.model_path):

@@ -35,10 +35,11 @@ from renderer.camera import Camera
 from renderer.clip import Clip, SparsePoints, held_out_frames
 from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.gaussians import DynamicGaussians
-from renderer.json_files import parsed, read_json_bytes
+from renderer.json_files import parsed
 from renderer.leftovers import written_as
 from renderer.poses.lost_frame import LostFrame
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.regular_files import read_regular
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Omission, TrainEvent
 from renderer.train.window_files import FOLDER as WINDOWS
@@ -254,7 +255,7 @@ class RunFolder:
         if not self.is_run:
             raise UserError(f"expected a run folder with run.json, found none in {self.path}")
         try:
-            return self._with_own_masks(RECORD.validate_json(read_json_bytes(self.record_path)))
+            return self._with_own_masks(RECORD.validate_json(read_regular(self.record_path)))
         except ValidationError as error:
             raise UserError(f"{self.record_path}: {problem(error)}") from error
 
@@ -288,7 +289,7 @@ class RunFolder:
         passed over."""
         if not self.events_path.exists():
             return []
-        text = read_json_bytes(self.events_path).decode(errors="replace")
+        text = read_regular(self.events_path).decode(errors="replace")
         events = (event for line in text.split("\n") if (event := _parsed(line)))
         return [event for event in events if not names or event["event"] in names]
 

@@ -21,7 +21,7 @@ from app.sweeps.jobs import Job, JobFolder, JobState
 from app.sweeps.names import names_of
 from app.sweeps.settings import TaskName
 from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for
-from renderer.json_files import read_json_bytes
+from renderer.regular_files import read_regular
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def read_sweep(folder: Path) -> SweepRecord:
     if not is_sweep(folder):
         raise UserError(f"expected the folder of a sweep, with {SWEEP}, found none in {folder}")
     try:
-        return RECORD.validate_json(read_json_bytes(folder / SWEEP))
+        return RECORD.validate_json(read_regular(folder / SWEEP))
     except ValidationError as error:
         raise UserError(f"expected the {SWEEP} of a sweep: {folder / SWEEP}") from error
 

@@ -21,9 +21,10 @@ from app.report.section import holds_report, read_report
 from app.runs.run_folder import PosesRecord, RunFolder
 from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all
-from renderer.json_files import read_json, read_json_bytes
+from renderer.json_files import read_json
 from renderer.readers.clip_files import files_in
 from renderer.readers.listing import count
+from renderer.regular_files import read_regular
 from renderer.splat_files import SplatFileError, read_splats, whole
 from renderer.splat_files.splat_records import RECORD
 
@@ -170,7 +171,7 @@ def _announced(path: Path) -> int:
 def of_session(path: Path) -> Facts:
     """Raises UserError: it is damaged; unlike opening, this leaves the file alone."""
     try:
-        session = SESSION.validate_json(read_json_bytes(path))
+        session = SESSION.validate_json(read_regular(path))
     except ValidationError as error:
         raise UserError(f"the session is damaged ({problem(error)}): {path}") from error
     places = (("source", session.source), ("run", session.run), ("second view", session.second))

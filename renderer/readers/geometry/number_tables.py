@@ -10,9 +10,6 @@ from renderer.camera import FloatArray
 from renderer.clip import ClipError
 from renderer.regular_files import read_regular
 
-MOST_BYTES = 1 << 28
-"""Of a table: poses of a million frames take less."""
-
 
 def read_table(path: Path) -> FloatArray:
     """(rows, columns) of the finite numbers in a file; empty lines and what follows a # are left out.
@@ -21,7 +18,7 @@ def read_table(path: Path) -> FloatArray:
         ClipError: the file is missing or empty, holds other words, or rows of several lengths.
     """
     try:
-        lines = read_regular(path, MOST_BYTES).decode(errors="replace").splitlines()
+        lines = read_regular(path).decode(errors="replace").splitlines()
     except OSError as error:
         raise ClipError(f"expected a text file of numbers, got none that can be read: {path}") from error
     rows = [line.partition("#")[0].split() for line in lines]
