@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from types import MappingProxyType
 from typing import Final, Literal
 
@@ -13,7 +14,7 @@ from enhance.color_difference import vessel_color_difference
 from enhance.image import BoolImage
 from enhance.metrics import dvbv_otsu, saturated_share, vessel_contrast
 from enhance.noise import NoiseCut, chroma_noise_gain, noise_gain
-from enhance.ridges import field_of_view, vessel_mask
+from enhance.ridges import creases, field_of_view, vessel_mask
 
 MeasuredOver = Literal["field of view", "whole image"]
 """The pixels that DV, BV and the saturated share are of; every other measure is of the field of view."""
@@ -57,6 +58,8 @@ DEFINITIONS_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 """Of those that are of the whole image, its black surround included, in files that ask for that."""
+LEAST: Final = 0.5
+"""Of the colour difference (CIEDE2000, where 1 is just noticeable): less is nobody's loss."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,3 +99,30 @@ class Original:
             color_difference=vessel_color_difference(enhanced, self.vessels, tissue_mask=self.view),
             chroma_noise_gain=chroma_noise_gain(enhanced, self.image, tissue_mask=self.view, cut=noise_cut),
         )
+
+    @cached_property
+    def own(self) -> Measures:
+        """Of this picture itself. Raises ImageError."""
+        return self.measures(self.image)
+
+    def is_fainter(self, enhanced: ArrayImage, measured: Measures) -> bool:
+        """Whether vessels have less colour difference in a picture that was made of this one, and `measured`:
+        all dark lines, and those alone that are no creases, which brightening opens."""
+        if not _loses(self.own.color_difference, measured.color_difference):
+            return False
+        vessels, tissue = self._open
+        before, after = (
+            vessel_color_difference(image, vessels, tissue_mask=tissue) for image in (self.image, enhanced)
+        )
+        return _loses(before, after)
+
+    @cached_property
+    def _open(self) -> tuple[BoolImage, BoolImage]:
+        """The lines that are no creases, and the tissue without creases."""
+        tissue = self.view & ~creases(self.image)
+        return vessel_mask(self.image, tissue_mask=tissue), tissue
+
+
+def _loses(before: float, after: float) -> bool:
+    """False where either cannot be measured."""
+    return after < before - LEAST

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Any
 
 import cv2
@@ -16,10 +16,8 @@ from app.enhancement.measures import Measures, Original
 from app.enhancement.methods import EnhancementSettings
 from enhance import EnhanceParams, Statistics
 from enhance.brightness import brighten, z_from_level
-from enhance.color_difference import vessel_color_difference
-from enhance.ridges import creases, vessel_mask
 from enhance.saturation import Saturation, stretch
-from renderer.clip import BoolImage, ByteImage
+from renderer.clip import ByteImage
 
 BINS = 64
 POINTS = 65
@@ -45,73 +43,26 @@ class Measured:
     original: Spread
     enhanced: Spread
     fainter: bool = False
-    """Vessels have less colour difference than before: all dark lines, and those alone that are no creases,
-    which brightening opens."""
-
-
-LEAST = 0.5
-"""Of the colour difference (CIEDE2000, where 1 is just noticeable): less is nobody's loss."""
-
-
-@dataclass(frozen=True, eq=False)
-class Reference:
-    """A frame as it was recorded, with what enhanced ones are measured by."""
-
-    original: Original
-
-    @classmethod
-    def of(cls, image: ByteImage) -> Reference:
-        """Raises ImageError."""
-        return cls(Original.of(image))
-
-    @cached_property
-    def measures(self) -> Measures:
-        """Of the frame itself. Raises ImageError."""
-        return self.original.measures(self.original.image)
-
-    @cached_property
-    def spread(self) -> Spread:
-        return spread(self.original.image)
-
-    def is_fainter(self, enhanced: ByteImage) -> bool:
-        """Whether vessels are, of the lines that are no creases."""
-        vessels, tissue = self._open
-        before, after = (
-            vessel_color_difference(image, vessels, tissue_mask=tissue)
-            for image in (self.original.image, enhanced)
-        )
-        return _loses(before, after)
-
-    @cached_property
-    def _open(self) -> tuple[BoolImage, BoolImage]:
-        """Those lines, and the tissue without creases."""
-        image, view = self.original.image, self.original.view
-        tissue = view & ~creases(image)
-        return vessel_mask(image, tissue_mask=tissue), tissue
+    """Vessels have less colour difference than before, see `Original.is_fainter`."""
 
 
 class Measurer:
     """Measures pictures; remembers what follows from the frame alone."""
 
     def __init__(self) -> None:
-        self._reference: Reference | None = None
+        self._known: tuple[Original, Spread] | None = None
 
     def measure(self, pictures: Pictures) -> Iterator[Measured]:
         """Raises ImageError."""
         enhanced = pictures.enhanced
         if enhanced is None:
             return
-        if self._reference is None or self._reference.original.image is not pictures.original:
-            self._reference = Reference.of(pictures.original)
-        frame = self._reference
-        before, after = frame.measures, frame.original.measures(enhanced, pictures.milliseconds)
-        fainter = _loses(before.color_difference, after.color_difference) and frame.is_fainter(enhanced)
-        yield Measured(pictures, before, after, frame.spread, spread(enhanced), fainter)
-
-
-def _loses(before: float, after: float) -> bool:
-    """False where either cannot be measured."""
-    return after < before - LEAST
+        if self._known is None or self._known[0].image is not pictures.original:
+            self._known = Original.of(pictures.original), spread(pictures.original)
+        frame, spread_before = self._known
+        after = frame.measures(enhanced, pictures.milliseconds)
+        fainter = frame.is_fainter(enhanced, after)
+        yield Measured(pictures, frame.own, after, spread_before, spread(enhanced), fainter)
 
 
 def spread(image: ByteImage) -> Spread:

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
-from app.enhancement.measures import Measures
+from app.enhancement.measures import Measures, Original
 from app.enhancement.parameter_grid import Setting
-from app.gui.work.measuring import Reference
 from app.gui.work.thumbnails import shrunk
 from renderer.clip import ByteImage
 
@@ -52,7 +51,7 @@ class CellMaker:
 
     def __init__(self) -> None:
         self._pictures = PictureMaker()
-        self._known: tuple[Reference, ByteImage] | None = None
+        self._known: tuple[Original, ByteImage] | None = None
         """The original, and as it is in the grid: one for all cells."""
 
     def make(self, request: CellRequest) -> Iterator[GridCell]:
@@ -60,11 +59,11 @@ class CellMaker:
         wanted = request.grid.picture.with_params(request.setting.params)
         pictures = list(self._pictures.make(wanted))[-1]
         assert pictures.enhanced is not None
-        if self._known is None or self._known[0].original.image is not pictures.original:
-            self._known = Reference.of(pictures.original), shrunk(pictures.original, *TILE)
+        if self._known is None or self._known[0].image is not pictures.original:
+            self._known = Original.of(pictures.original), shrunk(pictures.original, *TILE)
         frame, small = self._known
-        measures = frame.original.measures(pictures.enhanced, pictures.milliseconds)
+        measures = frame.measures(pictures.enhanced, pictures.milliseconds)
         image, original = pictures.enhanced, pictures.original
         if not request.whole:
             image, original = shrunk(image, *TILE), small
-        yield GridCell(request, image, measures, original, frame.measures)
+        yield GridCell(request, image, measures, original, frame.own)
