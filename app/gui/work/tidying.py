@@ -32,20 +32,18 @@ def clear_places(places: Places) -> Iterator[None]:
     What living processes are writing stays, as does what cannot be moved.
     """
     clear_blocks()
-    for folder in (places.config, places.pictures, places.runs):
+    # An export of several files has a folder of its own, as each run has.
+    exports, runs = _folders_in(places.pictures), _folders_in(places.runs)
+    for folder in (places.config, places.pictures, *exports, places.runs, *runs):
         clear(folder)
-    # An export of several files has a folder of its own.
-    for export in _folders_in(places.pictures):
-        clear(export)
-    for run in _folders_in(places.runs):
-        clear(run)
+    for run in runs:
         with suppress(OSError):
             clear_training(run, is_run=RunFolder(run).is_run)
     yield None
 
 
 def clear_results(folders: frozenset[Path]) -> Iterator[None]:
-    """The same in all of the batches whose results lie in these folders."""
+    """The same in all of the batches whose results lie in these folders; they are as deep as their inputs."""
     for batch in chain.from_iterable(folder.glob(f"{NAMED}*") for folder in folders):
         for folder, _, _ in os.walk(batch):
             clear(Path(folder))
