@@ -107,6 +107,13 @@ class _Masks:
     size: tuple[int, int]
     """Width and height of the images."""
 
+    @classmethod
+    def of(
+        cls, paths: tuple[Path, ...], looked_at: Sequence[int], options: ClipOptions, size: tuple[int, int]
+    ) -> _Masks:
+        labels = labels_of(paths, looked_at) if paths else 1
+        return cls(paths, labels, options.mask_polarity == "tissue", size)
+
     def marked(self, index: int) -> BoolImage:
         """(H, W), by the file; without one nothing, or everything where what is marked is tissue."""
         if not self.paths:
@@ -122,13 +129,13 @@ def _reader(
 ) -> tuple[_Reader, list[str]]:
     """What reads frames, and what is worth saying of their masks. Raises ClipError: see `open_endonerf`."""
     looked_at = evenly_floored(range(len(files.images)), SAMPLES)
-    masks = _masks(files.masks, looked_at, options, size)
-    tools = masks if files.tools == files.masks else _masks(files.tools, looked_at, options, size)
+    masks = _Masks.of(files.masks, looked_at, options, size)
+    tools = masks if files.tools == files.masks else _Masks.of(files.tools, looked_at, options, size)
     reader = _Reader(files, masks, tools, options.evaluation_masks)
     samples = [reader.sample(index) for index in looked_at]
     notices = []
     if masks.paths:
-        notices = judged(path, samples, options)
+        notices = judged(masks.paths[0].parent, samples, options)
         notices += unmarked([masks.paths[index] for index in looked_at], masks.labels)
     if not all(reader.tools_agree(index) for index in looked_at):
         reader = replace(reader, tools=masks)
@@ -139,13 +146,6 @@ def _reader(
     if dead:
         notices.append(f"the last {dead} rows are burned-in text and not trained on")
     return replace(reader, bottom_rows=dead), notices
-
-
-def _masks(
-    paths: tuple[Path, ...], looked_at: Sequence[int], options: ClipOptions, size: tuple[int, int]
-) -> _Masks:
-    labels = labels_of(paths, looked_at) if paths else 1
-    return _Masks(paths, labels, options.mask_polarity == "tissue", size)
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from renderer.readers.masks.tool_masks import (
     is_lossy,
     levels,
     marked_share,
-    marks_tissue,
+    refuse_inverted,
 )
 
 _MOST_LOOKED_AT: Final = 32
@@ -60,19 +60,13 @@ def unmarked(masks: Sequence[Path], labels: int) -> list[str]:
     return [f"{said} alone in {there} and marks nothing there: above {DARK} it would"] if some else []
 
 
-def judged(path: Path, samples: Sequence[Sample], options: ClipOptions) -> list[str]:
-    """What is worth saying of masks as tools. Raises ClipError: their polarity cannot be meant."""
+def judged(masks: Path, samples: Sequence[Sample], options: ClipOptions) -> list[str]:
+    """What is worth saying of a folder of masks as tools. Raises ClipError: their polarity cannot be meant."""
     share = marked_share(samples)
-    percent = f"{100 * share:.0f} % of the image"
-    if options.mask_polarity == "auto" and share > 0.999:
-        raise ClipError(
-            f"masks/ marks {percent} as tool; if 255 is tissue, set mask_polarity "
-            f"(--mask-polarity tissue): {path}"
-        )
-    if options.mask_polarity == "auto" and marks_tissue(samples):
-        expected = f"expected masks/ with 255 = tool, got what looks like 255 = tissue ({percent})"
-        hint = "set mask_polarity (--mask-polarity tissue, or tool if they are right)"
-        raise ClipError(f"{expected}; {hint}: {path}")
-    if options.mask_polarity != "tissue" and share > 0.5:
-        return [f"masks/ marks {percent} as tool"]
-    return []
+    marked = f"{masks.name}/ marks {100 * share:.0f} % of the image as tool"
+    if options.mask_polarity == "auto":
+        if share > 0.999:
+            hint = "if 255 is tissue, set mask_polarity (--mask-polarity tissue)"
+            raise ClipError(f"{marked}; {hint}: {masks}")
+        refuse_inverted(samples, "tool", masks)
+    return [marked] if options.mask_polarity != "tissue" and share > 0.5 else []

@@ -10,7 +10,7 @@ import numpy as np
 
 from renderer.camera import FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError
-from renderer.evenly import evenly
+from renderer.evenly import evenly, evenly_floored
 from renderer.readers.clip_files import ClipFiles, numbered_pictures, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.data_sets.endonerf_masks import unmarked
@@ -19,8 +19,8 @@ from renderer.readers.geometry.poses import pose_matrix
 from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb
 from renderer.readers.lenses.rectification import read_rectified
 from renderer.readers.listing import listed
-from renderer.readers.masks.nonzero_masks import read_nonzero, refuse_inverted, require_shapes
-from renderer.readers.masks.tool_masks import SAMPLES, Sample, is_lossy
+from renderer.readers.masks.nonzero_masks import read_nonzero, require_shapes
+from renderer.readers.masks.tool_masks import SAMPLES, Sample, is_lossy, refuse_inverted
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.numbered_files import numbered
 
@@ -68,7 +68,8 @@ def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         ordered, tuple(masks[number] for number in kept if masks), size, options.mask_polarity != "tool"
     )
     if masks and options.mask_polarity == "auto":
-        refuse_inverted(reader.sample, len(kept), "tissue", path / "masks")
+        samples = [reader.sample(place) for place in evenly_floored(range(len(kept)), SAMPLES)]
+        refuse_inverted(samples, "tissue", path / "masks")
     clip = new_clip(
         path,
         "stereomis",

@@ -1,22 +1,18 @@
-"""Masks of which every value but 0 is set, noise aside, and whether they mark what their layout says."""
+"""Masks of which every value but 0 is set, noise aside."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ClipError
-from renderer.evenly import evenly_floored
 from renderer.readers.image_files.pictures import read_stored, stored_kind
-from renderer.readers.masks.tool_masks import SAMPLES, Sample, is_lossy, levels, marked_pixels, marks_tissue
-
-Marked = Literal["tool", "tissue"]
+from renderer.readers.masks.tool_masks import is_lossy, levels, marked_pixels
 
 
 def read_nonzero(path: Path, size: tuple[int, int]) -> BoolImage:
@@ -54,15 +50,3 @@ def _require_shape(found: tuple[int, int], size: tuple[int, int], path: Path) ->
     if abs(width * high - height * wide) > 0.005 * width * high:
         wanted = f"a mask of the shape of the images, {wide}x{high}"
         raise ClipError(f"expected {wanted}, got {width}x{height}: {path}")
-
-
-def refuse_inverted(sample: Callable[[int], Sample], count: int, marked: Marked, masks: Path) -> None:
-    """Raises ClipError when the masks of a clip of `count` frames look like the opposite of `marked`."""
-    samples = [sample(place) for place in evenly_floored(range(count), SAMPLES)]
-    other: Marked = "tissue" if marked == "tool" else "tool"
-    if other == "tool":
-        samples = [replace(one, marked=~one.marked) for one in samples]
-    if marks_tissue(samples):
-        expected = f"expected non-zero = {marked}, got what looks like non-zero = {other}"
-        hint = f"set mask_polarity (--mask-polarity {other}, or {marked} if they are right)"
-        raise ClipError(f"{expected}; {hint}: {masks}")

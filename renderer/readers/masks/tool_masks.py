@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.clip import BoolImage, ByteImage
+from renderer.clip import BoolImage, ByteImage, ClipError
+
+Marked = Literal["tool", "tissue"]
 
 DARK: Final = 127
 """Up to which a mask of grey levels marks nothing, as what is compressed has noise around 0."""
@@ -83,6 +85,17 @@ def marks_tissue(samples: Sequence[Sample]) -> bool:
         return False
     votes = [share > 0.5, _redness_gap(samples) > _REDDER, _depth_gap(samples) > _CLEAR]
     return sum(votes) >= 2
+
+
+def refuse_inverted(samples: Sequence[Sample], marked: Marked, masks: Path) -> None:
+    """Raises ClipError when masks of this folder that should mark `marked` look like the opposite."""
+    other: Marked = "tissue" if marked == "tool" else "tool"
+    if other == "tool":
+        samples = [replace(one, marked=~one.marked) for one in samples]
+    if marks_tissue(samples):
+        expected = f"expected masks that mark {marked}, got masks that look as if they mark {other}"
+        hint = f"set mask_polarity (--mask-polarity {other}, or {marked} if they are right)"
+        raise ClipError(f"{expected}; {hint}: {masks}")
 
 
 def _redness_gap(samples: Sequence[Sample]) -> float:
