@@ -31,9 +31,8 @@ class ModelWindow:
     @property
     def rows(self) -> slice:
         """Of the whole model."""
-        if isinstance(motion := self.whole.motion, WindowedMotion):
-            return slice(int(motion.first_rows[self.index]), int(motion.first_rows[self.index + 1]))
-        return slice(0, len(self.whole))
+        first, end = _cut(self.whole).first_rows[self.index : self.index + 2]
+        return slice(int(first), int(end))
 
     @property
     def model(self) -> DynamicGaussians:
@@ -57,8 +56,7 @@ class ModelWindow:
 
     def fade(self, time: float) -> float:
         """The share of its opacity, in [0, 1], that is seen at a time of the clip."""
-        motion = self.whole.motion
-        return motion.fades_at(time).get(self.index, 0.0) if isinstance(motion, WindowedMotion) else 1.0
+        return _cut(self.whole).fades_at(time).get(self.index, 0.0)
 
     def time(self, local: float) -> float:
         """Of the clip."""
@@ -67,9 +65,7 @@ class ModelWindow:
 
 def windows_of(model: DynamicGaussians) -> tuple[ModelWindow, ...]:
     """In the order of time; their rows follow each other."""
-    motion = model.motion
-    if not isinstance(motion, WindowedMotion):
-        return (ModelWindow(model, 0, 0.0, 1.0),)
+    motion = _cut(model)
     starts, lengths = motion.frames[:, 0] / motion.count, (np.diff(motion.frames)[:, 0] + 1) / motion.count
     return tuple(
         ModelWindow(model, index, float(start), float(length))
@@ -79,37 +75,34 @@ def windows_of(model: DynamicGaussians) -> tuple[ModelWindow, ...]:
 
 def window_at(model: DynamicGaussians, time: float) -> ModelWindow:
     """The one that shows most of the model at a time in [0, 1]."""
-    motion = model.motion
-    return windows_of(model)[motion.main_window_at(time) if isinstance(motion, WindowedMotion) else 0]
+    return windows_of(model)[_cut(model).main_window_at(time)]
 
 
 def handover(former: ModelWindow) -> float:
-    """The time in [0, 1] from which the next window shows more than this one."""
-    motion = former.whole.motion
-    assert isinstance(motion, WindowedMotion)
+    """The time in [0, 1] from which the next window, of which there is one, shows more than this one."""
+    motion = _cut(former.whole)
     return float(motion.frames[former.index, 1] + motion.frames[former.index + 1, 0]) / (2 * motion.count)
 
 
 def whole_at(model: DynamicGaussians, time: float) -> Splats:
     """All of its Gaussians, each at the moment nearest to `time` in [0, 1] at which it is there."""
-    motion = model.motion
-    return (
-        motion.all_moved(model.raw, time).splats() if isinstance(motion, WindowedMotion) else model.at(time)
-    )
+    return _cut(model).all_moved(model.raw, time).splats()
 
 
 def first_at(model: DynamicGaussians, time: float) -> Splats:
     """Those that are drawn at a time in [0, 1], at the first moment of the clip or of their window."""
-    motion = model.motion
-    if isinstance(motion, WindowedMotion):
-        return motion.first_moved(model.raw, time).splats()
-    return model.at(0.0)
+    return _cut(model).first_moved(model.raw, time).splats()
 
 
 def there_at(model: DynamicGaussians, time: float) -> NDArray[np.bool_]:
     """(N,) which of its Gaussians are drawn at a time in [0, 1]."""
-    there = np.ones(len(model), np.bool_)
-    if isinstance(model.motion, WindowedMotion):
-        there[:] = False
-        there[model.motion.rows_at(time)] = True
+    there = np.zeros(len(model), np.bool_)
+    there[_cut(model).rows_at(time)] = True
     return there
+
+
+def _cut(model: DynamicGaussians) -> WindowedMotion:
+    """Its motion; of a model that is not cut, as that of one window."""
+    if isinstance(model.motion, WindowedMotion):
+        return model.motion
+    return WindowedMotion(1, np.zeros((1, 2), np.int64), np.array([0, len(model)]), (model.motion,))

@@ -112,6 +112,8 @@ class RawGaussians:
 
 def joined(parts: Sequence[RawGaussians]) -> RawGaussians:
     """One after the other, one at least; colours depend on the direction to the highest degree of them."""
+    if len(parts) == 1:
+        return parts[0]
     degree = max(BANDS.index(part.harmonics.shape[1]) for part in parts)
     arrays = [part.of_degree(degree).arrays() for part in parts]
     return RawGaussians(**{name: np.concatenate([each[name] for each in arrays]) for name in FIELDS})

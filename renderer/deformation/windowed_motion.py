@@ -82,8 +82,7 @@ class WindowedMotion:
     def moved(self, raw: RawGaussians, time: float) -> RawGaussians:
         """See Motion; only those that there are at `time`."""
         there = self.fades_at(time).items()
-        parts = [faded(self._moved_in(raw, window, time), fade) for window, fade in there]
-        return parts[0] if len(parts) == 1 else joined(parts)
+        return joined([faded(self._moved_in(raw, window, time), fade) for window, fade in there])
 
     def fades_at(self, time: float) -> dict[int, float]:
         """Of the windows that there are at a time in [0, 1], in the order of time, the share of their
