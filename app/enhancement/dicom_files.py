@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Final
 
-from app.enhancement.records import EnhancedPicture, EnhancedVideo
+from app.enhancement.records import EnhancedPicture, EnhancedVideo, Made
 from app.enhancement.setting_words import worded
 from app.errors import UserError
 from app.files.atomic import together
@@ -30,8 +30,6 @@ from app.files.video_encoder import video_encoder
 from renderer.readers.dicom.opening import SUFFIXES
 from renderer.readers.video_header import read_video_header
 
-Made = tuple[ArrayImage, EnhancedPicture]
-"""An enhanced picture with what was used for it."""
 MAY_TELL: Final = (
     "text in the images is not looked for: the DICOM file says that it may tell who the patient is "
     "(--burned-in no says that there is none)"

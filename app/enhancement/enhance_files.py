@@ -9,16 +9,10 @@ from itertools import chain, count
 from pathlib import Path
 from typing import Any, Final
 
-from app.enhancement.dicom_files import (
-    Made,
-    is_dicom_name,
-    require_dicom,
-    write_dicom_film,
-    write_enhanced_still,
-)
+from app.enhancement.dicom_files import is_dicom_name, require_dicom, write_dicom_film, write_enhanced_still
 from app.enhancement.methods import MethodEnhancer, Params, by_baseline, measure_for
 from app.enhancement.recording import is_recording
-from app.enhancement.records import EnhancedPicture, EnhancedVideo
+from app.enhancement.records import EnhancedPicture, EnhancedVideo, Made
 from app.enhancement.settable import POOLED_FRAMES, Pixels, Scope, drawn
 from app.errors import UserError, sentence
 from app.files.atomic import filled, together

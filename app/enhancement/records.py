@@ -13,6 +13,7 @@ from app.enhancement.measures import MeasuredOver, Measures
 from app.enhancement.methods import RecordedSettings
 from app.enhancement.settable import Pixels
 from app.files.dicom.choices import DicomChoices
+from app.files.image_files import ArrayImage
 from app.files.provenance import plain
 from app.files.records import LENIENT, Record, Source, Told
 from enhance import Statistics
@@ -63,6 +64,10 @@ class EnhancedPicture(Record):
     def pooled(self) -> Statistics | None:
         """The statistics that are those of more pictures than this one."""
         return self.statistics if self.statistics and self.statistics.scope != "image" else None
+
+
+Made = tuple[ArrayImage, EnhancedPicture]
+"""An enhanced picture with what was used for it."""
 
 
 def _in_short(pictures: tuple[EnhancedPicture, ...]) -> list[dict[str, Any]]:

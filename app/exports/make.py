@@ -8,11 +8,11 @@ from functools import lru_cache
 from pathlib import Path
 
 from app.enhancement.contact_sheet import contact_sheet, tile
-from app.enhancement.dicom_files import Made, is_dicom_name, write_dicom_film, write_enhanced_still
+from app.enhancement.dicom_files import is_dicom_name, write_dicom_film, write_enhanced_still
 from app.enhancement.enhance_files import enhanced, write_enhanced_video
 from app.enhancement.methods import METHODS, MethodEnhancer
 from app.enhancement.parameter_grid import Setting, tried
-from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
+from app.enhancement.records import EnhancedPicture, EnhancedVideo, Made, TuningSheet
 from app.enhancement.settable import drawn
 from app.errors import UserError
 from app.exports.browser.of_scene import far_off, page_windows
