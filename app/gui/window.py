@@ -28,17 +28,13 @@ from app.gui.actions import (
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
 from app.gui.commands.keys import Keyboard
-from app.gui.drawing.backdrop import Backdrop
-from app.gui.drawing.chosen_viewport import ChosenViewport, SecondViewport
 from app.gui.drawing.textures import Textures
-from app.gui.drawing.viewport import Viewport
 from app.gui.frame import dockings, starting
+from app.gui.frame.canvas import Canvas
 from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import MASKS, REPORT, SPLATS, TUNING, panel
 from app.gui.frame.quitting import ask_before_quitting
 from app.gui.frame.screen import Screen
-from app.gui.frame.second_content import SecondContent
-from app.gui.frame.second_window import SecondWindow
 from app.gui.frame.title import Title
 from app.gui.frame.window_shots import shoot_window
 from app.gui.panels import menus, overlays
@@ -141,15 +137,10 @@ class Window:
         self._screen = Screen(self._add_timeline)
         self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
-        self._ctx: moderngl.Context | None = None
+        self._canvas: Canvas | None = None
         self._worn: tuple[Theme, int] | None = None
         self._size = (0, 0)
         self._dropped: list[str] = []
-        self._textures: Textures | None = None
-        self._backdrop: Backdrop | None = None
-        self._viewport: Viewport | None = None
-        self._second_viewport: Viewport | None = None
-        self._second_window: SecondWindow | None = None
         self._has_signal: Callable[[], bool] = lambda: False
         """Whoever sends one cannot be asked: what is unsaved is offered at the next start."""
         self._began = time.monotonic()
@@ -168,7 +159,7 @@ class Window:
                 # Before a signal that has closed the window takes its course.
                 kept_layout.seal(self._layout_file)
         except (RuntimeError, moderngl.Error) as error:
-            if self._viewport is not None:
+            if self._canvas is not None:
                 raise
             raise UserError(f"expected a display with OpenGL 3.3 for the window, got: {error}") from error
         finally:
@@ -259,13 +250,14 @@ class Window:
 
     def _begin(self) -> None:
         """The OpenGL context is there."""
-        self._ctx = ctx = starting.attach()
-        self._textures = Textures(ctx)
-        self._backdrop = Backdrop(ctx, self._textures)
-        self._viewport = ChosenViewport(ctx, self._textures, self.state)
-        self._second_viewport = SecondViewport(ctx, self._textures)
-        self._second_window = SecondWindow(SecondContent(ctx, self._textures, self._viewport))
+        self._canvas = Canvas.of(self.state)
         starting.connect(self.drop)
+
+    @property
+    def canvas(self) -> Canvas:
+        """From the first frame on."""
+        assert self._canvas is not None
+        return self._canvas
 
     def _advance(self) -> None:
         """Before each frame: news from the background, what can be done, how soon the next is wanted."""
@@ -316,27 +308,21 @@ class Window:
         self._draw_textured(draw_compare)
 
     def _draw_textured(self, draw: Callable[[AppState, Textures], None]) -> None:
-        assert self._textures is not None
-        draw(self.state, self._textures)
+        draw(self.state, self.canvas.textures)
 
     def _draw_view(self) -> None:
-        assert self._viewport is not None
-        assert self._second_viewport is not None
-        assert self._textures is not None
-        draw_view3d(self.state, self._viewport, self._second_viewport, self._textures)
+        canvas = self.canvas
+        draw_view3d(self.state, canvas.viewport, canvas.second_viewport, canvas.textures)
         if self.state.scene.model is not None:
             draw_edit_tools(self.state)
 
     def _end_frame(self) -> None:
         """All is drawn and not yet shown."""
-        assert self._second_window is not None
-        shoot_window(self._ctx, self.state)
-        self._second_window.follow(self.state)
+        shoot_window(self.canvas.ctx, self.state)
+        self.canvas.second_window.follow(self.state)
 
     def _draw_over(self) -> None:
-        assert self._backdrop is not None
-        assert self._viewport is not None
-        draw_presentation(self.state, self._backdrop, self._viewport)
+        draw_presentation(self.state, self.canvas.backdrop, self.canvas.viewport)
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
         overlays.draw_help(self.state, self._commands)
@@ -369,11 +355,8 @@ class Window:
         if not self._has_signal():
             recovering.end(self.state)
         queue_actions.keep_now(self.state)
-        if self._second_window is not None:
-            self._second_window.close()
-        for item in (self._viewport, self._second_viewport, self._backdrop, self._textures):
-            if item is not None:
-                item.release()
+        if self._canvas is not None:
+            self._canvas.release()
 
     def _end_work(self) -> None:
         """Also of a window that a signal ends: what the job shares would be left in memory."""

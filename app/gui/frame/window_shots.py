@@ -12,10 +12,9 @@ from app.gui.state.app_state import AppState
 from renderer.clip import ByteImage
 
 
-def shoot_window(ctx: moderngl.Context | None, state: AppState) -> None:
-    """Once a frame, when it has been drawn and not yet shown: has written what it reads. There is no `ctx`
-    before OpenGL is there."""
-    if ctx is not None and window_actions.is_due(state):
+def shoot_window(ctx: moderngl.Context, state: AppState) -> None:
+    """Once a frame, when it has been drawn and not yet shown: has written what it reads."""
+    if window_actions.is_due(state):
         export_actions.ask_image(state, window_actions.window_request(state, read_window(ctx)))
 
 

@@ -126,9 +126,7 @@ def test_its_own_keys_choose_the_pane_and_leave_it(driver: Driver, seen: Seen) -
 
     def press(key: int, mods: int = 0) -> None:
         """As the system does."""
-        held = driver.window._second_window
-        assert held is not None
-        held._press(None, key, 0, glfw.PRESS, mods)
+        driver.window.canvas.second_window._press(None, key, 0, glfw.PRESS, mods)
 
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state), "the phantom")
