@@ -101,7 +101,7 @@ def ask_point(state: AppState, request: ViewRequest, pixel: tuple[int, int], pur
 
 def take_point(state: AppState, request: PickRequest, point: Located | None) -> None:
     """The answer to a wish; of a view that is no longer shown, it is dropped."""
-    models = [model for model in (state.scene.model, state.scene.second.shown) if model is not None]
+    models = [model for model in (state.scene.model, state.scene.second.model) if model is not None]
     if all(request.view.scene.cameras != model.cameras for model in models):
         return
     if point is None:

@@ -102,7 +102,7 @@ def take_changed(state: AppState, request: ChangeRequest, answer: Path | Failure
     actions.announce(state, now)
     state.settings = state.settings.moved(request.path, answer)
     actions.save_settings(state)
-    second = state.scene.second.shown
+    second = state.scene.second.model
     if second is not None and second.path == request.path:
         second_actions.close_second(state)
         if answer is not None:

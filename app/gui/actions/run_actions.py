@@ -64,7 +64,7 @@ def why_not_open(state: AppState, run: ListedRun) -> str:
 
 def is_beside(state: AppState, run: ListedRun) -> bool:
     """It is what the second view shows."""
-    shown = state.scene.second.shown
+    shown = state.scene.second.model
     return shown is not None and shown.path == run.path
 
 
@@ -165,6 +165,6 @@ def _show_preview(state: AppState) -> None:
         state.scene.model = preview
 
     if state.runs.reconstruction.is_alive and state.scene.model is not None:
-        state.scene.second = Second(shown=preview)
+        state.scene.second = Second(model=preview)
     else:
         actions.leave(state, show)

@@ -29,8 +29,8 @@ def offered(state: AppState) -> tuple[Path, ...]:
     runs = (run.path for run in of_clip if run.has_model)
     made = state.runs.reconstruction.run_path if state.runs.reconstruction.is_alive else None
     shown = {state.scene.model.path, made}
-    if state.scene.second.shown is not None:
-        shown.add(state.scene.second.shown.path)
+    if state.scene.second.model is not None:
+        shown.add(state.scene.second.model.path)
     return tuple(dict.fromkeys(path for path in (*runs, *state.scene.models) if path not in shown))
 
 
@@ -64,7 +64,7 @@ def show_instead(state: AppState, path: Path, shown: Scene) -> None:
 
 
 def _show(state: AppState, shown: Scene) -> None:
-    state.scene.second = Second(shown=shown)
+    state.scene.second = Second(model=shown)
     if state.scene.model is not None and shown.first != state.scene.model.first:
         actions.say(
             state, f"{shown.name} covers another part of the clip: the same time is a different moment"

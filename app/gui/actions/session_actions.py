@@ -101,7 +101,7 @@ def _second(state: AppState) -> Path | None:
     second = state.scene.second
     if second.opening is not None:
         return second.opening.path
-    return second.shown.path if second.shown is not None else None
+    return second.model.path if second.model is not None else None
 
 
 def _unsaved(state: AppState) -> UnsavedEdits | None:

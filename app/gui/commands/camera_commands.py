@@ -70,7 +70,7 @@ def second_commands(state: AppState) -> tuple[Command, ...]:
         Command("Splat file beside…", partial(choose, kind="file", purpose="splats"), applies=has_model),
         *recent_commands.beside(state),
         Command("Close the second view", second_actions.close_second,
-                applies=lambda s: s.scene.second.shown is not None),
+                applies=lambda s: s.scene.second.model is not None),
     )  # fmt: skip
 
 

@@ -12,10 +12,8 @@ from imgui_bundle import imgui
 
 from app.gui.drawing.textures import Textures
 from app.gui.state.app_state import AppState
-from app.gui.work.baking import Baked
+from app.gui.state.scene import Viewed
 from app.scenes.cpu_rendering import Drawn
-from app.scenes.drawer import View
-from app.scenes.scene import Scene
 from app.scenes.view_kinds import SHAPES, Composed, Scale, ViewKind, splats_for
 from app.scenes.view_request import ViewRequest
 from renderer.deformation.motion import Still
@@ -47,28 +45,11 @@ class Watch:
 
     slot: str
     request: Callable[[AppState], ViewRequest | None]
-    view: Callable[[AppState], View | None]
-    """What the processor drew."""
-    keyframes: Callable[[AppState], Keyframes | None]
+    viewed: Callable[[AppState], Viewed]
 
 
-def keyframes_of(shown: Scene | None, baked: Baked | None) -> Keyframes | None:
-    """Of the model that is shown, once they are there."""
-    return baked.keyframes if baked is not None and baked.request.shown is shown else None
-
-
-FIRST = Watch(
-    "view",
-    lambda state: state.view_request,
-    lambda state: state.scene.view,
-    lambda state: keyframes_of(state.scene.model, state.scene.baked),
-)
-SECOND = Watch(
-    "second view",
-    lambda state: state.second_request,
-    lambda state: state.scene.second.view,
-    lambda state: keyframes_of(state.scene.second.shown, state.scene.second.baked),
-)
+FIRST = Watch("view", lambda state: state.view_request, lambda state: state.scene)
+SECOND = Watch("second view", lambda state: state.second_request, lambda state: state.scene.second)
 
 
 class Viewport(Protocol):
@@ -78,7 +59,7 @@ class Viewport(Protocol):
 
 def processor_picture(state: AppState, textures: Textures, watch: Watch = FIRST) -> OnScreen | None:
     """The newest one that background work has drawn."""
-    view = watch.view(state)
+    view = watch.viewed(state).view
     if view is None or state.scene.model is None:
         return None
     return OnScreen(textures.whole(watch.slot, view.image), (0, 0), (1, 1), view.request, view.scale)
@@ -103,7 +84,7 @@ class GraphicsViewport:
         if request is None:
             return None
         if request != self._drawn:
-            self._draw(request, self._watch.keyframes(state))
+            self._draw(request, self._watch.viewed(state).keyframes)
         if self._composed is not None:
             texture = self._textures.whole(self._watch.slot, self._composed.image)
             return OnScreen(texture, (0, 0), (1, 1), request, self._composed.scale)

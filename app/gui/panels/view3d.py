@@ -78,11 +78,11 @@ def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, textures:
         return
     _draw_toolbar(state)
     space, gap = imgui.get_content_region_avail(), em(0.3)
-    corner, count = imgui.get_cursor_screen_pos(), 1 if state.scene.second.shown is None else 2
+    corner, count = imgui.get_cursor_screen_pos(), 1 if state.scene.second.model is None else 2
     size = ImVec2(max((space.x + gap) / count - gap, em(4)), max(space.y, em(4)))
     scale = imgui.get_io().display_framebuffer_scale
     laid_out.size_view(state, int(size.x * scale.x), int(size.y * scale.y))
-    if state.scene.second.shown is not None:
+    if state.scene.second.model is not None:
         right = Area(corner + ImVec2(size.x + gap, 0), size)
         _draw_pane(state, "second view", second, state.second_request, right, textures)
     _draw_pane(state, "view", viewport, state.plain_view_request, Area(corner, size), textures)
@@ -148,7 +148,7 @@ def _draw_toolbar(state: AppState) -> None:
 
 
 def _draw_second(state: AppState) -> None:
-    shown = state.scene.second.shown is not None
+    shown = state.scene.second.model is not None
     toggle(SECOND, lambda: imgui.open_popup("second"), SECOND_TEXT, on=shown)
     beside(FRAME)
     with imgui_ctx.begin_popup("second") as popup:

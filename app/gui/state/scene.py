@@ -15,6 +15,7 @@ from app.scenes.free_camera import FreeView, Vector
 from app.scenes.scene import Scene
 from app.scenes.view_kinds import BY_PROCESSOR, Scale, ViewKind
 from app.scenes.view_request import FrameImage, ViewRequest
+from renderer.draw.keyframes import Keyframes
 from renderer.view_files import Views
 
 MIN_SPEED, MAX_SPEED = 0.02, 4.0
@@ -66,26 +67,33 @@ class CameraList:
 
 
 @dataclass
-class Second:
-    """Another reconstruction with the first one's camera and time. Second actions change it."""
-
-    opening: OpenRequest | None = None
-    shown: Scene | None = None
-    view: View | None = None
-    """The newest picture of it that the processor drew."""
-    baked: Baked | None = None
-    """Keyframes of it for the graphics card; more to come while they are None."""
-
-
-@dataclass
-class ShownScene:
-    """View, camera and path actions change it; drawing reads it."""
+class Viewed:
+    """A reconstruction in a 3D view, and what is drawn of it."""
 
     model: Scene | None = None
     view: View | None = None
     """The newest picture of it that the processor drew."""
     baked: Baked | None = None
     """Keyframes for the graphics card, of `model` or of one before it; more to come while they are None."""
+
+    @property
+    def keyframes(self) -> Keyframes | None:
+        """Of `model`, once they are there."""
+        baked = self.baked
+        return baked.keyframes if baked is not None and baked.request.shown is self.model else None
+
+
+@dataclass
+class Second(Viewed):
+    """Another reconstruction with the first one's camera and time. Second actions change it."""
+
+    opening: OpenRequest | None = None
+
+
+@dataclass
+class ShownScene(Viewed):
+    """View, camera and path actions change it; drawing reads it."""
+
     kind: ViewKind = "color"
     clip_scale: ClipScale | None = None
     """The newest scale that holds for all of the clip."""
@@ -125,7 +133,7 @@ class ShownScene:
 
         A frame is of the first one's frames: where the second has others, its difference to them is none.
         """
-        shown = self.second.shown
+        shown = self.second.model
         if shown is None:
             return None
         if first.kind == "difference" and not self.has_frames_of(first):
@@ -134,5 +142,5 @@ class ShownScene:
 
     def has_frames_of(self, first: ViewRequest) -> bool:
         """The second reconstruction has the frames of the first one."""
-        shown = self.second.shown
+        shown = self.second.model
         return shown is not None and (shown.first, shown.cameras) == (first.scene.first, first.scene.cameras)

@@ -21,7 +21,7 @@ def view_tags(state: AppState, shown: ViewRequest | None) -> tuple[Tag, ...]:
     """Of the view that is on screen, None: there is none yet; of two, the first speaks for both."""
     if shown is None:
         return _waiting_tags(state)
-    model, second = shown.scene, state.scene.second.shown
+    model, second = shown.scene, state.scene.second.model
     tags: list[Tag] = []
     if state.shows_other_clip:
         tags.append(Tag(f"OF ANOTHER CLIP · {legible(model.title)}", "caution"))
@@ -48,7 +48,7 @@ def _waiting_tags(state: AppState) -> tuple[Tag, ...]:
 
 def _model_tags(state: AppState, shown: ViewRequest) -> tuple[Tag, ...]:
     """Which model it is, at which moment, and which frames it was trained on."""
-    model, second = shown.scene, state.scene.second.shown
+    model, second = shown.scene, state.scene.second.model
     moment = model.moment(shown.time)
     if second is not None:
         other = state.scene.model if model is second else second

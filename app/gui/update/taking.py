@@ -21,6 +21,7 @@ from app.gui.actions import (
 )
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
+from app.gui.state.scene import Viewed
 from app.gui.views.comparison import Side
 from app.gui.work.background import Answer, Failure, Request
 from app.gui.work.baking import Baked, BakeRequest
@@ -109,22 +110,21 @@ def take_left_out(state: AppState, request: LeftOutRequest, left_out: LeftOut) -
 
 def take_view(state: AppState, request: ViewRequest, answer: View | Failure) -> None:
     """Of a model that is gone, it is dropped."""
-    if state.scene.model is None:
-        return
-    if isinstance(answer, Failure):
-        actions.fail(state, f"the 3D view cannot be rendered: {answer.message}")
-    else:
-        state.scene.view = answer
+    if state.scene.model is not None:
+        _take_view(state, state.scene, "the 3D view", answer)
 
 
 def take_second(state: AppState, request: ViewRequest, answer: View | Failure) -> None:
     """Of a model that is no longer beside the first, it is dropped."""
-    if request.scene is not state.scene.second.shown:
-        return
+    if request.scene is state.scene.second.model:
+        _take_view(state, state.scene.second, "the second 3D view", answer)
+
+
+def _take_view(state: AppState, viewed: Viewed, name: str, answer: View | Failure) -> None:
     if isinstance(answer, Failure):
-        actions.fail(state, f"the second 3D view cannot be rendered: {answer.message}")
+        actions.fail(state, f"{name} cannot be rendered: {answer.message}")
     else:
-        state.scene.second.view = answer
+        viewed.view = answer
 
 
 def take_opened(state: AppState, request: OpenRequest, answer: Opened | Failure) -> None:
@@ -173,24 +173,25 @@ def take_scale(state: AppState, request: ScaleRequest, answer: ClipScale) -> Non
 
 
 def take_baked(state: AppState, request: BakeRequest, answer: Baked | Failure) -> None:
-    if request.shown is state.scene.model:
-        state.scene.baked = _baked(state, answer, "the 3D view") or state.scene.baked
+    _take_baked(state, state.scene, "the 3D view", request, answer)
 
 
 def take_second_baked(state: AppState, request: BakeRequest, answer: Baked | Failure) -> None:
-    second = state.scene.second
-    if request.shown is second.shown:
-        second.baked = _baked(state, answer, "the second 3D view") or second.baked
+    _take_baked(state, state.scene.second, "the second 3D view", request, answer)
 
 
-def _baked(state: AppState, answer: Baked | Failure, view: str) -> Baked | None:
-    """The next part of what `view` shows."""
+def _take_baked(
+    state: AppState, viewed: Viewed, name: str, request: BakeRequest, answer: Baked | Failure
+) -> None:
+    """The next part; of a model that is no longer shown, it is dropped."""
+    if request.shown is not viewed.model:
+        return
     if isinstance(answer, Failure):
-        actions.say(state, f"{view} has no keyframes: {answer.message}")
-        return None
+        actions.say(state, f"{name} has no keyframes: {answer.message}")
+        return
+    viewed.baked = answer
     if answer.said:
-        actions.say(state, f"{view} {answer.said}")
-    return answer
+        actions.say(state, f"{name} {answer.said}")
 
 
 def take_recents(state: AppState, request: RecentsRequest, recents: Mapping[str, Recent]) -> None:

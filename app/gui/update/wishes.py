@@ -11,8 +11,9 @@ from app.exports.comparison_images import OtherRequest
 from app.gui.actions import batch_actions, queue_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import other_request
+from app.gui.state.scene import Viewed
 from app.gui.views.comparison import Side
-from app.gui.work.baking import Baked, BakeRequest, can_bake
+from app.gui.work.baking import BakeRequest, can_bake
 from app.gui.work.beside import BesideRequest
 from app.gui.work.clip_scale import SCALED, ScaleRequest
 from app.gui.work.depths import WaysRequest
@@ -154,9 +155,10 @@ def scale_wish(state: AppState) -> ScaleRequest | None:
     return wanted if known is None or known.request != wanted else None
 
 
-def bake_wish(state: AppState, shown: Scene | None, baked: Baked | None) -> BakeRequest | None:
-    """The next part of the keyframes of what a view shows, where the card draws: part by part, so that
+def bake_wish(state: AppState, viewed: Viewed) -> BakeRequest | None:
+    """The next part of the keyframes of what a 3D view shows, where the card draws: part by part, so that
     pictures are made between them."""
+    shown, baked = viewed.model, viewed.baked
     if state.scene.processor_draws or shown is None or not can_bake(shown) or state.lacks("3D view"):
         return None
     if baked is None or baked.request.shown is not shown:

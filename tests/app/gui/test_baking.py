@@ -10,7 +10,7 @@ import pytest
 
 from app.gui.actions import actions, camera_actions
 from app.gui.drawing.textures import Textures
-from app.gui.drawing.viewport import FIRST, SECOND, GraphicsViewport, Watch, keyframes_of
+from app.gui.drawing.viewport import FIRST, SECOND, GraphicsViewport, Watch
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
@@ -50,7 +50,7 @@ def settle(state: AppState, channels: Channels) -> None:
 
 def test_a_moving_model_is_baked_at_the_times_of_its_frames(drifting: AppState) -> None:
     settle(drifting, Channels())
-    keyframes = keyframes_of(drifting.scene.model, drifting.scene.baked)
+    keyframes = drifting.scene.keyframes
     assert keyframes is not None
     np.testing.assert_allclose(keyframes.times, np.arange(6) / 6)
     assert drifting.scene.model is not None
@@ -58,7 +58,7 @@ def test_a_moving_model_is_baked_at_the_times_of_its_frames(drifting: AppState) 
         away = keyframes.at(time).means - drifting.scene.model.model.at(time).means
         assert np.abs(away).max() <= 0.02 * 50 / drifting.scene.model.cameras[0].fx
     drifting.scene.model = replace(drifting.scene.model)
-    assert keyframes_of(drifting.scene.model, drifting.scene.baked) is None
+    assert drifting.scene.keyframes is None
     assert not drifting.window.log
 
 
@@ -81,7 +81,7 @@ def test_a_model_that_cannot_be_baked_is_drawn_without(
 
     monkeypatch.setattr("app.gui.work.baking.Baker", broken)
     settle(drifting, Channels())
-    assert keyframes_of(drifting.scene.model, drifting.scene.baked) is None
+    assert drifting.scene.keyframes is None
     assert [line for line in drifting.window.log if "no room" in line] == [*drifting.window.log]
     assert len(drifting.window.log) == 1
 
@@ -94,7 +94,7 @@ def test_scrubbing_and_turning_upload_an_order_and_no_more(
 ) -> None:
     """In both 3D views and all kinds of view, and they show what the rasteriser shows of the model."""
     assert drifting.scene.model is not None
-    drifting.scene.second.shown = replace(drifting.scene.model)
+    drifting.scene.second.model = replace(drifting.scene.model)
     camera_actions.choose_view(drifting, kind)
     graphics, requests = GraphicsViewport(ctx, Textures(ctx), watch), []
     for index, angle in ((2, 0.0), (5, 0.0), (5, 0.2)):

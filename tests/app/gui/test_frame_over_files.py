@@ -101,9 +101,9 @@ def test_a_second_view_with_other_frames_says_that_the_frame_is_not_in_the_file(
     state = snapped.state
     second_actions.open_second(state, runs["original"])
     snapped.turn()
-    shown = state.scene.second.shown
+    shown = state.scene.second.model
     assert shown is not None
-    state.scene.second.shown = replace(shown, cameras=shown.cameras * 2)
+    state.scene.second.model = replace(shown, cameras=shown.cameras * 2)
     captions = []
     for kind in ("color", "difference"):
         state.scene.kind = kind

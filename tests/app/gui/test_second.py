@@ -34,11 +34,11 @@ def test_a_run_is_opened_and_drawn_beside_the_first(
     second_actions.open_second(seen, run.path)
     settle(seen, channels)
     second = seen.scene.second
-    assert second.shown is not None
-    assert second.shown.name == "run-2"
+    assert second.model is not None
+    assert second.model.name == "run-2"
     assert seen.scene.view is not None
     assert second.view is not None
-    assert second.view.request == replace(seen.scene.view.request, scene=second.shown)
+    assert second.view.request == replace(seen.scene.view.request, scene=second.model)
     np.testing.assert_array_equal(
         second.view.image, seen.scene.view.image
     )  # The same model: the same picture.
@@ -46,7 +46,7 @@ def test_a_run_is_opened_and_drawn_beside_the_first(
     settle(seen, channels)
     assert second.view.request.camera == seen.scene.view.request.camera
     second_actions.close_second(seen)
-    assert seen.scene.second.shown is None
+    assert seen.scene.second.model is None
     assert seen.second_request is None
 
 
@@ -56,7 +56,7 @@ def test_what_is_no_reconstruction_is_one_line_and_leaves_what_is_there(
     channels = Channels()
     second_actions.open_second(seen, make_run(tmp_path / "whole", phantom_path(), model).path)
     settle(seen, channels)
-    shown = seen.scene.second.shown
+    shown = seen.scene.second.model
     unfinished = make_run(tmp_path / "unfinished", phantom_path(), None).path
     for path in (tmp_path / "nothing", phantom_path(), unfinished):
         second_actions.open_second(seen, path)
@@ -64,7 +64,7 @@ def test_what_is_no_reconstruction_is_one_line_and_leaves_what_is_there(
         assert seen.window.banner is not None
         assert str(path) in seen.window.banner.message
         assert "\n" not in seen.window.banner.message
-        assert seen.scene.second.shown is shown
+        assert seen.scene.second.model is shown
         assert seen.scene.second.opening is None
 
 
@@ -119,7 +119,7 @@ def test_a_run_of_the_list_is_opened_beside_and_closed_again(places: Places, mod
         assert state.scene.model is not None
         assert state.scene.model.name == "first"
         ctx.item_click("//Runs/second/###beside")
-        wait(ctx, lambda: state.scene.second.shown is None, "none again")
+        wait(ctx, lambda: state.scene.second.model is None, "none again")
 
     driver.run(drive)
 
@@ -138,7 +138,7 @@ def test_two_views_are_reduced_when_they_are_slow_together(seen: AppState) -> No
     wanted = view_wish(seen)
     assert wanted is not None
     assert not wanted.reduced
-    seen.scene.second.shown, seen.scene.second.view = replace(seen.scene.model), view
+    seen.scene.second.model, seen.scene.second.view = replace(seen.scene.model), view
     wanted = view_wish(seen)
     assert wanted is not None
     assert wanted.reduced
@@ -152,14 +152,14 @@ def test_a_second_of_other_frames_has_no_difference_to_the_firsts_frame(seen: Ap
     reference = FrameImage(FrameRequest(seen.source.clip, 0), np.zeros((*SIZE[::-1], 3), np.uint8))
     wanted = first.of_kind("difference", reference)
     assert seen.scene.beside(wanted) is None
-    seen.scene.second.shown = replace(seen.scene.model)
+    seen.scene.second.model = replace(seen.scene.model)
     same = seen.scene.beside(wanted)
-    assert same == replace(wanted, scene=seen.scene.second.shown)
+    assert same == replace(wanted, scene=seen.scene.second.model)
     for other in (
         replace(seen.scene.model, first=2),
         replace(seen.scene.model, cameras=seen.scene.model.cameras[:3]),
     ):
-        seen.scene.second.shown = other
+        seen.scene.second.model = other
         beside = seen.scene.beside(wanted)
         assert beside is not None
         assert (beside.kind, beside.reference) == ("color", None)
@@ -178,7 +178,7 @@ def test_the_processor_draws_the_second_view_as_the_window_asks_for_it(seen: App
     seen.scene.viewer.snapped, seen.scene.viewer.frame_image = True, reference
     kinds: tuple[ViewKind, ...] = ("color", "difference")
     for shown in (replace(seen.scene.model), replace(seen.scene.model, first=2)):
-        seen.scene.second.shown = shown
+        seen.scene.second.model = shown
         for seen.scene.kind in kinds:
             wanted = seen.plain_view_request
             assert wanted is not None
@@ -190,9 +190,9 @@ def test_the_processor_draws_the_second_view_as_the_window_asks_for_it(seen: App
 def test_a_new_session_has_no_second_view(seen: AppState, model: DynamicGaussians, tmp_path: Path) -> None:
     seen.runs.reconstruction = type(seen.runs.reconstruction)()
     assert seen.scene.model is not None
-    seen.scene.second.shown = seen.scene.model
+    seen.scene.second.model = seen.scene.model
     run = make_run(tmp_path / "run", phantom_path(), model)
     actions.open_path(seen, run.path)
     settle(seen, Channels())
     assert seen.scene.model.name == "run"
-    assert seen.scene.second.shown is None
+    assert seen.scene.second.model is None

@@ -281,8 +281,8 @@ def test_splats_opened_during_training_are_shown_beside_and_the_clip_stays(
     state.scene.model = reopened(places, run).scene.model
     actions.open_path(state, tmp_path / "a.ply")
     settle(first)
-    assert state.scene.second.shown is not None
-    assert state.scene.second.shown.path == tmp_path / "a.ply"
+    assert state.scene.second.model is not None
+    assert state.scene.second.model.path == tmp_path / "a.ply"
     assert state.source.path == clips[0]
 
 

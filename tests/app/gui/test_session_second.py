@@ -29,8 +29,8 @@ def test_the_second_view_comes_back(places: Places, model: DynamicGaussians) -> 
     other, channels = opened_state(places, path)
     for _ in range(4):
         turn(other, channels)
-    assert other.scene.second.shown is not None
-    assert other.scene.second.shown.path == beside.path
+    assert other.scene.second.model is not None
+    assert other.scene.second.model.path == beside.path
     assert snapshot(other, path.parent) == snapshot(state, path.parent)
     second_actions.close_second(other)
     turn(other, channels)
@@ -39,6 +39,6 @@ def test_the_second_view_comes_back(places: Places, model: DynamicGaussians) -> 
     shutil.rmtree(beside.path)
     other, channels = opened_state(places, path)
     assert other.scene.model is not None
-    assert other.scene.second.shown is None
+    assert other.scene.second.model is None
     assert other.window.banner is None
     assert any("beside is no longer there" in line for line in other.window.log)

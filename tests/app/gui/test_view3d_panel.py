@@ -180,7 +180,7 @@ def test_two_reconstructions_share_camera_time_and_hand(
 ) -> None:
     start_live(opened, model)
     assert opened.scene.model is not None
-    opened.scene.second.shown = replace(opened.scene.model, name="another run", live=False)
+    opened.scene.second.model = replace(opened.scene.model, name="another run", live=False)
     draw: Draw = lambda: view3d(opened)  # noqa: E731
     ui.frame(draw)
     ui.frame(draw)
@@ -193,7 +193,7 @@ def test_two_reconstructions_share_camera_time_and_hand(
         assert first is not None
         assert second is not None
         assert first != before
-        assert second == replace(first, scene=opened.scene.second.shown)
+        assert second == replace(first, scene=opened.scene.second.model)
         assert not opened.scene.dragged
     actions.seek(opened, 4)
     assert opened.second_request is not None

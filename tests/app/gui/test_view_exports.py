@@ -77,7 +77,7 @@ def test_what_stands_where_nothing_was_observed_is_exported_and_comes_again(
 def test_two_3d_views_stand_beside_each_other_and_come_again(run: Exporter, runs: dict[str, Path]) -> None:
     second_actions.open_second(run.state, runs["enhanced"])
     run.turn()
-    assert run.state.scene.second.shown is not None
+    assert run.state.scene.second.model is not None
     path = run.made("3D view")
     assert [view["run"]["name"] for view in read_provenance(path)["views"]] == ["original", "enhanced"]
     assert same(path, *runs.values())
