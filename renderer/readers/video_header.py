@@ -12,6 +12,7 @@ from renderer.clip import ByteImage, ClipError
 from renderer.pyav_presence import has_pyav
 from renderer.readers.clip_options import StereoLayout
 from renderer.readers.dicom.header import DicomHeader, holds_stream, read_header
+from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.image_files.pictures import require_moving
 
 if TYPE_CHECKING:
@@ -55,8 +56,7 @@ class VideoHeader:
 
 def read_video_header(path: Path) -> VideoHeader:
     """Raises ClipError: the file is no video, or its path is not UTF-8, which the decoder cannot take."""
-    if not holds_stream(path):
-        told = read_header(path)
+    if is_dicom(path) and not (told := read_header(path)).is_stream:
         return _of_frames(told, told.frames)
     return _by_pyav(path) if has_pyav() else _by_opencv(path)
 
@@ -116,7 +116,8 @@ def _counted(path: Path) -> VideoHeader:
     """Of a DICOM object that holds its frames one by one, those that are whole."""
     from renderer.readers.dicom.video import DicomVideo
 
-    told, found = read_header(path), len(DicomVideo(path))
+    video = DicomVideo(path)
+    told, found = video.header, len(video)
     is_cut = found < told.frames
     return replace(_of_frames(told, found), is_announced=False, is_cut=is_cut, announced=told.frames)
 

@@ -24,12 +24,12 @@ class DicomVideo:
     """It does not tell."""
 
     def __init__(self, path: Path) -> None:
-        self._path, self._header = path, read_header(path)
-        self._count = whole_frames(path, self._header)
+        self._path, self.header = path, read_header(path)
+        self._count = whole_frames(path, self.header)
         if not self._count:
             raise ClipError(f"expected a DICOM file with frames, got none that is whole: {path}")
-        self.pixel_aspect = self._header.pixel_aspect
-        times = self._header.frame_times
+        self.pixel_aspect = self.header.pixel_aspect
+        times = self.header.frame_times
         self.frame_times = None if times is None or len(times) < self._count else times[: self._count]
         self.notices = tuple(self._oddities())
 
@@ -39,15 +39,15 @@ class DicomVideo:
     @property
     def frames_per_second(self) -> float | None:
         if self.frame_times is None or self._count < 2:
-            return self._header.frames_per_second
+            return self.header.frames_per_second
         return (self._count - 1) / self.frame_times[-1]
 
     def read(self, index: int) -> ByteImage:
         """(H, W, 3) RGB. Raises ClipError when the frame is damaged."""
-        stored = read_pixels(self._path, self._header, range(len(self))[index])
+        stored = read_pixels(self._path, self.header, range(len(self))[index])
         byte = in_bytes(stored) if stored.dtype.itemsize > 1 else stored.astype(np.uint8)
         return np.repeat(byte[:, :, None], 3, axis=2) if byte.ndim == 2 else byte
 
     def _oddities(self) -> list[str]:
-        announced = self._header.frames
+        announced = self.header.frames
         return [cut_off(self._count, announced)] if self._count < announced else []
