@@ -36,7 +36,8 @@ if _typing.TYPE_CHECKING:
     from renderer.metrics import depth_rmse, psnr, psnr_masked, ssim
     from renderer.phantom import Phantom, PhantomParams, write_phantom
     from renderer.rasterize import rasterize
-    from renderer.rasterize.cpu import Rasterizer, Rendered, render
+    from renderer.rasterize.cpu import Rasterizer, render
+    from renderer.rasterize.rendered import Rendered
     from renderer.raw_gaussians import RawGaussians
     from renderer.readers.clip_options import ClipOptions
     from renderer.sources import open_clip
@@ -109,7 +110,8 @@ _MODULES = {
     "metrics": "depth_rmse psnr psnr_masked ssim",
     "phantom": "Phantom PhantomParams write_phantom",
     "rasterize": "rasterize",
-    "rasterize.cpu": "Rasterizer Rendered render",
+    "rasterize.cpu": "Rasterizer render",
+    "rasterize.rendered": "Rendered",
     "raw_gaussians": "RawGaussians",
     "readers.clip_options": "ClipOptions",
     "sources": "open_clip",

@@ -26,10 +26,11 @@ from app.files.records import Source
 from app.runs.run_folder import Input, RunFolder
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, device_of, pooled
 from app.runs.trained_clip import enhanced_clip
-from app.scenes.cpu_rendering import Drawn, colored_depth
+from app.scenes.cpu_rendering import colored_depth
 from assets import phantom_path
 from renderer.clip import ByteImage, Clip
 from renderer.evenly import evenly
+from renderer.rasterize.rendered import Rendered
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 
@@ -135,7 +136,7 @@ def _compare(evaluations: dict[Input, Evaluation], reports: dict[Input, dict[str
     return sheet(title, tiles, FOOT, columns=3, tile_width=480)
 
 
-def _difference(evaluation: Evaluation, index: int, drawn: Drawn) -> ByteImage:
+def _difference(evaluation: Evaluation, index: int, drawn: Rendered) -> ByteImage:
     """Absolute difference in grey levels times 4, black where a tool hides the tissue."""
     frame = evaluation.trained_clip.read_frame(index)
     apart = np.abs(drawn.bytes.astype(np.int16) - frame.image) * frame.evaluation_mask[..., None]

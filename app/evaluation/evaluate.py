@@ -23,7 +23,7 @@ from app.runs.run_edits import LeftOut, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.trained_clip import input_clip, run_clip
 from app.runs.wall_clock import STEPS, WALL
-from app.scenes.cpu_rendering import Drawn, draw_on_cpu
+from app.scenes.cpu_rendering import draw_on_cpu
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
 from enhance.ridges import vessel_mask
 from renderer.camera import Camera
@@ -35,6 +35,7 @@ from renderer.measuring.tissue_seen import SELDOM, seldom_seen
 from renderer.metrics import OPAQUE, depth_abs_rel, depth_coverage, depth_rmse
 from renderer.near_plane import near_plane
 from renderer.rasterize.cpu import BLACK, Rasterizer
+from renderer.rasterize.rendered import Rendered
 from renderer.readers.geometry.depth_maps import OUTLIER
 from renderer.splats import RenderMode
 from renderer.torch_presence import NO_TORCH, has_torch
@@ -168,7 +169,7 @@ class Evaluation:
             drawn, milliseconds = stopwatch.draw(frame)
             yield measure_frame(frame, drawn, self.clip, self.lpips, milliseconds, self.seldom)
 
-    def drawn(self, index: int) -> Drawn:
+    def drawn(self, index: int) -> Rendered:
         """A frame of the model as its camera sees it."""
         camera, record = self.clip.cameras[index], self.record
         splats, near = self.model.at(record.time(index)), near_plane(self.model, camera)
@@ -272,7 +273,7 @@ def find_lpips(weights: Path | None) -> Lpips | None:
 
 def measure_frame(
     frame: Frame,
-    drawn: Drawn,
+    drawn: Rendered,
     clip: Clip,
     lpips: Lpips | None,
     milliseconds: Numbers,
@@ -333,7 +334,7 @@ class Stopwatch:
         self._rasterizer = Rasterizer(camera.width, camera.height)
         self._no_tile = np.zeros((self._rasterizer.rows, self._rasterizer.columns), dtype=bool)
 
-    def draw(self, frame: Frame) -> tuple[Drawn, dict[str, float]]:
+    def draw(self, frame: Frame) -> tuple[Rendered, dict[str, float]]:
         """The picture at the frame's time from its camera, and the milliseconds of its parts."""
         # The first lap compiles kernels, reserves arrays and wakes the threads.
         drawn, _ = self._lap(frame)
@@ -343,7 +344,7 @@ class Stopwatch:
         parts = {"deformation": float(deformation), "projection_sort": float(sorting), "raster": raster}
         return drawn, parts
 
-    def _lap(self, frame: Frame) -> tuple[Drawn, tuple[float, float, float]]:
+    def _lap(self, frame: Frame) -> tuple[Rendered, tuple[float, float, float]]:
         """One picture; seconds of the whole, of the deformation, and of all before the raster."""
         camera, rasterizer = frame.camera, self._rasterizer
         began = time.perf_counter()
@@ -355,4 +356,4 @@ class Stopwatch:
         rasterizer.forward(splats, camera, self._near, self._no_tile, self._mode)
         sorting = time.perf_counter() - done
         times = done - began, deformed - began, sorting
-        return Drawn(rendered.image, rendered.depth, rendered.alpha), times
+        return rendered, times

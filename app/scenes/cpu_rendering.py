@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import cv2
@@ -11,46 +10,11 @@ from numpy.typing import NDArray
 
 from app.scenes.backgrounds import Background, laid_over
 from renderer.camera import Camera
+from renderer.rasterize.rendered import Rendered, rounded
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
 ON_CPU = "numba on the CPU"
 """What `draw_on_cpu` is called in provenance."""
-
-
-@dataclass(frozen=True, eq=False)
-class Drawn:
-    """image (H, W, 3) RGB over black, not clipped: premultiplied colour; depth (H, W) expected depth in scene
-    units, 0 where nothing is; alpha (H, W) in [0, 1]."""
-
-    image: Float32Array
-    depth: Float32Array
-    alpha: Float32Array
-
-    @property
-    def bytes(self) -> NDArray[np.uint8]:
-        """(H, W, 3) over black, rounded to 8 bits."""
-        return _rounded(self.image)
-
-    def over(self, background: Background) -> NDArray[np.uint8]:
-        """(H, W, 3) over that, rounded to 8 bits."""
-        return _rounded(laid_over(self.image, self.alpha, background))
-
-    @property
-    def straight(self) -> NDArray[np.uint8]:
-        """(H, W, 4) RGB not premultiplied and alpha, as PNG stores them, black where nothing is.
-
-        Laid over any background it is within a grey level of the splats drawn over it, where colours are
-        in [0, 1]: beyond, straight alpha cannot hold them.
-        """
-        seen = self.alpha[..., None]
-        color = np.divide(self.image, seen, out=np.zeros_like(self.image), where=seen > 0)
-        rgba = np.concatenate([color, seen], axis=2)
-        return _rounded(rgba)
-
-
-def _rounded(values: Float32Array) -> NDArray[np.uint8]:
-    rounded: NDArray[np.uint8] = np.rint(np.clip(values, 0.0, 1.0) * 255.0).astype(np.uint8)
-    return rounded
 
 
 class Draw(Protocol):
@@ -58,7 +22,12 @@ class Draw(Protocol):
 
     def __call__(
         self, splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = ...
-    ) -> Drawn: ...
+    ) -> Rendered: ...
+
+
+def over(drawn: Rendered, background: Background) -> NDArray[np.uint8]:
+    """(H, W, 3) of what is drawn over black laid over that, rounded to 8 bits."""
+    return rounded(laid_over(drawn.image, drawn.alpha, background))
 
 
 def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, float]]:
@@ -79,13 +48,11 @@ def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, 
 
 def draw_on_cpu(
     splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
-) -> Drawn:
+) -> Rendered:
     # Numba's kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.rasterize.cpu import render
     from renderer.rasterize.solids import render_solids
 
     if shape == "soft":
-        rendered = render(splats, camera, near=near, mode=mode)
-    else:
-        rendered = render_solids(splats, camera, shape, near=near)
-    return Drawn(rendered.image, rendered.depth, rendered.alpha)
+        return render(splats, camera, near=near, mode=mode)
+    return render_solids(splats, camera, shape, near=near)

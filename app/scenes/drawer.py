@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 
-from app.scenes.cpu_rendering import ON_CPU, Draw, Drawn, draw_on_cpu
+from app.scenes.cpu_rendering import ON_CPU, Draw, draw_on_cpu
 from app.scenes.view_kinds import Composed, Scale
 from app.scenes.view_request import ViewRequest
 from renderer.clip import ByteImage
+from renderer.rasterize.rendered import Rendered
 from renderer.unobserved import BLACK
 
 
@@ -20,9 +21,9 @@ class Drawer:
 
     draw: Draw = draw_on_cpu
     name: str = ON_CPU
-    _last: tuple[ViewRequest, Drawn] | None = field(default=None, init=False)
+    _last: tuple[ViewRequest, Rendered] | None = field(default=None, init=False)
 
-    def drawn(self, view: ViewRequest) -> Drawn:
+    def drawn(self, view: ViewRequest) -> Rendered:
         """Raises UserError where it cannot be drawn."""
         wanted = replace(view, reference=None, frame_share=0.0, scale=None, background=BLACK)
         if self._last is None or self._last[0] != wanted:

@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 
 from app.errors import UserError
-from app.scenes.cpu_rendering import Drawn
 from app.scenes.drawer import Drawer
 from renderer.camera import Camera
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import RenderMode, Shape, Splats
 from renderer.torch_presence import NO_TORCH, has_torch
 
@@ -27,7 +27,9 @@ def drawer(renderer: Renderer) -> Drawer:
     return Drawer()
 
 
-def _reference(splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft") -> Drawn:
+def _reference(
+    splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft"
+) -> Rendered:
     if shape != "soft":
         raise UserError(f"--with: expected cpu or gl for {shape}s, got reference")
     import torch
@@ -46,8 +48,8 @@ def _reference(splats: Splats, camera: Camera, near: float, mode: RenderMode, sh
             near=near,
             mode=mode,
         )
-    layers = (rendered.image, rendered.depth, rendered.alpha)
-    return Drawn(*(layer.numpy().astype(np.float32) for layer in layers))
+    layers = (rendered.image, rendered.alpha, rendered.depth)
+    return Rendered(*(layer.numpy().astype(np.float32) for layer in layers))
 
 
 def _gl() -> Drawer:
@@ -62,10 +64,11 @@ def _gl() -> Drawer:
         raise UserError(f"{error} Or use --with cpu.") from error
     offscreen = Offscreen(context)
 
-    def draw(splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft") -> Drawn:
+    def draw(
+        splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft"
+    ) -> Rendered:
         try:
-            layers = offscreen.layers(splats, camera, near, mode, shape)
-            return Drawn(layers.color, layers.depth, layers.alpha)
+            return offscreen.layers(splats, camera, near, mode, shape)
         except Error as error:
             size = f"{camera.width}x{camera.height}"
             raise UserError(f"OpenGL cannot render {size} here ({error}): choose a smaller --size") from error

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.scenes.cpu_rendering import Draw, Drawn
+from app.scenes.cpu_rendering import Draw
 from renderer.camera import Camera
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
 FACTORS = (1, 2, 4)
@@ -22,14 +23,14 @@ def supersampled(draw: Draw, factor: int) -> Draw:
 
     def drawing(
         splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft"
-    ) -> Drawn:
+    ) -> Rendered:
         fine = camera.resized(factor * camera.width, factor * camera.height)
         return averaged(draw(splats, fine, near, mode, shape), factor)
 
     return drawing
 
 
-def averaged(drawn: Drawn, factor: int) -> Drawn:
+def averaged(drawn: Rendered, factor: int) -> Rendered:
     """The mean over squares of `factor` by `factor` pixels, in float, before anything is clipped.
 
     What is averaged are the sums that blending has made: premultiplied colour, alpha, and depth times alpha.
@@ -41,7 +42,7 @@ def averaged(drawn: Drawn, factor: int) -> Drawn:
     alpha = _mean(drawn.alpha, factor)
     weighed = _mean(drawn.depth * drawn.alpha, factor)
     depth = np.divide(weighed, alpha, out=np.zeros_like(alpha), where=alpha > 0)
-    return Drawn(_mean(drawn.image, factor), depth, alpha)
+    return Rendered(_mean(drawn.image, factor), alpha, depth)
 
 
 def _mean(values: Float32Array, factor: int) -> Float32Array:

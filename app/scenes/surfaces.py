@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Final
 from weakref import WeakKeyDictionary
 
 from app.errors import UserError
-from app.scenes.cpu_rendering import Draw, Drawn
+from app.scenes.cpu_rendering import Draw
 from app.scenes.scene import Scene
 from renderer.camera import Camera
 from renderer.model_windows import ModelWindow, window_at, windows_of
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import RenderMode, Shape, Splats
 from renderer.surface.fineness import AS_IT_COMES, Fineness
 from renderer.surface.mesh import Mesh
@@ -121,10 +122,11 @@ def drawing_surface(scene: Scene, time: float) -> Draw:
     """Draws it at that time, whatever splats are asked for. Raises UserError as `surface_at`."""
     mesh = surface_at(scene, time)
 
-    def draw(splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft") -> Drawn:
+    def draw(
+        splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft"
+    ) -> Rendered:
         from renderer.surface.triangles import render_mesh
 
-        rendered = render_mesh(mesh, camera, near)
-        return Drawn(rendered.image, rendered.depth, rendered.alpha)
+        return render_mesh(mesh, camera, near)
 
     return draw

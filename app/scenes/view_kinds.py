@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.scenes.backgrounds import Background
-from app.scenes.cpu_rendering import Drawn
+from app.scenes.cpu_rendering import over
 from renderer.camera import Camera
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
 from renderer.model_windows import first_at
 from renderer.normals import surface_normals
 from renderer.paint import by_motion
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import Float32Array, Shape, Splats
 from renderer.unobserved import BLACK
 
@@ -132,7 +133,7 @@ def splats_for(kind: ViewKind, model: Moments, time: float) -> Splats:
     return splats
 
 
-def facing(drawn: Drawn, camera: Camera) -> Drawn:
+def facing(drawn: Rendered, camera: Camera) -> Rendered:
     """In the colours of where its surface faces: red right, green up, blue to the camera; 0.5 is 0."""
     normals = surface_normals(drawn.depth, camera)
     known = normals.any(axis=2, keepdims=True)
@@ -142,7 +143,7 @@ def facing(drawn: Drawn, camera: Camera) -> Drawn:
 
 def composed(
     kind: ViewKind,
-    drawn: Drawn,
+    drawn: Rendered,
     unit: str,
     reference: ByteImage | None = None,
     scale: Scale | None = None,
@@ -171,7 +172,7 @@ def composed(
         end = max(_nice_end(away, 90), LEAST_DIFFERENCE)
         scale = scale or Scale(0.0, end, "grey levels", "inferno")
         return Composed(scale.colored(away, np.ones(away.shape, bool)), scale)
-    return Composed(drawn.over(background))
+    return Composed(over(drawn, background))
 
 
 def holding(scales: Sequence[Scale]) -> Scale:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from app.files.records import extended
 from app.scenes.backgrounds import Background
-from app.scenes.cpu_rendering import Draw, Drawn
+from app.scenes.cpu_rendering import Draw
 from app.scenes.free_camera import FreeView
 from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
@@ -29,6 +29,7 @@ from app.scenes.view_kinds import (
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip
 from renderer.evenly import evenly
+from renderer.rasterize.rendered import Rendered
 from renderer.unobserved import GREY
 
 
@@ -126,7 +127,7 @@ class ViewRequest:
         height = max(1, round(self.camera.height * scale))
         return replace(self, camera=self.camera.resized(width, height), reduced=True)
 
-    def drawn(self, draw: Draw) -> Drawn:
+    def drawn(self, draw: Draw) -> Rendered:
         """The splats of its kind, as the scene was trained to be drawn."""
         if self.kind == "surface":
             draw = drawing_surface(self.scene, self.time)
@@ -134,7 +135,7 @@ class ViewRequest:
         fine = supersampled(draw, self.supersampling)
         return fine(splats, self.camera, self.near, self.scene.mode, SHAPES[self.kind])
 
-    def composed(self, drawn: Drawn) -> Composed:
+    def composed(self, drawn: Rendered) -> Composed:
         """The picture that is asked for, of its splats drawn in their shape. Raises ClipError."""
         reference = self.reference.image if self.reference else None
         unit, since = self.scene.unit, self.scene.motion_since

@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import moderngl
 import numpy as np
 
 from renderer.camera import Camera
 from renderer.draw.splat_view import Paint, Precision, SplatView
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
-
-
-@dataclass(frozen=True, eq=False)
-class Layers:
-    """What the splats alone show: color (H, W, 3) premultiplied RGB, which is their picture over black; alpha
-    (H, W) in [0, 1]; depth (H, W) expected depth in scene units, 0 where nothing is. Top row first."""
-
-    color: Float32Array
-    alpha: Float32Array
-    depth: Float32Array
 
 
 class Offscreen:
@@ -37,7 +26,7 @@ class Offscreen:
         near: float,
         mode: RenderMode = "default",
         shape: Shape = "soft",
-    ) -> Layers:
+    ) -> Rendered:
         """Colour, alpha and depth in float32, from one upload and one sort.
 
         Raises:
@@ -63,11 +52,11 @@ def read_layers(
     *,
     paint: Paint = "color",
     with_depth: bool = True,
-) -> Layers:
-    """What a view holds, as `camera` sees it. Depth is a second drawing: `with_depth` False gives 0."""
+) -> Rendered:
+    """What a view holds, over black. Depth is a second drawing: 0 without `with_depth`."""
     color = view.read_color(camera, shape, paint)
     depth = view.read_depth(camera, shape) if with_depth else np.zeros(color.shape[:2], np.float32)
-    return Layers(np.ascontiguousarray(color[..., :3]), color[..., 3].copy(), depth)
+    return Rendered(np.ascontiguousarray(color[..., :3]), color[..., 3].copy(), depth)
 
 
 def render_offscreen(

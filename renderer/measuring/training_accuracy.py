@@ -19,7 +19,8 @@ from renderer.metrics import depth_rmse, psnr_masked
 from renderer.near_plane import near_plane
 from renderer.paint import painted
 from renderer.phantom import Phantom, View
-from renderer.rasterize.cpu import Rendered, render
+from renderer.rasterize.cpu import render
+from renderer.rasterize.rendered import Rendered, rounded
 from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished
@@ -147,7 +148,7 @@ def _drawn(model: DynamicGaussians, frame: Frame, mode: RenderMode) -> Rendered:
 
 def _rounded(drawn: Rendered, behind: Rgb = BLACK) -> ByteImage:
     laid = drawn.image + (1 - drawn.alpha[..., None]) * np.array(behind, np.float32)
-    return np.asarray(np.rint(np.clip(laid, 0, 1) * 255), np.uint8)
+    return rounded(laid)
 
 
 def _mean(values: Sequence[float]) -> float:

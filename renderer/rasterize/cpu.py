@@ -30,6 +30,7 @@ from renderer.rasterize.binning import (
     find_rectangles,
 )
 from renderer.rasterize.picture import adjoint_of, compose
+from renderer.rasterize.rendered import Rendered
 from renderer.rasterize.tiles import (
     ADJOINT_PLANES,
     BY_RED,
@@ -43,32 +44,6 @@ from renderer.splats import Float32Array, RenderMode, Splats, require_drawable
 Floats = NDArray[np.floating]
 Background = tuple[float, float, float]
 BLACK: Background = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Rendered:
-    """A rendered view: image (H, W, 3) float32 over the background; alpha (H, W) in [0, 1]; depth (H, W)
-    the expected depth sum(w z) / sum(w) along +z, 0 where alpha is 0.
-
-    Example:
-        >>> import numpy as np
-        >>> from renderer import Camera, Splats, render
-        >>> splats = Splats(
-        ...     means=np.float32([[0, 0, 5]]),
-        ...     quats=np.float32([[1, 0, 0, 0]]),
-        ...     scales=np.full((1, 3), 0.3, np.float32),
-        ...     opacities=np.float32([0.9]),
-        ...     colors=np.float32([[0.8, 0.2, 0.2]]),
-        ... )
-        >>> camera = Camera.from_fov(60, 64, 48)
-        >>> rendered = render(splats, camera)
-        >>> round(float(rendered.depth[24, 32]), 3), float(rendered.depth[0, 0])
-        (5.0, 0.0)
-    """
-
-    image: Float32Array
-    alpha: Float32Array
-    depth: Float32Array
 
 
 @dataclass(frozen=True, eq=False)

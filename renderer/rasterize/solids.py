@@ -24,7 +24,7 @@ from renderer.projection import (
     camera_vector,
     project,
 )
-from renderer.rasterize.cpu import Rendered
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import Float32Array, Shape, Splats
 
 ELLIPSOID_REACH = 1.5

@@ -14,7 +14,8 @@ from renderer.clip import BoolImage
 from renderer.gaussians import DynamicGaussians
 from renderer.paint import painted
 from renderer.picking import SOLID
-from renderer.rasterize.cpu import Rendered, render
+from renderer.rasterize.cpu import render
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import Float32Array, RenderMode
 
 SMOOTHING: Final = 1.5

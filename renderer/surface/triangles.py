@@ -9,7 +9,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.rasterize.cpu import Rendered
+from renderer.rasterize.rendered import Rendered
 from renderer.surface.mesh import Mesh
 
 BAND: Final = 16

@@ -15,7 +15,7 @@ from app.errors import UserError
 from app.files.provenance import read_provenance
 from app.gui.work.opening import OpenRequest, open_path
 from app.runs.run_folder import RunFolder
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import draw_on_cpu, over
 from app.scenes.scene import open_scene
 from renderer.camera import Camera
 from renderer.camera_path import CameraPath, Keyframe
@@ -311,7 +311,8 @@ def test_pictures_along_a_path_are_the_model_at_its_moments(
     model = RunFolder(runs["original"]).model()
     for place, key in enumerate(read_views(file).path.moments(8.0)):
         picture = cv2.imread(str(tmp_path / "out" / f"path-{place:06d}.png"))[..., ::-1]
-        drawn = draw_on_cpu(model.at(key.time), key.camera, near_plane(model, key.camera)).over(GREY)
+        near = near_plane(model, key.camera)
+        drawn = over(draw_on_cpu(model.at(key.time), key.camera, near), GREY)
         np.testing.assert_array_equal(picture, drawn)
 
 

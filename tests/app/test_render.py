@@ -17,7 +17,7 @@ from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import draw_on_cpu, over
 from app.scenes.renderers import Renderer, drawer
 from renderer.camera import Camera
 from renderer.draw.offscreen import render_offscreen
@@ -47,7 +47,7 @@ def test_render_writes_pictures_that_know_where_they_come_from(
     run = RunFolder(runs["original"])
     record, model = run.record(), run.model()
     drawn = draw_on_cpu(model.at(record.time(9)), record.cameras[9], near_plane(model, record.cameras[9]))
-    assert np.array_equal(cv2.imread(str(out / "frame-000009.png"))[..., ::-1], drawn.over(GREY))
+    assert np.array_equal(cv2.imread(str(out / "frame-000009.png"))[..., ::-1], over(drawn, GREY))
     assert np.array_equal(np.load(out / "frame-000009-depth.npy"), drawn.depth)
     facts = read_provenance(out / "frame-000009.png")
     assert (facts["frame"], facts["time"]) == (9, record.time(9))
@@ -63,8 +63,8 @@ def test_a_run_is_drawn_exported_and_measured_as_it_was_trained(
     run = RunFolder(path)
     record, model = run.record(), run.model()
     at = model.at(record.time(9)), record.cameras[9], near_plane(model, record.cameras[9])
-    picture = draw_on_cpu(*at, "mip").over(GREY)
-    assert not np.array_equal(picture, draw_on_cpu(*at).over(GREY))
+    picture = over(draw_on_cpu(*at, "mip"), GREY)
+    assert not np.array_equal(picture, over(draw_on_cpu(*at), GREY))
     assert vesselsplat("render", path, "--out", tmp_path / "out", "--frames", 9).code == 0
     assert np.array_equal(cv2.imread(str(tmp_path / "out" / "frame-000009.png"))[..., ::-1], picture)
     assert vesselsplat("export", path, "--ply", tmp_path / "ply", "--frames", 9).code == 0
@@ -194,7 +194,7 @@ def test_what_was_not_observed_is_told_by_the_background(
     record, model = run.record(), run.model()
     camera = record.cameras[3].resized(32, 24)
     drawn = draw_on_cpu(model.at(record.time(3)), camera, near_plane(model, camera))
-    assert np.array_equal(cv2.imread(str(path))[..., ::-1], drawn.over(BACKGROUNDS[name]))
+    assert np.array_equal(cv2.imread(str(path))[..., ::-1], over(drawn, BACKGROUNDS[name]))
     assert vesselsplat("replay", path, "--source", runs["original"]).code == 0
 
 

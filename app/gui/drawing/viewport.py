@@ -13,7 +13,6 @@ from imgui_bundle import imgui
 from app.gui.drawing.textures import Textures
 from app.gui.state.app_state import AppState
 from app.gui.state.scene import Viewed
-from app.scenes.cpu_rendering import Drawn
 from app.scenes.view_kinds import SHAPES, Composed, Scale, ViewKind, splats_for
 from app.scenes.view_request import ViewRequest
 from renderer.deformation.motion import Still
@@ -111,8 +110,8 @@ class GraphicsViewport:
         if request.kind != "color" or request.background == "smooth":
             paint, with_depth = _paint(request.kind, keyframes), request.kind in WITH_DEPTH
             shape = SHAPES[request.kind]
-            layers = read_layers(splats, request.camera, shape, paint=paint, with_depth=with_depth)
-            self._composed = request.composed(Drawn(layers.color, layers.depth, layers.alpha))
+            drawn = read_layers(splats, request.camera, shape, paint=paint, with_depth=with_depth)
+            self._composed = request.composed(drawn)
         else:
             self._composed = None
             if self._target is None or self._target.size != size:

@@ -14,7 +14,8 @@ from renderer.camera import Camera
 from renderer.measuring.stability.exact import BACKDROP, NAMES, Exact, exact, of_scene, slopes
 from renderer.measuring.stability.row import Row, worst
 from renderer.measuring.stability.scenes import CAMERA, NEAR, SCENES, camera_of, joined, ordinary, stacked
-from renderer.rasterize.cpu import Gradients, Rasterizer, Rendered, render
+from renderer.rasterize.cpu import Gradients, Rasterizer, render
+from renderer.rasterize.rendered import Rendered
 from renderer.rasterize.exp2 import exp2
 from renderer.splats import Float32Array, Splats
 

@@ -18,7 +18,7 @@ from app.commands.evaluate import PAPER, compared
 from app.evaluation.evaluate import Stopwatch, measure_frame, open_evaluation
 from app.runs.processor import load_average
 from app.runs.run_folder import RunFolder
-from app.scenes.cpu_rendering import Drawn, draw_on_cpu
+from app.scenes.cpu_rendering import draw_on_cpu
 from enhance.metrics import vessel_contrast
 from enhance.ridges import vessel_mask
 from renderer.clip import Clip
@@ -26,6 +26,7 @@ from renderer.lpips import LAYERS, read_lpips
 from renderer.metrics import depth_abs_rel
 from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.rasterize.rendered import Rendered
 from renderer.sources import open_clip
 from renderer.train.config import CHOSEN
 from tests.app.conftest import Cli
@@ -103,7 +104,7 @@ def large_clip(tmp_path_factory: pytest.TempPathFactory) -> Clip:
 def test_the_frame_itself_is_a_perfect_render(large_clip: Clip) -> None:
     frame = large_clip.read_frame(1)
     assert frame.depth is not None
-    render = Drawn(frame.image.astype(np.float32) / 255, frame.depth, np.ones_like(frame.depth))
+    render = Rendered(frame.image.astype(np.float32) / 255, np.ones_like(frame.depth), frame.depth)
     measures = measure_frame(frame, render, large_clip, None, {"raster": 2.0, "deformation": 1.0})
     assert measures.psnr == measures.psnr_masked == math.inf
     assert measures.ssim == pytest.approx(1)
@@ -122,7 +123,7 @@ def test_tissue_counts_where_no_depth_was_measured_and_the_seldom_seen_by_itself
     image, alpha = frame.image.astype(np.float32) / 255, np.ones(evaluated.shape, np.float32)
     image[:, :40], alpha[:, :20] = image[:, :40] * 0.5, 0.5
     partly = replace(frame, evaluation_mask=evaluated)
-    measures = measure_frame(partly, Drawn(image, alpha, alpha), large_clip, None, {}, seldom)
+    measures = measure_frame(partly, Rendered(image, alpha, alpha), large_clip, None, {}, seldom)
     assert measures.psnr_masked == math.inf
     left = frame.tissue_mask & seldom
     error = np.square(np.rint(image * 255) / 255 - frame.image / 255)
@@ -148,7 +149,7 @@ def test_the_ridges_are_those_of_the_original_frame(large_clip: Clip) -> None:
     ridges = vessel_mask(frame.image, tissue_mask=mask)
     darker = np.where(ridges[..., None], frame.image // 2, frame.image)
     empty = np.zeros(mask.shape, np.float32)
-    shown = Drawn(darker.astype(np.float32) / 255, empty, empty)
+    shown = Rendered(darker.astype(np.float32) / 255, empty, empty)
     # The frame that a run was trained on has vessels elsewhere, which must not matter.
     turned = replace(frame, image=np.ascontiguousarray(frame.image[::-1]))
     measures = measure_frame(turned, shown, large_clip, None, {})
@@ -163,7 +164,7 @@ def test_the_two_psnr_differ_by_the_evaluated_share_on_a_constant_error(large_cl
     frame = large_clip.read_frame(1)
     image = np.clip(frame.image, 0, 245)
     flat = np.ones(image.shape[:2], np.float32)
-    raised = Drawn((image + 10).astype(np.float32) / 255, flat, flat)
+    raised = Rendered((image + 10).astype(np.float32) / 255, flat, flat)
     measures = measure_frame(replace(frame, image=image), raised, large_clip, None, {})
     assert measures.psnr_masked == pytest.approx(-20 * math.log10(10 / 255))
     gap = -10 * math.log10(measures.evaluated_share)

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from app.files.provenance import read_provenance
-from app.scenes.cpu_rendering import Drawn, draw_on_cpu
+from app.scenes.cpu_rendering import draw_on_cpu
 from app.scenes.supersampling import FACTORS, averaged, supersampled
 from renderer.camera import Camera
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import RenderMode, Shape, Splats
 from tests.app.conftest import Cli
 from tests.app.gui.conftest import make_model
@@ -22,11 +23,11 @@ def test_a_drawing_is_averaged_before_it_is_clipped() -> None:
 
     def ramp(
         splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
-    ) -> Drawn:
+    ) -> Rendered:
         x = (np.arange(camera.width, dtype=np.float32) + 0.5) / camera.width * 3
         image = np.broadcast_to(x[None, :, None], (camera.height, camera.width, 3)).copy()
         alpha = np.ones(image.shape[:2], np.float32)
-        return Drawn(image, alpha, alpha)
+        return Rendered(image, alpha, alpha)
 
     camera, splats = Camera.from_fov(60, 6, 4), make_model().at(0)
     plain = ramp(splats, camera, 1.0, "default")
@@ -40,12 +41,12 @@ def test_depth_and_colour_count_by_how_much_is_seen() -> None:
     alpha = np.array([[1.0, 0.25], [0.0, 0.0]], np.float32)
     depth = np.array([[10.0, 50.0], [0.0, 0.0]], np.float32)
     image = np.repeat((alpha * 0.5)[..., None], 3, axis=2)
-    one = averaged(Drawn(image, depth, alpha), 2)
+    one = averaged(Rendered(image, alpha, depth), 2)
     assert one.alpha.shape == (1, 1)
     np.testing.assert_allclose(one.depth, (10 + 0.25 * 50) / 1.25)
     # The straight colour of what is seen stays 0.5; nothing of the black background gets into it.
     np.testing.assert_allclose(one.image / one.alpha[..., None], 0.5)
-    empty = averaged(Drawn(np.zeros((2, 2, 3), np.float32), np.zeros((2, 2), np.float32), alpha * 0), 2)
+    empty = averaged(Rendered(np.zeros((2, 2, 3), np.float32), alpha * 0, np.zeros((2, 2), np.float32)), 2)
     assert np.isfinite(empty.depth).all()
 
 

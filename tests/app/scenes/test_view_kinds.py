@@ -14,7 +14,7 @@ from app.evaluation.evaluate import open_evaluation
 from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
 from app.scenes.color_bar import LEAST_HEIGHT, color_bar, with_bar
-from app.scenes.cpu_rendering import Drawn, draw_on_cpu
+from app.scenes.cpu_rendering import draw_on_cpu
 from app.scenes.renderers import Renderer, drawer
 from app.scenes.view_kinds import (
     EXPLAINED,
@@ -31,6 +31,7 @@ from renderer.camera import Camera
 from renderer.camera_path import CameraPath, Keyframe
 from renderer.near_plane import near_plane
 from renderer.paint import by_motion
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import Shape, Splats
 from renderer.view_files import Views, views_json
 from tests.app.conftest import Cli
@@ -120,13 +121,13 @@ def test_nearer_bodies_hide_farther_ones_whatever_their_order() -> None:
         )
 
 
-def layers(value: float) -> Drawn:
+def layers(value: float) -> Rendered:
     half = np.zeros((20, 30), np.float32)
     half[:, 15:] = 0.5
-    return Drawn(
+    return Rendered(
         np.repeat((half * value)[..., None], 3, axis=2),
-        np.where(half > 0, 40 + value, 0).astype(np.float32),
         half,
+        np.where(half > 0, 40 + value, 0).astype(np.float32),
     )
 
 
@@ -147,10 +148,10 @@ def test_a_quantity_is_averaged_over_what_a_pixel_shows_and_black_where_nothing_
 
 
 def test_a_difference_is_in_grey_levels_of_the_frame() -> None:
-    drawn = Drawn(
+    drawn = Rendered(
         np.full((20, 30, 3), 100 / 255, np.float32),
-        np.zeros((20, 30), np.float32),
         np.ones((20, 30), np.float32),
+        np.zeros((20, 30), np.float32),
     )
     reference = np.full((40, 60, 3), 100, np.uint8)
     reference[:, 30:] = (130, 100, 100)
@@ -267,7 +268,7 @@ def test_every_view_has_a_shape_and_an_explanation() -> None:
 def test_where_nothing_has_moved_the_scale_has_one_value() -> None:
     """As at the first frame: not a row of zeros."""
     nothing = np.zeros((4, 5), np.float32)
-    drawn = Drawn(np.zeros((4, 5, 3), np.float32), nothing, np.ones_like(nothing))
+    drawn = Rendered(np.zeros((4, 5, 3), np.float32), np.ones_like(nothing), nothing)
     scale = composed("motion", drawn, "mm").scale
     assert scale is not None
     assert [scale.text(tick) for tick in scale.ticks] == ["0"]

@@ -10,11 +10,12 @@ import pytest
 
 from renderer.camera import Camera
 from renderer.draw import splat_view
-from renderer.draw.offscreen import Layers, Offscreen, read_image, render_offscreen
+from renderer.draw.offscreen import Offscreen, read_image, render_offscreen
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.splat_view import Precision, SplatView
 from renderer.measuring.stability.scenes import joined
 from renderer.rasterize.cpu import render
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import Splats
 from tests.renderer.draw.oracle import levels, psnr, reference
 from tests.renderer.scenes import random_splats, turned_camera
@@ -44,7 +45,7 @@ def splat(
     return Splats(means, quats, scales_, opacities, colors)
 
 
-def layers(ctx: moderngl.Context, splats: Splats, camera: Camera) -> Layers:
+def layers(ctx: moderngl.Context, splats: Splats, camera: Camera) -> Rendered:
     offscreen = Offscreen(ctx)
     seen = offscreen.layers(splats, camera, 0.01)
     offscreen.release()
@@ -73,7 +74,7 @@ def test_pictures_one_after_another_are_those_drawn_alone(ctx: moderngl.Context)
     for splats, camera, near in (*asked, asked[0]):
         alone = Offscreen(ctx)
         got, wanted = (one.layers(splats, camera, near) for one in (offscreen, alone))
-        for name in ("color", "alpha", "depth"):
+        for name in ("image", "alpha", "depth"):
             np.testing.assert_array_equal(getattr(got, name), getattr(wanted, name))
         alone.release()
     offscreen.release()
