@@ -215,16 +215,11 @@ class MakingRequest:
 def make_all(request: MakingRequest) -> Iterator[MaskReport]:
     """Raises ClipError, OnnxError or OSError."""
     clip, folder, source = request.clip, request.folder, request.source
-    taken = None
     if source is not None and source.is_dir():
-        taken = with_doubt(masks_in(source, clip.labels), clip)
-    model = None
-    if source is not None and taken is None:
-        model = OnnxTools.open(source, request.values, request.tools)
-    folder.mkdir(parents=True, exist_ok=True)
-    if taken is not None:
-        yield from _taken(request, taken)
+        yield from _taken(request, with_doubt(masks_in(source, clip.labels), clip))
         return
+    model = None if source is None else OnnxTools.open(source, request.values, request.tools)
+    folder.mkdir(parents=True, exist_ok=True)
     files = own_masks(folder, clip.labels).files
     mended = {index: path for index, path in files.items() if origin_of(path) in (BY_HAND, FROM_FOLDER)}
     yield from make_masks(clip, folder, MaskFiles(folder, mended), model)
@@ -233,6 +228,7 @@ def make_all(request: MakingRequest) -> Iterator[MaskReport]:
 def _taken(request: MakingRequest, files: MaskFiles) -> Iterator[MaskReport]:
     """Copies, but of frames that are masked by hand."""
     clip, names, shares = request.clip, mask_names(request.clip.labels), list[float]()
+    request.folder.mkdir(parents=True, exist_ok=True)
     for index, mask in read_all(files, clip):
         path = request.folder / names[index]
         if not path.is_file() or origin_of(path) != BY_HAND:
