@@ -10,6 +10,7 @@ from app.files.provenance import stamp
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.work.writing import WriteRequest
+from app.scenes.clip_speed import FRAMES_PER_SECOND
 from app.scenes.free_camera import FreeView
 from app.scenes.scene import Scene
 from renderer.camera import Camera
@@ -20,8 +21,6 @@ from renderer.view_files import LONGEST, Views, views_json
 KEYFRAME_STEP = 2.0
 """Seconds from the last keyframe to one that is added after it."""
 LEAST_STEP = 0.01
-EXPORT_RATE = 15.0
-"""Cameras a second of an exported path."""
 
 
 def present_camera(state: AppState) -> Camera | None:
@@ -220,6 +219,6 @@ def clip_cameras(model: Scene) -> CameraSet:
 
 def path_cameras(model: Scene, path: CameraPath) -> CameraSet:
     """Those along a path that has keyframes, in the same way."""
-    keys = path.moments(EXPORT_RATE)
+    keys = path.moments(FRAMES_PER_SECOND)
     named = tuple(NamedCamera(f"path-{at:06d}", key.camera) for at, key in enumerate(keys))
     return CameraSet(named, tuple(key.time for key in keys), model.model)
