@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import chain, count
 from pathlib import Path
 from typing import Any, Final
@@ -27,7 +27,7 @@ from app.files.stepping import ahead
 from app.files.timing import Timing
 from app.files.video import write_frames
 from enhance import ImageError, Statistics
-from enhance.image import BoolImage, full_scale
+from enhance.image import BoolImage, full_scale, read_picture
 from enhance.surround import inside
 from renderer.clip import ClipError
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -63,7 +63,8 @@ class Setting:
     def pools(self, series: Series) -> bool:
         """Whether all pictures have the same statistics."""
         if self.statistics == "automatic":
-            return self.params is not None and (series.is_video or is_recording(len(series), series.read))
+            read = partial(_read, series)
+            return self.params is not None and (series.is_video or is_recording(len(series), read))
         return self.statistics == "clip"
 
 
@@ -143,7 +144,7 @@ def _pictures(
     found = False
     for index in range(len(series)) if indices is None else indices:
         try:
-            image = series.read(index)
+            image = _read(series, index)
         except (UserError, ClipError, OSError) as error:
             if series.is_video and found:
                 notice = f"{STOPPED} {index} of {len(series)} frames: {error}"
@@ -159,6 +160,16 @@ def _pictures(
             yield index, image
     if first is not None and not found:
         raise first
+
+
+def _read(series: Series, index: int) -> ArrayImage:
+    """Raises UserError, ClipError or OSError: it cannot be read, or is no image, as an array with NaN."""
+    image = series.read(index)
+    try:
+        read_picture(image)
+    except ImageError as error:
+        raise UserError(f"{error}: {series.sources[index]}") from error
+    return image
 
 
 def _tissue(series: Series, setting: Setting) -> Tissue:

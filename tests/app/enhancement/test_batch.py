@@ -122,6 +122,25 @@ def test_one_bad_item_is_told_at_the_end_and_the_others_are_there(
     assert damaged["name"] == "2.png"
 
 
+def test_an_array_that_is_no_image_is_passed_over_and_told(tmp_path: Path, vesselsplat: Cli) -> None:
+    folder, out = tmp_path / "arrays", tmp_path / "out"
+    folder.mkdir()
+    for number in range(4):
+        np.save(folder / f"{number}.npy", (tissue(number) / 255).astype(np.float32))
+    holed = np.load(folder / "1.npy")
+    holed[3, 4] = np.nan
+    np.save(folder / "1.npy", holed)
+    np.save(folder / "2.npy", holed[..., :2])
+    call = vesselsplat("enhance", folder, out, "--statistics", "clip")
+    assert (call.code, files(out)) == (2, {"0.tiff", "3.tiff"})
+    assert "2 of 4 images could not be enhanced: 1.npy (expected an image without NaN" in call.error
+    assert "2.npy (expected an image of shape" in call.error
+    np.save(folder / "0.npy", holed)
+    np.save(folder / "3.npy", holed)
+    call = vesselsplat("enhance", folder, tmp_path / "none")
+    assert (call.code, call.error.count("\n"), (tmp_path / "none").exists()) == (2, 1, False)
+
+
 def test_what_may_not_be_read_is_passed_over(
     cases: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
