@@ -10,7 +10,14 @@ from pathlib import Path
 
 from app.enhancement.batch_names import FILM, STILL, alike, free_folder, free_name
 from app.enhancement.enhance_files import Setting, Watch, Written, enhance_into, unwatched
-from app.enhancement.kept_inputs import files_of, homes, identities, require_other, require_outside
+from app.enhancement.kept_inputs import (
+    files_of,
+    homes,
+    identities,
+    require_other,
+    require_outside,
+    require_own,
+)
 from app.errors import UserError, sentence
 from app.files.codecs import MP4
 from app.files.image_files import is_still
@@ -200,6 +207,8 @@ def enhance_batch(
         try:
             yield Step(place, len(items), item.name)
             chosen = setting
+            if item.is_video:
+                require_own(item.output)
             if item.clip_options is not None:
                 chosen = replace(setting, clip_options=item.clip_options)
             series = open_series(item.source, chosen.clip_options, apart)

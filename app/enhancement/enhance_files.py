@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from app.enhancement.dicom_files import is_dicom_name, require_dicom, write_dicom_film, write_enhanced_still
+from app.enhancement.kept_inputs import require_own
 from app.enhancement.methods import MethodEnhancer, Params, by_baseline, measure_for
 from app.enhancement.recording import is_recording
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, Made
@@ -281,6 +282,7 @@ def _write(
         for image, record in pictures:
             # PNG holds no floats.
             name = _free(staging, record.picture or "", ".tiff" if image.dtype.kind == "f" else ".png")
+            require_own(output / name)
             profile = profile_of(files[record.picture or ""], image)
             write_image(staging / name, image, record.signed, profile=profile)
             written.append(replace(record, output=name))

@@ -1,4 +1,5 @@
-"""No input is ever overwritten: where inputs lie, also by links, and which outputs would meet them there."""
+"""No input is ever overwritten, and no other file unasked: where inputs lie, also by links, and which outputs
+would meet them there."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from pathlib import Path
 
 from app.errors import UserError
 from app.files.image_files import frames_in
+from app.files.provenance import is_ours
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
 
@@ -30,6 +32,12 @@ def require_other(outputs: Iterable[Path], inputs: set[Identity]) -> None:
     for output in outputs:
         if not identities((output,)).isdisjoint(inputs):
             raise UserError(f"expected OUTPUT other than INPUT, which is never overwritten: {output}")
+
+
+def require_own(output: Path) -> None:
+    """Raises UserError: under a name that follows from that of an input, another program's file is there."""
+    if output.exists() and not is_ours(output):
+        raise UserError(f"expected no file there, or one of VesselSplat's, which is replaced: {output}")
 
 
 def identities(paths: Iterable[Path]) -> set[Identity]:

@@ -24,7 +24,7 @@ from pydantic_core import to_jsonable_python
 
 from app.errors import UserError
 from app.files.atomic import write_bytes
-from app.files.embedded import KEYWORD, carried, carrying
+from app.files.embedded import CARRIERS, KEYWORD, carried, carrying
 from renderer.json_files import parsed
 from renderer.layouts import layout_of
 from renderer.ply_comments import split
@@ -32,6 +32,7 @@ from renderer.readers.clip_files import files_in
 from renderer.regular_files import read_whole, require_regular
 from renderer.sog_list import is_unpacked_sog
 
+APP = "VesselSplat"
 NOTICE = "Research use only. Not a medical device."
 SCHEMA = 1
 PIXEL_LIBRARIES = ("numpy", "numba", "opencv-contrib-python-headless", "pillow", "av")
@@ -76,7 +77,7 @@ def _plain(value: Any) -> Any:
 def provenance(**facts: object) -> dict[str, Any]:
     """The given facts below what every export says: app, version, libraries, schema, UTC time, notice."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    head = {"app": "VesselSplat", "version": version(), "schema": SCHEMA, "utc": now, "notice": NOTICE}
+    head = {"app": APP, "version": version(), "schema": SCHEMA, "utc": now, "notice": NOTICE}
     return head | {"libraries": dict(libraries())} | facts
 
 
@@ -189,6 +190,17 @@ def read_provenance(path: Path) -> dict[str, Any]:
     if text is None:
         raise UserError(f"expected an image written by VesselSplat, found no provenance in {path.name}")
     return facts_of(text, path)
+
+
+def is_ours(path: Path) -> bool:
+    """Whether a file says, or the JSON beside it, that this program made it."""
+    beside = path.with_name(f"{path.name}.json")
+    try:
+        if beside.is_file():
+            return facts_of(read_whole(beside), beside).get("app") == APP
+        return path.suffix.lower() in CARRIERS and read_provenance(path).get("app") == APP
+    except (UserError, OSError):
+        return False
 
 
 def facts_of(text: str | bytes, path: Path) -> dict[str, Any]:

@@ -66,6 +66,26 @@ def test_what_has_another_name_may_lie_beside_the_inputs(home: Path) -> None:
     refused([*given, home / "c.mp4"], home, below=False)
 
 
+def test_what_this_program_did_not_make_is_not_replaced_unasked(home: Path, vesselsplat: Cli) -> None:
+    put(home / "p.jpg", home / "q.jpg", home / "p.png", home / "out/q.png")
+    write_avi(home / "a.avi")
+    (home / "a.mp4").write_bytes((home / "a.avi").read_bytes())
+    before = contents(home)
+    call = vesselsplat("enhance", home / "a.avi", home / "p.jpg", home / "q.jpg", home)
+    assert (call.code, "2 of 3 could not be enhanced: a.avi (expected no file there" in call.error) == (
+        2,
+        True,
+    )
+    assert {path.name for path in contents(home).keys() - before.keys()} == {"q.png"}
+    assert vesselsplat("enhance", home / "q.jpg", home / "out").code == 2
+    assert all(path.read_bytes() == content for path, content in before.items())
+    (home / "a.mp4").unlink()
+    (home / "p.png").unlink()
+    for _ in range(2):
+        assert vesselsplat("enhance", home / "a.avi", home / "p.jpg", home / "q.jpg", home).code == 0
+    assert vesselsplat("enhance", home / "q.jpg", home / "out/q.png").code == 0, "it is named"
+
+
 def test_only_what_is_read_of_a_folder_is_kept(tmp_path: Path) -> None:
     put(tmp_path / "clip/1.png", tmp_path / "made/enh/1.png")
     (tmp_path / "made/notes.txt").write_text("seen")
