@@ -18,7 +18,7 @@ from app.enhancement.settable import POOLED_FRAMES, Pixels, Scope, drawn
 from app.errors import UserError, sentence
 from app.files.atomic import filled, together
 from app.files.codecs import ending_of
-from app.files.color_profiles import profile_of
+from app.files.color_profiles import loses_profile, profile_of
 from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.image_files import JPEGS, ArrayImage, is_image, write_image
 from app.files.image_series import Series
@@ -118,7 +118,7 @@ def enhance_into(
     pooled = pooled_statistics(series, setting, watch) if setting.pools(series) else None
     images = _pictures(series, notices, failed=failed)
     pictures = watch("enhance", series.names, _enhanced(series, ahead(images), setting, pooled))
-    told = _told_of_alpha(output, pictures, notices)
+    told = _told_of_losses(output, series, pictures, notices)
     try:
         if is_dicom_name(output):
             notices.extend(require_dicom(series.sources, setting.dicom))
@@ -249,13 +249,20 @@ def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statisti
         images.close()
 
 
-def _told_of_alpha(output: Path, pictures: Iterable[Made], notices: list[str]) -> Iterator[Made]:
-    """The pictures, with a notice where their transparency is lost."""
-    is_opaque = output.suffix.lower() in JPEGS or ending_of(output) or is_dicom_name(output)
-    notice = f"transparency is left out, which {output.suffix} does not hold"
-    for image, record in pictures:
-        if is_opaque and not output.is_dir() and notice not in notices and _shows_through(image):
-            notices.append(notice)
+def _told_of_losses(
+    output: Path, series: Series, pictures: Iterable[Made], notices: list[str]
+) -> Iterator[Made]:
+    """The pictures, with a notice where their transparency, or the profile of the first, is lost."""
+    is_film = ending_of(output) or is_dicom_name(output)
+    is_opaque = (is_film or output.suffix.lower() in JPEGS) and not output.is_dir()
+    is_file = (is_film or is_image(output)) and not output.is_dir()
+    lost = f"which {output.suffix} does not hold"
+    transparency = f"transparency is left out, {lost}"
+    for place, (image, record) in enumerate(pictures):
+        if is_opaque and transparency not in notices and _shows_through(image):
+            notices.append(transparency)
+        if place == 0 and is_file and loses_profile(output, series.files[0], image):
+            notices.append(f"the ICC profile of the colours is left out, {lost}: they are shown as sRGB")
         yield image, record
 
 

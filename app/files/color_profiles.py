@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
+from app.files.embedded import CARRIERS
 from renderer.readers.image_files.picture_files import opened
 from renderer.readers.image_files.pictures import BROKEN, is_frame
 
@@ -15,6 +16,18 @@ KINDS: Final = {b"GRAY": (1,), b"RGB ": (3, 4)}
 KIND: Final = slice(16, 20)
 LARGEST: Final = 1 << 22
 """Bytes; what is larger describes no colours of a screen or camera."""
+
+HOLDING: Final = frozenset({*CARRIERS, ".webp"})
+"""Suffixes of files that are written with a profile."""
+USUAL: Final = (b"sRGB", "sRGB".encode("utf-16-be"))
+"""In the description of a profile of the colours that a file without one has."""
+
+
+def loses_profile(output: Path, source: Path, image: NDArray[Any]) -> bool:
+    """Whether the colours of an `image`, as those in the file `source`, are shown as others in a file named
+    `output`, since that holds no profile."""
+    profile = b"" if output.suffix.lower() in HOLDING else profile_of(source, image)
+    return bool(profile) and not any(name in profile for name in USUAL)
 
 
 def profile_of(path: Path, image: NDArray[Any]) -> bytes:

@@ -88,3 +88,17 @@ def test_tuned_images_and_their_sheet_keep_the_profile(tmp_path: Path, vesselspl
     assert [profile_in(out / name) for name in names] == [RGB] * 3
     again = vesselsplat("replay", out / "sheet.png", "--source", source)
     assert again.out.rstrip().endswith("identical")
+
+
+def test_what_holds_no_profile_says_so_but_of_srgb(tmp_path: Path, vesselsplat: Cli) -> None:
+    folder = tmp_path / "in"
+    folder.mkdir()
+    wide = RGB.replace(b"sRGB", b"wide").replace("sRGB".encode("utf-16-be"), "wide".encode("utf-16-be"))
+    for profile, told in ((RGB, 0), (None, 0), (wide, 1)):
+        for number in range(2):
+            image_with(folder / f"{number}.png", profile)
+        for output in ("out.mp4", "out.bmp", "out.png"):
+            source = folder if output == "out.mp4" else folder / "0.png"
+            done: Call = vesselsplat("enhance", source, tmp_path / output, "--method", "clahe")
+            assert done.code == 0, done.error
+            assert done.error.count("ICC profile") == (told if output != "out.png" else 0), output
