@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, zip_longest
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 import numpy as np
@@ -93,7 +93,8 @@ class Given:
     name: str
     """Without suffix."""
     origin: dict[str, Any]
-    """Name and digest of its file, and of a video the number of the frame."""
+    """Name and digest of its file, of a video the number of the frame, and where another file of this name is
+    measured, too, the end of its path."""
     path: Path
     sequence: Path
     """The folder or video whose pictures follow each other."""
@@ -102,12 +103,13 @@ class Given:
 
     @property
     def label(self) -> str:
-        return " ".join(str(self.origin[key]) for key in ("name", "frame") if key in self.origin)
+        file = "path" if "path" in self.origin else "name"
+        return " ".join(str(self.origin[key]) for key in (file, "frame") if key in self.origin)
 
 
 def run(flags: argparse.Namespace) -> None:
     images = [_given(path) for path in flags.images]
-    pictures = list(chain(*images))
+    pictures = _told_apart(list(chain(*images)))
     originals = _one_each([_given(path) for path in flags.against or []], images, "original")
     masks = _one_each([_given(path) for path in flags.vessels or []], images, "vessel mask")
     measured = []
@@ -137,6 +139,25 @@ def _given(path: Path) -> list[Given]:
         sequence = source.parent if number is None else source
         found.append(Given(name, origin, source, sequence, series.is_video, partial(series.read, index)))
     return found
+
+
+def _told_apart(pictures: list[Given]) -> list[Given]:
+    """Those of files of one name with as much of their paths as differs."""
+    named: dict[str, set[Path]] = {}
+    for one in pictures:
+        named.setdefault(one.path.name, set()).add(one.path)
+    ends = {path: end for alike in named.values() if len(alike) > 1 for path, end in _ends(alike).items()}
+    return [
+        replace(one, origin=one.origin | {"path": ends[one.path]}) if one.path in ends else one
+        for one in pictures
+    ]
+
+
+def _ends(paths: Collection[Path]) -> dict[Path, str]:
+    """Of different paths, the last parts: the fewest that differ."""
+    counts = range(1, max(len(path.parts) for path in paths) + 1)
+    found = ({path: PurePath(*path.parts[-count:]).as_posix() for path in paths} for count in counts)
+    return next(ends for ends in found if len(set(ends.values())) == len(paths))
 
 
 def _one_each(given: list[list[Given]], images: list[list[Given]], what: str) -> list[Given]:

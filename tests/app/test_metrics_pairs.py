@@ -98,3 +98,25 @@ def test_files_named_one_by_one_keep_their_order(originals: Path, vesselsplat: C
     first, second = originals / "001.png", originals / "002.png"
     found = pairs(vesselsplat, first, second, "--against", second, first)
     assert [(one, other) for one, other, _ in found] == [("001.png", "002.png"), ("002.png", "001.png")]
+
+
+def test_images_of_one_name_are_told_apart_by_their_folders(
+    originals: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    others = written(tmp_path / "others", range(3, 5))
+    call = vesselsplat("metrics", originals, others, "--json")
+    told = [(one["image"]["name"], one["image"].get("path")) for one in json.loads(call.out)["images"]]
+    assert told[2:] == [
+        ("002.png", None),
+        ("003.png", "originals/003.png"),
+        ("003.png", "others/003.png"),
+        ("004.png", None),
+    ]
+    table = vesselsplat("metrics", originals, others).out
+    assert all(table.count(name) >= 1 for name in ("originals/003.png", "others/003.png"))
+    deep = tmp_path / "deep"
+    deep.mkdir()
+    again = written(deep / "others", range(3, 4))
+    told = json.loads(vesselsplat("metrics", others, again, others, "--json").out)["images"]
+    ends = [one["image"].get("path") for one in told]
+    assert ends == [f"{tmp_path.name}/others/003.png", None, "deep/others/003.png", ends[0], None]
