@@ -37,6 +37,7 @@ from enhance.metrics import (
 from enhance.noise import chroma_noise_gain, noise_gain
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.metrics import psnr_masked, ssim_masked
+from renderer.readers.masks.tool_masks import is_lossy, levels, marked_pixels
 
 DEFINITIONS = {
     "pixels": "the field of view of the original, or of an image without one, as far as nothing there is "
@@ -81,7 +82,8 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         metavar="MASK",
         nargs="+",
         type=Path,
-        help="vessel masks (non-zero where vessels are), if known; paired as originals are",
+        help="vessel masks, if known: not black where vessels are, in JPEG and video bright; paired as "
+        "originals are",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
@@ -246,9 +248,9 @@ def _read(given: Given) -> ArrayImage:
 
 def _mask(given: Given, image: ArrayImage) -> BoolImage:
     stored = given.read()
-    mask = stored if stored.ndim == 2 else stored[..., :3].max(axis=2)
-    _check_size(mask, image, given.path)
-    return np.asarray(mask > 0)
+    _check_size(stored, image, given.path)
+    has_noise = given.is_video or is_lossy(given.path)
+    return marked_pixels(stored) if has_noise else np.asarray(levels(stored) > 0)
 
 
 def _check_size(image: ArrayImage, original: ArrayImage, path: Path) -> None:

@@ -60,6 +60,9 @@ def test_metrics_know_contrast_noise_and_black_vessels(tmp_path: Path, vesselspl
     paths = [tmp_path / f"{name}.png" for name in ("after", "before", "truth")]
     alone = json.loads(vesselsplat("metrics", paths[1], "--vessels", paths[2], "--json").out)
     assert alone["mean"]["vessel_contrast"] == pytest.approx(0.5, abs=0.02)
+    cv2.imwrite(str(tmp_path / "truth.jpg"), truth, (cv2.IMWRITE_JPEG_QUALITY, 60))
+    lossy = json.loads(vesselsplat("metrics", paths[1], "--vessels", tmp_path / "truth.jpg", "--json").out)
+    assert lossy["mean"]["vessel_contrast"] == pytest.approx(0.5, abs=0.05)
     report = json.loads(vesselsplat("metrics", paths[0], "--against", paths[1], "--json").out)
     mean, original = report["mean"], report["images"][0]["original"]
     assert original["vessel_contrast"] == pytest.approx(0.5, abs=0.05)
