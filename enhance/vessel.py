@@ -93,7 +93,7 @@ def enhance_vessels(
     Args:
         image: (H, W), (H, W, 3) RGB in this order, or (H, W, 4) RGBA; types as of `enhance`. Of grey
             images all darkness counts as blood.
-        tissue_mask: as of `enhance`; the median density is of all that is visible in the field of view.
+        tissue_mask: as of `enhance`; the median density, too, is that of the kept pixels.
         statistics: of a clip, measured with any parameters of three scales; None: of this image.
         pixels: as of `enhance`.
 
@@ -219,8 +219,7 @@ class VesselEnhancer:
         ground = self._ground
         if ground is None or ground.radius != params.radius:
             opened = background(found.absorbed, found.survey.low.fine[0], params.radius)
-            alpha = now.picture.alpha
-            middle = middle_density(found.absorbed, opened, params.radius, now.spans, alpha)
+            middle = middle_density(found.absorbed, opened, params.radius, now.spans, now.keep)
             ground = self._ground = _Ground(params.radius, opened, middle)
         return found, ground
 

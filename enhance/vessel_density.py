@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from enhance import morphology
 from enhance.field import Spans
-from enhance.image import AnyImage, Float32Image
+from enhance.image import Float32Image
 from enhance.pixel_block import ONE, TWO, ZERO
 from enhance.powers import LOG2_E, brief_exp2
 from enhance.reflections import without_reflections
@@ -40,10 +40,10 @@ def background(absorbed: Float32Image, value: Float32Image, radius: int) -> Floa
 
 
 def middle_density(
-    absorbed: Float32Image, opened: Float32Image, radius: int, spans: Spans, alpha: AnyImage | None
+    absorbed: Float32Image, opened: Float32Image, radius: int, spans: Spans, keep: NDArray[np.uint8]
 ) -> float:
-    """Median within the spans of an image's rows (all, where there are none) where its alpha (H, W), if any,
-    is not 0, at evenly spread places."""
+    """Median within the spans of an image's rows (all, where there are none), at evenly spread places: those
+    where `keep` (H, W; empty: all) is not 0, or all where it keeps none."""
     grid = morphology.step_of(radius) // SUBSAMPLE
     apart = max(3, math.isqrt(absorbed.size // SAMPLES))
     height, width = absorbed.shape
@@ -53,8 +53,9 @@ def middle_density(
     if len(spans):
         within = spans[SUBSAMPLE * y]
         counts = (SUBSAMPLE * x >= within[:, :1]) & (SUBSAMPLE * x < within[:, 1:])
-    if alpha is not None:
-        counts &= alpha[:: SUBSAMPLE * apart, :: SUBSAMPLE * apart] > 0
+    if len(keep):
+        kept = counts & (keep[:: SUBSAMPLE * apart, :: SUBSAMPLE * apart] > 0)
+        counts = kept if kept.any() else counts
     density = density[counts]
     return float(np.median(density)) if density.size else 0.0
 

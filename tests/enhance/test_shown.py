@@ -23,6 +23,7 @@ from enhance.field import EVERYWHERE, FieldOfView
 from enhance.field_search import find_field
 from enhance.image import full_scale
 from enhance.reference import enhance_reference
+from enhance.shown import ALL_KEPT
 from enhance.vessel_density import middle_density
 from tests.enhance.endoscopes import outline, seen_in
 from tests.enhance.pictures import as_type
@@ -156,7 +157,7 @@ def test_hidden_pixels_have_no_part_in_the_typical_density() -> None:
     density[:, 50:] = 1
     alpha = np.zeros((120, 160), np.uint8)
     alpha[:, 100:] = 255
-    assert middle_density(density, nothing, 2, EVERYWHERE, None) == 0
+    assert middle_density(density, nothing, 2, EVERYWHERE, ALL_KEPT) == 0
     assert middle_density(density, nothing, 2, EVERYWHERE, alpha) == 1
 
 

@@ -56,7 +56,7 @@ def vessels_of(
     paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
     toned = enhance(_merged(calm), paper, tissue_mask=keep, statistics=statistics, pixels=field or "all")
     colored = _colored(_split(toned.image), toned.statistics.saturation_mean, params)
-    density = np.float32(params.strength) * blood_density(planes, bright, params, inside & picture.visible)
+    density = np.float32(params.strength) * blood_density(planes, bright, params, keep)
     shares = ABSORPTION if len(planes) == 3 else np.ones(1, np.float32)
     result = _merged([plane * np.exp(-share * density) for plane, share in zip(colored, shares, strict=True)])
     result[~inside] = colors[~inside]
@@ -69,7 +69,7 @@ def vessels_of(
 
 
 def blood_density(
-    planes: Planes, bright: Float32Image, params: VesselParams, inside: BoolImage
+    planes: Planes, bright: Float32Image, params: VesselParams, keep: BoolImage
 ) -> Float32Image:
     """Optical density of narrow dark structures in green, (H, W) in [0, 0.5].
 
@@ -80,14 +80,14 @@ def blood_density(
     Args:
         planes: R, G and B, or a single grey, (H, W) in [0, 1].
         bright: (H, W) calm V, which tells reflections, and darkness, where density fades.
-        inside: (H, W), True = field of view, that is visible, whose median density is noise.
+        keep: (H, W), True = its median density is noise.
     """
     logs = [np.log(_blocks(_smooth(plane, SOFT), GRID) + FLOOR) for plane in planes[:2]]
     absorbed = -logs[0] if len(planes) == 1 else np.float32(params.shading) * logs[0] - logs[1]
     found = np.maximum(absorbed - _opened(absorbed, bright, params.radius), 0)
     apart = max(3, math.isqrt(found.size // (1 << 12)))
-    inside = inside[::GRID, ::GRID]
-    noise = np.float32(params.coring) * np.median(found[::apart, ::apart][inside[::apart, ::apart]])
+    keep = keep[::GRID, ::GRID]
+    noise = np.float32(params.coring) * np.median(found[::apart, ::apart][keep[::apart, ::apart]])
     square = found * found
     cored = found * square / (square + noise * noise + np.float32(1e-12))
     density = _fade(_blocks(bright, GRID)) * MOST * np.tanh(cored / MOST)
