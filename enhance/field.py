@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Final, Self
 
+import cv2
 import numpy as np
 from annotated_types import Interval, Len
 from numba import njit
@@ -21,6 +22,8 @@ from enhance.image import AnyImage, BoolImage
 
 MOST_COMPARED: Final = 32
 """Fields of one clip."""
+LEAST_CONVEX: Final = 0.98
+"""Area of an outline by that of its convex hull: rounding may dent it."""
 MOST_CORNERS: Final = 240
 """Of an outline; as many as the rays that its rim is measured along."""
 
@@ -38,7 +41,8 @@ class FieldOfView:
     """A convex part of a picture, in pixels from its upper left corner; pixel centres at +0.5.
 
     Raises:
-        pydantic.ValidationError: (a ValueError) a value out of its range, or a circle and a polygon.
+        pydantic.ValidationError: (a ValueError) a value out of its range, a circle and a polygon, or a
+            polygon that is not convex.
 
     Example:
         >>> from enhance.field import FieldOfView
@@ -53,12 +57,21 @@ class FieldOfView:
     circle: tuple[Coordinate, Coordinate, Radius] | None = None
     """Middle, x and y, and radius; it may reach beyond the picture."""
     polygon: Annotated[tuple[Corner, ...], Len(3, MOST_CORNERS)] | None = None
-    """Corners of a convex outline. Neither circle nor polygon: the whole picture."""
+    """Corners of a convex outline, in order. Neither circle nor polygon: the whole picture."""
 
     @model_validator(mode="after")
     def _has_one_outline(self) -> Self:
         if self.circle is not None and self.polygon is not None:
             raise ValueError("expected a circle or a polygon, got both")
+        return self
+
+    @model_validator(mode="after")
+    def _is_convex(self) -> Self:
+        if self.polygon is not None:
+            corners = np.array(self.polygon, np.float32)
+            whole = cv2.contourArea(cv2.convexHull(corners))
+            if cv2.contourArea(corners) < LEAST_CONVEX * whole:
+                raise ValueError("expected a convex polygon, got one with dents or crossing sides")
         return self
 
     @property

@@ -231,6 +231,8 @@ def test_an_inset_that_leaves_nothing_is_not_made() -> None:
         {"polygon": ((0.0, 0.0), (5.0, 5.0))},
         {"polygon": ((0.0, 0.0), (5.0, 5.0), (0.0, np.inf))},
         {"circle": (5.0, 5.0, 3.0), "polygon": ((0.0, 0.0), (5.0, 5.0), (0.0, 5.0))},
+        {"polygon": ((0.0, 0.0), (8.0, 0.0), (4.0, 3.0), (8.0, 8.0), (0.0, 8.0))},
+        {"polygon": ((0.0, 0.0), (8.0, 8.0), (8.0, 0.0), (0.0, 8.0))},
     ],
 )
 def test_what_is_no_field_is_refused(wrong: dict[str, Any]) -> None:
