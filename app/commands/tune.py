@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
-import math
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -26,6 +23,7 @@ from app.enhancement.setting_words import LABELS, said
 from app.errors import UserError
 from app.files.atomic import filled
 from app.files.color_profiles import profile_of
+from app.files.csv_table import csv_table
 from app.files.image_files import ArrayImage, write_image
 from app.files.image_series import open_series
 from app.files.provenance import provenance, strict_json, write_png
@@ -190,14 +188,12 @@ def _write_summary(
 
 def _table(axes: Sequence[Axis], rows: Sequence[Row]) -> bytes:
     """CSV; an empty field is what could not be measured."""
-    text = io.StringIO()
-    writer = csv.writer(text)
-    writer.writerow(["output", *(one.name for one in axes), *METRICS])
+    table = []
     for row in rows:
-        values = [one.values[place] for one, place in zip(axes, row.setting.places, strict=True)]
-        measured = ("" if math.isnan(value) else value for value in vars(row.measures).values())
-        writer.writerow([row.output, *map(joined, values), *measured])
-    return text.getvalue().encode()
+        places = zip(axes, row.setting.places, strict=True)
+        values = {one.name: joined(one.values[place]) for one, place in places}
+        table.append({"output": row.output} | values | vars(row.measures))
+    return csv_table(["output", *(one.name for one in axes), *METRICS], table)
 
 
 def _print(rows: Sequence[Row]) -> None:

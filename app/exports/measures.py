@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -14,6 +12,7 @@ from app.exports.panes import Made, PaneMaker
 from app.exports.records import MeasuresTable
 from app.exports.sizing import Sizing
 from app.files.atomic import together, write_bytes
+from app.files.csv_table import csv_table
 from app.files.provenance import write_sidecar
 from enhance.noise import NoiseCut
 
@@ -50,15 +49,5 @@ def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
     every = DEFINITIONS if record.measured_over == "field of view" else {**DEFINITIONS, **DEFINITIONS_BEFORE}
     definitions = {name: text for name, text in every.items() if name in record.measures}
     with together(path) as place:
-        write_bytes(place, _table(rows, record.measures))
+        write_bytes(place, csv_table(("frame", "label", "pane", *record.measures), rows))
         write_sidecar(place, record.signed | {"definitions": definitions, "frames": rows})
-
-
-def _table(rows: list[Row], measures: Sequence[str]) -> bytes:
-    """CSV; an empty field is what could not be measured."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, ["frame", "label", "pane", *measures])
-    writer.writeheader()
-    for row in rows:
-        writer.writerow({name: "" if value != value else value for name, value in row.items()})
-    return text.getvalue().encode()

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -11,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from app.files.atomic import replaced, write_bytes
+from app.files.csv_table import csv_table
 from app.files.provenance import strict_json
 from app.report.section import Cell
 from app.sweeps.jobs import JobFolder
@@ -90,11 +89,7 @@ def write_tables(table: Sequence[Row], folder: Path) -> tuple[Path, ...]:
     flat = [row.flat() for row in table]
     columns = list(dict.fromkeys(name for row in flat for name in row))
     paths = [folder / "table.csv", folder / "table.jsonl"]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, columns, restval="")
-    writer.writeheader()
-    writer.writerows({name: "" if value is None else value for name, value in row.items()} for row in flat)
-    write_bytes(paths[0], text.getvalue().encode())
+    write_bytes(paths[0], csv_table(columns, flat))
     write_bytes(paths[1], "".join(f"{strict_json(row)}\n" for row in flat).encode())
     if _write_parquet(flat, columns, folder / "table.parquet"):
         paths.append(folder / "table.parquet")
