@@ -7,6 +7,7 @@ from pathlib import Path
 
 from renderer.clip import Clip
 from renderer.readers.clip_options import FIELD_OF_VIEW, ClipOptions
+from renderer.readers.image_folders.pages import left_pages
 from renderer.readers.video import open_video
 
 
@@ -14,4 +15,6 @@ def open_coded_still(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     """A clip of one frame. Raises ClipError: it cannot be decoded."""
     video = open_video(path, ClipOptions(field_of_view=field_of_view, stereo="off"))
     first = video.between(0, 0)
-    return replace(first, format="image", labels=(path.name,), frames_per_second=None, frame_times=None)
+    said = (*first.notices, *left_pages((path,)))
+    alone = replace(first, frames_per_second=None, frame_times=None)
+    return replace(alone, format="image", labels=(path.name,), notices=said)

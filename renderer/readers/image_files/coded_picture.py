@@ -20,8 +20,9 @@ CODED: Final = frozenset({".avif", ".heic", ".heif", ".jp2"})
 """Suffixes of such files; of those with several images the first counts among the images of a folder."""
 JPEG_2000: Final = b"\x00\x00\x00\x0cjP  "
 BOXES: Final = b"ftyp"
+GROUPS, STEREO = b"grpl", b"ster"
 BEFORE_PIXELS: Final = 1 << 16
-"""Bytes of a file within which it tells how its image is turned."""
+"""Bytes of a file within which it tells how its image is turned, and which of its images belong together."""
 QUARTERS: Final = re.compile(rb"\x00\x00\x00\x09irot(.)", re.DOTALL)
 """The turn of an image in HEIC and AVIF, in quarters. Source: ISO/IEC 23008-12, 6.5.10."""
 
@@ -36,6 +37,14 @@ def is_coded_still(path: Path) -> bool:
     """Whether a file of any name holds one such image, by its first bytes: sequences have other ones."""
     head = _head(path, 12)
     return head.startswith(JPEG_2000) or (head[4:8] == BOXES and head[8:12] in BRANDS)
+
+
+def is_stereo_pair(path: Path) -> bool:
+    """Whether such a file says that two of its images are those of the left and of the right eye, as spatial
+    photos do. Source: ISO/IEC 23008-12, entity group 'ster'."""
+    head = _head(path, BEFORE_PIXELS) if path.suffix.lower() in CODED else b""
+    at = head.find(GROUPS)
+    return at >= 4 and STEREO in head[at : at - 4 + int.from_bytes(head[at - 4 : at])]
 
 
 def _head(path: Path, count: int) -> bytes:

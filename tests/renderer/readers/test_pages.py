@@ -33,3 +33,16 @@ def test_of_one_picture_a_file_nothing_is_told(tmp_path: Path) -> None:
     for name in ("1.tiff", "2.webp", "3.png", "4.jpg"):
         write(tmp_path / name, 1)
         assert open_series(tmp_path / name).notices == ()
+
+
+def test_that_one_eye_of_a_stereo_pair_is_read_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "1.avif"
+    Image.fromarray(np.full((48, 64, 3), 90, np.uint8)).save(path)
+    assert open_clip(path).notices == open_series(path).notices == ()
+    group = (24).to_bytes(4) + b"ster" + bytes(4) + b"".join(each.to_bytes(4) for each in (9, 2, 1, 2))
+    groups = (12 + len(group)).to_bytes(4) + b"grpl" + bytes(4) + group
+    path.write_bytes(path.read_bytes() + groups)
+    said = ("of a stereo pair one image is read, without that of the other eye: 1.avif",)
+    assert open_clip(path).notices == open_series(path).notices == open_clip(tmp_path).notices == said
+    path.write_bytes(path.read_bytes().replace(b"ster", b"altr"))
+    assert open_clip(path).notices == ()
