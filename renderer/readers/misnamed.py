@@ -17,6 +17,7 @@ DICOM: Final = "a DICOM file"
 JPEG_XL: Final = "a JPEG XL image: convert it to PNG or JPEG first"
 UNMARKED: Final = "a file without the mark of DICOM: dcmconv of DCMTK writes it with one"
 HEIC: Final = "a HEIC image"
+CONVERT: Final = "convert it to PNG or TIFF first"
 BRANDS: Final = MappingProxyType({b"heic": HEIC, b"heix": HEIC, b"mif1": HEIC, b"avif": "an AVIF image"})
 """Of ISO media files that are pictures."""
 STARTS: Final = MappingProxyType(
@@ -28,6 +29,8 @@ STARTS: Final = MappingProxyType(
         b"\x00\x00\x01\xba": VIDEO,
         b"\x00\x00\x01\xb3": VIDEO,
         b"\x30\x26\xb2\x75\x8e\x66\xcf\x11": VIDEO,
+        b"\x76\x2f\x31\x01": f"an OpenEXR image: {CONVERT}",
+        b"#?RADIANCE": f"a Radiance HDR image: {CONVERT}",
         b"%PDF": "a PDF document: export its images first",
         b"PK\x03\x04": "a zip archive: unpack it first",
         b"Rar!": "a RAR archive: unpack it first",

@@ -40,8 +40,8 @@ DICOM_HOLDS = "mov,mp4,mpegts,mpeg,mpegvideo,h264,hevc"
 SMOOTH = 8
 """Units of time in a frame from which on a difference of one unit is rounding."""
 Threads = Literal["AUTO", "SLICE"]
-NO_VIDEO = frozenset({"ansi", "bintext", "xbin", "idf"})
-"""Text, of which FFmpeg makes pictures."""
+NO_VIDEO = frozenset({"ansi", "bintext", "xbin", "idf", "exr", "hdr"})
+"""Text, of which FFmpeg makes pictures, and images of light, of which it makes grey levels without a word."""
 
 
 @dataclass(frozen=True)

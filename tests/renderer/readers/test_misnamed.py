@@ -6,6 +6,7 @@ import gzip
 import zipfile
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -71,3 +72,16 @@ def test_what_nothing_tells_is_left_open(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(b"anything else")
     assert what_it_is(tmp_path / "a") is None
     assert what_it_is(tmp_path / "not there") is None
+
+
+def test_an_image_of_light_is_no_video_of_grey_levels(tmp_path: Path) -> None:
+    for name, codec, layout in (("a.exr", "exr", "gbrpf32le"), ("a.hdr", "hdr", "gbrpf32le")):
+        with av.open(str(tmp_path / name), "w", format="image2", options={"update": "1"}) as file:
+            stream = file.add_stream(codec, rate=1)
+            stream.width, stream.height, stream.pix_fmt = 32, 24, layout
+            light = av.VideoFrame.from_ndarray(np.full((24, 32, 3), 90, np.uint8), "rgb24")
+            file.mux(stream.encode(light.reformat(format=layout)))
+            file.mux(stream.encode())
+        for read in (open_clip, read_counted_header):
+            with pytest.raises(ClipError, match=r"got an? (OpenEXR|Radiance HDR) image: convert it"):
+                read(tmp_path / name)
