@@ -238,7 +238,7 @@ def _numbers(value: Any, name: str) -> list[float]:
     inner = value.get("data") if isinstance(value, dict) else value
     try:
         numbers = np.asarray(inner, dtype=np.float64).ravel()
-    except (ValueError, TypeError, RecursionError) as error:
+    except (ValueError, TypeError, OverflowError, RecursionError) as error:
         raise ValueError(f"expected numbers of {name}, got other values") from error
     if not numbers.size or not np.isfinite(numbers).all():
         raise ValueError(f"expected finite numbers of {name}, got others")

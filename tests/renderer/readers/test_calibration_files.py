@@ -230,6 +230,12 @@ WRONG = {
     ),
     "words": ({"mtx": [["a"] * 3] * 3, "dist": BENT}, "expected numbers of mtx"),
     "no number": ({"mtx": [[float("nan")] * 3] * 3, "dist": BENT}, "finite numbers of mtx"),
+    "a number beyond all floats": (
+        {"mtx": [[10**400] * 3] * 3, "dist": BENT}, "expected numbers of mtx, got other values"
+    ),
+    "a size beyond all floats": (
+        {"mtx": MATRIX, "dist": BENT, "image_size": [640, 10**400]}, "expected numbers of image_size"
+    ),
     "no focal length": ({"mtx": np.diag([0, 1, 1]).tolist(), "dist": BENT}, "fx: expected greater than 0"),
     "three coefficients": ({"mtx": MATRIX, "dist": BENT[:3]}, "0, 4, 5, 8, 12, 14 coefficients"),
     "an unknown model": (ROS.replace("plumb_bob", "omni"), "distortion model of plumb_bob"),
