@@ -99,7 +99,7 @@ def read_spec(path: Path) -> Spec:
         return spec_of(tomllib.loads(read_whole(path).decode("utf-8-sig")), path)
     except UnicodeDecodeError as error:
         raise UserError(f"expected a sweep in TOML, as UTF-8 text: {path}") from error
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # Of whole numbers of thousands of digits, too.
         raise UserError(f"expected a sweep in TOML ({error}): {path}") from error
 
 

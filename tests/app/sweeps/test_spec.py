@@ -100,7 +100,7 @@ def test_more_jobs_than_can_be_meant_are_refused_before_they_are_made() -> None:
         jobs_asked_for(asked, clips=1)
 
 
-@pytest.mark.parametrize("text", [b"clips = [", b"\xff\xfe", b"a = 1\na = 2\n"])
+@pytest.mark.parametrize("text", [b"clips = [", b"\xff\xfe", b"a = 1\na = 2\n", b"frames = " + b"9" * 5000])
 def test_a_file_that_is_no_toml_is_one_line(tmp_path: Path, text: bytes) -> None:
     (tmp_path / "sweep.toml").write_bytes(text)
     with pytest.raises(UserError, match=r"expected a sweep in TOML"):
