@@ -99,6 +99,12 @@ def test_every_other_frame_is_not_missing(tmp_path: Path, told: Callable[[Path],
     assert (facts["frames"]["step"], facts["frames"]["missing"]) == (10, [])
 
 
+def test_a_date_among_numbers_is_told_at_once(folder: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+    cv2.imwrite(str(folder / "20231128123456789.png"), tissue(3))
+    frames = told(folder)["frames"]
+    assert (frames["count"], frames["last"], frames["missing"]) == (4, 20231128123456789, None)
+
+
 def test_pairs_that_match_and_pairs_that_do_not(
     tmp_path: Path, told: Callable[[Path], dict[str, Any]]
 ) -> None:

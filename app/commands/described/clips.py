@@ -9,6 +9,7 @@ from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from statistics import median
 
 import numpy as np
 
@@ -35,6 +36,8 @@ TITLES = {layout.name: layout.title for layout in LAYOUTS}
 LOOKED_AT = 3
 """Frames, while they take no longer than SECONDS all together."""
 SECONDS = 0.4
+MOST_LISTED = 100_000
+"""Numbers of frames that are missing, one by one."""
 
 
 def of_clip(path: Path) -> tuple[Fact, ...]:
@@ -184,13 +187,16 @@ def _numbers(clip: Clip) -> Fact:
     if len(numbers) < len(clip) or len(clip) == 1:
         text = f"{len(clip)}, {clip.labels[0]}" if len(clip) == 1 else str(len(clip))
         return Fact("frames", text, {"count": len(clip)})
-    steps = np.diff(numbers)
-    step = int(np.median(steps))
-    gaps = [(int(one) + step, int(two) - step) for one, two in pairwise(numbers) if two - one > step]
-    missing = [number for first, last in gaps for number in range(first, last + 1, max(step, 1))]
+    step = int(median(two - one for one, two in pairwise(numbers)))
+    gaps = [(one + step, two - step) for one, two in pairwise(numbers) if two - one >= 2 * step]
+    lost = sum((last - first) // step + 1 for first, last in gaps)
+    # A date among numbers makes a gap of billions.
+    missing = (
+        [each for one, two in gaps for each in range(one, two + 1, step)] if lost <= MOST_LISTED else None
+    )
     said = f"{len(clip)}, numbers {numbers[0]} to {numbers[-1]}" + (f" by {step}" if step > 1 else "")
     spans = [str(first) if first == last else f"{first} to {last}" for first, last in gaps]
-    lacking = f"; missing {len(missing)}: {listed(spans)}" if missing else ""
+    lacking = f"; missing {lost}: {listed(spans)}" if lost else ""
     value = {"count": len(clip), "first": numbers[0], "last": numbers[-1], "step": step, "missing": missing}
     return Fact("frames", said + lacking, value)
 
