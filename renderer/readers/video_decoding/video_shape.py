@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
@@ -36,8 +37,11 @@ def said_with(frame: VideoFrame, kind: str) -> bytes | None:
     """
     from av.sidedata.sidedata import SideDataContainer
 
-    all_of = cast("Callable[[VideoFrame], Mapping[str, Buffer]]", SideDataContainer)
-    found = all_of(frame).get(kind)
+    said = SideDataContainer.__new__(SideDataContainer)
+    # It stops at the first kind that PyAV has no name for, such as EXIF, before which FFmpeg puts the others.
+    with suppress(ValueError):
+        cast("Callable[[object, VideoFrame], None]", SideDataContainer.__init__)(said, frame)
+    found = cast("Mapping[str, Buffer]", said).get(kind)
     return None if found is None else bytes(found)
 
 

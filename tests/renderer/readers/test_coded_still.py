@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import ExifTags, Image, ImageOps
 
 from app.files.image_files import is_still, read_image
 from app.gui.views.clip_time import seconds_at
@@ -52,3 +52,21 @@ def test_one_of_several_tiles_is_not_shown_for_the_whole(tmp_path: Path) -> None
         open_clip(path)
     with pytest.raises(ClipError, match="one of 2 tiles"):
         upright_size(path)
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_what_a_camera_says_of_itself_hides_no_image_and_no_orientation(
+    tmp_path: Path, orientation: int
+) -> None:
+    picture = np.full((48, 64, 3), 90, np.uint8)
+    picture[:24, :32], picture[24:, 32:] = (200, 40, 40), (40, 200, 40)
+    told = Image.Exif()
+    told[ExifTags.Base.Orientation], told[ExifTags.Base.Make] = orientation, "a phone"
+    path = tmp_path / "still.avif"
+    Image.fromarray(picture).save(path, exif=told, quality=95)
+    with Image.open(path) as stored:
+        upright = np.asarray(ImageOps.exif_transpose(stored).convert("RGB"))
+    found = open_clip(path).read_image(0)
+    assert found.shape == upright.shape
+    assert np.abs(found.astype(int) - upright).max() <= NEAR
+    assert np.array_equal(read_image(path), found)

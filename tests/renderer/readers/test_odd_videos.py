@@ -1,10 +1,12 @@
 """Videos that are cut off, change on the way, or are none: what is whole is read, the rest is one line."""
 
+from fractions import Fraction
 from pathlib import Path
 
 import av
 import numpy as np
 import pytest
+from PIL import ExifTags, Image
 
 from renderer.clip import ClipError
 from renderer.readers.clip_options import ClipOptions
@@ -190,3 +192,20 @@ def joined(path: Path, *parts: Path, apart: int) -> Path:
                         packet.pts, packet.dts = packet.pts + number * apart, packet.dts + number * apart
                         container.mux(packet)
     return path
+
+
+def test_frames_that_carry_what_a_camera_says_of_itself(tmp_path):
+    told = Image.Exif()
+    told[ExifTags.Base.Make] = "a camera"
+    still, film = tmp_path / "still.jpg", tmp_path / "film.avi"
+    Image.fromarray(numbered_picture(3)).save(still, exif=told, quality=95)
+    with av.open(str(film), "w") as container:
+        stream = container.add_stream("mjpeg", rate=10)
+        stream.width, stream.height, stream.pix_fmt = 128, 64, "yuvj420p"
+        for number in range(4):
+            packet = av.Packet(still.read_bytes())
+            packet.stream, packet.pts, packet.dts = stream, number, number
+            packet.time_base, packet.is_keyframe = Fraction(1, 10), True
+            container.mux(packet)
+    clip = open_video(film)
+    assert [number_of(clip.read_image(index)) for index in range(len(clip))] == [3] * 4
