@@ -98,7 +98,7 @@ def _heading(text: str, margin: float) -> None:
 
 def _draw_drop(state: AppState, area: Area) -> None:
     """A dashed field with what to open in its middle."""
-    draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(theme.now().shade(0.45))
+    draw, ink = imgui.get_window_draw_list(), imgui.get_color_u32(theme.now().edge)
     draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.now().veil(0.03)), em(0.4))
     _draw_dashes(area, ink)
     start, line, pad = imgui.get_cursor_pos(), imgui.get_frame_height_with_spacing(), em(1)

@@ -23,6 +23,24 @@ def packed(red: int, green: int, blue: int) -> int:
     return imgui.get_color_u32(ImVec4(red / 255, green / 255, blue / 255, 1.0))
 
 
+GROUND, LIGHT_GROUND = 0.135, 0.922
+"""Grey of panels in the dark and in the light theme."""
+FLARE = 0.05
+"""Luminance of a screen's black as WCAG 2.2 counts it: contrast is the ratio of what is added to it."""
+
+
+def _luminance(level: float) -> float:
+    """Of a grey of sRGB, both in [0, 1]; IEC 61966-2-1."""
+    return float(level / 12.92 if level <= 0.04045 else ((level + 0.055) / 1.055) ** 2.4)
+
+
+def _mirrored(level: float) -> float:
+    """As far from the light ground, in contrast, as `level` is from the dark one; at most white."""
+    grounds = (_luminance(GROUND) + FLARE) * (_luminance(LIGHT_GROUND) + FLARE)
+    luminance = min(max(grounds / (_luminance(level) + FLARE) - FLARE, 0.0), 1.0)
+    return luminance * 12.92 if luminance <= 0.0031308 else 1.055 * luminance ** (1 / 2.4) - 0.055
+
+
 @dataclass(frozen=True)
 class Colors:
     """Of one theme."""
@@ -47,13 +65,19 @@ class Colors:
     """Behind an error."""
 
     def shade(self, level: float, alpha: float = 1.0) -> ImVec4:
-        """The grey that plays the part of `level`, in [0, 1], in the dark theme."""
-        return grey(1.03 - 0.8 * level if self.mirrored else level, alpha)
+        """The grey that plays the part of `level`, in [0, 1], in the dark theme: one of the same contrast to
+        the ground of panels, on the other side of it."""
+        return grey(_mirrored(level) if self.mirrored else level, alpha)
 
     @property
     def ground(self) -> ImVec4:
         """Of panels."""
-        return self.shade(0.135)
+        return self.shade(GROUND)
+
+    @property
+    def edge(self) -> ImVec4:
+        """Of controls without words."""
+        return self.shade(0.45)
 
     def veil(self, alpha: float) -> ImVec4:
         """A little of the text's colour over whatever is below."""
@@ -77,11 +101,11 @@ DARK = Colors(
 LIGHT = Colors(
     mirrored=True,
     text=grey(0.10),
-    muted=grey(0.32),
+    muted=grey(0.28),
     accent=ImVec4(0.09, 0.32, 0.60, 1.0),
-    lit=ImVec4(0.62, 0.78, 0.95, 1.0),
-    caution=ImVec4(0.96, 0.75, 0.36, 1.0),
-    recording=ImVec4(0.96, 0.66, 0.62, 1.0),
+    lit=ImVec4(0.40, 0.60, 0.85, 1.0),
+    caution=ImVec4(0.82, 0.52, 0.08, 1.0),
+    recording=ImVec4(0.95, 0.50, 0.46, 1.0),
     grab=ImVec4(0.24, 0.44, 0.68, 1.0),
     thumb=grey(0.52),
     warning=ImVec4(0.50, 0.29, 0.00, 1.0),

@@ -72,15 +72,30 @@ def test_every_text_can_be_read(ui: Ui, name: Theme) -> None:
 
 @pytest.mark.parametrize("name", BOTH)
 def test_what_says_something_without_words_stands_out(ui: Ui, name: Theme) -> None:
-    """Handles, bars of scrolling, and the bars on what is on or chosen."""
+    """Handles, bars of scrolling, edges of boxes to tick, and the bars on what is on or chosen."""
     theme.wear(name, 100)
     worn = theme.now()
     pairs = [(style("slider_grab"), style("frame_bg")), (style("scrollbar_grab"), style("window_bg"))]
     pairs += [(worn.text, worn.lit), (worn.text, worn.caution)]
+    pairs += [(worn.edge, worn.ground)]
     pairs += [
         (worn.accent, style(ground)) for ground in ("popup_bg", "header", "header_hovered", "window_bg")
     ]
     assert [round(contrast(*pair), 2) for pair in pairs if contrast(*pair) < TOLD_APART] == []
+
+
+@pytest.mark.parametrize("level", [0.10, 0.17, 0.21, 0.25, 0.30, 0.34, 0.45, 0.75])
+def test_greys_stand_out_from_panels_alike_in_both(level: float) -> None:
+    """Fields, buttons, borders, lines in the plots."""
+    dark, light = (contrast(one.shade(level), one.ground) for one in (theme.DARK, theme.LIGHT))
+    assert light == pytest.approx(dark, rel=0.01)
+
+
+@pytest.mark.parametrize("role", ["lit", "caution", "recording"])
+def test_what_is_on_stands_out_from_buttons_alike_in_both(role: str) -> None:
+    dark, light = (contrast(getattr(one, role), one.shade(0.25)) for one in (theme.DARK, theme.LIGHT))
+    assert min(dark, light) > 1.3
+    assert light == pytest.approx(dark, rel=0.25)
 
 
 def test_what_is_on_says_so_by_more_than_its_color(ui: Ui) -> None:
