@@ -13,7 +13,7 @@ from app.gui.actions import path_actions
 from app.gui.commands.camera_commands import export_cameras, export_path, import_views
 from app.gui.state.app_state import AppState
 from app.gui.style.handles import slide_labelled
-from app.gui.style.widgets import button, em, explain, note, shortened
+from app.gui.style.widgets import button, checkbox, em, explain, note, shortened
 from app.scenes.scene import Scene
 from renderer.camera_files import NamedCamera
 from renderer.camera_path import Keyframe
@@ -97,12 +97,12 @@ def _draw_path(state: AppState, model: Scene) -> None:
     play, enabled = partial(path_actions.toggle_path, state), len(path.keyframes) > 1
     button(f"{icon}###path", play, PLAY_TEXT, enabled=enabled, width=2.2)
     imgui.same_line()
-    changed, loop = imgui.checkbox("Loop", cameras.views.loop)
+    changed, loop = checkbox("Loop", cameras.views.loop)
     explain("Repeat from the start; smooth where the last keyframe has the view of the first.")
     if changed:
         path_actions.set_loop(state, loop)
     imgui.same_line()
-    changed, _ = imgui.checkbox("Show", cameras.path_shown)
+    changed, _ = checkbox("Show", cameras.path_shown)
     explain("Show the path in the 3D view, with a small camera at each keyframe. Also in the View menu.")
     if changed:
         path_actions.toggle_path_shown(state)

@@ -30,6 +30,7 @@ from app.gui.style.widgets import (
     beside,
     beside_of,
     button,
+    checkbox,
     choose_row,
     em,
     explain,
@@ -309,6 +310,6 @@ def _draw_subsample(params: EnhanceParams) -> EnhanceParams:
     chosen = choose_row("Subsample", now, factors, about.text, 4.2)
     params = replace(params, subsample=chosen) if chosen != now else params
     beside_of(em(6.5))
-    changed, keep = imgui.checkbox("Keep black", params.keep_black)
+    changed, keep = checkbox("Keep black", params.keep_black)
     explain(declared(EnhanceParams, "keep_black").text)
     return replace(params, keep_black=keep) if changed else params

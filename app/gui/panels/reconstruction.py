@@ -20,6 +20,7 @@ from app.gui.state.run_words import COMPILING, doing, share_done
 from app.gui.style import theme
 from app.gui.style.widgets import (
     button,
+    checkbox,
     em,
     explain,
     in_line,
@@ -197,7 +198,7 @@ def _draw_omission(state: AppState, omission: Omission) -> None:
     imgui.table_next_column()
     if (part := omission.part) is None:
         return
-    changed, kept = imgui.checkbox(f"Keep###keep {part}", part in state.runs.reconstruction.config.keep)
+    changed, kept = checkbox(f"Keep###keep {part}", part in state.runs.reconstruction.config.keep)
     explain(f"Train it although {omission.why}: it costs {omission.saves}.")
     if changed:
         job_actions.keep_part(state, part, kept=kept)

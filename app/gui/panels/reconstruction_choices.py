@@ -16,7 +16,7 @@ from app.gui.actions import actions, clip_actions, depth_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
 from app.gui.style.fields import declared, wants_default
-from app.gui.style.widgets import NAMES, button, choose_row, em, explain, explain_entry, note, row
+from app.gui.style.widgets import NAMES, button, checkbox, choose_row, em, explain, explain_entry, note, row
 from app.gui.work.presets import loosely_named
 from app.kernels.progress import rounded
 from renderer.clip import Clip
@@ -165,7 +165,7 @@ def _draw_link(state: AppState) -> None:
     kept = run.kept
     text = f"{worded(params)}. In the paper's letters: {in_letters(params)}. {POOLED}"
     row("Settings", LINK_TEXT)
-    changed, linked = imgui.checkbox("As the image###linked", kept is None)
+    changed, linked = checkbox("As the image###linked", kept is None)
     explain(LINK_TEXT)
     if changed:
         job_actions.link_settings(state, linked=linked)

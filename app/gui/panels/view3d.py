@@ -27,6 +27,7 @@ from app.gui.style.widgets import (
     beside_of,
     button,
     centered,
+    checkbox,
     choose,
     dragged,
     em,
@@ -139,7 +140,7 @@ def _draw_toolbar(state: AppState) -> None:
         _draw_time(state)
         return
     beside_of(em(12))
-    changed, _ = imgui.checkbox("Follow the clip's time", state.scene.linked)
+    changed, _ = checkbox("Follow the clip's time", state.scene.linked)
     explain("Off: the 3D view has its own time.")
     if changed:
         actions.toggle_link(state)

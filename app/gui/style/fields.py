@@ -15,7 +15,7 @@ from app.console.flags import marks
 from app.enhancement.amounts import AMOUNTS, Amount
 from app.enhancement.methods import EnhancementSettings
 from app.gui.style import theme
-from app.gui.style.widgets import NAMES, em, explain, row
+from app.gui.style.widgets import NAMES, checkbox, em, explain, row
 from enhance import EnhanceParams
 
 L = TypeVar("L", bound=EnhancementSettings)
@@ -154,7 +154,7 @@ def slide_auto(
 
 def _auto(name: str, automatic: bool, text: str) -> tuple[bool, bool]:
     """The switch, whether it was clicked, and the number."""
-    switched = imgui.checkbox(f"Auto##{name}", automatic)
+    switched = checkbox(f"Auto##{name}", automatic)
     explain("Automatic: from the image. Off, or once the slider is moved: set by hand.")
     imgui.same_line()
     number(text, quiet=automatic)

@@ -271,6 +271,17 @@ def toggle(
         imgui.get_window_draw_list().add_rect_filled(corner, end, imgui.get_color_u32(theme.now().text))
 
 
+def checkbox(label: str, on: bool) -> tuple[bool, bool]:
+    """Whether it is clicked, and whether it is on then; with an edge, as an empty box is hardly told from the
+    panel by its ground."""
+    with (
+        imgui_ctx.push_style_var(imgui.StyleVar_.frame_border_size, 1.0),
+        imgui_ctx.push_style_color(imgui.Col_.border, theme.now().edge),
+    ):
+        changed, now = imgui.checkbox(label, on)
+    return bool(changed), bool(now)
+
+
 def mark_row() -> None:
     """A bar at the left end of the row before, which says by more than a shade that it is chosen; at the
     right end where the left one is out of sight."""
