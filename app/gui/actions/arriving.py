@@ -56,7 +56,9 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         actions.say(state, notice)
     actions.say(state, f"opened {path.name}")
     if _begins_with_notes(state, before, opened):
-        actions.announce(state, "Notes and case summary go on with this clip: File > New case begins anew")
+        actions.announce(
+            state, "Notes and case summary continue: for another patient, choose File > New case"
+        )
     if opened.warning:
         actions.fail(state, opened.warning)
     if opened.lost is not None:

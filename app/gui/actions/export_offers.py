@@ -84,8 +84,8 @@ OFFERS: Final[dict[What, Offer]] = {
     ),
     "enhanced frame": Offer(
         "Enhanced frame (DICOM)", "DICOM still",
-        "The frame as the Enhancement panel sets it, at its own size, as a VL Endoscopic Image for archives "
-        "(PACS). Nothing in it tells who the patient is unless chosen so.",
+        "The frame enhanced as set in the Enhancement panel, at its own size, as a VL Endoscopic Image for "
+        "archives (PACS). It does not identify the patient unless you choose so.",
         "enhanced",
     ),
     "video of the panes": Offer(
@@ -101,8 +101,8 @@ OFFERS: Final[dict[What, Offer]] = {
     ),
     "enhanced clip": Offer(
         "Enhanced clip (DICOM)", "DICOM video",
-        "All frames as the Enhancement panel sets them, as a Video Endoscopic Image for archives (PACS). "
-        "Nothing in it tells who the patient is unless chosen so.",
+        "All frames enhanced as set in the Enhancement panel, as a Video Endoscopic Image for archives "
+        "(PACS). It does not identify the patient unless you choose so.",
         "enhanced",
     ),
     "video through time": Offer(

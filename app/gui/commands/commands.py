@@ -122,7 +122,7 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
                 applies=session_actions.has_content, synonyms=("project", "workspace", "store")),
         Command("Save session as…", session_actions.save_as, ("Ctrl+Shift+S",),
                 text="save the session by another name", applies=session_actions.has_content),
-        Command("New case", session_actions.ask_new_case, text="begin notes and case summary anew",
+        Command("New case", session_actions.ask_new_case, text="start notes and case summary afresh",
                 applies=session_actions.has_case,
                 synonyms=("patient", "clear", "reset", "empty", "notes", "summary")),
     )  # fmt: skip

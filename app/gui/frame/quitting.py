@@ -42,7 +42,7 @@ def _draw_unsaved(state: AppState) -> None:
         said = f"{legible(kept.path.name)} has changed since it was saved."
     else:
         title, save = "Unsaved case", "Save session…"
-        said = f"The notes and {_collected(state)} are in no session file yet."
+        said = f"The notes and {_collected(state)} are not saved in a session yet."
     if reply := ask(title, (said,), (save, "Discard", "Stay")):
         session_actions.answer(state, "save" if reply == save else reply.lower())
 
@@ -56,7 +56,7 @@ def _draw_new_case(state: AppState) -> None:
     """Before notes and case summary begin anew."""
     if not state.session.asks_new_case:
         return
-    said = f"The notes and {_collected(state)} leave the window. Files that were saved stay."
+    said = f"This clears the notes and {_collected(state)} from the window. Saved files stay."
     if reply := ask("Begin a new case?", (said,), ("Begin", "Keep")):
         session_actions.answer_new_case(state, agreed=reply == "Begin")
 

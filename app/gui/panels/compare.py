@@ -60,7 +60,7 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
     _draw_sources(state, half, gap)
     if state.picture.pictures is None:
         imgui.dummy(ImVec2(0, em(4)))
-        centered("It cannot be read." if state.is_unreadable else "Reading the first frame…")
+        centered("This frame cannot be read." if state.is_unreadable else "Reading the first frame…")
         return
     _draw_notices(state)
     height = max(imgui.get_content_region_avail().y, em(4))

@@ -49,22 +49,22 @@ LESS = 2.0
 HEIGHT, WIDEST = 3.4, 6.0
 """Em of a small picture."""
 PREPARING = "preparing"
-SCOPES: dict[Scope, str] = {"automatic": "Automatic", "image": "Of each frame", "clip": "Of the whole clip"}
+SCOPES: dict[Scope, str] = {"automatic": "Automatic", "image": "Each frame", "clip": "Whole clip"}
 PIXELS: dict[Pixels, str] = {"automatic": "Automatic", "all": "All", "tissue": "Tissue only"}
 SUBSAMPLES = {1: "Off", 2: "2×", 4: "4×", 8: "8×"}
 METHOD_TEXT = (
-    "The paper's method, or VesselSplat's preset, which darkens and reddens narrow dark "
-    "structures as blood would."
+    "Paper: the published method. Vessel: VesselSplat's method, which darkens and reddens narrow dark "
+    "structures as more blood would."
 )
 SAME_TEXT = "Use the mean of the windows' exponents P for every window."
 RESET_TEXT = "R. For a single value, double click or right click its slider."
 SCOPE_TEXT = (
     "Measured on each frame as in the paper, or pooled over the clip, so that playback does not flicker. "
-    "Automatic: of the clip where it is a recording, else of each image."
+    "Automatic: the whole clip for a recording, else each image."
 )
 PIXELS_TEXT = (
     "Automatic: what the endoscope sees; a dark surround is found and stays as it is. All: every pixel, "
-    "as in the paper. Tissue only: every pixel, by statistics without tools and black borders."
+    "as in the paper. Tissue only: every pixel, with statistics that leave out tools and black borders."
 )
 
 
@@ -86,7 +86,7 @@ def draw_enhancement(state: AppState, textures: ShowsPictures) -> None:
 
 
 def draw_presets(state: AppState, textures: ShowsPictures) -> None:
-    row("Preset", "Named settings. Save stores the current ones under a name of yours.", -4.0)
+    row("Preset", "Named settings. Save… stores the current ones under a name that you choose.", -4.0)
     shown = preset_name(state.enhancement.params, state.enhancement.presets)
     is_open = imgui.begin_combo("##preset", as_label(shown), imgui.ComboFlags_.height_largest)
     preset_actions.look_at(state, is_open)
@@ -104,12 +104,12 @@ def draw_presets(state: AppState, textures: ShowsPictures) -> None:
         imgui.end_combo()
     imgui.same_line()
     name_it = partial(imgui.open_popup, "keep preset")
-    button("Save…", name_it, "Save under a name of yours, for later sessions.", width=-1)
+    button("Save…", name_it, "Save under a name that you choose, for later sessions.", width=-1)
     with imgui_ctx.begin_popup("keep preset") as popup:
         if popup:
             _draw_keep(state)
     if doomed := state.enhancement.preset_doomed:
-        said = (f"The preset {legible(doomed)} is deleted for good.",)
+        said = (f"This deletes the preset {legible(doomed)} for good.",)
         if reply := ask("Delete the preset?", said, ("Delete", "Keep")):
             preset_actions.answer_forget(state, delete=reply == "Delete")
     if state.enhancement.preset_renamed:
@@ -180,7 +180,7 @@ def _draw_keep(state: AppState) -> None:
     replaced = preset_actions.replaced(state)
     pressed = button("Replace" if replaced else "Save", enabled=named)
     if replaced:
-        imgui.text(f"The preset {legible(replaced)} is replaced for good.")
+        imgui.text(f"This replaces the preset {legible(replaced)} for good.")
     # Enter alone replaces nothing: the name may have been typed without a look at the list.
     entered = pressed or (entered and not replaced)
     if entered and named:

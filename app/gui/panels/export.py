@@ -56,7 +56,7 @@ SPLATS_TEXT = "What the viewer reads. All but PLY and glTF are a third as large 
 QUALITY_TEXT = "Of 100: higher keeps more detail, in larger files."
 VIDEO_TEXT = "Which programs play the video, and how large it is."
 FORMAT_TEXTS: dict[Form, str] = {
-    "picture": "Each format holds how the image was made. JPEG files are smaller, and lose detail.",
+    "picture": "Each format records how the image was made. JPEG files are smaller, and lose detail.",
     "splats": SPLATS_TEXT,
     "splat folder": SPLATS_TEXT,
     "moving splats": "USD holds the model as it is. 4DGS rounds it, and leaves out colours by direction.",
@@ -74,17 +74,17 @@ DEGREE_TEXT = (
 )
 IDENTITIES = {False: "Left out", True: "As in the source"}
 WHOLE_TEXT = "Made from the whole clip and all of its pixels: the trim and the masks drawn here do not count."
-IDENTITY_TEXT = "Patient, study and sound. As in the source: for DICOM files alone, to be sorted beside them."
+IDENTITY_TEXT = (
+    "Patient, study and sound. As in the source: DICOM files only; archives then sort both together."
+)
 BURNED_IN: dict[bool | None, str] = {
     None: "As the source says, else maybe",
-    True: "May tell who the patient is",
-    False: "Tells nothing about the patient",
+    True: "May identify the patient",
+    False: "Does not identify the patient",
 }
-BURNED_IN_TEXT = (
-    "Burned-in text: names or dates in the image itself are not looked for: say whether there are any."
-)
+BURNED_IN_TEXT = "Names or dates burned into the image are not looked for: state whether there are any."
 ENCODED = {
-    WEBM: "Plays in browsers and needs no licence; some programs for slides do not show it.",
+    WEBM: "Plays in browsers and needs no licence; some presentation programs do not play it.",
     HEVC: "The smallest files, for newer devices; slow to encode.",
 }
 NAME_TEXT = "Name of the file; an existing file is never replaced."

@@ -45,7 +45,7 @@ ROW, PICTURE = 2.6, 4.0
 MOST_ROWS = 128
 """That are on screen at once."""
 EMPTY = {
-    "folder": "No folder inside. Open takes this one, with the files in it.",
+    "folder": "No subfolder. Open uses this folder and the files in it.",
     "file": "No folder here, and no file of this kind.",
     "save": "No folder and no session here.",
 }

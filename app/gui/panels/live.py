@@ -46,22 +46,21 @@ ADDRESS_TEXT: Final = (
 )
 FILE_TEXT: Final = "Play a video or a folder of images at its own rate, in a loop, as if it were live."
 FREEZE_TEXT: Final = "F: hold this frame while the source goes on."
-SAVE_TEXT: Final = "S: an image of what is shown, and beside it the frame as it came."
+SAVE_TEXT: Final = "S: save what is shown as an image, and beside it the frame as received."
 RECORD_TEXT: Final = (
-    "Ctrl+Shift+L: record into the folder of exports. What is recorded plays even if the computer stops: at "
-    "most the last second is lost."
+    "Ctrl+Shift+L: record into the export folder. Should the computer stop, at most the last second is lost."
 )
 SEND_TEXT: Final = (
     "Let 3D Slicer, or another program, fetch the enhanced frames by OpenIGTLink. Only programs of this "
     "computer can, unless VesselSplat was started with another address."
 )
 WHAT_TEXT: Final = (
-    "What is recorded. From originals, enhanced videos and reconstructions can be made later: of a stereo "
-    "source they hold both eyes, the others the left one."
+    "What is recorded. Originals can be enhanced and reconstructed later; of a stereo source they hold both "
+    "eyes, the others the left one."
 )
 EYES_TEXT: Final = (
-    "Of a stereo source: both eyes in each frame, the left one at the left or at the top, or a source for "
-    "each. The left one is shown. Recordings of originals hold both and open with depth. As it comes: one "
+    "For a stereo source: both eyes in each frame, the left one on the left or on top, or a source for each "
+    "eye. The left eye is shown. Recordings of originals hold both and open with depth. As delivered: one "
     "eye, unless a file states otherwise."
 )
 RIGHT_TEXT: Final = (
@@ -169,7 +168,7 @@ def _draw_devices(state: AppState, textures: ShowsPictures) -> None:
         muted("Capture devices")
     imgui.same_line(imgui.get_window_width() - em(8))
     look = partial(live_actions.choose_source, state)
-    button(f"{icons.ICON_FA_SYNC}  Look again", look, "List the devices anew.", width=7)
+    button(f"{icons.ICON_FA_SYNC}  Look again", look, "List the devices again.", width=7)
     if sys.platform == "darwin" and found is not None and not found.devices:
         note(f"Or macOS does not allow it: {PERMISSION}.")
     for one in found.devices if found is not None else ():
@@ -189,7 +188,7 @@ def _draw_device(state: AppState, one: Device, textures: ShowsPictures) -> None:
             button("Right eye###right", take, "Take this one for the right eye.", width=6)
             imgui.same_line()
         label = f"{as_label(one.name)}###open"
-        button(label, partial(live_actions.open_device, state, one), "Show what it sees.", width=-1)
+        button(label, partial(live_actions.open_device, state, one), "Open this device.", width=-1)
 
 
 def _draw_address(state: AppState) -> None:
@@ -226,8 +225,8 @@ def _draw_eyes(state: AppState) -> None:
 def _draw_wish(state: AppState) -> None:
     wish = state.live.choice.wish
     size = choose_row(
-        "Size", wish.size, SIZES, "Of devices: what they give may differ; the bar below shows it."
+        "Size", wish.size, SIZES, "For devices, which may deliver another size: the bar below shows it."
     )
-    rate = choose_row("Frames/s", wish.frames_per_second, RATES, "Of devices, and of files that are played.")
+    rate = choose_row("Frames/s", wish.frames_per_second, RATES, "For devices, and files that are played.")
     if (size, rate) != (wish.size, wish.frames_per_second):
         live_actions.choose_wish(state, replace(wish, size=size, frames_per_second=rate))

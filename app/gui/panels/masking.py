@@ -57,7 +57,7 @@ ORIGINS: Final = {
     None: "found by colour",
 }
 ACCEPT_TEXT: Final = "Count this mask as masked by hand: other frames are learned from it."
-FORGET_TEXT: Final = "Drop the mask of this frame."
+FORGET_TEXT: Final = "Discard the mask of this frame, which then counts as not masked yet."
 IOU_TEXT: Final = (
     "Overlap (IoU) of learned masks with masks by hand, on frames left out of the learning in turn: "
     "1 is perfect."
@@ -66,12 +66,12 @@ NEIGHBOURS_TEXT: Final = (
     "Overlap (IoU) of each mask with that of the frame before, moved along by optical flow, on average."
 )
 FOLDER_TEXT: Final = (
-    "Take masks of another program: images named or numbered as the frames, not black = tool. Masks by hand "
-    "stay."
+    "Import masks from another program: images named or numbered like the frames; all that is not black is "
+    "tool. Masks by hand stay."
 )
 NETWORK_TEXT: Final = (
-    "An ONNX file of yours finds the tools in frames that are not masked by hand. What it takes and which of "
-    "its classes are tools is set below."
+    "Your own ONNX file finds the tools in frames that are not masked by hand. Its input, and which of its "
+    "classes are tools, are set below."
 )
 VALUES_TEXT: Final = "Pixel values that the network takes, red first."
 VALUE_NAMES: Final[dict[Values, str]] = {
@@ -109,7 +109,7 @@ def draw_masking(state: AppState) -> None:
         (
             "Show in folder",
             masking_actions.reveal,
-            "Images of one bit a pixel, white = tool.",
+            "The masks as images: white is tool.",
             _has_any(masking),
         ),
         ("Done", masking_actions.toggle, "Esc: stop masking. Masks stay with the clip.", True),
@@ -153,7 +153,7 @@ def _draw_frame(state: AppState, masking: Masking) -> None:
     busy = "The area is growing." if masking.growing is not None else ""
     controls = (
         ("Undo", masking_actions.undo, "Undo the last stroke on this frame.", bool(masking.past)),
-        ("Clear", masking_actions.clear_frame, "No tool in this frame.", shown is not None),
+        ("Clear", masking_actions.clear_frame, "Mark this frame as free of tools.", shown is not None),
         ("Accept", masking_actions.accept, ACCEPT_TEXT, shown is not None and not by_hand),
         ("Drop", masking_actions.forget_frame, FORGET_TEXT, shown is not None and shown.origin is not None),
     )

@@ -25,10 +25,14 @@ from renderer.readers.clip_options import FIELD_OF_VIEW, Stereo
 from renderer.train.config import Method, TrainConfig
 
 METHODS: Final[dict[Method, str]] = {method: named(method) for method in get_args(Method)}
+METHOD_TEXT: Final = (
+    "VesselSplat: tissue that moves, the default. Deform3DGS and EndoGaussian: published methods, to compare "
+    "with. Static: tissue that does not move, or a single frame."
+)
 INPUTS: Final[dict[InputKind, str]] = {kind: named(kind) for kind in get_args(InputKind)}
 INPUTS_TEXT: Final = (
-    "Reconstruct the original frames, or frames enhanced as the image is; both in turn runs two "
-    "reconstructions to compare."
+    "Reconstruct the original frames, or frames enhanced with the settings of the image; both in turn runs "
+    "two reconstructions to compare."
 )
 WAYS: Final[dict[DepthWay, str]] = {
     "measured": "Measured",
@@ -36,11 +40,11 @@ WAYS: Final[dict[DepthWay, str]] = {
     "motion": "From motion (no scale)",
     "guessed": "Guessed (no scale)",
 }
-WAYS_TEXT: Final = "Where the shape starts from."
+WAYS_TEXT: Final = "Where the first shape comes from."
 WAY_TEXTS: Final[dict[DepthWay, str]] = {
     "measured": "Depth maps that come with the clip.",
     "stereo": "Matched between left and right images.",
-    "motion": "For a camera that moves and tissue that mostly rests; lengths have no scale.",
+    "motion": "For a moving camera and mostly still tissue; lengths have no scale.",
     "guessed": "Any video: shapes are coarse, and lengths have no scale.",
 }
 BASELINE_TEXT: Final = (
@@ -49,8 +53,8 @@ BASELINE_TEXT: Final = (
 )
 VIEW_TEXT: Final = "Horizontal field of view of the left camera, in degrees. Empty: 60° is assumed."
 LENS_TEXT: Final = (
-    "A file with the calibration of the lens, or of both eyes: images are undistorted, and depth of both "
-    "eyes is in mm. As of OpenCV, ROS or Kalibr (.yml, .yaml, .xml, .json), COLMAP's cameras.txt, or "
+    "A file with the calibration of the lens, or of both eyes: images are undistorted, and depth from "
+    "both eyes is in mm. Files of OpenCV, ROS or Kalibr (.yml, .yaml, .xml, .json), COLMAP's cameras.txt, or "
     "StereoCalibration.ini."
 )
 DROP_LENS_TEXT: Final = "Show the images as they are stored."
@@ -63,8 +67,8 @@ EYES: Final[dict[Stereo, str]] = {
     "top-bottom": "Upper and lower half",
 }
 EYES_TEXT: Final = (
-    "How both eyes of a stereo endoscope lie in each frame, the left one first. The left eye is shown, and "
-    "depth is matched between them."
+    "How the two eyes of a stereo endoscope are arranged in each frame, the left one first. The left eye is "
+    "shown, and depth is matched between them."
 )
 LINK_TEXT: Final = (
     "Follow the image's settings. Off: keep them as they are now, whatever the image is set to."
@@ -76,7 +80,7 @@ POOLED: Final = "Statistics are pooled over the training frames."
 def draw_choices(state: AppState) -> None:
     run = state.runs.reconstruction
     config = run.config
-    method = choose_row("Method", config.method, METHODS, declared(TrainConfig, "method").text)
+    method = choose_row("Method", config.method, METHODS, METHOD_TEXT)
     if state.source.clip is not None:
         _draw_eyes(state)
         _draw_lens(state, state.source.clip)

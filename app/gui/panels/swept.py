@@ -112,7 +112,7 @@ def _draw_job(state: AppState, textures: ShowsPictures, job: SweptJob) -> None:
         if job.params is not None:
             act = partial(sweep_actions.use_params, state, job)
             text = "Enhance with these settings from now on. Ctrl+Z undoes it."
-            button("Take these settings###sweep use", act, text, color=theme.now().lit, width=11)
+            button("Use these settings###sweep use", act, text, color=theme.now().lit, width=11)
         if job.run is not None:
             act = partial(sweep_actions.open_run, state, job)
             button("Open the reconstruction###sweep run", act, "In place of what is shown.", width=12)

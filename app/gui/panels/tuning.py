@@ -233,7 +233,7 @@ def _draw_tile(state: AppState, textures: ShowsPictures, setting: Setting, size:
     key = "-".join(map(str, setting.places))
     if imgui.invisible_button(f"tile{key}", size) and cell is not None:
         tuning_actions.look_at(state, setting)
-    explain(f"Click: beside the original, as large as the panel. {in_the_paper(setting)}".rstrip())
+    explain(f"Click to see it enlarged beside the original. {in_the_paper(setting)}".rstrip())
     draw = imgui.get_window_draw_list()
     draw.add_rect_filled(area.corner, area.end, imgui.get_color_u32(theme.SURROUND))
     if cell is not None:
@@ -272,7 +272,7 @@ def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> Non
     imgui.same_line()
     text = "Enhance with these settings from now on. Ctrl+Z undoes it."
     use = partial(tuning_actions.use_setting, state, setting)
-    button("Take these settings###use", use, text, color=theme.now().lit, width=11)
+    button("Use these settings###use", use, text, color=theme.now().lit, width=11)
     fit = f"{icons.ICON_FA_EXPAND}  Fit"
     beside(fit, 1)
     button(

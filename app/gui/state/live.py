@@ -17,14 +17,14 @@ from app.live.sources.source import Wish
 from renderer.clip import Clip
 
 SIZES: Final[Mapping[tuple[int, int] | None, str]] = {
-    None: "as it comes",
+    None: "as delivered",
     (720, 576): "720 × 576",
     (1280, 720): "1280 × 720",
     (1920, 1080): "1920 × 1080",
     (3840, 2160): "3840 × 2160",
 }
 RATES: Final[Mapping[float | None, str]] = {
-    None: "as it comes",
+    None: "as delivered",
     25.0: "25",
     30.0: "30",
     50.0: "50",
@@ -34,7 +34,7 @@ RATES: Final[Mapping[float | None, str]] = {
 
 Eyes = Literal["auto", "side-by-side", "top-bottom", "two"]
 EYES: Final[Mapping[Eyes, str]] = {
-    "auto": "as it comes",
+    "auto": "as delivered",
     "side-by-side": "side by side",
     "top-bottom": "one above the other",
     "two": "from two sources",

@@ -72,7 +72,7 @@ def counts(live: Live, status: LiveStatus) -> str:
 
 def delay_text(status: LiveStatus) -> str:
     """All that is measured, for a tooltip."""
-    lines = [f"The source gives {status.told}."]
+    lines = [f"The source delivers {status.told}."]
     for name, delay in (("enhanced", status.to_ready), ("on screen", status.to_screen)):
         if delay is not None:
             lines.append(f"From arrival to {name}: {delay} (last {delay.frames} frames).")
@@ -80,6 +80,6 @@ def delay_text(status: LiveStatus) -> str:
         lines.append(
             f"From eye to eye: {status.apart}; {status.unpaired} pairs more than half a frame apart left out."
         )
-    lines.append(f"{status.arrived} frames came, {status.dropped} were late and left out.")
-    lines.append("What the camera, the capture card and the screen add is not in it.")
+    lines.append(f"{status.arrived} frames arrived, {status.dropped} were late and left out.")
+    lines.append("The delays of camera, capture card and screen are not included.")
     return "\n".join(lines)

@@ -103,7 +103,7 @@ def _hand_tags(state: AppState, shown: ViewRequest) -> list[Tag]:
         share = 100 * frame_share(state, shown.scene)
         tags.append(Tag(f"FRAME {share:.0f} % over the reconstruction", "enhanced"))
     elif state.scene.kind == "difference":
-        tags.append(Tag("DIFFERENCE only from the clip's camera: C", "caution"))
+        tags.append(Tag("DIFFERENCE needs the clip's camera: press C", "caution"))
     if viewer.free is not None:
         tags.append(Tag("FREE VIEW · not the endoscope's view"))
     return tags
