@@ -261,8 +261,9 @@ class Window:
 
     def _advance(self) -> None:
         """Before each frame: news from the background, what can be done, how soon the next is wanted."""
-        while self._dropped:
-            actions.open_path(self.state, Path(self._dropped.pop()))
+        if self._dropped:
+            actions.open_dropped(self.state, self._dropped)
+            self._dropped = []
         follow_preparation(self.state, self._preparer)
         follow_live(self.state, _session)
         update(self.state, self._channels, time.monotonic() - self._began)
@@ -371,8 +372,8 @@ class Window:
         self._channels.finish(self.state)
 
     def drop(self, window: object, paths: list[str]) -> None:
-        """Files were dropped on the window: the first one is opened with the next frame."""
-        self._dropped = paths[:1]
+        """Files were dropped on the window: they are looked at with the next frame."""
+        self._dropped = paths
 
 
 _session = partial(LiveSession, on_picture=hello_imgui.request_refresh)

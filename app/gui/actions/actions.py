@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import groupby
@@ -148,6 +148,15 @@ def open_path(state: AppState, path: Path) -> None:
         fail(state, f"{path.name} joins what is open: wait until {state.source.opening.path.name} is there")
     else:
         _begin_opening(state, _request_of(state, path))  # It ends no edits.
+
+
+def open_dropped(state: AppState, paths: Sequence[str]) -> None:
+    """Of what was dropped on the window together the first opens: one case is open at a time."""
+    first, *others = map(Path, paths)
+    open_path(state, first)
+    if others:
+        said = f"of {len(paths)} dropped items only {first.name} opens: drop their folder to open all of them"
+        announce(state, said)
 
 
 def open_run(state: AppState, path: Path) -> None:
