@@ -75,7 +75,8 @@ class RawGaussians:
 
     def rows(self, index: NDArray[np.int64]) -> RawGaussians:
         """The chosen Gaussians in the order of `index`, which may repeat some."""
-        return RawGaussians(**{name: value[index] for name, value in self.arrays().items()})
+        # Several times as fast as an index in brackets.
+        return RawGaussians(**{name: value.take(index, axis=0) for name, value in self.arrays().items()})
 
     def of_degree(self, degree: int) -> RawGaussians:
         """With the harmonics of so high a degree, those that it has none of 0.

@@ -77,7 +77,7 @@ class SplineMotion:
     def rows(self, index: NDArray[np.int64]) -> Self:
         """See Motion."""
         own = {name: value for name, value in self.arrays().items() if name != "node_controls"}
-        return replace(self, **{name: value[index] for name, value in own.items() if len(value)})
+        return replace(self, **{name: value.take(index, axis=0) for name, value in own.items() if len(value)})
 
     def arrays(self) -> Arrays:
         """Every array by field name, in a fixed order."""

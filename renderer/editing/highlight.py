@@ -21,11 +21,12 @@ OWN = np.float32(0.35)
 
 def highlighted(model: DynamicGaussians, chosen: NDArray[np.bool_]) -> DynamicGaussians:
     """The same with `chosen` (N,) in one colour, at every time and from every side."""
-    share = np.where(chosen, OWN, np.float32(1))
-    raw = model.raw
-    colors = share[:, None] * raw.colors + (1 - share)[:, None] * np.array(COLOR, np.float32)
-    raw = replace(raw, colors=colors, harmonics=share[:, None, None] * raw.harmonics)
-    return DynamicGaussians(raw, _fainter(model.motion, share))
+    raw, rows = model.raw, np.flatnonzero(chosen)
+    colors, harmonics = raw.colors.copy(), raw.harmonics.copy()
+    colors[rows] = OWN * colors.take(rows, axis=0) + (1 - OWN) * np.array(COLOR, np.float32)
+    harmonics[rows] *= OWN
+    raw = replace(raw, colors=colors, harmonics=harmonics)
+    return DynamicGaussians(raw, _fainter(model.motion, np.where(chosen, OWN, np.float32(1))))
 
 
 def _fainter(motion: Motion, share: Float32Array) -> Motion:
