@@ -7,15 +7,20 @@ from dataclasses import replace
 
 from app.enhancement.amounts import spaced
 from app.enhancement.contact_sheet import columns_of
+from app.enhancement.methods import preset_of
 from app.enhancement.parameter_grid import Axis, Setting, settings
 from app.enhancement.setting_words import LABELS, said
 from app.errors import UserError
+from app.files.provenance import stamp
 from app.gui.actions import actions, presenting
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.views.picture_view import PictureView
 from app.gui.work.background import Failure
 from app.gui.work.tuning import CellRequest, Grid, GridCell
+from app.gui.work.writing import WriteRequest
+from app.sweeps.settings import Enhancing
+from app.sweeps.spec_file import spec_text
 
 LEAST_SIZE, MOST_SIZE = 0.5, 4.0
 """Of tiles, of the size in which all columns are in sight."""
@@ -41,15 +46,8 @@ def start_grid(state: AppState) -> None:
     picture = state.picture_request
     if picture is None:
         return
-    chosen = [choice for choice in tuning.choices if _is_of_method(state, choice)]
-    if reason := _why_not(chosen):
-        actions.fail(state, reason)
-        return
-    try:
-        axes = [_axis(state, choice) for choice in chosen]
-        wanted = settings(state.enhancement.params, axes)
-    except UserError as error:
-        actions.fail(state, str(error).removeprefix("--vary: "))
+    axes, wanted = _wanted(state)
+    if not wanted:
         return
     columns = columns_of([len(one.values) for one in axes], in_order=True)
     if picture.of_clip == "later":
@@ -57,6 +55,37 @@ def start_grid(state: AppState) -> None:
         picture = replace(picture, of_clip=None)
     tuning.grid = Grid(picture.with_params(state.enhancement.params), wanted, columns)
     tuning.cells, tuning.running, tuning.chosen, tuning.look = {}, True, None, None
+
+
+def _wanted(state: AppState) -> tuple[list[Axis], tuple[Setting, ...]]:
+    """What is varied, and every combination of it; nothing, with a word, where that makes no grid."""
+    chosen = [choice for choice in state.tuning.choices if _is_of_method(state, choice)]
+    if reason := _why_not(chosen):
+        actions.fail(state, reason)
+        return [], ()
+    try:
+        axes = [_axis(state, choice) for choice in chosen]
+        return axes, settings(state.enhancement.params, axes)
+    except UserError as error:
+        actions.fail(state, str(error).removeprefix("--vary: "))
+        return [], ()
+
+
+def save_sweep(state: AppState) -> None:
+    """The chosen values as a sweep over evenly spread frames of the open clip: a file among the exports. The
+    command that runs it is in the log, to copy."""
+    clip, chosen = state.source.clip, state.enhancement
+    axes, wanted = _wanted(state)
+    if clip is None or not wanted:
+        return
+    path = state.export_folder / f"{clip.path.stem}-sweep-{stamp()}.toml"
+    fixed = Enhancing(preset_of(chosen.params), chosen.params, chosen.pixels)
+    text = spec_text(clip.path.absolute(), fixed, {one.name: one.values for one in axes})
+    request = WriteRequest(
+        path, text.encode(errors="surrogateescape"), "the sweep was not saved", announced=True
+    )
+    state.window.wishes += (request,)
+    actions.say(state, f'vesselsplat sweep "{path}" --out "{path.with_suffix("")}"')
 
 
 def _why_not(chosen: Sequence[Choice]) -> str:

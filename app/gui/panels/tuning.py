@@ -59,6 +59,11 @@ DRAG_TEXT = "Drag, or double click to type."
 SLOW = 0.05
 """Values for each pixel that a field is dragged."""
 SORT_LABELS = {"": "As varied"} | METRIC_LABELS
+SWEEP = "Save as sweep"
+SWEEP_TEXT = (
+    "A file for vesselsplat sweep, which tries these values on frames of the whole clip and measures them. "
+    "Its command is in the Log: click it to copy."
+)
 SIZE_STEP = 1.25
 LEAST_TILE = 6.0
 """Em across, unless made smaller."""
@@ -150,6 +155,9 @@ def _draw_buttons(state: AppState) -> None:
         label, act = f"{icons.ICON_FA_STOP}  Stop", tuning_actions.stop_grid
         text = "Finished results are kept."
     button(f"{label}###try", partial(act, state), text, width=6)
+    beside(SWEEP)
+    reason = "A frame of a live source is in no file." if state.source.is_live_frame else ""
+    button(SWEEP, partial(tuning_actions.save_sweep, state), SWEEP_TEXT, reason=reason)
     _before("Order", em(10))
     tuning_actions.sort_by(state, choose("order", tuning.sort, SORT_LABELS, _why(tuning.sort), 10))
     if tuning.grid is not None:
