@@ -6,6 +6,7 @@ started it, however that ends.
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import os
 import signal
@@ -39,6 +40,8 @@ class Preparer:
         self._process = context.Process(target=work, args=(self._far_end, first), daemon=True)
         self._newest = Preparation(tasks(first))
         self._since = time.monotonic()
+        self._best_end = math.inf
+        """When it should be complete, by the best that was expected so far."""
 
     def start(self) -> None:
         self._process.start()
@@ -54,7 +57,11 @@ class Preparer:
                 self.close()
         if self._pipe.closed:
             return None
-        return replace(self._newest, seconds=time.monotonic() - self._since)
+        now = time.monotonic()
+        newest = replace(self._newest, seconds=now - self._since)
+        end = now + newest.seconds_left
+        self._best_end = min(self._best_end, end)
+        return replace(newest, late=end - self._best_end)
 
     @property
     def is_complete(self) -> bool:

@@ -21,6 +21,8 @@ SHARED: Final = 35.0
 DEEP: Final = ", 16 bits"
 OVER: Final = 0.25
 """Of a step that takes longer than it should, what is still to come, as a share of its time so far."""
+LATE: Final = 10.0
+"""Seconds by which the time left may grow before that is said."""
 QUICK: Final = 0.2
 """Share of the usual time below which a step had been prepared before, and tells nothing of this computer."""
 
@@ -56,6 +58,8 @@ class Preparation:
     """Seconds here for each of an ordinary computer."""
     seconds: float = 0.0
     """Since the step under way began."""
+    late: float = 0.0
+    """Seconds by which the end is later than it was expected at the best."""
 
     @property
     def is_ready(self) -> bool:
@@ -82,6 +86,11 @@ class Preparation:
         """Until all of this kind is prepared."""
         return self._seconds(max(place for place, task in enumerate(self.tasks, 1) if task.kind == kind))
 
+    def left(self, kind: Kind | None = None) -> str:
+        """The time until all of it is prepared, or all of this kind, in words."""
+        longer = "longer than expected, " if self.late > LATE else ""
+        return f"{longer}{rounded(self.seconds_left if kind is None else self.seconds_until(kind))} left"
+
     def _seconds(self, end: int) -> float:
         todo = self.tasks[self.done : end]
         if not todo:
@@ -104,7 +113,7 @@ def paced(tasks: Sequence[Task], taken: Sequence[float]) -> float:
 
 def worded(now: Preparation) -> str:
     """In a line, as the window and the command say it."""
-    return f"One-time preparation, step {now.step} of {len(now.tasks)} · {rounded(now.seconds_left)} left"
+    return f"One-time preparation, step {now.step} of {len(now.tasks)} · {now.left()}"
 
 
 def rounded(seconds: float) -> str:

@@ -193,6 +193,19 @@ def test_a_step_that_takes_longer_than_it_should_tells_of_all_that_follow() -> N
     assert slow.seconds_left == pytest.approx(OVER * slow.seconds + 3 * rest)
 
 
+def test_an_end_that_moves_away_is_called_longer_than_expected() -> None:
+    made = Preparer()
+    first = made.poll()
+    assert first is not None
+    assert "longer" not in worded(first)
+    made._since -= 3 * first.tasks[0].seconds
+    late = made.poll()
+    assert late is not None
+    assert late.seconds_left > first.seconds_left
+    assert "· longer than expected, about " in worded(late)
+    made.close()
+
+
 def test_a_second_process_takes_the_steps_of_its_kinds(monkeypatch: pytest.MonkeyPatch) -> None:
     taken: list[Task] = []
     monkeypatch.setattr(preparer, "_begin", lambda pipe: None)
