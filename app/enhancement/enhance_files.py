@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from itertools import chain, count
@@ -11,7 +12,7 @@ from typing import Any, Final
 
 from app.enhancement.dicom_files import is_dicom_name, require_dicom, write_dicom_film, write_enhanced_still
 from app.enhancement.kept_inputs import require_own
-from app.enhancement.methods import MethodEnhancer, Params, by_baseline, measure_for
+from app.enhancement.methods import MethodEnhancer, Params, by_baseline, pool_for
 from app.enhancement.recording import is_recording
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, Made
 from app.enhancement.settable import POOLED_FRAMES, Pixels, Scope, drawn
@@ -24,7 +25,7 @@ from app.files.image_files import JPEGS, ArrayImage, is_image, write_image
 from app.files.image_series import Series
 from app.files.provenance import write_sidecar
 from app.files.records import Source
-from app.files.stepping import ahead
+from app.files.stepping import ahead, map_steps
 from app.files.timing import Timing
 from app.files.video import write_frames
 from enhance import ImageError, Statistics
@@ -38,6 +39,7 @@ STOPPED: Final = "stopped after"
 
 Tissue = Callable[[ArrayImage], BoolImage | None]
 Stream = Generator[Any, None, None]
+Measuring = Generator[None, None, Statistics | None]
 Watch = Callable[[str, Sequence[str], Stream], Stream]
 """Passes the pictures of a stage on, "measure" or "enhance", of these names: where it is told how far that
 is, or where they are made in advance."""
@@ -107,7 +109,8 @@ def enhanced(record: EnhancedPicture, image: ArrayImage, enhancer: MethodEnhance
 def enhance_into(
     output: Path, series: Series, setting: Setting, watch: Watch = unwatched
 ) -> Generator[int, None, Written]:
-    """Write a picture, a folder or a video; yields the number of pictures enhanced so far.
+    """Write a picture, a folder or a video; yields the number of pictures enhanced so far, and 0 after each
+    that is measured before.
 
     What cannot be read of a folder is passed over. Closed before its end, it leaves nothing behind.
 
@@ -115,7 +118,7 @@ def enhance_into(
         UserError, ClipError: nothing that can be read, or what cannot be enhanced or written.
     """
     notices, failed = list(series.notices), dict[int, Unreadable]()
-    pooled = pooled_statistics(series, setting, watch) if setting.pools(series) else None
+    pooled = yield from map_steps(pooled_statistics(series, setting, watch), lambda measured: 0)
     images = _pictures(series, notices, failed=failed)
     pictures = watch("enhance", series.names, _enhanced(series, ahead(images), setting, pooled))
     told = _told_of_losses(output, series, pictures, notices)
@@ -183,30 +186,42 @@ def _tissue(series: Series, setting: Setting) -> Tissue:
     return lambda image: steady if image.shape[:2] == size else inside([image])
 
 
-def pooled_statistics(series: Series, setting: Setting, watch: Watch = unwatched) -> Statistics:
-    """Of evenly spread pictures, the same as in the window. Raises UserError: one is unusable."""
+def pooled_statistics(series: Series, setting: Setting, watch: Watch = unwatched) -> Measuring:
+    """Of evenly spread pictures, the same as in the window; None: each has its own. Yields after each.
+
+    Raises UserError: one is unusable.
+    """
     look = setting.params
-    assert look is not None
+    if look is None or not setting.pools(series):
+        return None
+    pool, where = pool_for(look, drawn(setting.pixels)), series.sources[0].parent
+    # What cannot be read is told where it is enhanced.
+    measured = series.spread(POOLED_FRAMES)
+    names = [series.names[index] for index in measured]
     try:
         tissue = _tissue(series, setting)
-        # What cannot be read is told where it is enhanced.
-        measured = series.spread(POOLED_FRAMES)
-        names = [series.names[index] for index in measured]
-        read = watch("measure", names, _pictures(series, [], measured))
-        return measure_for(look, ((image, tissue(image)) for _, image in read), drawn(setting.pixels))
+        yield
+        with closing(watch("measure", names, _pictures(series, [], measured))) as read:
+            for index, image in read:
+                where = series.sources[index]
+                pool.add(image, tissue(image))
+                yield
+        return pool.statistics()
     except ImageError as error:
-        raise UserError(f"{error}: {series.sources[0].parent}") from error
+        raise UserError(f"{error}: {where}") from error
 
 
-def enhance_frame_into(output: Path, series: Series, index: int, setting: Setting) -> EnhancedPicture:
-    """Write one of the pictures as a DICOM still; what was used for it.
+def enhance_frame_into(
+    output: Path, series: Series, index: int, setting: Setting
+) -> Generator[None, None, EnhancedPicture]:
+    """Write one of the pictures as a DICOM still; what was used for it. Yields after each that is measured.
 
     Raises:
         UserError, ClipError: no such picture, or one that cannot be enhanced or written.
     """
     if not 0 <= index < len(series):
         raise UserError(f"expected one of {len(series)} frames, got {index}")
-    pooled = pooled_statistics(series, setting) if setting.pools(series) else None
+    pooled = yield from pooled_statistics(series, setting)
     record = _record(series, index, Source.of(series.sources[index]), setting, pooled)
     try:
         image, made = enhanced(record, series.read(index), MethodEnhancer())

@@ -12,7 +12,7 @@ from pydantic import Discriminator, Tag
 
 from app.errors import UserError
 from app.files.image_files import ArrayImage
-from enhance import EnhanceParams, Enhancer, EnhanceResult, LiveStatistics, Statistics, measure
+from enhance import EnhanceParams, Enhancer, EnhanceResult, LiveStatistics, Pool, Statistics, measure
 from enhance.baselines import BASELINES
 from enhance.image import BoolImage
 from enhance.shown import Pixels
@@ -113,10 +113,19 @@ def measure_for(
 ) -> Statistics:
     """The statistics of a clip as this method uses them, of pictures with the pixels that count (None: all);
     see `enhance.measure`."""
-    paper = look if isinstance(look, EnhanceParams) else EnhanceParams()
     # `measure` walks both in step: each picture is made once and let go.
     images, masks = tee(pictures)
+    paper = _measured_by(look)
     return measure((image for image, _ in images), paper, (mask for _, mask in masks), pixels=pixels)
+
+
+def pool_for(look: EnhancementSettings, pixels: Pixels = "automatic") -> Pool:
+    """The same of pictures that come one by one."""
+    return Pool(_measured_by(look), pixels)
+
+
+def _measured_by(look: EnhancementSettings) -> EnhanceParams:
+    return look if isinstance(look, EnhanceParams) else EnhanceParams()
 
 
 def by_baseline(method: str, image: ArrayImage) -> ArrayImage:

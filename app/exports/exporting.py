@@ -102,7 +102,8 @@ class Enhanced:
         if self.frame is None:
             yield from enhance_into(target, series, self.setting)
         else:
-            enhance_frame_into(target, series, self._place(series), self.setting)
+            made = enhance_frame_into(target, series, self._place(series), self.setting)
+            yield from map_steps(made, lambda measured: 0)
 
     def _place(self, series: Series) -> int:
         """Of the frame in the series, which has all images of a folder; a clip may keep one in several."""

@@ -335,6 +335,7 @@ def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
 
 def _panes_video(record: PanesVideo, sources: Sources, target: Path) -> Steps:
     maker = _spanning(record, sources)
+    yield from maker.measure()
     arrangement = maker.steady()
     pages = (sheet(maker.panels(frame, arrangement)) for frame in record.frames)
     timing = replace(timing_of(maker.clip, record.frames), frames_per_second=record.frames_per_second)
@@ -345,6 +346,7 @@ def _panes_video(record: PanesVideo, sources: Sources, target: Path) -> Steps:
 
 def _measures(record: MeasuresTable, sources: Sources, target: Path) -> Steps:
     maker, rows = _spanning(record, sources), list[Row]()
+    yield from maker.measure()
     for done, frame in enumerate(record.frames, start=1):
         rows += rows_at(frame, record, maker)
         yield done

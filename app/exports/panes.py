@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
+from app.enhancement.clip_statistics import ClipMeasurer, OfClip, StatisticsRequest
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import METHODS, EnhancementSettings
 from app.enhancement.setting_words import in_letters, with_method, worded
@@ -90,7 +91,27 @@ class PaneMaker:
         if not 0 <= frame < count:
             raise UserError(f"expected panes of one of {count} frames, got frame {frame}")
         self._record, self._maker, self._sources = record, OtherMaker(), sources
+        self._measured: dict[StatisticsRequest, OfClip] = {}
         self._panes = [(pane, _shown(pane, sources)) for pane in record.panes]
+
+    def measure(self) -> Iterator[int]:
+        """The statistics of the clip that panes need and nobody knows yet: 0 after each frame.
+
+        Raises ClipError or ImageError.
+        """
+        for pane, by in self._panes:
+            if pane.given is not None or not isinstance(by, EnhanceParams | VesselParams):
+                continue
+            wanted = self._request(pane, 0).statistics_request(by)
+            if wanted in self._measured or self._sources.of_clip(wanted) is not None:
+                continue
+            for found in ClipMeasurer().measure(wanted):
+                yield 0
+                if found is not None:
+                    self._measured[wanted] = found.told(wanted)
+
+    def _request(self, pane: PaneRecord, frame: int) -> PictureRequest:
+        return PictureRequest(self.clip, frame, None, pane.scope, pane.pixels, pane.mask, pane.span)
 
     def made(self, frame: int, sizing: Sizing | None = None) -> list[Made]:
         """Each on its own, in the size of the record or another one. Raises ClipError or ImageError."""
@@ -115,9 +136,10 @@ class PaneMaker:
             # A number alone counts from 0, other than the window does.
             label = f"frame {frame + 1}" if pane.words is not None and label.isdecimal() else label
             return Made(Panel(f"{pane.title}   {label}", sizing.of(self.clip.read_image(frame))))
-        original = PictureRequest(self.clip, frame, None, pane.scope, pane.pixels, pane.mask, pane.span)
+        original = self._request(pane, frame)
         if isinstance(by, EnhanceParams | VesselParams):
-            known = pane.given or self._sources.of_clip(original.statistics_request(by))
+            wanted = original.statistics_request(by)
+            known = pane.given or self._sources.of_clip(wanted) or self._measured.get(wanted)
             scope = original.scope if pane.given is None else "clip"
             original = replace(original, scope=scope, of_clip=known)
         behind = (pane.view and pane.view.background) or BLACK

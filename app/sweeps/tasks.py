@@ -18,6 +18,7 @@ from app.files.image_files import write_image
 from app.files.image_series import open_series
 from app.files.provenance import provenance, write_png
 from app.files.records import Source
+from app.files.stepping import run_to_end
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest, run_training
 from app.sweeps.jobs import PICTURE, RENDERS, RUN, SURFACE, Job, Keeps
@@ -60,7 +61,7 @@ def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Number
     """Means over evenly spread images; the middle one is written."""
     series = open_series(clip)
     setting = Setting(wanted.method, wanted.params, pixels=wanted.pixels)
-    pooled = pooled_statistics(series, setting) if setting.pools(series) else None
+    pooled = run_to_end(pooled_statistics(series, setting))
     indices = series.spread(frames)
     kept, enhancer, found = indices[len(indices) // 2], MethodEnhancer(), list[Measures]()
     for index in indices:

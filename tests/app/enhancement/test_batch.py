@@ -6,6 +6,7 @@ import errno
 import json
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -14,11 +15,12 @@ import pytest
 from PIL import Image
 
 from app.enhancement.batch import enhance_batch, items_in
-from app.enhancement.enhance_files import Setting, Stream
+from app.enhancement.enhance_files import Setting, Stream, enhance_into
 from app.errors import UserError
 from app.exports.replay.again import replay
 from app.files import image_series
-from app.files.image_files import read_image
+from app.files.image_files import ArrayImage, read_image
+from app.files.image_series import open_series
 from app.files.provenance import read_provenance
 from app.files.records import Source
 from enhance import EnhanceParams, enhance
@@ -200,6 +202,22 @@ def test_the_measured_frames_are_counted_and_named(tmp_path: Path) -> None:
     measured = told["measure"]
     assert (len(measured), measured[0], measured[-1]) == (16, "frame-000000", "frame-000039")
     assert len(told["enhance"]) == 40
+
+
+def test_measuring_can_be_given_up_after_each_frame(tmp_path: Path) -> None:
+    write_avi(tmp_path / "a.avi", 40)
+    series, seen = open_series(tmp_path / "a.avi"), list[int]()
+
+    def read(index: int) -> ArrayImage:
+        seen.append(index)
+        return series.read(index)
+
+    watched, setting = replace(series, read=read), Setting("vessel", VesselParams(), "clip")
+    steps = enhance_into(tmp_path / "out/a.mp4", watched, setting)
+    for measured in range(3):
+        assert (next(steps), len(seen)) == (0, measured)
+    steps.close()
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_clip_of_many_folders_is_one_item(tmp_path: Path, vesselsplat: Cli) -> None:

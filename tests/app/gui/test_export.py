@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Generator
 from dataclasses import replace
 from pathlib import Path
 
@@ -198,6 +199,19 @@ def test_frames_without_a_name_count_from_one_in_captions(clip: Clip, words: Wor
     record = PanesPicture(source=source, frame=FrameRecord(index=2), panes=(pane,))
     (made,) = PaneMaker(record, Opened((), video)).made(2)
     assert made.panel.label == f"Original   {said}"
+
+
+@pytest.mark.parametrize("what", ["video of both panes", "measures of both panes"])
+def test_measuring_the_clip_can_be_given_up_after_each_frame(state: AppState, clip: Clip, what: What) -> None:
+    state.enhancement.scope = "clip"
+    request = export_actions.export_request(state, what)
+    assert request is not None
+    assert request.sources.measured is None
+    steps = export(request)
+    assert isinstance(steps, Generator)
+    assert [next(steps).done for _ in clip.labels] == [0] * len(clip)
+    steps.close()
+    assert not list(state.places.pictures.glob("*"))
 
 
 @pytest.mark.parametrize("what", ["video of both panes", "measures of both panes"])
