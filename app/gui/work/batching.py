@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Generator, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -60,8 +61,7 @@ def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
     without folders that hold nothing."""
     failed, noted = tuple[Failed, ...](), tuple[Noted, ...]()
     items = [
-        replace(item, clip_options=request.clip_options.get(str(item.source)))
-        for item in items_in(request.inputs, request.output, below=True)
+        replace(item, clip_options=request.clip_options.get(str(item.source))) for item in _items(request)
     ]
     steps = enhance_batch(items, request.setting)
     try:
@@ -76,6 +76,14 @@ def batch(request: BatchRequest) -> Generator[Progressed, None, None]:
     finally:
         steps.close()
         _remove_empty(request.output, items)
+
+
+def _items(request: BatchRequest) -> list[Item]:
+    """With those that have been moved away since they were chosen, of which `enhance_batch` says so."""
+    there = tuple(path for path in request.inputs if os.path.exists(path))
+    found = items_in(there or request.inputs, request.output, below=True)
+    gone = (Item(path, request.output, path.name) for path in request.inputs if path not in there)
+    return [*gone, *found]
 
 
 def _remove_empty(output: Path, items: Iterable[Item]) -> None:

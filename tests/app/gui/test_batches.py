@@ -224,6 +224,23 @@ def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> Non
     ui.frame(lambda: draw_batches(person.state))
 
 
+def test_what_was_moved_away_before_its_turn_fails_alone(places: Places, case: Path) -> None:
+    person = Person(places)
+    output = person.begin(case / "stills/0.png", case / "scope.avi", case / "stills/1.png")
+    for name in ("stills/0.png", "scope.avi"):
+        (case / name).unlink()
+    person.finish()
+    assert files(output) == {"1.png"}
+    now, banner = person.state.batches.progressed, person.state.window.banner
+    assert now is not None
+    assert banner is not None
+    assert [(one.name, "no such file" in one.reason) for one in now.failed] == [
+        ("0.png", True),
+        ("scope.avi", True),
+    ]
+    assert "1 of 3 enhanced" in banner.message
+
+
 def test_what_is_said_of_what_was_written_is_listed_and_a_loss_stands_out(
     places: Places, case: Path, ui: Ui
 ) -> None:
