@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
@@ -14,9 +15,11 @@ import pytest
 
 import enhance
 import renderer
+from app.enhancement.clip_statistics import OfClip
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.enhancement.image_mask import PictureMask
 from app.enhancement.methods import EnhancementSettings, MethodEnhancer
+from app.enhancement.settable import Pixels, Scope
 from app.evaluation.evaluate import open_evaluation
 from app.gui.work.baking import BakeRequest, bake, can_bake
 from app.gui.work.measuring import Measurer
@@ -35,6 +38,8 @@ from app.scenes.view_request import FrameRequest, ViewRequest
 from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from renderer.clip import Clip
+from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Method, TrainConfig
 
@@ -43,14 +48,21 @@ NEVER_CALLED = {
     "renderer.rasterize.picture.adjoint_of",
 }
 """By Python, or by the app: part of another kernel; of drawing by torch."""
-SHORT = ClipPart(trim=(2, 15))
-"""Other frames, and more, than those of the preparation."""
 SETTINGS: tuple[EnhancementSettings, ...] = (
     *PRESETS.values(),
     EnhanceParams(strength=0.5, d_factor=2.0, omit_below=0.0),
     EnhanceParams(z=0.4, p=(0.2, 0.9), radii=(4, 30), eps=0.01, subsample=1, omit_below=1.0),
     VesselParams(strength=2.0),
 )
+WAYS: tuple[tuple[Scope, Pixels, OfClip], ...] = (
+    ("image", "automatic", None),
+    ("image", "all", None),
+    ("image", "tissue", None),
+    ("automatic", "automatic", "later"),
+    ("automatic", "all", None),
+    ("clip", "tissue", None),
+)
+"""What statistics are of."""
 
 
 def signatures() -> set[str]:
@@ -73,11 +85,8 @@ def _enhance_everything() -> None:
     # Statistics of a clip are of each of its frames: kernels do not know how many.
     clip, maker = ClipPart(trim=(2, 5)).of(open_clip(phantom_path())), PictureMaker()
     for params in SETTINGS:
-        for scope in ("image", "automatic", "clip"):
-            for pixels in ("automatic", "all", "tissue"):
-                for of_clip in (None, "later"):
-                    request = PictureRequest(clip, 1, params, scope, pixels, of_clip=of_clip)  # type: ignore[arg-type]
-                    *_, made = maker.make(request)
+        for scope, pixels, of_clip in WAYS:
+            *_, made = maker.make(PictureRequest(clip, 1, params, scope, pixels, of_clip=of_clip))
         for mask in (PictureMask(), PictureMask(text=(0, 0, 40, 20))):
             *_, made = maker.make(PictureRequest(clip, 0, params, mask=mask))
         list(Measurer().measure(made))
@@ -90,7 +99,7 @@ def _enhance_everything() -> None:
             enhancer.enhance(params)
 
 
-def _train_everything(folder: Path) -> None:
+def _train_everything(clip: Path, folder: Path) -> None:
     # Frames are enhanced before a method sees them, for each in the same way.
     for method, given in (
         *((one, "original") for one in get_args(Method)),
@@ -99,25 +108,23 @@ def _train_everything(folder: Path) -> None:
         path = folder / f"{method}-{given}"
         config = TrainConfig(method=method, iterations=20, n_gaussians=600, checkpoint_every=10)
         request = TrainRequest(
-            clip_path=phantom_path(),
+            clip_path=clip,
             run_path=path,
             config=config,
-            input=given,
-            part=SHORT,  # type: ignore[arg-type]
+            input=given,  # type: ignore[arg-type]
         )
         list(run_training(request))
     moving = TrainConfig(iterations=20, n_gaussians=600, sh_degree=3, render_mode="mip", hold_out=True)
-    request = TrainRequest(clip_path=phantom_path(), run_path=folder / "mip", config=moving, part=SHORT)
+    request = TrainRequest(clip_path=clip, run_path=folder / "mip", config=moving)
     list(run_training(request))
 
 
-def _look_at(scene: Scene) -> None:
-    clip = open_clip(phantom_path())
+def _look_at(scene: Scene, clip: Clip) -> None:
     view = ViewRequest.of_frame(scene, 2)
     for kind in get_args(ViewKind):
         list(draw_view(view.of_kind(kind, FrameRequest(clip, 2))))
-    list(pick(PickRequest(view, (160, 128), "measure")))
-    list(Selector().select(SelectRequest(scene, view, Around((160, 128), "sphere", 5.0))))
+    list(pick(PickRequest(view, (80, 64), "measure")))
+    list(Selector().select(SelectRequest(scene, view, Around((80, 64), "sphere", 5.0))))
     if not can_bake(scene):
         return
     request = BakeRequest(scene)
@@ -125,8 +132,9 @@ def _look_at(scene: Scene) -> None:
         request = BakeRequest(scene, baked.baker, baked.request.part + 1)
 
 
-def check(folder: Path) -> None:
-    """In a process of its own, where nothing else has been compiled."""
+def check(clip: Path, folder: Path) -> None:
+    """In a process of its own, where nothing else has been compiled. The clip is another one than that of the
+    preparation."""
     for task in tasks():
         use(task)
     prepared = signatures()
@@ -135,15 +143,18 @@ def check(folder: Path) -> None:
     # Those that are part of another kernel are compiled with it, unless that one comes from disk.
     assert sorted(name for name in idle - NEVER_CALLED if ".measuring." not in name) == []
     _enhance_everything()
-    _train_everything(folder)
+    _train_everything(clip, folder)
     for path in sorted(folder.iterdir()):
-        _look_at(open_scene(path))
+        _look_at(open_scene(path), open_clip(clip))
         list(open_evaluation(path).frames())
     assert sorted(signatures() - prepared) == []
 
 
 @pytest.mark.slow
-def test_nothing_is_compiled_after_the_preparation(tmp_path: Path) -> None:
-    code = f"from pathlib import Path; from {__name__} import check; check(Path({str(tmp_path)!r}))"
+def test_nothing_is_compiled_after_the_preparation(tmp_path: Path, made_once: Callable[..., Path]) -> None:
+    params = PhantomParams(n_frames=10, width=160, height=128, seed=1)
+    clip = made_once("middling", lambda folder: write_phantom(folder / "clip", params, "endonerf")) / "clip"
+    paths = f"Path({str(clip)!r}), Path({str(tmp_path)!r})"
+    code = f"from pathlib import Path; from {__name__} import check; check({paths})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, done.stderr[-3000:]
