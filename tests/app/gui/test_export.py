@@ -18,7 +18,7 @@ from app.exports.page import Panel, describe, sheet
 from app.exports.panes import PaneMaker, pane_record
 from app.exports.records import FrameRecord, PanesPicture, Words
 from app.exports.sources import Opened
-from app.files.provenance import digest, read_provenance
+from app.files.provenance import digest, read_provenance, write_png
 from app.files.records import Source
 from app.gui.actions import actions, export_actions, job_actions
 from app.gui.actions.export_records import sized
@@ -203,6 +203,7 @@ def test_frames_without_a_name_count_from_one_in_captions(clip: Clip, words: Wor
 
 @pytest.mark.parametrize("what", ["video of both panes", "measures of both panes"])
 def test_measuring_the_clip_can_be_given_up_after_each_frame(state: AppState, clip: Clip, what: What) -> None:
+    write_png(clip.path / "0.png", clip.read_image(0), {})
     state.enhancement.scope = "clip"
     request = export_actions.export_request(state, what)
     assert request is not None
