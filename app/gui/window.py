@@ -323,7 +323,7 @@ class Window:
         self.canvas.second_window.follow(self.state)
 
     def _draw_over(self) -> None:
-        draw_presentation(self.state, self.canvas.backdrop, self.canvas.viewport)
+        draw_presentation(self.state, self.canvas.textures, self.canvas.backdrop, self.canvas.viewport)
         overlays.draw_banner(self.state)
         overlays.draw_toast(self.state)
         overlays.draw_help(self.state, self._commands)

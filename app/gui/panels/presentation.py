@@ -28,8 +28,11 @@ HOST = "MainDockSpace"
 """The runner's window of all panels, which are hidden meanwhile."""
 
 
-def draw_presentation(state: AppState, textures: ShowsPictures, viewport: Viewport) -> None:
-    """Nothing unless something is presented."""
+def draw_presentation(
+    state: AppState, textures: ShowsPictures, backdrop: ShowsPictures, viewport: Viewport
+) -> None:
+    """Nothing unless something is presented. In its first frame the runner still draws grounds of the panels,
+    over what lies behind them."""
     name = state.presenting.pane
     if name is None:
         return
@@ -43,14 +46,15 @@ def draw_presentation(state: AppState, textures: ShowsPictures, viewport: Viewpo
         imgui_ctx.begin("##presentation", None, FLAGS),
     ):
         _go_behind_dialogs()
+        shows = textures if imgui.is_window_appearing() else backdrop
         (area, below), labels = _divided(Area(screen.pos, screen.size)), presenting.has_labels(state)
         ground = imgui.get_color_u32(theme.SURROUND)
         imgui.get_window_draw_list().add_rect_filled(below.corner, below.end, ground)
         if name == "3D view":
-            draw_alone(state, viewport, area, textures, labels=labels)
+            draw_alone(state, viewport, area, shows, labels=labels)
             draw_edit_tools(state)
         else:
-            _draw_picture(state, textures, name, area, labels=labels)
+            _draw_picture(state, shows, name, area, labels=labels)
         if labels:
             _draw_hint(state, below)
 

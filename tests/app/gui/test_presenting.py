@@ -32,12 +32,12 @@ from tests.app.gui.test_window import Driver, enhanced, is_settled, wait
 from tests.app.gui.ui import Draw, Shown, StillViewport, Ui, compare, pictures
 
 
-def presented(state: AppState, shown: Shown) -> Draw:
-    """A frame of the presentation and the keys behind it."""
+def presented(state: AppState, shown: Shown, first: Shown | None = None) -> Draw:
+    """A frame of the presentation and the keys behind it; `first` stands for the textures of its first one."""
     keys = keyboard(state)
 
     def draw() -> None:
-        draw_presentation(state, shown, StillViewport())
+        draw_presentation(state, first or shown, shown, StillViewport())
         keys()
 
     return draw
@@ -77,6 +77,17 @@ def test_f5_presents_the_pane_under_the_pointer_or_the_one_clicked_last(ui: Ui, 
     ui.frame(draw)
     ui.press(draw, imgui.Key.f5)
     assert opened.presenting.pane == "left"
+
+
+def test_the_first_image_lies_over_what_is_left_of_the_panels(ui: Ui, opened: AppState) -> None:
+    first, behind = Shown(), Shown()
+    draw = presented(opened, behind, first)
+    presenting.show(opened, "right")
+    ui.frame(draw)
+    assert (list(first.images), list(behind.images)) == (["right"], [])
+    first.images.clear()
+    ui.frame(draw)
+    assert (list(first.images), list(behind.images)) == ([], ["right"])
 
 
 def test_f5_takes_no_pane_that_is_behind_another_panel(
