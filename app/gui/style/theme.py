@@ -156,6 +156,8 @@ def apply_style() -> None:
     """Sizes are for one em of 16 pixels; the runner scales them with the screen's density."""
     style = imgui.get_style()
     style.window_padding = ImVec2(10, 10)
+    # Also of panes beside and above each other.
+    style.window_min_size = ImVec2(220, 80)
     style.frame_padding = ImVec2(8, 3)
     style.item_spacing = ImVec2(8, 5)
     style.item_inner_spacing = ImVec2(6, 4)

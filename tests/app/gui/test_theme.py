@@ -6,7 +6,7 @@ from functools import partial
 
 import glfw
 import pytest
-from imgui_bundle import ImVec4, glfw_utils, imgui
+from imgui_bundle import ImVec2, ImVec4, glfw_utils, imgui
 
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
@@ -206,6 +206,25 @@ def test_the_side_grows_with_the_text_and_shrinks_back(places: Places) -> None:
         assert width() == pytest.approx(min(1.5 * first, most), rel=0.02)
         ctx.key_press(chord("Ctrl+0"))
         assert width() == pytest.approx(first, rel=0.02)
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_a_pane_cannot_be_dragged_until_nothing_of_it_is_seen(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        ctx.yield_(4)
+        side, screen = ctx.window_info("//Enhancement").window, imgui.get_main_viewport().size
+        for x in (screen.x - 2, 2):
+            ctx.mouse_move_to_pos(ImVec2(side.pos.x - 2, side.pos.y + 60))
+            ctx.mouse_down()
+            ctx.mouse_move_to_pos(ImVec2(x, side.pos.y + 60))
+            ctx.mouse_up()
+            ctx.yield_(4)
+            side = ctx.window_info("//Enhancement").window
+            assert 200 <= side.size.x <= screen.x - 200
 
     driver.run(drive)
 
