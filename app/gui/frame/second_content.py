@@ -65,7 +65,7 @@ class SecondContent:
         place = PictureView().place((camera.width, camera.height), size)
         box = (*place.pane_at(0, 0), *place.pane_at(camera.width, camera.height))
         drawn = [Quad(shown.texture, box, shown.request, (*shown.uv0, *shown.uv1))]
-        if (frame := frame_over(state)) is not None:
+        if (frame := frame_over(state, shown.request)) is not None:
             share = frame_share(state, shown.request.scene)
             over = self._textures.whole("second window: frame", frame.image)
             drawn.append(Quad(over, box, frame.request, share=share))

@@ -247,7 +247,7 @@ def _draw_picture(state: AppState, shown: OnScreen | None, textures: ShowsPictur
     if shown is not None:
         low, high = Sight(shown.request.camera, area).bounds
         draw.add_image(shown.texture, low, high, shown.uv0, shown.uv1)
-        if (frame_image := frame_over(state)) is not None:
+        if (frame_image := frame_over(state, shown.request)) is not None:
             tint = imgui.get_color_u32(theme.grey(1.0, frame_share(state, shown.request.scene)))
             over = textures.whole("frame over view", frame_image.image)
             draw.add_image(over, low, high, (0, 0), (1, 1), tint)

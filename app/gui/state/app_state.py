@@ -279,8 +279,10 @@ class AppState:
 
     @property
     def view_request(self) -> ViewRequest | None:
-        """What the 3D view should show now; None without a model or while it is hidden."""
-        return self._view_of(self.editing.tinted or self.scene.model)
+        """What the 3D view should show now; None without a model or while it is hidden. A selection in colour
+        would differ from the frame, which is no error of the model."""
+        view = self._view_of(self.editing.tinted or self.scene.model)
+        return self.plain_view_request if view is not None and view.kind == "difference" else view
 
     @property
     def masks_clip(self) -> Clip | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -16,12 +17,12 @@ from app.gui.state.app_state import AppState
 from app.gui.state.live_words import live_tags
 from app.gui.state.tags import Tag, cautions
 from app.gui.views.comparison import SIDES, Side
-from app.kernels.progress import rounded
 from app.scenes.scene import Scene
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.clip import BoolImage, ByteImage
 
+TINTED: Final = Tag("TINTED · tools and mask", "caution")
 STALE_SECONDS = 0.15
 """Younger than this, an update on its way is not worth a flashing tag."""
 LONG_SECONDS = 3.0
@@ -184,7 +185,7 @@ def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:
     if state.timeline.frozen_index is not None:
         tags.append(Tag(f"FROZEN · frame {state.timeline.frozen_index + 1}", "caution"))
     if tinted(state) is not None:
-        tags.append(Tag("TINTED · tools and mask", "caution"))
+        tags.append(TINTED)
     if state.is_unreadable:
         tags.append(Tag(f"FRAME {state.timeline.shown_index + 1} CANNOT BE READ", "caution"))
     elif stale and not state.timeline.playing and state.window.now - state.picture.asked_at > STALE_SECONDS:
@@ -196,8 +197,8 @@ def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:
 def _first_use(state: AppState) -> tuple[Tag, ...]:
     """Why it takes so long, where another method than the one on screen was asked for."""
     if (now := state.window.preparation) is not None and not state.pictures_are_stale:
-        until = rounded(now.seconds_until(preset_of(state.enhancement.params)))
-        return (Tag(f"One-time preparation of this method: {until} left"),)
+        left = now.left(preset_of(state.enhancement.params))
+        return (Tag(f"One-time preparation of this method: {left}"),)
     shown, wanted = state.picture.pictures, state.picture_request
     if shown is None or wanted is None or state.window.now - state.picture.asked_at <= LONG_SECONDS:
         return ()
@@ -235,16 +236,16 @@ def difference_request(state: AppState) -> DifferenceRequest | None:
 
 
 def difference_pane(state: AppState, pictures: Pictures, difference: Difference) -> Pane:
-    """The heat map, with both names; its colours are of a scale, so that none is clipped."""
+    """The heat map, with both names; its colours, of a scale, are neither clipped nor tinted."""
     sides = [pane(state, pictures, side) for side in SIDES]
     names = " − ".join(side.tags[0].text for side in sides)
     said = Tag(f"largest of R, G, B · mean {difference.mean:.1f} grey levels")
     stale = difference.request != difference_request(state) or any(side.stale for side in sides)
+    others = [tag for tag in cautions(sides[1].tags[1:]) if tag != TINTED]
     return Pane(
         difference.heat,
-        (Tag(f"DIFFERENCE · {names}", "caution"), said, *cautions(sides[1].tags[1:])),
+        (Tag(f"DIFFERENCE · {names}", "caution"), said, *others),
         stale,
-        tint=tinted(state),
     )
 
 

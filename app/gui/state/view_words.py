@@ -7,14 +7,16 @@ from app.gui.state.app_state import AppState
 from app.gui.state.panes import frame_share, hides_enhancement, progress_tags
 from app.gui.state.tags import Tag, Tone
 from app.gui.views.measurement import LEAST_CORNERS, Measurement
-from app.kernels.progress import rounded
 from app.scenes.scene import Scene
 from app.scenes.view_request import FrameImage, ViewRequest
 
 
-def frame_over(state: AppState) -> FrameImage | None:
-    """The frame that lies over the picture; a difference to it shows it already."""
-    return None if state.scene.kind == "difference" else state.frame_image
+def frame_over(state: AppState, shown: ViewRequest) -> FrameImage | None:
+    """The frame that lies over the view on screen. A difference to it shows it already, and one that is still
+    of another camera would be mixed with it."""
+    seen, own = shown.camera, shown.scene.camera_at(shown.time)
+    is_clips = seen == own.resized(seen.width, seen.height)
+    return state.frame_image if is_clips and shown.kind != "difference" else None
 
 
 def view_tags(state: AppState, shown: ViewRequest | None) -> tuple[Tag, ...]:
@@ -26,7 +28,7 @@ def view_tags(state: AppState, shown: ViewRequest | None) -> tuple[Tag, ...]:
     if state.shows_other_clip:
         tags.append(Tag(f"OF ANOTHER CLIP · {legible(model.title)}", "caution"))
     tags += [*progress_tags(state, model), *_model_tags(state, shown), *_guess_tags(model)]
-    if hides_enhancement(state, model) and not _is_under_frame(state):
+    if hides_enhancement(state, model) and not _is_under_frame(state, shown):
         tags.append(Tag(f"OF {str(model.record.input).upper()} FRAMES · not white light", "caution"))
     if model is not second:
         tags += _hand_tags(state, shown)
@@ -42,8 +44,8 @@ def _waiting_tags(state: AppState) -> tuple[Tag, ...]:
     preparation = state.window.preparation
     if preparation is None or not state.lacks("3D view"):
         return (Tag("DRAWING…", "caution"),)
-    left = rounded(preparation.seconds_until("3D view"))
-    return Tag("PREPARING…", "caution"), Tag(f"One-time preparation of the 3D view: {left} left")
+    left = preparation.left("3D view")
+    return Tag("PREPARING…", "caution"), Tag(f"One-time preparation of the 3D view: {left}")
 
 
 def _model_tags(state: AppState, shown: ViewRequest) -> tuple[Tag, ...]:
@@ -54,7 +56,7 @@ def _model_tags(state: AppState, shown: ViewRequest) -> tuple[Tag, ...]:
         other = state.scene.model if model is second else second
         return (Tag(f"{_made_by(model, other)} · {moment}", "enhanced"),)
     if not model.is_of_run:
-        return (Tag(f"SPLATS · {legible(model.name)}"),)
+        return (Tag(f"SPLAT FILE · {legible(model.name)}"),)
     head = Tag(f"RECONSTRUCTION · {moment}")
     if not model.record.trained_on:
         return (head,)
@@ -82,9 +84,9 @@ def _guess_tags(model: Scene) -> tuple[Tag, ...]:
     return (Tag(f"ESTIMATED {guessed}", "caution"),) if guessed else ()
 
 
-def _is_under_frame(state: AppState) -> bool:
+def _is_under_frame(state: AppState, shown: ViewRequest) -> bool:
     """The frame lies over the view, and can hide it."""
-    return state.scene.viewer.snapped and frame_over(state) is not None
+    return state.scene.viewer.snapped and frame_over(state, shown) is not None
 
 
 def _hand_tags(state: AppState, shown: ViewRequest) -> list[Tag]:
@@ -101,7 +103,8 @@ def _hand_tags(state: AppState, shown: ViewRequest) -> list[Tag]:
         tags.append(Tag("DIFFERENCE to the frame", "enhanced"))
     elif viewer.snapped:
         share = 100 * frame_share(state, shown.scene)
-        tags.append(Tag(f"FRAME {share:.0f} % over the reconstruction", "enhanced"))
+        tone: Tone = "caution" if share else "enhanced"
+        tags.append(Tag(f"FRAME {share:.0f} % over the reconstruction", tone))
     elif state.scene.kind == "difference":
         tags.append(Tag("DIFFERENCE needs the clip's camera: press C", "caution"))
     if viewer.free is not None:

@@ -275,7 +275,7 @@ def test_the_difference_is_of_the_two_panes(state: AppState, channels: Channels)
     assert difference_pane(state, pictures, difference).stale
 
 
-def test_stripes_and_tint_are_on_both_windows_and_no_stripes_on_a_heat_map(
+def test_stripes_and_tint_are_on_both_windows_and_on_no_heat_map(
     ui: Ui, state: AppState, channels: Channels
 ) -> None:
     comparing.toggle_zebra(state)
@@ -296,7 +296,10 @@ def test_stripes_and_tint_are_on_both_windows_and_no_stripes_on_a_heat_map(
     ui.frame(compare(state, shown))
     assert state.comparing.difference is not None
     assert shown.images["single"] is state.comparing.difference.heat
-    assert shown.marks["single"] == (False, tint)
+    assert shown.marks["single"] == (False, None)
+    assert state.picture.pictures is not None
+    tags = difference_pane(state, state.picture.pictures, state.comparing.difference).tags
+    assert not any("TINTED" in tag.text for tag in tags)
 
 
 def test_requests_of_the_same_two_pictures_are_one() -> None:

@@ -17,6 +17,7 @@ from app.gui.panels.scene_marks import Sight
 from app.gui.panels.view3d import draw_view3d
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
+from app.gui.state.tags import cautions
 from app.gui.state.view_words import frame_over, view_tags
 from app.gui.style.widgets import Area
 from app.gui.work.settings import Places
@@ -116,10 +117,47 @@ def test_the_frame_lies_pixel_for_pixel_over_the_snapped_view(
     corner, size = ImVec2(10, 20), ImVec2(300, 200)
     (low, high), zoom = Sight(request.camera, Area(corner, size)).bounds, 200 / 40
     assert (high.x - low.x, high.y - low.y) == (zoom * 48, zoom * 40)  # Square pixels, all of them.
-    assert "FRAME 50 %" in texts(view_tags(opened, opened.view_request))
+    # Also in a presentation without labels.
+    assert "FRAME 50 %" in texts(cautions(view_tags(opened, opened.view_request)))
     ui.drag(draw, (400, 300), (420, 300))
     assert not opened.scene.viewer.snapped
-    assert frame_over(opened) is None
+    assert frame_over(opened, request) is None
+
+
+def test_a_selection_is_no_difference_to_the_frame(opened: AppState, model: DynamicGaussians) -> None:
+    start_live(opened, model)
+    opened.scene.size = (300, 100)
+    camera_actions.toggle_snap(opened)
+    wish = opened.frame_request
+    assert wish is not None
+    (opened.scene.viewer.frame_image,) = read_frame(wish)
+    assert opened.scene.model is not None
+    opened.editing.tinted = replace(opened.scene.model, name="with a selection in colour")
+    assert opened.view_request is not None
+    assert opened.view_request.scene is opened.editing.tinted
+    camera_actions.choose_view(opened, "difference")
+    assert opened.view_request is not None
+    assert opened.view_request.kind == "difference"
+    assert opened.view_request == opened.plain_view_request
+
+
+def test_a_frame_is_never_mixed_with_a_view_of_another_kind_or_camera(
+    opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    opened.scene.size = (300, 100)
+    free = opened.view_request
+    camera_actions.toggle_snap(opened)
+    wish, snapped = opened.frame_request, opened.view_request
+    assert wish is not None
+    assert free is not None
+    assert snapped is not None
+    (frame,) = read_frame(wish)
+    opened.scene.viewer.frame_image = frame
+    assert frame_over(opened, free) is None
+    assert frame_over(opened, snapped.of_kind("difference", frame)) is None
+    assert frame_over(opened, snapped) is frame
+    assert frame_over(opened, snapped.scaled(0.5)) is frame
 
 
 def test_white_light_never_shows_an_enhanced_model_unnoticed(
