@@ -41,6 +41,19 @@ def _take(state: AppState, chosen: SettingsSnapshot) -> None:
     reading = replace(state.source.reading, depth=chosen.depth, baseline=baseline, field_of_view=view)
     if reading != state.source.reading:
         depth_actions.choose_reading(state, reading)
+    _take_kept(state, chosen)
     if state.source.part != chosen.part:
         state.source.part = chosen.part
         clip_actions.keep_settings(state)
+
+
+def _take_kept(state: AppState, chosen: SettingsSnapshot) -> None:
+    """What lies in panels that may be hidden is said."""
+    cameras, summary = state.scene.cameras, state.summary
+    if cameras.views != chosen.views:
+        cameras.views = chosen.views
+        kept = f"saved views: {len(chosen.views.named)}, keyframes: {len(chosen.views.path.keyframes)}"
+        actions.announce(state, kept)
+    if summary.items != chosen.images:
+        summary.items = chosen.images
+        actions.announce(state, f"images in the case summary: {len(chosen.images)}")

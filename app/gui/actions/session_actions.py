@@ -269,6 +269,8 @@ def answer_new_case(state: AppState, *, agreed: bool) -> None:
         state.session.notes = summary.title = summary.notes = ""
         # What is being saved is of the case before.
         summary.items, summary.awaited = (), ()
+        # Undo leads back to none of them.
+        actions.rebase(state, [step.params for step in state.enhancement.past])
 
 
 def save_to(state: AppState, path: Path) -> None:

@@ -23,6 +23,7 @@ IMPORT_TEXT = (
 )
 SAVE_TEXT = "Save all views and the path, for this app and for vesselsplat export --path."
 KEY_TEXT = "I: add this view and time to the path, at its current second or after its end."
+DELETE_TEXT = "Delete. Ctrl+Z undoes it."
 PLAY_TEXT = "L: play or stop the path. Needs two keyframes."
 
 
@@ -73,7 +74,7 @@ def _draw_view(state: AppState, index: int, one: NamedCamera) -> None:
         button(f"{icons.ICON_FA_EDIT}###rename", lambda: imgui.open_popup("name"), "Rename")
         imgui.same_line()
         delete = partial(path_actions.delete_view, state, index)
-        button(f"{icons.ICON_FA_TRASH}###delete", delete, "Delete")
+        button(f"{icons.ICON_FA_TRASH}###delete", delete, DELETE_TEXT)
         with imgui_ctx.begin_popup("name") as popup:
             if popup:
                 _draw_rename(state, index, one.name)
@@ -151,7 +152,7 @@ def _draw_keyframe(state: AppState, model: Scene, index: int, key: Keyframe) -> 
     acts: tuple[tuple[str, str, Callable[[], None]], ...] = (
         (icons.ICON_FA_EYE, "Go to it", partial(path_actions.seek_path, state, key.seconds)),
         (icons.ICON_FA_SYNC, "Set to this view and time", replace),
-        (icons.ICON_FA_TRASH, "Delete", partial(path_actions.delete_keyframe, state, index)),
+        (icons.ICON_FA_TRASH, DELETE_TEXT, partial(path_actions.delete_keyframe, state, index)),
     )
     for icon, text, act in acts:
         button(f"{icon}###{text}", act, text)

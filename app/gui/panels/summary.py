@@ -26,7 +26,7 @@ TITLE_TEXT = "The heading of the page, and the name of its file. Write no patien
 NOTES_TEXT = "Above the images. Kept with the session."
 SHOWN_TEXT = "Save what is shown now as an image, and add it."
 FILE_TEXT = "A PNG or JPEG image that VesselSplat saved before."
-REMOVE_TEXT = "Remove from the page; the file stays."
+REMOVE_TEXT = "Remove from the page; the file stays. Ctrl+Z undoes it."
 WIDTH, HEIGHT = 8.5, 5.2
 """Text heights across and down, for a thumbnail."""
 MOVING = 5.6

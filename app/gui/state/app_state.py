@@ -98,6 +98,8 @@ class AppState:
             self.source.reading.depth,
             self.source.reading.baseline,
             self.source.reading.field_of_view,
+            self.scene.cameras.views,
+            self.summary.items,
         )
 
     @property

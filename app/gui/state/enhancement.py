@@ -9,12 +9,14 @@ from typing import Final
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import InputKind, Pixels, Scope, Slot
 from app.gui.session_file import KeptSettings
+from app.gui.state.summary import Item
 from app.gui.views.comparison import Comparison
 from app.gui.work.thumbnails import Thumbnails
 from app.runs.clip_selection import WHOLE, ClipPart
 from enhance import EnhanceParams
 from renderer.readers.clip_options import DEFAULTS, DepthSource
 from renderer.train.config import TrainConfig
+from renderer.view_files import Views
 
 NAMES: Final = {
     "params": "enhancement",
@@ -27,6 +29,8 @@ NAMES: Final = {
     "depth": "depth",
     "baseline": "depth",
     "field_of_view": "depth",
+    "views": "saved views and path",
+    "images": "case summary",
 }
 PARAMS: Final = {
     "strength": "strength",
@@ -56,6 +60,9 @@ class SettingsSnapshot:
     """mm, as typed."""
     field_of_view: float | None = DEFAULTS.field_of_view
     """Degrees, as typed."""
+    views: Views = field(default_factory=Views)
+    images: tuple[Item, ...] = ()
+    """Of the case summary, with their notes."""
 
     def with_params(self, params: EnhancementSettings) -> SettingsSnapshot:
         return replace(self, params=params)

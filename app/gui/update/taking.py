@@ -155,8 +155,8 @@ def _show_opened(state: AppState, request: OpenRequest, answer: Opened) -> None:
     arriving.show_opened(state, request.path, answer)
     clip_actions.keep_lens(state, request)
     if answer.session is not None:
-        session_actions.restore(state, answer.session, answer.second)
         summary_actions.restore(state, answer.session.summary, answer.pictures)
+        session_actions.restore(state, answer.session, answer.second)
         session_actions.taken_up(state, answer, request.path)
 
 

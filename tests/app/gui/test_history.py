@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -17,7 +18,10 @@ from app.gui.actions import (
     depth_actions,
     history_actions,
     job_actions,
+    path_actions,
     preset_actions,
+    session_actions,
+    summary_actions,
 )
 from app.gui.state.app_state import AppState
 from app.gui.state.enhancement import SettingsSnapshot
@@ -28,6 +32,9 @@ from app.gui.work.settings import Places, load_clips
 from app.runs.clip_selection import ClipPart
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from renderer.camera import Camera
+from renderer.camera_files import NamedCamera
+from renderer.view_files import Views
 from tests.app.gui.conftest import make_clip
 from tests.app.gui.settling import keep_all
 
@@ -67,6 +74,8 @@ SETTINGS: dict[str, Set] = {
     "reconstruction settings ": wishes,
     "depth": lambda s: depth_actions.type_baseline(s, "4.2"),
     "depth ": lambda s: depth_actions.type_field_of_view(s, "80"),
+    "saved views and path": lambda s: path_actions.set_loop(s, loop=True),
+    "case summary": lambda s: summary_actions.add_file(s, Path("saved.png")),
 }  # fmt: skip
 
 
@@ -113,6 +122,33 @@ def test_looking_is_no_step_and_is_left_as_it_is(state: AppState) -> None:
     history_actions.undo(state)
     assert (state.comparing.chosen.mode, state.comparing.chosen.wipe) == ("side by side", 0.2)
     assert (state.timeline.frame_index, state.picture.view.zoom, state.enhancement.active) == (4, 3.0, False)
+
+
+def test_what_was_deleted_comes_back_and_that_is_said(state: AppState) -> None:
+    views = Views((NamedCamera("from the left", Camera(fx=9, fy=9, cx=4, cy=4, width=8, height=8)),))
+    state.scene.cameras.views = views
+    summary_actions.add_file(state, Path("saved.png"))
+    summary_actions.type_note(state, 0, "a long note")
+    actions.settle_params(state)
+    images = state.summary.items
+    path_actions.delete_view(state, 0)
+    actions.settle_params(state)
+    summary_actions.remove(state, 0)
+    assert (state.scene.cameras.views.named, state.summary.items) == ((), ())
+    history_actions.undo(state)
+    history_actions.undo(state)
+    assert (state.scene.cameras.views.named, state.summary.items) == (views.named, images)
+    assert list(state.window.log)[-2:] == ["images in the case summary: 1", "saved views: 1, keyframes: 0"]
+
+
+def test_a_new_case_is_not_undone(state: AppState) -> None:
+    summary_actions.add_file(state, Path("saved.png"))
+    actions.settle_params(state)
+    session_actions.answer_new_case(state, agreed=True)
+    while len(state.enhancement.past) > 1:
+        history_actions.undo(state)
+    history_actions.redo(state)
+    assert state.summary.items == ()
 
 
 def test_something_new_ends_what_could_be_redone(state: AppState) -> None:
