@@ -14,11 +14,12 @@ from renderer.rasterize.cpu import Rasterizer, render
 from renderer.splats import Splats
 from renderer.train.adam import coast_taps, corrected_rate, update_rows, update_taps
 from renderer.train.checkpoint import Checkpoint, checkpoint_paths, read_newest_checkpoint, write_checkpoint
+from renderer.train.config import Part
 from renderer.train.events import Finishing, Progress, Started
 from renderer.train.frames import halved, train_frame
 from renderer.train.initialize import sampled, scene_size
 from renderer.train.losses import LossWeights, picture_loss
-from renderer.train.trainer import TrainingError, frame_of, split
+from renderer.train.trainer import REMOVING, TrainingError, frame_of, split
 from renderer.train.training import train
 from tests.renderer.sheet import SIZE, SMALL, finished, moving_sheet, same_bytes
 
@@ -295,3 +296,11 @@ def test_progress_ends_at_the_last_step_with_the_time_of_what_follows_it() -> No
     assert left[-1] > 0
     assert all(event.seconds_left > left[0] for event in told[:-1])
     assert [event.seconds for event in told] == sorted(event.seconds for event in told)
+
+
+def test_what_is_left_out_is_not_announced() -> None:
+    def stages(*keep: Part) -> set[str]:
+        events = train(moving_sheet(), replace(SMALL, iterations=20, keep=keep))
+        return {event.stage for event in events if isinstance(event, Finishing)}
+
+    assert stages() - stages("unseen") == {REMOVING}

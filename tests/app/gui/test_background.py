@@ -200,6 +200,26 @@ def test_after_closing_no_other_work_is_begun() -> None:
     assert not done
 
 
+def test_a_call_to_close_just_before_the_wake_up_is_cleared_is_heard() -> None:
+    ended = threading.Event()
+
+    class Last(Channel[int, int]):
+        def close(self) -> None:
+            ended.set()
+
+    class Late(threading.Event):
+        def clear(self) -> None:
+            worker._closing.set()
+            super().clear()
+
+    channel = Last(doubled)
+    worker = Worker((channel,), lambda: None)
+    worker._wake = Late()
+    worker._wake.set()
+    channel.ask(1)  # Of the wake-up before, which the thread may wait for already.
+    assert ended.wait(SECONDS)
+
+
 def test_waiting_ends_with_the_last_answer_of_the_newest_request() -> None:
     allowed = threading.Event()
 
