@@ -60,6 +60,8 @@ SAY_INSTEAD = (
 )
 CONTRACT = ("enhanced picture",)
 """Kinds of exports that files hold."""
+EXPORTS = ("moving splats", "splats of this moment", "splats of all frames", "splats through time")
+"""Kinds that the window offers, by names that it does not show."""
 KEYS = ("input_photo", "original_photo", "photos")
 """Of `evaluate --json` and of a report's rows."""
 
@@ -124,6 +126,16 @@ def test_names_and_docstrings_say_frame_or_image() -> None:
         for path in sorted((ROOT / package).rglob("*.py"))
         for word in re.findall(r"\w*photo(?!metric)\w*", path.read_text(encoding="utf-8"), re.IGNORECASE)
         if word not in KEYS
+    ]
+    assert not found, "\n".join(found)
+
+
+def test_a_model_has_gaussians_and_lies_in_a_splat_file() -> None:
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: {text}"
+        for path in sorted((ROOT / "app/gui").rglob("*.py"))
+        for number, text in literals(path.read_text(encoding="utf-8"))
+        if re.search(r"(?i)\bsplats\b", text) and " " in text and text not in EXPORTS
     ]
     assert not found, "\n".join(found)
 

@@ -234,7 +234,7 @@ def splat_scene(path: Path) -> Scene:
         file = read_splats(path)
     except SplatFileError as error:
         raise UserError(str(error)) from error
-    notices = (*file.notices, *(() if len(file.raw) else ("no splats to render: nothing is seen",)))
+    notices = (*file.notices, *(() if len(file.raw) else ("no Gaussians to render: nothing is seen",)))
     return _without_cameras(whole(path), DynamicGaussians(file.raw, Still()), 1, file.mode, notices)
 
 

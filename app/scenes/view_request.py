@@ -194,7 +194,7 @@ def caption_of(view: ViewRequest) -> str:
     """Of what, from which frames, in which view where that is not how it looks, and what lies over it."""
     record, shows = view.scene.record, "" if view.kind == "color" else view.kind
     frames = f"from {record.trained_on}" if record.trained_on else ""
-    what = "Reconstruction" if view.scene.is_of_run else "Splats"
+    what = "Reconstruction" if view.scene.is_of_run else "Splat file"
     over = f"frame {view.frame_share:.0%} over it" if view.frame_share else ""
     return "   ".join(filter(None, (f"{what} {view.scene.name}", frames, shows, over)))
 

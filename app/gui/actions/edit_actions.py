@@ -277,7 +277,7 @@ def take_saved(state: AppState, request: SaveRequest, answer: SavedEdits | Failu
     if request.base.is_of_run:
         said = f"edits saved beside {answer.path.name}; the trained model is as it was"
     else:
-        said = f"edited splats saved as {answer.path.name}; the file opened is as it was"
+        said = f"edits saved as splat file {answer.path.name}; the file opened is as it was"
     actions.announce(state, said)
     if go is not None:
         actions.leave(state, go)

@@ -119,18 +119,18 @@ OFFERS: Final[dict[What, Offer]] = {
         SIDES,
     ),
     "splats of this moment": Offer(
-        "Splats, this moment", "splats",
-        "The reconstruction as it is now: Gaussian splats as PLY, SPZ, SOG or glTF, for viewers and other "
+        "Splat file, this moment", "splats",
+        "The reconstruction as it is now: its Gaussians as PLY, SPZ, SOG or glTF, for viewers and other "
         "programs.",
         "splats",
     ),
     "splats of all frames": Offer(
-        "Splats, all frames", "splat folder",
-        "A folder with a file of Gaussian splats per frame, as PLY, SPZ, SOG or glTF.", "splats",
+        "Splat files, all frames", "splat folder",
+        "A folder with a splat file per frame, as PLY, SPZ, SOG or glTF.", "splats",
     ),
     "splats through time": Offer(
-        "Splats that move", "moving splats",
-        "The reconstruction through the clip as one file of Gaussian splats: USD, or 4DGS.",
+        "Splat file that moves", "moving splats",
+        "The reconstruction through the clip as one splat file: USD, or 4DGS.",
         "moving-splats",
     ),
     "page for browsers": Offer(

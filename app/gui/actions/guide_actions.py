@@ -16,7 +16,7 @@ PAGES: Final = MappingProxyType(
     {
         "Images": 0, "Enhancement": 1, "Report": 2, "Tuning": 1, "Enhance files and folders": 1,
         "Reconstruction": 3, "Masks": 3, "Runs": 3, "Log": 3,
-        "3D view": 4, "Splats": 4, "Cameras": 4, "Edit": 4,
+        "3D view": 4, "Splat file": 4, "Cameras": 4, "Edit": 4,
         "Export": 5, "Notes": 5,
     }
 )  # fmt: skip

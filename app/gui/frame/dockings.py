@@ -15,7 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.work.opening import Content
 
-SPLATS = "Splats"
+SPLATS = "Splat file"
 """The 3D view of a model without pictures, in their place."""
 Node = imgui.internal.DockNode
 SIDE = 20.8

@@ -29,7 +29,7 @@ DETAILS = (
     "OneDrive or iCloud."
 )
 BANNER = "##banner"
-MIDDLE = ("Images", "Splats", "Tuning", "Report")
+MIDDLE = ("Images", "Splat file", "Tuning", "Report")
 """Panels of which one is in front there."""
 TIMELINE = 7.8
 """Text heights up to where the timeline and the bars below it begin, also those of a live source."""

@@ -22,8 +22,11 @@ from renderer.regular_files import read_regular
 
 NAME: Final = "window.ini"
 MOST_BYTES: Final = 1 << 20
-FORMER: Final = ((b"[Window][Pictures]", b"[Window][Images]"),)
-"""Panels by their titles before 0.2.0, and now."""
+FORMER: Final = (
+    (b"[Window][Pictures]", b"[Window][Images]"),
+    (b"[Window][Splats]", b"[Window][Splat file]"),
+)
+"""Panels by their titles in older versions, and now."""
 DENSITY: Final = re.compile(rb"^DpiWindowSizeFactor=(\d+(?:\.\d+)?)", re.MULTILINE)
 SIZES: Final = re.compile(rb"\b(SizeRef|WindowSize)=(\d+),(\d+)")
 """Of panels and of the window, in pixels."""

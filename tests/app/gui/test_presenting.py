@@ -33,7 +33,7 @@ from tests.app.gui.ui import Draw, Shown, StillViewport, Ui, compare, pictures
 
 
 def presented(state: AppState, shown: Shown, first: Shown | None = None) -> Draw:
-    """A frame of the presentation and the keys behind it; `first` stands for the textures of its first one."""
+    """A frame of the presentation and the keys behind it; `first` stands for textures of the first."""
     keys = keyboard(state)
 
     def draw() -> None:

@@ -350,7 +350,7 @@ def test_splats_alone_have_the_pictures_place_until_a_clip_comes(
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: driver.state.scene.view is not None, "the splats")
         ctx.yield_(3)
-        box = ctx.item_info("//Splats/view").rect_full
+        box = ctx.item_info("//Splat file/view").rect_full
         heights.append(box.max.y - box.min.y)
         actions.open_path(driver.state, phantom_path())
         wait(ctx, lambda: is_settled(driver.state), "the phantom")

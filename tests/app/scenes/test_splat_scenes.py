@@ -11,7 +11,7 @@ from tests.renderer.splat_files.files import gaussians
 
 def test_a_file_without_splats_shows_nothing(tmp_path: Path) -> None:
     write_splats(tmp_path / "a.ply", gaussians(0))
-    assert open_scene(tmp_path / "a.ply").notices == ("no splats to render: nothing is seen",)
+    assert open_scene(tmp_path / "a.ply").notices == ("no Gaussians to render: nothing is seen",)
 
 
 def test_moments_of_another_mode_than_the_first_are_told(tmp_path: Path) -> None:
