@@ -21,8 +21,11 @@ CODED: Final = frozenset({".avif", ".heic", ".heif", ".jp2"})
 JPEG_2000: Final = b"\x00\x00\x00\x0cjP  "
 BOXES: Final = b"ftyp"
 GROUPS, STEREO = b"grpl", b"ster"
+COLORS: Final = b"colrprof"
+"""Before the ICC profile of an image in HEIC and AVIF. Source: ISO/IEC 14496-12, 12.1.5."""
 BEFORE_PIXELS: Final = 1 << 16
-"""Bytes of a file within which it tells how its image is turned, and which of its images belong together."""
+"""Bytes of a file within which it tells how its image is turned, its colours, and which images belong
+together."""
 QUARTERS: Final = re.compile(rb"\x00\x00\x00\x09irot(.)", re.DOTALL)
 """The turn of an image in HEIC and AVIF, in quarters. Source: ISO/IEC 23008-12, 6.5.10."""
 
@@ -43,8 +46,14 @@ def is_stereo_pair(path: Path) -> bool:
     """Whether such a file says that two of its images are those of the left and of the right eye, as spatial
     photos do. Source: ISO/IEC 23008-12, entity group 'ster'."""
     head = _head(path, BEFORE_PIXELS) if path.suffix.lower() in CODED else b""
-    at = head.find(GROUPS)
-    return at >= 4 and STEREO in head[at : at - 4 + int.from_bytes(head[at - 4 : at])]
+    return STEREO in _box(head, GROUPS)
+
+
+def _box(head: bytes, name: bytes) -> bytes:
+    """What follows the name in the first box that begins so; empty where that does not end within."""
+    at = head.find(name)
+    end = at - 4 + int.from_bytes(head[max(at - 4, 0) : max(at, 0)])
+    return head[at + len(name) : end] if at >= 4 and end <= len(head) else b""
 
 
 def _head(path: Path, count: int) -> bytes:
@@ -85,6 +94,8 @@ class CodedPicture(ImageFile.ImageFile):
                     raise ClipError(f"expected an intact image, got one that does not decode: {self._path}")
                 self._size = self._size[::-1] if lies_down(first) else self._size
         self._mode = "RGB"
+        if profile := _box(_head(self._path, BEFORE_PIXELS), COLORS):
+            self.info["icc_profile"] = profile
 
     def load(self) -> PixelAccess | None:
         if not self._is_loaded:

@@ -32,7 +32,7 @@ def profile_in(path: Path) -> bytes | None:
         return picture.info.get("icc_profile")
 
 
-@pytest.mark.parametrize("given", SUFFIXES)
+@pytest.mark.parametrize("given", [*SUFFIXES, ".avif"])
 @pytest.mark.parametrize("made", SUFFIXES)
 def test_an_enhanced_image_keeps_the_profile(tmp_path: Path, vesselsplat: Cli, given: str, made: str) -> None:
     source, out = tmp_path / f"in{given}", tmp_path / f"out{made}"
