@@ -16,6 +16,7 @@ from app.gui.panels.menus import draw_commands
 from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks, is_on_first
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import frame_share
+from app.gui.state.run_words import doing
 from app.gui.state.tags import cautions
 from app.gui.state.view_words import frame_over, view_tags
 from app.gui.style import theme
@@ -76,6 +77,7 @@ def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, textures:
         laid_out.size_view(state, 0, 0)
         imgui.dummy(ImVec2(0, max(imgui.get_content_region_avail().y / 2 - em(2), 0)))
         centered("Waiting for the first preview of the reconstruction…")
+        centered(doing(state))
         return
     _draw_toolbar(state)
     space, gap = imgui.get_content_region_avail(), em(0.3)
