@@ -95,6 +95,7 @@ REPLAY_UNNAMED = (
     "The file records how it was made, but not the name of its source: "
     "vesselsplat replay FILE --source SOURCE reproduces it."
 )
+BURNED_IN_STAYS = "Names or dates burned into the image stay in it: look before you send it to others."
 LIST = 11.5
 """Text heights across of the list of what can be exported."""
 
@@ -179,6 +180,8 @@ def _draw_chosen(state: AppState) -> None:
     _draw_progress(state)
     if offer.form != "cameras" and state.exports.what != "window":
         note(_replay_text(state, offer))
+    if offer.form in ("picture", "panes video"):
+        note(BURNED_IN_STAYS)
     _draw_last(state)
 
 
