@@ -153,7 +153,7 @@ def draw_live_choice(state: AppState, textures: ShowsPictures) -> None:
         button(f"{icons.ICON_FA_FILM}  Play a video as if live…", partial(take, "file"), FILE_TEXT)
         imgui.same_line()
         button("Play a folder…", partial(take, "folder", purpose="folder"), FILE_TEXT)
-        imgui.separator_text("Ask for")
+        imgui.separator_text("Request from the device")
         _draw_wish(state)
 
 

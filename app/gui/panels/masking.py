@@ -81,7 +81,7 @@ VALUE_NAMES: Final[dict[Values, str]] = {
 }
 CLASSES_TEXT: Final = "Numbers of the classes that are tools, from 0. Empty: all but the first."
 NO_CLASSES: Final = "Classes are whole numbers from 0, such as 1 3."
-NONE_YET: Final = "None by hand: two or three teach the others."
+NONE_YET: Final = "None by hand yet: mask two or three to teach the others."
 MOST_LISTED: Final = 6
 
 
@@ -175,7 +175,7 @@ def _draw_by_hand(state: AppState, masking: Masking) -> None:
     frames = () if there is None else there.frames(BY_HAND)
     if not frames:
         given = 0 if there is None else len(there.frames(FROM_FOLDER))
-        note(f"{given} from a folder: they teach the others." if given else NONE_YET)
+        note(f"{given} from a folder, which teach the others." if given else NONE_YET)
         explain(MAKE_TEXT)
         return
     muted("By hand")
