@@ -73,7 +73,7 @@ def _draw_tools(state: AppState, editing: Editing) -> None:
         label = {"rectangle": "Rect"}.get(tool, tool.capitalize())
         choose = partial(edit_actions.choose_tool, state, tool)
         toggle(f"{label}###tool {tool}", choose, TOOL_TEXTS[tool], on=tool == editing.tool, width=width)
-    edit_actions.choose_how(state, choose_row("Result", editing.how, HOWS, HOW_TEXT))
+    edit_actions.choose_how(state, choose_row("Selection", editing.how, HOWS, HOW_TEXT))
     if editing.tool in ("sphere", "box"):
         _draw_radius(state, editing)
 
