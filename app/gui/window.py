@@ -300,7 +300,7 @@ class Window:
             # What is kept of the layout already has the width for the text at the start.
             dockings.widen(self._worn[1], chosen[1])
         self._worn = chosen
-        theme.wear(*chosen)
+        theme.wear(*chosen, hello_imgui.dpi_window_size_factor())
         params.imgui_window_params.background_color = theme.now().ground
         self._add_timeline(params)
 

@@ -140,10 +140,11 @@ def switch(on: bool, *, caution: bool = False) -> ImVec4:
     return now().caution if caution else now().lit
 
 
-def wear(theme: Theme, text_percent: int) -> None:
-    """Give window and plots this theme and size of text; between two frames."""
+def wear(theme: Theme, text_percent: int, density: float = 1.0) -> None:
+    """Give window and plots this theme and size of text; between two frames. `density`: of the screen."""
     colors, style, plots = THEMES[theme], imgui.get_style(), implot.get_style()
     style.font_scale_main = text_percent / 100
+    apply_style(density * text_percent / 100)
     for role, color in _roles(colors).items():
         style.set_color_(role, color)
     for part, color in _plots(colors).items():
@@ -152,21 +153,25 @@ def wear(theme: Theme, text_percent: int) -> None:
     plots.colormap = _lines(colors)
 
 
-def apply_style() -> None:
-    """Sizes are for one em of 16 pixels; the runner scales them with the screen's density."""
+def apply_style(scale: float = 1.0) -> None:
+    """Sizes are for one em of 16 pixels, times `scale`: larger text has gaps in proportion."""
+
+    def pair(x: float, y: float) -> ImVec2:
+        return ImVec2(round(scale * x), round(scale * y))
+
     style = imgui.get_style()
-    style.window_padding = ImVec2(10, 10)
+    style.window_padding = pair(10, 10)
     # Also of panes beside and above each other.
-    style.window_min_size = ImVec2(220, 80)
-    style.frame_padding = ImVec2(8, 3)
-    style.item_spacing = ImVec2(8, 5)
-    style.item_inner_spacing = ImVec2(6, 4)
-    style.scrollbar_size = 12
-    style.grab_min_size = 11
-    style.frame_rounding = style.grab_rounding = style.popup_rounding = 4
-    style.child_rounding = style.scrollbar_rounding = 4
+    style.window_min_size = pair(220, 80)
+    style.frame_padding = pair(8, 3)
+    style.item_spacing = pair(8, 5)
+    style.item_inner_spacing = pair(6, 4)
+    style.scrollbar_size = round(12 * scale)
+    style.grab_min_size = round(11 * scale)
+    style.frame_rounding = style.grab_rounding = style.popup_rounding = 4 * scale
+    style.child_rounding = style.scrollbar_rounding = 4 * scale
     style.window_rounding = 0
-    style.tab_rounding = 3
+    style.tab_rounding = 3 * scale
     style.popup_border_size = style.window_border_size = 1
     style.frame_border_size = style.tab_border_size = 0
     style.docking_separator_size = 3

@@ -176,6 +176,16 @@ def test_the_window_wears_one_theme_at_a_time_and_text_of_one_size(ui: Ui) -> No
         assert sizes == [pytest.approx(imgui.get_style().font_size_base * percent / 100, abs=1)]
 
 
+@pytest.mark.parametrize("percent", [80, 150, 200])
+def test_gaps_grow_with_the_text(ui: Ui, percent: int) -> None:
+    """Else the words of the menu bar stand as close together as those of a sentence."""
+    theme.wear("dark", 100)
+    usual = imgui.get_style().item_spacing.x, imgui.get_style().frame_padding.x
+    theme.wear("dark", percent)
+    gaps = imgui.get_style().item_spacing.x, imgui.get_style().frame_padding.x
+    assert gaps == tuple(pytest.approx(percent / 100 * gap, abs=0.5) for gap in usual)
+
+
 def test_theme_and_size_are_kept(state: AppState) -> None:
     actions.choose_theme(state, "light")
     for _ in range(3):
