@@ -301,7 +301,6 @@ class Window:
             dockings.widen(self._worn[1], chosen[1])
         self._worn = chosen
         theme.wear(*chosen, hello_imgui.dpi_window_size_factor())
-        params.imgui_window_params.background_color = theme.now().ground
         self._add_timeline(params)
 
     def _draw_pictures(self) -> None:

@@ -42,6 +42,8 @@ class Screen:
     def _show_bars(self, params: hello_imgui.RunnerParams, *, shown: bool) -> None:
         window, calls = params.imgui_window_params, params.callbacks
         window.show_menu_bar = window.show_status_bar = shown
+        # A presentation ends at fractions of pixels: what it leaves at its edges is as dark as it is.
+        window.background_color = theme.now().ground if shown else theme.SURROUND
         if shown and not calls.edges_toolbars:
             self._add_timeline(params)
         elif not shown:

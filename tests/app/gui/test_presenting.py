@@ -16,7 +16,7 @@ from app.gui.frame.window_shots import read_window
 from app.gui.panels import presentation
 from app.gui.panels.presentation import draw_presentation
 from app.gui.state.app_state import AppState
-from app.gui.style import labels
+from app.gui.style import labels, theme
 from app.gui.style.widgets import Area
 from app.gui.views.resample import visible
 from app.gui.work.settings import Places, Settings
@@ -227,8 +227,8 @@ def test_it_ends_with_what_it_shows(opened: AppState, model: DynamicGaussians) -
 
 @pytest.mark.display
 def test_the_image_is_on_the_screen_pixel_for_pixel(places: Places) -> None:
-    """It is no part of the panels, but drawn behind them."""
-    driver = Driver(places, Settings(acknowledged=True), [])
+    """It is drawn behind the panels; what is beside it is dark, in the light theme as well."""
+    driver = Driver(places, Settings(acknowledged=True, theme="light"), [])
     state, screens = driver.state, list[ByteImage]()
     actions.open_path(state, phantom_path())
 
@@ -245,6 +245,7 @@ def test_the_image_is_on_the_screen_pixel_for_pixel(places: Places) -> None:
         assert patch is not None
         height, width = patch.pixels.shape[:2]
         shown = screens[-1][patch.y : patch.y + height, patch.x : patch.x + width]
+        assert screens[-1][:, -3].max() <= round(255 * theme.SURROUND.x)
         # Two notes lie in corners.
         np.testing.assert_array_equal(
             shown[height // 4 : -height // 4], patch.pixels[height // 4 : -height // 4]
