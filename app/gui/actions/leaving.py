@@ -49,6 +49,8 @@ INNERMOST_FIRST: tuple[Open, ...] = (
     (lambda s: s.presenting.pane is not None, presenting.leave),
     (lambda s: s.window.bare, window_actions.toggle_panels),
     (lambda s: s.window.full_screen, window_actions.toggle_full_screen),
+    # Last: who leaves a tool has not read the error that has come meanwhile.
+    (lambda s: s.window.banner is not None, actions.dismiss),
 )
 
 

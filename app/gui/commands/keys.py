@@ -59,7 +59,7 @@ WALK_TEXT = "go through the controls by keyboard, on with Tab and arrows, Space 
 PANELS = {int(imgui.Key.f6): 1, SHIFT | int(imgui.Key.f6): -1}
 PANELS_TEXT = "go to the next panel, the menus or the timeline by keyboard; Shift+F6: back"
 LEAVE = int(imgui.Key.escape)
-LEAVE_TEXT = "leave the innermost: menu, dialog, tool, tile, presentation, images alone, full screen"
+LEAVE_TEXT = "leave the innermost: menu, dialog, tool, tile, presentation, images alone, full screen, error"
 HELD = {"Ctrl": imgui.Key.mod_ctrl, "Shift": imgui.Key.mod_shift}
 
 

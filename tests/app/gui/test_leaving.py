@@ -10,6 +10,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.gui.actions import (
+    actions,
     camera_actions,
     clip_actions,
     edit_actions,
@@ -33,6 +34,7 @@ from tests.app.gui.ui import Shown, Ui, compare
 
 Asks = Callable[[AppState], bool]
 THINGS: tuple[tuple[Asks, Callable[[AppState], object]], ...] = (
+    (lambda s: s.window.banner is not None, lambda s: actions.fail(s, "it failed")),
     (lambda s: s.window.full_screen, window_actions.toggle_full_screen),
     (lambda s: s.window.bare, window_actions.toggle_panels),
     (lambda s: s.presenting.pane is not None, presenting.toggle),
