@@ -17,7 +17,7 @@ SMALLEST: Final = 0.5
 FEWEST: Final = 10
 """Features by which one pair tells its rows."""
 DECIDING: Final = 20
-"""Features of a pair that has a say in whether the rows of a clip vary."""
+"""Features of a pair that has a say in whether the rows of a clip vary, or its eyes are swapped."""
 SCATTERED: Final = 1.5
 """px, the median distance of a pair's rows from their median, beyond which it has none: matches by chance."""
 VARYING: Final = 2.0
@@ -39,7 +39,12 @@ def row_offset(shifts: Sequence[NDArray[np.float64]]) -> tuple[float, float]:
 
 def own_offsets(shifts: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     """The same rows of each pair by itself (P,), of those alone that show much, and agree."""
-    return np.array([_own(each) for each in shifts if len(each) >= DECIDING and scatter(each) <= SCATTERED])
+    return np.array([_own(each) for each in shifts if has_a_say(each)])
+
+
+def has_a_say(shifts: NDArray[np.float64]) -> bool:
+    """Whether a pair (M, 2) shows much whose rows agree."""
+    return len(shifts) >= DECIDING and scatter(shifts) <= SCATTERED
 
 
 def scatter(shifts: NDArray[np.float64]) -> float:

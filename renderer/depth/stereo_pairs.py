@@ -17,6 +17,7 @@ from renderer.clip import ByteImage, Clip, ClipError, Frame
 from renderer.depth.row_offset import (
     PAIRS,
     VARYING,
+    has_a_say,
     moved_down,
     own_offset,
     own_offsets,
@@ -38,6 +39,7 @@ the same in all rows of a clip counts for nothing, as the right images can be mo
 
 _FEWEST_FEATURES = 20
 _SAME = 0.25  # px, below which features of two images are in one place.
+_NEARLY_ALL = 0.9  # Of the features of a pair, where its eyes are swapped; the others match by chance.
 _REMEMBERED = 4  # Frames whose depth is kept, for sliders that ask for the same one again.
 _REMEMBERED_PAIRS = 32  # Whether they show one scene, which opening a folder asks several times.
 _LEFT = re.compile(r"left|(?<=[\d_-])l$|^l(?=$|[\d_-])", re.IGNORECASE)
@@ -186,19 +188,24 @@ def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Cl
         wanted = f"{clip.size[0]}x{clip.size[1]} as the left one"
         came = f"{right.size[0]}x{right.size[1]}"
         raise ClipError(f"expected a right image of {wanted}, got {came}: {right.path}")
-    rows = _judged(clip, right)
+    rows, swapped = _judged(clip, right)
     rig = _rig(clip, baseline)
 
     @lru_cache(_REMEMBERED)
     def read_frame(index: int) -> Frame:
         frame = clip.read_frame(index)
         other = right.read(index)
-        down = own_offset(feature_shifts(frame.image, other), rows.usual) if rows.vary else rows.usual
+        down = rows.usual
+        if rows.vary or swapped:
+            shifts = feature_shifts(frame.image, other)
+            if _is_swapped(shifts):
+                return replace(frame, depth=np.zeros(other.shape[:2], np.float32))
+            down = own_offset(shifts, rows.usual) if rows.vary else down
         found = disparity(frame.image, moved_down(other, down) if down else other)
         found[unseen(down)] = 0
         return replace(frame, depth=_depth(found, frame.camera.fx * rig.baseline))
 
-    said = (*clip.notices, *rows.said(), _said(rig, _assumed(clip, rows)))
+    said = (*clip.notices, *rows.said(), *_said_swapped(clip, swapped), _said(rig, _assumed(clip, rows)))
     return replace(
         clip, read_frame=read_frame, has_depth=True, unit=rig.unit, depth_origin="stereo", notices=said
     )
@@ -238,6 +245,15 @@ def _said(rig: _Rig, assumed: str) -> str:
     return f"{by} with an unknown baseline: lengths have no scale ({way})"
 
 
+def _said_swapped(clip: Clip, swapped: Sequence[int]) -> tuple[str, ...]:
+    """Of eyes that are not so from the first frame on; a part of the clip may still be good."""
+    if not swapped:
+        return ()
+    frames = listed([clip.labels[at] for at in swapped])
+    way = "such frames have no depth; --frames trains on a part without them"
+    return (f"left and right eye are swapped in {frames}, of a few frames looked at: {way}",)
+
+
 def _may_be_one_scene(left: Path, right: Path) -> bool:
     """What cannot be read may: its reader says what is wrong."""
     try:
@@ -252,13 +268,15 @@ def _show_one_scene(left: Path, right: Path, changed: tuple[int, int]) -> bool:
     return len(feature_shifts(read_rgb(left), read_rgb(right))) >= _FEWEST_FEATURES
 
 
-def _judged(clip: Clip, right: RightEye) -> _Rows:
+def _judged(clip: Clip, right: RightEye) -> tuple[_Rows, list[int]]:
     """How far rows are apart; not at all where all of a few pairs look rectified. Whether they show one scene
-    is judged by the first, or, where that shows too little, by the one that shows most.
+    is judged by the first, or, where that shows too little, by the one that shows most. And those of the
+    others whose eyes are swapped.
 
     Raises ClipError: they look like no rectified pair, or like one that is swapped or is one image twice.
     """
-    every = list(_shifts(clip, right, evenly_floored(range(len(clip)), PAIRS)))
+    looked_at = dict(_shifts(clip, right, evenly_floored(range(len(clip)), PAIRS)))
+    every = list(looked_at.values())
     if len(every[0]) < _FEWEST_FEATURES:
         # One frame may be blurred or dark; the pair that shows most stands for all.
         every = sorted(every, key=len, reverse=True)
@@ -287,15 +305,21 @@ def _judged(clip: Clip, right: RightEye) -> _Rows:
         shift = f"the right one shows objects {-across:.0f} px farther right"
         came = f"{right.names} swapped, {shift}"
         raise ClipError(f"expected a left and a right image, got {came}: {clip.path}")
-    return rows
+    return rows, [at for at, each in looked_at.items() if _is_swapped(each)]
 
 
-def _shifts(clip: Clip, right: RightEye, indices: Sequence[int]) -> Iterator[NDArray[np.float64]]:
-    """Of each of these pairs, see `feature_shifts`. A later one that cannot be read is passed over: it may be
-    outside of the part that is trained on. Raises ClipError: the first cannot be read."""
+def _is_swapped(shifts: NDArray[np.float64]) -> bool:
+    """Whether the right image of a pair (M, 2) shows nearly all farther right; not said of what shows little.
+    Eyes that look at one near point have some of the tissue on either side of it."""
+    return has_a_say(shifts) and bool(np.quantile(shifts[:, 0], _NEARLY_ALL) < 0)
+
+
+def _shifts(clip: Clip, right: RightEye, indices: Sequence[int]) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Of each of these pairs, by its frame, see `feature_shifts`. A later one that cannot be read is passed
+    over: it may be outside of the part that is trained on. Raises ClipError: the first cannot be read."""
     for at in indices:
         try:
-            yield feature_shifts(clip.read_image(at), right.read(at))
+            yield at, feature_shifts(clip.read_image(at), right.read(at))
         except ClipError:
             if at == indices[0]:
                 raise

@@ -317,6 +317,18 @@ def test_swapped_eyes_are_refused(written, tmp_path):
         opened(tmp_path)
 
 
+def test_eyes_that_are_swapped_later_are_named(written, tmp_path):
+    folder = copied(written, tmp_path)
+    left, right = (folder / eye / "000001.png" for eye in ("left", "right"))
+    pixels = left.read_bytes()
+    shutil.copy(right, left)
+    right.write_bytes(pixels)
+    clip = opened(folder)
+    assert "swapped in 000001.png" in clip.notices[-2]
+    assert [bool(clip.read_frame(index).depth.any()) for index in range(2)] == [True, False]
+    assert not any("swapped" in notice for notice in opened(written[0]).notices)
+
+
 def test_one_eye_twice_is_refused_as_that(written, tmp_path):
     for eye in ("left", "right"):
         shutil.copytree(written[0] / "left", tmp_path / eye)
