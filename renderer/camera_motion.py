@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
 from typing import Any
@@ -28,12 +28,16 @@ _WIDTH = 320  # px of the pictures that are looked at
 _MOMENTS = 13
 _FEATURES = 300
 _KEPT = 0.25  # Of the features, or the tracks say nothing.
+# Frames between two moments, for a camera that goes away and comes back meanwhile; the more where features
+# are lost through the fewer.
+_GLIMPSES = (4, 24)
 _FEWEST = 20
 # Of a frame's features in the next: where fewer are found, one does not follow from the other.
 _FOLLOWED = 0.4
 # Of the width, by which the median of those few moves at most where the rest of the view is covered: 0.018
 # on phantoms that are covered by 70 to 80 %, and at least 0.039, by chance, where the view jumps.
 _STAYED = 0.025
+_AROUND = 4  # Features side by side that stay where they are, as by chance none do where the view jumps.
 _CLOSING = 1.0  # px between a feature and where tracking it there and back ends.
 
 
@@ -61,8 +65,10 @@ def camera_motion(clip: Clip) -> str | None:
     noticed without depth, or with depth noisier than RIGID_MISFIT. Frames that show nothing to track are
     passed over; and where few of a frame's features are found in the next one, though the frames on either
     side follow from each other, the view jumps: 0.3 of them by chance, and 0.6 where a camera stands still
-    and tissue is pulled. If those few hardly move, the rest of the view is covered, and nothing jumps. Reads
-    13 frames: for the start of a training, not for opening a clip.
+    and tissue is pulled. If those few hardly move, or one place of the view stays and the rest comes back,
+    the rest is covered, and nothing jumps. Where nothing else tells, what lies between two of the frames is
+    looked at: a camera may have gone and come back. Reads 13 frames, and of a camera that stands still 48
+    images, or up to 336 where views are covered: for the start of a training, not for opening a clip.
 
     Raises:
         ClipError: a frame cannot be read.
@@ -87,6 +93,9 @@ def camera_motion(clip: Clip) -> str | None:
     if any(_breaks(seen, tracks) for seen, tracks in runs) and (jump := _jump(moments)) is not None:
         before, after = (clip.labels[moment.index] for moment in jump)
         return f"the view jumps between the frames {before} and {after}"
+    for pair in pairwise(moments):
+        if (meanwhile := _shift_between(clip, *pair)) > PICTURE_SHIFT:
+            return f"the background moves by {100 * meanwhile:.0f} % of the image width and comes back"
     return None
 
 
@@ -111,12 +120,32 @@ def _moment(frame: Frame, has_scale: bool) -> _Moment:
     return _Moment(frame.index, *trackable(frame, size), frame.camera.resized(*size), depth)
 
 
-def _tracks(moments: list[_Moment]) -> FloatArray:
-    """(M, F, 2) column and row of F features of the first moment, NaN once lost; M ends with too few."""
+def _shift_between(clip: Clip, before: _Moment, after: _Moment) -> float:
+    """As `_picture_shift`, through what lies between two moments: images, without masks and depth."""
+    inside = [index for index in clip.train_indices if before.index <= index <= after.index]
+    shift = 0.0
+    for number in _GLIMPSES:
+        glimpses = [_glimpse(clip, index) for index in evenly(inside, number + 2)[1:-1]]
+        tracks = _tracks([before, *glimpses], _FOLLOWED)
+        shift = max(shift, _picture_shift(tracks))
+        if len(tracks) > len(glimpses):
+            break
+    return shift
+
+
+def _glimpse(clip: Clip, index: int) -> _Moment:
+    image = clip.read_image(index)
+    every = np.ones(image.shape[:2], dtype=bool)
+    return _moment(Frame(index, clip.times[index], image, clip.cameras[index], every, every), False)
+
+
+def _tracks(moments: list[_Moment], least: float = _KEPT) -> FloatArray:
+    """(M, F, 2) column and row of F features of the first moment, NaN once lost; M ends with too few: less
+    than this share of them."""
     places = [_features(moments[0])]
     for before, after in pairwise(moments):
         moved = _followed(before.grey, after.grey, places[-1])
-        if np.isfinite(moved[:, 0]).sum() < max(_FEWEST, _KEPT * len(moved)):
+        if np.isfinite(moved[:, 0]).sum() < max(_FEWEST, least * len(moved)):
             break
         places.append(moved)
     return np.stack(places)
@@ -147,22 +176,43 @@ def _follows(before: _Moment, after: _Moment) -> bool:
 
 def _jump(moments: list[_Moment]) -> tuple[_Moment, _Moment] | None:
     """The first two moments of which the second does not follow from the first, while those beside them
-    follow from each other: else it is noise, or smoke."""
+    follow from each other: else it is noise, or smoke. Nor is it where the view is covered."""
     pairs = list(pairwise(moments))
     follows = [_follows(*pair) for pair in pairs]
+    before_cover = 0
     for place, pair in enumerate(pairs[:-1]):
-        if not follows[place] and follows[place + 1] and all(follows[max(place - 1, 0) : place]):
-            return pair
+        breaks = not follows[place] and follows[place + 1] and all(follows[max(place - 1, 0) : place])
+        if breaks and not _is_seen_in(moments[:before_cover], pair[1:]):
+            before_cover = place + 1
+            sides = moments[:before_cover], moments[before_cover:]
+            if not (_keeps_a_place(*pair) and _is_seen_in(*sides)):
+                return pair
     return None
 
 
-def _followed(before: ByteImage, after: ByteImage, places: FloatArray) -> FloatArray:
+def _keeps_a_place(before: _Moment, after: _Moment) -> bool:
+    """Whether some features side by side are where they were."""
+    places = _features(before)
+    # From coarser levels, what covers the rest would lead them astray.
+    apart = np.linalg.norm(_followed(before.grey, after.grey, places, levels=0) - places, axis=1)
+    between = np.linalg.norm(places[:, None] - places, axis=2)
+    nearest = np.argsort(between, axis=1)[:, :_AROUND]
+    stays = apart < _STAYED * _WIDTH
+    return bool(stays[nearest].all(axis=1).any())
+
+
+def _is_seen_in(moments: Sequence[_Moment], others: Sequence[_Moment]) -> bool:
+    """Whether one of the others shows what one of the moments did."""
+    return any(_follows(one, other) for one in moments for other in others)
+
+
+def _followed(before: ByteImage, after: ByteImage, places: FloatArray, levels: int = 3) -> FloatArray:
     """Where the features (F, 2) of one picture are in the next, NaN where that is not certain."""
     known = np.isfinite(places[:, 0])
     start = places[known].astype(np.float32)[:, None]
-    window = (15, 15)
-    there, found, _ = cv2.calcOpticalFlowPyrLK(before, after, start, start.copy(), winSize=window)
-    back, found_back, _ = cv2.calcOpticalFlowPyrLK(after, before, there, start.copy(), winSize=window)
+    reach: dict[str, Any] = {"winSize": (15, 15), "maxLevel": levels}
+    there, found, _ = cv2.calcOpticalFlowPyrLK(before, after, start, start.copy(), **reach)
+    back, found_back, _ = cv2.calcOpticalFlowPyrLK(after, before, there, start.copy(), **reach)
     apart = np.linalg.norm((back - start)[:, 0], axis=1)
     certain = (found[:, 0] > 0) & (found_back[:, 0] > 0) & (apart < _CLOSING)
     moved = np.full_like(places, np.nan)

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from renderer.camera_motion import camera_motion, contradicted
-from renderer.clip import Clip, Frame
+from renderer.clip import ByteImage, Clip, Frame
+from renderer.evenly import evenly
 from renderer.phantom import Phantom, PhantomParams
 from renderer.readers.image_folders.frames import open_images
 from renderer.readers.video import open_video
@@ -162,6 +163,59 @@ def test_a_view_that_is_covered_from_some_frame_on_does_not_jump(tissue, share):
         return replace(frame, image=image)
 
     assert camera_motion(replace(clip, read_frame=covered)) is None
+
+
+@pytest.mark.parametrize("tissue", ["moving", "static"])
+@pytest.mark.parametrize("share", [0.6, 0.9])
+def test_a_view_that_is_nearly_covered_for_some_frames_does_not_jump(tissue, share):
+    clip = clip_of(phantom("fixed", tissue))
+
+    def covered(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        image, columns = frame.image.copy(), round(share * frame.image.shape[1])
+        if index in range(5, 9):
+            image[:, :columns] = drawn(phantom("fixed", tissue), 0).image[::-1, ::-1][:, :columns]
+        return replace(frame, image=image)
+
+    assert camera_motion(replace(clip, read_frame=covered)) is None
+
+
+def again_and_again(clip: Clip, times: int) -> Clip:
+    """So that many frames lie between those that are looked at first."""
+
+    def read_frame(index: int) -> Frame:
+        frame = clip.read_frame(index % COUNT)
+        return replace(frame, index=index, time=index / (times * COUNT))
+
+    return replace(
+        clip,
+        cameras=clip.cameras * times,
+        labels=tuple(map(str, range(times * COUNT))),
+        read_frame=read_frame,
+        read_image=lambda index: read_frame(index).image,
+    )
+
+
+@pytest.mark.parametrize("farthest", [12, 30])
+def test_a_camera_that_glides_away_and_comes_back_between_two_looks_is_noticed(farthest):
+    clip = again_and_again(clip_of(phantom("fixed", "static"), has_depth=False), 20)
+    moments = evenly(clip.train_indices, 13)
+    first, last = moments[6] + 1, moments[7] - 1
+    assert last - first > 12
+
+    def read_image(index: int) -> ByteImage:
+        share = (index - first) / (last - first)
+        away = round(farthest * np.sin(np.pi * share)) if 0 <= share <= 1 else 0
+        return np.roll(clip.read_image(index), away, axis=1)
+
+    moves = camera_motion(replace(clip, read_image=read_image))
+    assert moves is not None
+    assert moves.endswith("% of the image width and comes back")
+    assert camera_motion(clip) is None
+
+
+def test_tissue_that_moves_between_two_looks_is_no_camera():
+    assert camera_motion(again_and_again(clip_of(phantom("fixed", "moving")), 10)) is None
 
 
 def test_another_scene_is_a_jump():
