@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 from typing import Final
@@ -28,6 +28,8 @@ LONGEST: Final = 400
 """Frames of a window where nobody says."""
 MOST_VIEWS: Final = 1.0
 """That the camera of a window may see beside its first: twice the tissue for as many Gaussians."""
+FEWEST: Final = 8
+"""Frames of a window that are trained on or measured: while its view was covered, there are none."""
 _GRID: Final = 32
 """Points across and down a view that tell what share of it another one shows."""
 _MUCH: Final = 0.25
@@ -57,8 +59,10 @@ def windows_of(clip: Clip, config: TrainConfig) -> tuple[Window, ...]:
     """In the order of time, of about as many frames as it says, or with as much to show each; a single one
     where the clip is short and its camera goes nowhere. Raises ClipError: the first frame cannot be read."""
     if config.window_frames is not None:
-        return cut(np.full(len(clip), 1 / config.window_frames))
-    return cut(1 / LONGEST + new_views(clip) / MOST_VIEWS)
+        found = cut(np.full(len(clip), 1 / config.window_frames))
+    else:
+        found = cut(1 / LONGEST + new_views(clip) / MOST_VIEWS)
+    return _seen(found, clip.passed_over)
 
 
 def cut(shares: NDArray[np.float64]) -> tuple[Window, ...]:
@@ -79,6 +83,18 @@ def cut(shares: NDArray[np.float64]) -> tuple[Window, ...]:
             starts.append(start)
     ends = [start + OVERLAP for start in starts[1:]]
     return tuple(Window(first, end - 1) for first, end in zip(starts, [*ends, count], strict=True))
+
+
+def _seen(windows: Sequence[Window], passed_over: Collection[int]) -> tuple[Window, ...]:
+    """The same; one of which too few frames count goes on the one before it."""
+    found: list[Window] = []
+    for window in windows:
+        hidden = sum(window.first <= at <= window.last for at in passed_over)
+        if found and len(window) - hidden < FEWEST:
+            found[-1] = Window(found[-1].first, window.last)
+        else:
+            found.append(window)
+    return tuple(found)
 
 
 def new_views(clip: Clip) -> NDArray[np.float64]:

@@ -107,6 +107,15 @@ def test_windows_hold_out_the_frames_that_the_clip_does() -> None:
     assert held == set(clip.test_indices)
 
 
+def test_a_window_of_which_hardly_any_frame_counts_goes_on_the_one_before() -> None:
+    clip = long_clip()
+    first, second, third = windows_of(clip, CONFIG)
+    hidden = replace(clip, passed_over=frozenset(range(second.first + 2, second.last - 1)))
+    assert windows_of(hidden, CONFIG) == (Window(first.first, second.last), third)
+    some = replace(clip, passed_over=frozenset(range(second.first + 4, second.last - 3)))
+    assert windows_of(some, CONFIG) == (first, second, third)
+
+
 def test_a_short_clip_has_one_window_and_says_so() -> None:
     clip = plane_clip()
     started = next(iter(train(clip, CONFIG)))
