@@ -255,7 +255,7 @@ def _all_views(growing: Growing, part: Tracked, focal: FocalGuess | None) -> tup
         held = replace(held, sights=held.sights[: held.keys[-1] + 1])
     compact = np.full(len(growing.points), -1)
     compact[growing.known] = np.arange(len(growing.known))
-    views, keys, lost = list[View](), list[int](), list[LostFrame]()
+    views, keys, lost, at = list[View](), list[int](), list[LostFrame](), list[int]()
     pose: FloatArray = growing.poses[first]
     for place, sight in enumerate(held.sights):
         ids, seen = growing.seen_by(sight)
@@ -271,15 +271,16 @@ def _all_views(growing: Growing, part: Tracked, focal: FocalGuess | None) -> tup
             lost.append(LostFrame(sight.frame, str(reason)))
             continue
         views.append(View(sight.frame, pose, compact[ids], seen, inliers))
+        at.append(place)
     rough = Rough(growing.lens, tuple(views), tuple(keys), growing.points[growing.known], focal)
-    return _unbroken(rough), lost
+    return _unbroken(rough, at), lost
 
 
-def _unbroken(rough: Rough) -> Rough:
-    """The longest run of views without a gap that is too wide to go on behind; it begins with a keyframe."""
-    frames = [view.frame for view in rough.views]
-    gaps = [at + 1 for at, (one, two) in enumerate(pairwise(frames)) if two - one > MOST_BRIDGED + 1]
-    runs = list(pairwise([0, *gaps, len(frames)]))
+def _unbroken(rough: Rough, places: Sequence[int]) -> Rough:
+    """The longest run of views without a gap that is too wide to go on behind; it begins with a keyframe.
+    `places` are theirs among the frames that features were followed through."""
+    gaps = [at + 1 for at, (one, two) in enumerate(pairwise(places)) if two - one > MOST_BRIDGED + 1]
+    runs = list(pairwise([0, *gaps, len(places)]))
     start, end = max(runs, key=lambda run: run[1] - run[0])
     start = min(key for key in (*rough.keys, end) if key >= start)
     keys = tuple(key - start for key in rough.keys if start <= key < end)

@@ -18,6 +18,8 @@ from renderer.poses.rigid_motion import in_unit, inverse
 from renderer.poses.settling import Settled, apart, settled
 from renderer.poses.tracking import Tracker
 
+_ELSEWHERE = "shows nothing that the others do"
+
 
 @dataclass(frozen=True, eq=False)
 class FoundPoses:
@@ -60,7 +62,7 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
     lens = small_lens(clip.cameras[0])
     unit = _unit(clip)
     parts, lost = parts_of(pictures_of(clip, lens, unit, partial(_told_half, tell)), partial(Tracker, lens))
-    whole = max(parts, key=lambda part: part.views[-1].frame - part.views[0].frame, default=None)
+    whole = max(parts, key=len, default=None)
     if whole is None or whole.views[-1].frame - whole.views[0].frame + 1 < SHORTEST:
         why = commonest([each.why for each in lost])
         raise PosesError(f"the camera could not be followed through {SHORTEST} frames{why and ': ' + why}")
@@ -84,13 +86,16 @@ def found_poses(clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame
         residuals[view.frame] = shrink * float(np.median(off))
         points[view.frame] = int(view.inliers.sum())
     first, last = done.views[0].frame, done.views[-1].frame
+    named = {each.frame for each in lost}
+    nowhere = set(range(first, last + 1)) - poses.keys() - named
+    elsewhere = [LostFrame(at, _ELSEWHERE) for at in nowhere]
     path = [poses[at] if at in poses else between(poses, at) for at in range(first, last + 1)]
     return FoundPoses(
         first=first,
         cameras=tuple(camera.moved(pose) for pose in path),
         residuals=tuple(residuals.get(at) for at in range(first, last + 1)),
         points=tuple(points.get(at, 0) for at in range(first, last + 1)),
-        lost=tuple(lost),
+        lost=tuple(sorted((*lost, *elsewhere), key=lambda each: each.frame)),
     )
 
 

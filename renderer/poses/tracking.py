@@ -79,10 +79,14 @@ class Tracker:
     def rough(self) -> Rough:
         return Rough(self.lens, tuple(self.views), tuple(self.keys), self.points.where)
 
-    def follow(self, picture: Picture) -> None:
-        """Raises Lost: no pose of this frame agrees with what came before; the next one may be tried."""
+    def __len__(self) -> int:
+        return len(self.views)
+
+    def follow(self, picture: Picture, share: float = 0.0) -> None:
+        """By at least this share of the newest features. Raises Lost: no pose of this frame agrees with what
+        came before; the next one may be tried."""
         there, kept = followed_on(picture, self._previous, self._greys[-1], self._now, self._in_key)
-        if len(kept) < FEWEST:
+        if len(kept) < max(FEWEST, share * len(self._now)):
             raise Lost(f"{len(kept)} points followed")
         ids, in_key, now = self._ids[kept], self._in_key[kept], there[kept]
         seen = observed(picture, now)

@@ -77,11 +77,15 @@ class Tracks:
     def tracked(self) -> Tracked:
         return Tracked(tuple(self.sights), tuple(self.keys), self.count)
 
-    def follow(self, picture: Picture) -> None:
-        """Raises Lost: too few features are found again; the next frame may be tried."""
+    def __len__(self) -> int:
+        return len(self.sights)
+
+    def follow(self, picture: Picture, share: float = 0.0) -> None:
+        """By at least this share of the newest features. Raises Lost: too few are found again; the next frame
+        may be tried."""
         now = self.sights[-1]
         there, kept = followed_on(picture, self._previous, self._key_grey, now.places, self._in_key)
-        if len(kept) < FEWEST_TRACKS:
+        if len(kept) < max(FEWEST_TRACKS, share * len(now.ids)):
             raise Lost(f"{len(kept)} features followed")
         ids, places, self._in_key = now.ids[kept], there[kept], self._in_key[kept]
         moved = np.median(np.linalg.norm(places - self._in_key, axis=1))

@@ -243,6 +243,14 @@ def test_where_a_clip_breaks_the_frame_is_named_and_the_longer_part_is_kept():
     assert lost[0].frame in (6, 9)
 
 
+def test_what_is_seen_again_behind_many_frames_that_show_nothing_is_one_part():
+    tracked = followed(path(24))
+    sights = [replace(each, frame=each.frame + 40 * (each.frame >= 12)) for each in tracked.sights]
+    done = solved(LENS, [replace(tracked, sights=tuple(sights))], None).done
+    assert [view.frame for view in done.views] == [*range(12), *range(52, 64)]
+    np.testing.assert_allclose(shape_of([view.pose for view in done.views]), shape_of(path(24)), atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("step", "why"),
     [(STEP * [1, 1, 1, 0, 0, 0], "the camera only turns"), (0 * STEP, "the camera does not move")],

@@ -143,6 +143,25 @@ def test_the_longest_part_is_kept_where_many_frames_are_black():
     assert errors(found)[0].max() < 0.01
 
 
+def test_behind_what_covers_the_view_for_long_the_camera_is_found_again():
+    """Another tissue, with depth of its own."""
+    cover = drawn(0, scene=pulled)
+    hidden = range(9, 9 + MOST_BRIDGED + 3)
+
+    def covered(frame):
+        return replace(cover, index=frame.index, time=frame.time) if frame.index in hidden else frame
+
+    found = find_poses(clip_of(covered))
+    assert (found.first, found.last) == (0, COUNT - 1)
+    assert [each.frame for each in found.lost] == list(hidden)
+    assert found.lost[-1].why == "shows nothing that the others do"
+    seen = [at for at in range(COUNT) if at not in hidden]
+    assert all((found.residuals[at] is None) == (at in hidden) for at in range(COUNT))
+    off, angles = errors(found)
+    assert off[seen].max() < 0.01
+    assert angles[seen].max() < 0.5
+
+
 @pytest.mark.parametrize(
     ("change", "why"),
     [
