@@ -15,8 +15,8 @@ from renderer.measuring.stability.exact import BACKDROP, NAMES, Exact, exact, of
 from renderer.measuring.stability.row import Row, worst
 from renderer.measuring.stability.scenes import CAMERA, NEAR, SCENES, camera_of, joined, ordinary, stacked
 from renderer.rasterize.cpu import Gradients, Rasterizer, render
-from renderer.rasterize.rendered import Rendered
 from renderer.rasterize.exp2 import exp2
+from renderer.rasterize.rendered import Rendered
 from renderer.splats import Float32Array, Splats
 
 Draw = Callable[[Splats, Camera, float], Float32Array]

@@ -61,7 +61,7 @@ def unmarked(masks: Sequence[Path], labels: int) -> list[str]:
 
 
 def judged(masks: Path, samples: Sequence[Sample], options: ClipOptions) -> list[str]:
-    """What is worth saying of a folder of masks as tools. Raises ClipError: their polarity cannot be meant."""
+    """What is worth saying of a folder of masks as tools. Raises ClipError: no polarity fits."""
     share = marked_share(samples)
     marked = f"{masks.name}/ marks {100 * share:.0f} % of the image as tool"
     if options.mask_polarity == "auto":

@@ -73,9 +73,8 @@ def test_pictures_one_after_another_are_those_drawn_alone(ctx: moderngl.Context)
     asked = [(scene(1), CAMERA, 0.01), (random_splats(50, wide, 2), wide, 0.01), (scene(1), CAMERA, 60.0)]
     for splats, camera, near in (*asked, asked[0]):
         alone = Offscreen(ctx)
-        got, wanted = (one.layers(splats, camera, near) for one in (offscreen, alone))
-        for name in ("image", "alpha", "depth"):
-            np.testing.assert_array_equal(getattr(got, name), getattr(wanted, name))
+        got, wanted = (vars(one.layers(splats, camera, near)) for one in (offscreen, alone))
+        assert [name for name in got if not np.array_equal(got[name], wanted[name])] == []
         alone.release()
     offscreen.release()
 
