@@ -299,8 +299,10 @@ class Window:
         elif self._worn is not None:
             # What is kept of the layout already has the width for the text at the start.
             dockings.widen(self._worn[1], chosen[1])
+        # What is there in the first frame is scaled by the runner, after it.
+        density = 1.0 if self._worn is None else hello_imgui.dpi_window_size_factor()
         self._worn = chosen
-        theme.wear(*chosen, hello_imgui.dpi_window_size_factor())
+        theme.wear(*chosen, density)
         self._add_timeline(params)
 
     def _draw_pictures(self) -> None:

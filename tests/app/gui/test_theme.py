@@ -184,6 +184,8 @@ def test_gaps_grow_with_the_text(ui: Ui, percent: int) -> None:
     theme.wear("dark", percent)
     gaps = imgui.get_style().item_spacing.x, imgui.get_style().frame_padding.x
     assert gaps == tuple(pytest.approx(percent / 100 * gap, abs=0.5) for gap in usual)
+    theme.wear("dark", 100, density=2.0)
+    assert imgui.get_style().item_spacing.x == 2 * usual[0]
 
 
 def test_theme_and_size_are_kept(state: AppState) -> None:
