@@ -124,8 +124,12 @@ TAG_ORIGINAL = ImVec4(0.20, 0.20, 0.20, 0.88)
 TAG_ENHANCED = ImVec4(0.13, 0.36, 0.60, 0.94)
 TAG_CAUTION = ImVec4(0.58, 0.35, 0.03, 0.96)
 TONES: dict[Tone, ImVec4] = {"plain": TAG_ORIGINAL, "enhanced": TAG_ENHANCED, "caution": TAG_CAUTION}
-PLOT = implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select
-QUIET_PLOT = PLOT | implot.Flags_.no_mouse_text | implot.Flags_.no_legend
+PLOT = (
+    implot.Flags_.no_title | implot.Flags_.no_menus | implot.Flags_.no_box_select
+    | implot.Flags_.no_mouse_text
+)  # fmt: skip
+"""Tooltips say what a point is; the pointer's own numbers would round small errors to 0."""
+QUIET_PLOT = PLOT | implot.Flags_.no_legend
 
 
 def now() -> Colors:
