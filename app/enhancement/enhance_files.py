@@ -31,6 +31,7 @@ from app.files.video import write_frames
 from enhance import ImageError, Statistics
 from enhance.image import BoolImage, full_scale, read_picture
 from enhance.surround import inside
+from enhance.vessel import VesselParams
 from renderer.clip import ClipError
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 
@@ -100,7 +101,9 @@ def enhanced(record: EnhancedPicture, image: ArrayImage, enhancer: MethodEnhance
     """
     if record.params is None:
         return by_baseline(record.method, image), replace(record, statistics=None, omitted=())
-    mask = inside([image]) if record.pooled is None and record.pixels == "tissue" else None
+    # `vessel` takes what is typical of each picture from that itself.
+    is_measured = record.pooled is None or isinstance(record.params, VesselParams)
+    mask = inside([image]) if is_measured and record.pixels == "tissue" else None
     enhancer.show(image, mask, drawn(record.pixels))
     result = enhancer.enhance(record.params, statistics=record.pooled)
     return result.image, replace(record, statistics=result.statistics, omitted=result.omitted)
