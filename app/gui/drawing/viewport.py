@@ -83,7 +83,7 @@ class GraphicsViewport:
         if request is None:
             return None
         if request != self._drawn:
-            self._draw(request, self._watch.viewed(state).keyframes)
+            self._draw(request, self._watch.viewed(state).keyframes_of(request.scene))
         if self._composed is not None:
             texture = self._textures.whole(self._watch.slot, self._composed.image)
             return OnScreen(texture, (0, 0), (1, 1), request, self._composed.scale)

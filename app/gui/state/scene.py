@@ -76,11 +76,10 @@ class Viewed:
     baked: Baked | None = None
     """Keyframes for the graphics card, of `model` or of one before it; more to come while they are None."""
 
-    @property
-    def keyframes(self) -> Keyframes | None:
-        """Of `model`, once they are there."""
+    def keyframes_of(self, drawn: Scene | None) -> Keyframes | None:
+        """Once they are there; none of `model` with a selection in colour."""
         baked = self.baked
-        return baked.keyframes if baked is not None and baked.request.shown is self.model else None
+        return baked.keyframes if baked is not None and baked.request.shown is drawn else None
 
 
 @dataclass

@@ -50,7 +50,7 @@ def settle(state: AppState, channels: Channels) -> None:
 
 def test_a_moving_model_is_baked_at_the_times_of_its_frames(drifting: AppState) -> None:
     settle(drifting, Channels())
-    keyframes = drifting.scene.keyframes
+    keyframes = drifting.scene.keyframes_of(drifting.scene.model)
     assert keyframes is not None
     np.testing.assert_allclose(keyframes.times, np.arange(6) / 6)
     assert drifting.scene.model is not None
@@ -58,8 +58,21 @@ def test_a_moving_model_is_baked_at_the_times_of_its_frames(drifting: AppState) 
         away = keyframes.at(time).means - drifting.scene.model.model.at(time).means
         assert np.abs(away).max() <= 0.02 * 50 / drifting.scene.model.cameras[0].fx
     drifting.scene.model = replace(drifting.scene.model)
-    assert drifting.scene.keyframes is None
+    assert drifting.scene.keyframes_of(drifting.scene.model) is None
     assert not drifting.window.log
+
+
+def test_selected_gaussians_are_drawn_in_colour_without_keyframes(drifting: AppState) -> None:
+    settle(drifting, Channels())
+    assert drifting.scene.model is not None
+    drifting.editing.tinted = replace(drifting.scene.model)
+    request = drifting.view_request
+    assert request is not None
+    assert drifting.scene.keyframes_of(request.scene) is None
+    drifting.editing.tinted = None
+    request = drifting.view_request
+    assert request is not None
+    assert drifting.scene.keyframes_of(request.scene) is not None
 
 
 @pytest.mark.parametrize("why", ["live", "still", "processor"])
@@ -81,7 +94,7 @@ def test_a_model_that_cannot_be_baked_is_drawn_without(
 
     monkeypatch.setattr("app.gui.work.baking.Baker", broken)
     settle(drifting, Channels())
-    assert drifting.scene.keyframes is None
+    assert drifting.scene.keyframes_of(drifting.scene.model) is None
     assert [line for line in drifting.window.log if "no room" in line] == [*drifting.window.log]
     assert len(drifting.window.log) == 1
 
