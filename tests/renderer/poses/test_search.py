@@ -14,6 +14,7 @@ from renderer.phantom import Phantom, PhantomParams
 from renderer.poses import settling
 from renderer.poses.parts import MOST_BRIDGED
 from renderer.poses.search import PosesError, find_poses
+from renderer.poses.views import View
 from tests.benchmarks import camera_poses
 
 COUNT = 24
@@ -100,6 +101,16 @@ def test_where_tissue_is_pulled_what_moves_least_is_the_world():
     off, angles = errors(find_poses(clip_of(scene=pulled)), pulled)
     assert np.sqrt(np.mean(off**2)) < 0.025
     assert np.sqrt(np.mean(angles**2)) < 0.9
+
+
+def test_turns_stay_turns_however_often_views_are_carried():
+    scene = pulled()
+    poses = [scene.camera(at).camera_from_world for at in range(COUNT)]
+    views = tuple(View(at, pose, *[np.zeros(0)] * 3) for at, pose in enumerate(poses))
+    for _ in range(40):
+        carried = settling._carried((0, 7), views, np.stack([views[0].pose, views[7].pose]))
+        views = tuple(replace(view, pose=pose) for view, pose in zip(views, carried, strict=True))
+    np.testing.assert_allclose([view.pose for view in views], poses, atol=1e-12)
 
 
 def test_where_the_steadiest_come_to_agree_less_all_stays_as_it_was(monkeypatch):
