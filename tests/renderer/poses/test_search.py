@@ -97,10 +97,10 @@ def test_the_path_is_within_half_a_percent_and_half_a_degree():
 
 
 def test_where_tissue_is_pulled_what_moves_least_is_the_world():
-    """The steadier half of the points leaves 3.8 % and 1.4 degrees."""
+    """The steadier half of the points leaves 3.8 % and 1.4 degrees, a seventh 2.1 % and 0.7."""
     off, angles = errors(find_poses(clip_of(scene=pulled)), pulled)
-    assert np.sqrt(np.mean(off**2)) < 0.025
-    assert np.sqrt(np.mean(angles**2)) < 0.9
+    assert np.sqrt(np.mean(off**2)) < 0.018
+    assert np.sqrt(np.mean(angles**2)) < 0.6
 
 
 def test_turns_stay_turns_however_often_views_are_carried():
