@@ -193,12 +193,11 @@ def read_provenance(path: Path) -> dict[str, Any]:
 
 
 def is_ours(path: Path) -> bool:
-    """Whether a file says, or the JSON beside it, that this program made it."""
+    """Whether a file says that this program made it, or, where it says nothing, the JSON beside it."""
     beside = path.with_name(f"{path.name}.json")
     try:
-        if beside.is_file():
-            return facts_of(read_whole(beside), beside).get("app") == APP
-        return path.suffix.lower() in CARRIERS and read_provenance(path).get("app") == APP
+        inside = carried(read_whole(path)) if path.suffix.lower() in CARRIERS else None
+        return facts_of(read_whole(beside) if inside is None else inside, path).get("app") == APP
     except (UserError, OSError):
         return False
 

@@ -83,6 +83,7 @@ def test_what_this_program_did_not_make_is_not_replaced_unasked(home: Path, vess
     (home / "p.png").unlink()
     for _ in range(2):
         assert vesselsplat("enhance", home / "a.avi", home / "p.jpg", home / "q.jpg", home).code == 0
+        (home / "p.png.json").write_text('{"annotations": []}')
     assert vesselsplat("enhance", home / "q.jpg", home / "out/q.png").code == 0, "it is named"
 
 
