@@ -219,7 +219,7 @@ def test_the_difference_is_to_the_frame_that_the_run_was_trained_on(
     picture = cv2.imread(str(tmp_path / "out" / "frame-000003.png"))[:48, :64, ::-1]
     run = RunFolder(runs["enhanced"])
     record, model = run.record(), run.model()
-    camera = record.camera(3)
+    camera = record.cameras[3]
     drawn = draw_on_cpu(model.at(record.time(3)), camera, near_plane(model, camera))
     reference = open_evaluation(runs["enhanced"]).trained_clip.read_image(3)
     assert np.array_equal(picture, composed("difference", drawn, "mm", reference).image)
@@ -253,7 +253,7 @@ def test_along_a_path_there_are_no_frames_to_differ_from(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, command: tuple[str, str]
 ) -> None:
     file, out = tmp_path / "views.json", tmp_path / "out.mp4"
-    camera = RunFolder(runs["original"]).record().camera(0)
+    camera = RunFolder(runs["original"]).record().cameras[0]
     file.write_bytes(views_json(Views(path=CameraPath((Keyframe(0.0, 0.0, camera),)), unit="mm")))
     call = vesselsplat(command[0], runs["original"], command[1], out, "--path", file, "--view", "difference")
     assert (call.code, call.error.count("\n")) == (2, 1)
