@@ -148,7 +148,7 @@ def wear(theme: Theme, text_percent: int, density: float = 1.0) -> None:
     """Give window and plots this theme and size of text; between two frames. `density`: of the screen."""
     colors, style, plots = THEMES[theme], imgui.get_style(), implot.get_style()
     style.font_scale_main = text_percent / 100
-    apply_style(density * text_percent / 100)
+    apply_style(text_percent / 100, density)
     for role, color in _roles(colors).items():
         style.set_color_(role, color)
     for part, color in _plots(colors).items():
@@ -157,16 +157,18 @@ def wear(theme: Theme, text_percent: int, density: float = 1.0) -> None:
     plots.colormap = _lines(colors)
 
 
-def apply_style(scale: float = 1.0) -> None:
-    """Sizes are for one em of 16 pixels, times `scale`: larger text has gaps in proportion."""
+def apply_style(text: float = 1.0, density: float = 1.0) -> None:
+    """Sizes are for one em of 16 pixels, on a screen of that density. Larger text has wider gaps between
+    words, in proportion; lines, for which a window has little room then, stay as close."""
+    scale = density * text
 
     def pair(x: float, y: float) -> ImVec2:
-        return ImVec2(round(scale * x), round(scale * y))
+        return ImVec2(round(scale * x), round(density * y))
 
     style = imgui.get_style()
     style.window_padding = pair(10, 10)
     # Also of panes beside and above each other.
-    style.window_min_size = pair(220, 80)
+    style.window_min_size = ImVec2(round(scale * 220), round(scale * 80))
     style.frame_padding = pair(8, 3)
     style.item_spacing = pair(8, 5)
     style.item_inner_spacing = pair(6, 4)
@@ -176,9 +178,9 @@ def apply_style(scale: float = 1.0) -> None:
     style.child_rounding = style.scrollbar_rounding = 4 * scale
     style.window_rounding = 0
     style.tab_rounding = 3 * scale
-    style.popup_border_size = style.window_border_size = 1
+    style.popup_border_size = style.window_border_size = round(density)
     style.frame_border_size = style.tab_border_size = 0
-    style.docking_separator_size = 3
+    style.docking_separator_size = round(3 * density)
     style.window_menu_button_position = imgui.Dir.none
     style.disabled_alpha = 0.45
 

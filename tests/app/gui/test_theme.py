@@ -188,6 +188,16 @@ def test_gaps_grow_with_the_text(ui: Ui, percent: int) -> None:
     assert imgui.get_style().item_spacing.x == 2 * usual[0]
 
 
+def test_lines_stay_as_close_with_larger_text_and_edges_as_wide(ui: Ui) -> None:
+    """A low window has room for few lines of it; of a denser screen, all grows, as the runner lets it."""
+    style, told = imgui.get_style(), list[tuple[float, ...]]()
+    for percent, density in ((100, 1.0), (200, 1.0), (200, 2.0)):
+        theme.wear("dark", percent, density)
+        told.append((style.item_spacing.y, style.frame_padding.y, style.docking_separator_size))
+    assert told[1] == told[0]
+    assert told[2] == tuple(2 * size for size in told[0])
+
+
 def test_theme_and_size_are_kept(state: AppState) -> None:
     actions.choose_theme(state, "light")
     for _ in range(3):
