@@ -155,7 +155,7 @@ def open_dropped(state: AppState, paths: Sequence[str]) -> None:
     first, *others = map(Path, paths)
     open_path(state, first)
     if others:
-        said = f"of {len(paths)} dropped items only {first.name} opens: drop their folder to open all of them"
+        said = f"of {len(paths)} dropped items only {first.name} opens; a folder of images opens as one clip"
         announce(state, said)
 
 
