@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from app.commands.described.fact import command
 from app.commands.described.files import READ_WHOLE
 from app.commands.described.paths import described
+from app.console.shell import command
 from app.files.provenance import provenance, write_sidecar
 
 
@@ -17,6 +17,7 @@ def test_commands_are_written_as_the_systems_shell_takes_them(monkeypatch: pytes
     monkeypatch.setattr(sys, "platform", "win32")
     assert command("replay", r"C:\a b\film.mp4") == r'vesselsplat replay "C:\a b\film.mp4"'
     assert command("replay", r"C:\a\film.mp4") == r"vesselsplat replay C:\a\film.mp4"
+    assert command("replay", r"C:\R&D\film.mp4") == r'vesselsplat replay "C:\R&D\film.mp4"'
 
 
 @pytest.mark.parametrize("name", ["clip.4dgs", "tracks.csv"])

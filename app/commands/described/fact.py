@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import shlex
-import subprocess
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from app.console.shell import command
 
 WIDTH = 13
 """Of the names at the left of a text."""
@@ -37,12 +36,6 @@ def as_text(facts: Sequence[Fact]) -> str:
 def as_values(facts: Sequence[Fact]) -> dict[str, Any]:
     """By name, with underscores."""
     return {fact.name.replace(" ", "_"): fact.text if fact.value is None else fact.value for fact in facts}
-
-
-def command(*words: object) -> str:
-    """A line that a shell takes as it stands."""
-    line = ["vesselsplat", *map(str, words)]
-    return subprocess.list2cmdline(line) if sys.platform == "win32" else shlex.join(line)
 
 
 def next_steps(path: Path, *steps: tuple[str, ...]) -> Fact:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from app.console.shell import command
 from app.enhancement.amounts import spaced
 from app.enhancement.contact_sheet import columns_of
 from app.enhancement.methods import preset_of
@@ -85,7 +86,7 @@ def save_sweep(state: AppState) -> None:
         path, text.encode(errors="surrogateescape"), "the sweep was not saved", announced=True
     )
     state.window.wishes += (request,)
-    actions.say(state, f'vesselsplat sweep "{path}" --out "{path.with_suffix("")}"')
+    actions.say(state, command("sweep", path, "--out", path.with_suffix("")))
 
 
 def _why_not(chosen: Sequence[Choice]) -> str:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shlex
+from dataclasses import replace
+
 import pytest
 
 from app.enhancement.methods import EnhancementSettings
@@ -30,13 +33,14 @@ def test_the_saved_sweep_runs_with_the_values_of_the_grid(
 ) -> None:
     assert state.source.clip is not None
     write_png(state.source.clip.path / "0.png", state.source.clip.read_image(0), {})
+    state.settings = replace(state.settings, folders={"export": str(state.places.pictures / 'of "A" $B')})
     actions.set_params(state, look)
     state.tuning.choices = CHOICES[type(look)]
     tuning_actions.save_sweep(state)
     (request,) = (wish for wish in state.window.wishes if isinstance(wish, WriteRequest))
     (path,) = write_file(request)
     out = path.with_suffix("")
-    assert state.window.log[-1] == f'vesselsplat sweep "{path}" --out "{out}"'
+    assert shlex.split(state.window.log[-1]) == ["vesselsplat", "sweep", str(path), "--out", str(out)]
     tuning_actions.start_grid(state)
     assert state.tuning.grid is not None
     asked = all_settings(read_spec(path))
