@@ -245,6 +245,8 @@ def test_notes_without_a_source_are_saved_and_come_back(
     again = reopened(places, path)
     assert (again.session.notes, again.session.path, again.source.path) == ("seen live", path, None)
     assert again.summary.items == (Item(tmp_path / "saved.png"),)
+    # Undo leads to no summary of a case before.
+    assert [step.images for step in again.enhancement.past] == [again.summary.items]
     assert again.is_empty
     assert not session_actions.look_for_changes(again)
 
