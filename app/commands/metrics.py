@@ -248,6 +248,8 @@ def _read(given: Given) -> ArrayImage:
 
 def _mask(given: Given, image: ArrayImage) -> BoolImage:
     stored = given.read()
+    if stored.ndim not in (2, 3) or not stored.size:
+        raise UserError(f"expected a vessel mask of shape (H, W), got {stored.shape}: {given.path}")
     _check_size(stored, image, given.path)
     has_noise = given.is_video or is_lossy(given.path)
     return marked_pixels(stored) if has_noise else np.asarray(levels(stored) > 0)

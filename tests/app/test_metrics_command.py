@@ -87,6 +87,13 @@ def test_metrics_want_one_mask_a_picture_and_of_its_size(
     assert (call.code, "one vessel mask for each of 2" in call.error) == (2, True)
     call = vesselsplat("metrics", pictures[0], "--vessels", small)
     assert (call.code, "60x40, got 8x8" in call.error, call.error.count("\n")) == (2, True, 1)
+    np.save(tmp_path / "line.npy", np.ones(40, np.uint8))
+    call = vesselsplat("metrics", pictures[0], "--vessels", tmp_path / "line.npy")
+    assert (call.code, "mask of shape (H, W), got (40,)" in call.error, call.error.count("\n")) == (
+        2,
+        True,
+        1,
+    )
 
 
 def test_the_error_is_that_of_what_is_not_transparent(tmp_path: Path, vesselsplat: Cli) -> None:
