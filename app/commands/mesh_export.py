@@ -77,8 +77,7 @@ def require(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -
     if flags.mesh is None:
         return
     scene.require_same_tissue()
-    # A few are held: those that are written first.
-    for window in reversed(_windows(flags, scene, wanted)):
+    for window in _windows(flags, scene, wanted):
         surface_of_window(scene, window, Fineness(flags.vertices, flags.faces))
 
 
