@@ -14,7 +14,7 @@ import pytest
 from app.files.image_files import read_image
 from app.gui.actions import actions, comparing, job_actions, second_actions
 from app.gui.drawing.textures import Textures
-from app.gui.drawing.viewport import FIRST, GraphicsViewport
+from app.gui.drawing.viewport import GraphicsViewport
 from app.gui.update.jobs import start_due
 from app.gui.work.saving_edits import SaveRequest, write_splats
 from app.gui.work.settings import Places
@@ -150,7 +150,8 @@ def test_the_card_draws_what_the_command_draws(
     wanted = read_image(rendered(vesselsplat, source, tmp_path / "out", "--with", "gl")).astype(int)
     window.state.scene.processor_draws = not baked
     window.turn(40)
-    assert (FIRST.keyframes(window.state) is not None) == (baked and source.path.is_dir())
+    shown = window.state.scene
+    assert (shown.keyframes_of(shown.model) is not None) == (baked and source.path.is_dir())
     viewport = GraphicsViewport(ctx, Textures(ctx))
     assert viewport.show(window.state) is not None
     assert viewport._target is not None

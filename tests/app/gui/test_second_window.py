@@ -150,8 +150,7 @@ def test_its_own_keys_choose_the_pane_and_leave_it(driver: Driver, seen: Seen) -
         press(glfw.KEY_F5, glfw.MOD_SHIFT)
         wait(ctx, lambda: not state.second_window.shown, "its end by the keys that open it")
         ctx.yield_(2)
-        assert driver.window._second_window is not None
-        assert driver.window._second_window._window is None
+        assert driver.window.canvas.second_window._window is None
 
     driver.run(drive)
 
