@@ -162,25 +162,29 @@ def apply_style(text: float = 1.0, density: float = 1.0) -> None:
     words, in proportion; lines, for which a window has little room then, stay as close."""
     scale = density * text
 
-    def pair(x: float, y: float) -> ImVec2:
-        return ImVec2(round(scale * x), round(density * y))
+    def wide(size: float) -> int:
+        """Cut as the runner cuts what it scales."""
+        return int(density * round(text * size))
+
+    def gap(x: float, y: float) -> ImVec2:
+        return ImVec2(wide(x), int(density * y))
 
     style = imgui.get_style()
-    style.window_padding = pair(10, 10)
+    style.window_padding = gap(10, 10)
     # Also of panes beside and above each other.
-    style.window_min_size = ImVec2(round(scale * 220), round(scale * 80))
-    style.frame_padding = pair(8, 3)
-    style.item_spacing = pair(8, 5)
-    style.item_inner_spacing = pair(6, 4)
-    style.scrollbar_size = round(12 * scale)
-    style.grab_min_size = round(11 * scale)
+    style.window_min_size = ImVec2(wide(220), wide(80))
+    style.frame_padding = gap(8, 3)
+    style.item_spacing = gap(8, 5)
+    style.item_inner_spacing = gap(6, 4)
+    style.scrollbar_size = wide(12)
+    style.grab_min_size = wide(11)
     style.frame_rounding = style.grab_rounding = style.popup_rounding = 4 * scale
     style.child_rounding = style.scrollbar_rounding = 4 * scale
     style.window_rounding = 0
     style.tab_rounding = 3 * scale
-    style.popup_border_size = style.window_border_size = round(density)
+    style.popup_border_size = style.window_border_size = int(density)
     style.frame_border_size = style.tab_border_size = 0
-    style.docking_separator_size = round(3 * density)
+    style.docking_separator_size = int(3 * density)
     style.window_menu_button_position = imgui.Dir.none
     style.disabled_alpha = 0.45
 

@@ -198,6 +198,22 @@ def test_lines_stay_as_close_with_larger_text_and_edges_as_wide(ui: Ui) -> None:
     assert told[2] == tuple(2 * size for size in told[0])
 
 
+@pytest.mark.parametrize("percent", [80, 100, 110, 150])
+@pytest.mark.parametrize("density", [1.25, 1.5, 2.0])
+def test_another_theme_has_the_gaps_that_the_runner_made_at_the_start(
+    ui: Ui, percent: int, density: float
+) -> None:
+    style, told = imgui.get_style(), list[tuple[float, ...]]()
+    theme.wear("dark", percent)
+    style.scale_all_sizes(density)
+    for _ in range(2):
+        padding, spacing, inner = style.frame_padding, style.item_spacing, style.item_inner_spacing
+        sizes = style.scrollbar_size, style.docking_separator_size, style.window_border_size
+        told.append((*padding, *spacing, *inner, *sizes))
+        theme.wear("light", percent, density)
+    assert told[1] == told[0]
+
+
 def test_theme_and_size_are_kept(state: AppState) -> None:
     actions.choose_theme(state, "light")
     for _ in range(3):
