@@ -50,7 +50,8 @@ def replay(path: Path, given: tuple[Path, ...], target: Path) -> Replayed:
         run_to_end(make(record, Found(path, given), target))
     except UserError as error:
         raise error if path.name in str(error) else UserError(f"{error}: {path}") from error
-    return Replayed(record.kind, difference(path, target), tuple(_reasons(facts, recorded(target))))
+    reasons = (*_reasons(facts, recorded(target)), *_without_tools(record))
+    return Replayed(record.kind, difference(path, target), reasons)
 
 
 def _record(facts: Facts, path: Path) -> Export:
@@ -83,6 +84,13 @@ def _reasons(before: Facts, again: Facts) -> list[str]:
     pairs += [(name, then.get(name), now.get(name, "none")) for name in names]
     pairs.append(("renderer", _renderer(before), _renderer(again)))
     return [f"made with {name} {one}, here {other}" for name, one, other in pairs if one != other]
+
+
+def _without_tools(record: Export) -> list[str]:
+    """Statistics that are given know of the tools; what `vessel` takes from each picture itself does not."""
+    panes = record.panes if isinstance(record, PanesRecord) else ()
+    masked = any(one.drawn_tools for one in panes)
+    return ["made with tools masked in the window, whose masks are in no file"] if masked else []
 
 
 def _renderer(facts: Facts) -> object:

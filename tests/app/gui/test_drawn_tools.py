@@ -9,15 +9,24 @@ import numpy as np
 import pytest
 
 from app.enhancement.clip_statistics import measured
-from app.enhancement.frame_enhancer import PictureMaker
+from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.errors import UserError
 from app.exports.exporting import export
+from app.exports.make import make
+from app.exports.panes import pane_record
+from app.exports.records import FrameRecord, PanesPicture
 from app.exports.replay.again import replay
+from app.exports.sources import Opened
+from app.files.records import Source
+from app.files.stepping import run_to_end
 from app.gui.actions import export_actions, masking_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.masking import THICKEST
 from app.gui.work.settings import Places
+from assets import phantom_path
+from enhance.vessel import VesselParams
 from renderer.clip import Clip
+from renderer.sources import open_clip
 from tests.app.gui.exporting import Exporter
 from tests.app.gui.test_live_saving import holds
 from tests.app.gui.test_masking import settle, stroke
@@ -81,6 +90,23 @@ def test_what_is_saved_is_what_is_shown_and_comes_again(
     assert masked.picture.pictures.enhanced is not None
     assert holds(path, masked.picture.pictures.enhanced)
     assert replay(path, (folder,), tmp_path / "again.png").difference.is_none
+
+
+def test_what_differs_without_the_tools_says_so(tmp_path: Path) -> None:
+    """`vessel` takes its noise from the picture, whatever the statistics."""
+    clip = open_clip(phantom_path())
+    kept = np.ones(clip.read_image(0).shape[:2], bool)
+    kept[:, :200] = False
+    without = clip.within(kept)
+    request = PictureRequest(without, 3, VesselParams(), "image", "tissue")
+    shown = list(PictureMaker().make(request))[-1]
+    pane = pane_record("Enhanced", request, VesselParams())
+    pane = replace(pane, given=shown.statistics, drawn_tools=True)
+    record = PanesPicture(source=Source.of(clip.path), frame=FrameRecord(index=3), panes=(pane,))
+    run_to_end(make(record, Opened((), without), tmp_path / "one.png"))
+    again = replay(tmp_path / "one.png", (clip.path,), tmp_path / "again.png")
+    assert not again.difference.is_none
+    assert again.reasons == ("made with tools masked in the window, whose masks are in no file",)
 
 
 def test_a_table_without_the_tools_says_that_it_cannot_be_made_again(
