@@ -308,7 +308,7 @@ def test_a_graphics_card_s_drawing_lives_beside_the_window_s_own(
         state.scene.processor_draws = False
         return GraphicsViewport(ctx, textures)
 
-    monkeypatch.setattr("app.gui.window.ChosenViewport", on_the_card)
+    monkeypatch.setattr("app.gui.frame.canvas.ChosenViewport", on_the_card)
     jobs: list[FakeJob] = []
     driver = Driver(places, Settings(acknowledged=True), jobs)
     actions.open_path(driver.state, phantom_path())
