@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -16,6 +17,7 @@ from app.enhancement.settable import Scope
 from app.files.image_files import read_image, write_image
 from app.files.image_series import open_series
 from enhance import EnhanceParams, Pool, enhance, measure
+from enhance.vessel import VesselParams
 from renderer.clip import ByteImage, Clip
 from renderer.sources import open_clip
 from tests.app.gui.conftest import make_clip
@@ -81,6 +83,18 @@ def test_the_command_gives_what_the_window_shows(tmp_path: Path, scope: Scope) -
     for index in range(18):
         *_, shown = maker.make(PictureRequest(clip, index, params, scope, "automatic"))
         np.testing.assert_array_equal(read_image(tmp_path / f"out/{index:02d}.png"), shown.enhanced)
+
+
+def test_the_command_gives_what_the_window_shows_of_tissue_alone(tmp_path: Path) -> None:
+    """`vessel`, which takes its noise from each image whatever the statistics, in a wide dark surround."""
+    folder, params = tmp_path / "in", VesselParams()
+    folder.mkdir()
+    framed = cv2.copyMakeBorder(vessels(120, 160), 60, 60, 80, 80, cv2.BORDER_CONSTANT)
+    for index in range(2):
+        write_image(folder / f"{index}.png", framed, {})
+    list(enhance_into(tmp_path / "out", open_series(folder), Setting("vessel", params, "clip", "tissue")))
+    *_, shown = PictureMaker().make(PictureRequest(open_clip(folder), 1, params, "clip", "tissue"))
+    np.testing.assert_array_equal(read_image(tmp_path / "out/1.png"), shown.enhanced)
 
 
 def test_a_clip_of_a_known_layout_is_pooled_without_a_look(clip: Clip) -> None:
