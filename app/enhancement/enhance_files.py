@@ -197,7 +197,7 @@ def pooled_statistics(series: Series, setting: Setting, watch: Watch = unwatched
     look = setting.params
     if look is None or not setting.pools(series):
         return None
-    pool, where = pool_for(look, drawn(setting.pixels)), series.sources[0].parent
+    pool = pool_for(look, drawn(setting.pixels))
     # What cannot be read is told where it is enhanced.
     measured = series.spread(POOLED_FRAMES)
     names = [series.names[index] for index in measured]
@@ -205,13 +205,12 @@ def pooled_statistics(series: Series, setting: Setting, watch: Watch = unwatched
         tissue = _tissue(series, setting)
         yield
         with closing(watch("measure", names, _pictures(series, [], measured))) as read:
-            for index, image in read:
-                where = series.sources[index]
+            for _, image in read:
                 pool.add(image, tissue(image))
                 yield
         return pool.statistics()
     except ImageError as error:
-        raise UserError(f"{error}: {where}") from error
+        raise UserError(f"{error}: {series.sources[0].parent}") from error
 
 
 def enhance_frame_into(

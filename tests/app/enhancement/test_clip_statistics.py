@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from app.enhancement.enhance_files import Setting, enhance_into
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.enhancement.recording import is_recording
 from app.enhancement.settable import Scope
+from app.errors import UserError
 from app.files.image_files import read_image, write_image
 from app.files.image_series import open_series
 from enhance import EnhanceParams, Pool, enhance, measure
@@ -95,6 +97,13 @@ def test_the_command_gives_what_the_window_shows_of_tissue_alone(tmp_path: Path)
     list(enhance_into(tmp_path / "out", open_series(folder), Setting("vessel", params, "clip", "tissue")))
     *_, shown = PictureMaker().make(PictureRequest(open_clip(folder), 1, params, "clip", "tissue"))
     np.testing.assert_array_equal(read_image(tmp_path / "out/1.png"), shown.enhanced)
+
+
+def test_a_folder_of_which_nothing_is_visible_is_named(tmp_path: Path) -> None:
+    for index in range(2):
+        write_image(tmp_path / f"{index}.png", np.zeros((20, 30, 4), np.uint8), {})
+    with pytest.raises(UserError, match=f"hides all: {re.escape(str(tmp_path))}$"):
+        list(enhance_into(tmp_path / "out", open_series(tmp_path), Setting("paper", EnhanceParams(), "clip")))
 
 
 def test_a_clip_of_a_known_layout_is_pooled_without_a_look(clip: Clip) -> None:
