@@ -30,13 +30,14 @@ _FEATURES = 300
 _KEPT = 0.25  # Of the features, or the tracks say nothing.
 # Frames between two moments, for a camera that goes away and comes back meanwhile; the more where features
 # are lost through the fewer.
-_GLIMPSES = (4, 24)
+_GLIMPSES = (3, 24)
 _FEWEST = 20
 # Of a frame's features in the next: where fewer are found, one does not follow from the other.
 _FOLLOWED = 0.4
 # Of the width, by which the median of those few moves at most where the rest of the view is covered: 0.018
 # on phantoms that are covered by 70 to 80 %, and at least 0.039, by chance, where the view jumps.
 _STAYED = 0.025
+_REFUTING = 0.25  # Share of features that stay: the others are no three in four.
 _AROUND = 4  # Features side by side that stay where they are, as by chance none do where the view jumps.
 _CLOSING = 1.0  # px between a feature and where tracking it there and back ends.
 
@@ -67,8 +68,9 @@ def camera_motion(clip: Clip) -> str | None:
     side follow from each other, the view jumps: 0.3 of them by chance, and 0.6 where a camera stands still
     and tissue is pulled. If those few hardly move, or one place of the view stays and the rest comes back,
     the rest is covered, and nothing jumps. Where nothing else tells, what lies between two of the frames is
-    looked at: a camera may have gone and come back. Reads 13 frames, and of a camera that stands still 48
-    images, or up to 336 where views are covered: for the start of a training, not for opening a clip.
+    looked at: a camera may have gone and come back. That goes by what is where it was in both of them, which
+    what sweeps through is not. Reads 13 frames, and of a camera that stands still 36 images, or up to 324
+    where views are covered: for the start of a training, not for opening a clip.
 
     Raises:
         ClipError: a frame cannot be read.
@@ -83,7 +85,7 @@ def camera_motion(clip: Clip) -> str | None:
     if len(moments) < 2:
         return None
     starts = sorted({0, len(moments) // 2})
-    runs = [(moments[start:], _tracks(moments[start:])) for start in starts]
+    runs = [(moments[start:], _tracks(moments[start:], _features(moments[start]))) for start in starts]
     across = max((_picture_shift(tracks) for _, tracks in runs), default=0.0)
     rigid = max((_rigid_shift(seen, tracks) for seen, tracks in runs), default=0.0)
     if across > PICTURE_SHIFT:
@@ -121,12 +123,19 @@ def _moment(frame: Frame, has_scale: bool) -> _Moment:
 
 
 def _shift_between(clip: Clip, before: _Moment, after: _Moment) -> float:
-    """As `_picture_shift`, through what lies between two moments: images, without masks and depth."""
+    """As `_picture_shift`, of what is in one place at two moments, through what lies between them: images,
+    without masks and depth."""
+    places = _features(before)
+    places = places[_stay(before, after, places)]
+    if len(places) < _FEWEST:
+        return 0.0
     inside = [index for index in clip.train_indices if before.index <= index <= after.index]
     shift = 0.0
     for number in _GLIMPSES:
         glimpses = [_glimpse(clip, index) for index in evenly(inside, number + 2)[1:-1]]
-        tracks = _tracks([before, *glimpses], _FOLLOWED)
+        if all(_stay(before, glimpse, places).mean() > _REFUTING for glimpse in glimpses):
+            break
+        tracks = _tracks([before, *glimpses], places, _FOLLOWED)
         shift = max(shift, _picture_shift(tracks))
         if len(tracks) > len(glimpses):
             break
@@ -139,10 +148,10 @@ def _glimpse(clip: Clip, index: int) -> _Moment:
     return _moment(Frame(index, clip.times[index], image, clip.cameras[index], every, every), False)
 
 
-def _tracks(moments: list[_Moment], least: float = _KEPT) -> FloatArray:
-    """(M, F, 2) column and row of F features of the first moment, NaN once lost; M ends with too few: less
-    than this share of them."""
-    places = [_features(moments[0])]
+def _tracks(moments: list[_Moment], first: FloatArray, least: float = _KEPT) -> FloatArray:
+    """(M, F, 2) column and row of features (F, 2) of the first moment, NaN once lost; M ends with too few:
+    less than this share of them."""
+    places = [first]
     for before, after in pairwise(moments):
         moved = _followed(before.grey, after.grey, places[-1])
         if np.isfinite(moved[:, 0]).sum() < max(_FEWEST, least * len(moved)):
@@ -194,11 +203,16 @@ def _keeps_a_place(before: _Moment, after: _Moment) -> bool:
     """Whether some features side by side are where they were."""
     places = _features(before)
     # From coarser levels, what covers the rest would lead them astray.
-    apart = np.linalg.norm(_followed(before.grey, after.grey, places, levels=0) - places, axis=1)
+    stays = _stay(before, after, places, levels=0)
     between = np.linalg.norm(places[:, None] - places, axis=2)
     nearest = np.argsort(between, axis=1)[:, :_AROUND]
-    stays = apart < _STAYED * _WIDTH
     return bool(stays[nearest].all(axis=1).any())
+
+
+def _stay(before: _Moment, after: _Moment, places: FloatArray, levels: int = 3) -> BoolImage:
+    """(F,) which features (F, 2) of the first moment are where they were."""
+    apart = np.linalg.norm(_followed(before.grey, after.grey, places, levels) - places, axis=1)
+    return np.asarray(apart < _STAYED * _WIDTH)
 
 
 def _is_seen_in(moments: Sequence[_Moment], others: Sequence[_Moment]) -> bool:

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
+import cv2
 import numpy as np
 import pytest
 
@@ -216,6 +217,24 @@ def test_a_camera_that_glides_away_and_comes_back_between_two_looks_is_noticed(f
 
 def test_tissue_that_moves_between_two_looks_is_no_camera():
     assert camera_motion(again_and_again(clip_of(phantom("fixed", "moving")), 10)) is None
+
+
+def test_a_swab_that_sweeps_through_between_two_looks_is_no_camera():
+    clip = again_and_again(clip_of(phantom("fixed", "moving"), has_depth=False), 20)
+    coarse = np.random.default_rng(0).integers(150, 235, (32, 24, 3), dtype=np.uint8)
+    swab = cv2.resize(coarse, (96, 128), interpolation=cv2.INTER_CUBIC)
+
+    def read_image(index: int) -> ByteImage:
+        start = 160 - round(index % 110 / 110 * (160 + 96))
+        left, right = max(start, 0), min(start + 96, 160)
+        image = clip.read_image(index).copy()
+        image[:, left:right] = swab[:, left - start : right - start]
+        return image
+
+    def read_frame(index: int) -> Frame:
+        return replace(clip.read_frame(index), image=read_image(index))
+
+    assert camera_motion(replace(clip, read_frame=read_frame, read_image=read_image)) is None
 
 
 def test_another_scene_is_a_jump():
