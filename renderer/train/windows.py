@@ -86,11 +86,14 @@ def cut(shares: NDArray[np.float64]) -> tuple[Window, ...]:
 
 
 def _seen(windows: Sequence[Window], passed_over: Collection[int]) -> tuple[Window, ...]:
-    """The same; one of which too few frames count goes on the one before it."""
+    """The same; one of which too few frames count goes on the one before it, and the first on the next."""
+
+    def counted(window: Window) -> int:
+        return len(window) - sum(window.first <= at <= window.last for at in passed_over)
+
     found: list[Window] = []
     for window in windows:
-        hidden = sum(window.first <= at <= window.last for at in passed_over)
-        if found and len(window) - hidden < FEWEST:
+        if found and min(counted(found[-1]), counted(window)) < FEWEST:
             found[-1] = Window(found[-1].first, window.last)
         else:
             found.append(window)

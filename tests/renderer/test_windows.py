@@ -112,6 +112,8 @@ def test_a_window_of_which_hardly_any_frame_counts_goes_on_the_one_before() -> N
     first, second, third = windows_of(clip, CONFIG)
     hidden = replace(clip, passed_over=frozenset(range(second.first + 2, second.last - 1)))
     assert windows_of(hidden, CONFIG) == (Window(first.first, second.last), third)
+    begun = replace(clip, passed_over=frozenset(range(first.first + 2, first.last - 1)))
+    assert windows_of(begun, CONFIG) == (Window(first.first, second.last), third)
     some = replace(clip, passed_over=frozenset(range(second.first + 4, second.last - 3)))
     assert windows_of(some, CONFIG) == (first, second, third)
 
