@@ -28,8 +28,8 @@ _WIDTH = 320  # px of the pictures that are looked at
 _MOMENTS = 13
 _FEATURES = 300
 _KEPT = 0.25  # Of the features, or the tracks say nothing.
-# Frames between two moments, for a camera that goes away and comes back meanwhile; the more where features
-# are lost through the fewer.
+# Most frames between two moments, for a camera that goes away and comes back meanwhile; the more where
+# features are lost through the fewer.
 _GLIMPSES = (3, 24)
 _FEWEST = 20
 # Of a frame's features in the next: where fewer are found, one does not follow from the other.
@@ -131,7 +131,8 @@ def _shift_between(clip: Clip, before: _Moment, after: _Moment) -> float:
         return 0.0
     inside = [index for index in clip.train_indices if before.index <= index <= after.index]
     shift = 0.0
-    for number in _GLIMPSES:
+    for most in _GLIMPSES:
+        number = min(most, (len(inside) - 1) // 2)  # Every other frame is enough.
         glimpses = [_glimpse(clip, index) for index in evenly(inside, number + 2)[1:-1]]
         if all(_stay(before, glimpse, places).mean() > _REFUTING for glimpse in glimpses):
             break
