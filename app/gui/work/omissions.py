@@ -66,7 +66,9 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
 
     read = {index: place for place, index in enumerate(fit)}
     at_hand = replace(
-        clip, read_frame=lambda index: frames[read[index]] if index in read else clip.read_frame(index)
+        clip,
+        read_frame=lambda index: frames[read[index]] if index in read else clip.read_frame(index),
+        read_image=lambda index: frames[read[index]].image if index in read else clip.read_image(index),
     )
     moves = camera_motion(at_hand)
     cut = windows.windows_of(at_hand, config)
