@@ -197,7 +197,7 @@ def test_a_file_that_is_not_read_is_named_with_what_to_do(
 @pytest.mark.parametrize(
     ("content", "said"),
     [
-        (ply_bytes(gaussians(0)), "no splats"),
+        (ply_bytes(gaussians(0)), "no Gaussians"),
         (ply_bytes(gaussians(1)), ""),
         (ply_bytes(gaussians(9)) + b"more", "4 bytes after the last of 9"),
         (ply_bytes(gaussians(9)).replace(b"\n", b"\r\n", 3), ""),
@@ -215,7 +215,7 @@ def test_odd_files_are_drawn_and_what_is_odd_is_said(
     assert facts["splats"]["name"] == path.name
     assert [notice for notice in facts["notices"] if said in notice] == facts["notices"]
     image = cv2.imread(str(tmp_path / "out" / "frame-000000.png"))
-    assert (image != image[0, 0]).any() == (said != "no splats")
+    assert (image != image[0, 0]).any() == (said != "no Gaussians")
 
 
 def test_a_damaged_file_is_one_line(tmp_path: Path, vesselsplat: Cli) -> None:

@@ -29,4 +29,5 @@ def _command(title: str, what: What) -> Command:
 
     act = partial(export_actions.choose_what, what=what)
     text = f"export {title if title[1].isupper() else title.lower()}: {offer.text}"
-    return Command(f"{title}: {offer.within}…", act, text=text, applies=applies)
+    synonyms = ("splats",) if "splats" in what else ()
+    return Command(f"{title}: {offer.within}…", act, text=text, applies=applies, synonyms=synonyms)

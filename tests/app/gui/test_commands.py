@@ -203,7 +203,8 @@ def test_sections_are_never_empty_but_for_what_is_recent(places: Places) -> None
 
 
 SOUGHT = (
-    ("ply", "3D model: splats, this moment"),
+    ("ply", "3D model: splat file, this moment"),
+    ("splats", "3D model: splat file, this moment"),
     ("mp4", "Export…"),
     ("full screen", "Full screen"),
     ("fullscreen", "Full screen"),

@@ -44,7 +44,7 @@ def test_a_window_that_cannot_open_is_the_user_s_to_know(
 
 def test_an_error_of_an_open_window_stays_a_bug(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
     window = Window(AppState(places))
-    monkeypatch.setattr(window, "_viewport", object())
+    monkeypatch.setattr(window, "_canvas", object())
     monkeypatch.setattr(immapp, "run", broken)
     with pytest.raises(RuntimeError, match="no such display"):
         window.run()
