@@ -25,6 +25,8 @@ NARROWEST: Final = 1.0
 WIDEST: Final = 2.4
 """Width by height of an eye's picture: beyond, it is squeezed to half its width or height, as for cables and
 screens made for one picture. Squeezed ones of 5:4 to 16:9 have 0.63 to 0.89, or 2.5 to 3.6."""
+SLENDEREST: Final = 0.5
+"""Width by height, below which a half is no eye's picture, squeezed or not: of an upright frame."""
 
 SMALL: Final = 96
 """Columns at which halves of a frame are compared."""
@@ -107,7 +109,10 @@ def likely_layout(image: ByteImage) -> StereoLayout | None:
 
 
 def _likeness(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
-    """Highest correlation of the middle of one half with the other, a fifth of the width aside at most."""
+    """Highest correlation of the middle of one half with the other, a fifth of the width aside at most; 0 of
+    halves that show too little, or have no shape of a picture."""
+    if one.shape[1] < SLENDEREST * one.shape[0]:
+        return 0.0
     size = SMALL, int(np.clip(SMALL * one.shape[0] // one.shape[1], SMALL // 4, TALLEST))
     small = (cv2.resize(half, size, interpolation=cv2.INTER_AREA).astype(np.float32) for half in (one, other))
     first, second = (half - cv2.GaussianBlur(half, (0, 0), COARSE) for half in small)

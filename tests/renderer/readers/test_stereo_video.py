@@ -104,7 +104,8 @@ def test_frames_of_one_eye_do_not_look_like_two(moments) -> None:
     assert likely_layout(squeezed) == "side-by-side"
     noise = np.random.default_rng(0).integers(0, 256, left.shape, np.uint8)
     mirrored = np.concatenate((left, left[:, ::-1]), axis=1)
-    for image in (left, noise, mirrored, left * 0, left[:40, :40], left[:1, :1]):
+    upright = np.concatenate((left[:, 40:100], right[:, 40:100]), axis=1)
+    for image in (left, noise, mirrored, upright, left * 0, left[:40, :40], left[:1, :1]):
         assert likely_layout(np.ascontiguousarray(image)) is None
 
 
