@@ -1,4 +1,4 @@
-"""README's tree is that of the folders."""
+"""The manual's tree is that of the folders, and README and manual link to what is there."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-TREE = README.split("## Where things are")[1].split("```")[1]
+MANUAL = ROOT / "assets" / "manual"
+CODE = (MANUAL / "code.md").read_text(encoding="utf-8")
+TREE = CODE.split("```")[1]
 NAMES = re.compile(r"( *)((?:[\w*]+(?:/|\.py) {0,2})+)")
 """The names that a line begins with, behind two spaces for each folder that they lie in."""
 DEEPEST = 6
@@ -58,8 +59,19 @@ def test_every_folder_and_file_of_the_first_level_is_in_the_tree(top: str) -> No
 
 
 def test_the_files_of_the_walk_are_there() -> None:
-    walk = README.split("From a slider to a kernel")[1].split("Conventions:")[0]
+    walk = CODE.split("From a slider to a kernel")[1].split("## Conventions")[0]
     files = re.findall(r"`([\w/]+\.py)`", walk)
     assert len(files) > 10
     everywhere = [path.as_posix() for path in ROOT.glob("*/**/*.py")]
     assert [name for name in files if not any(path.endswith(f"/{name}") for path in everywhere)] == []
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md", *MANUAL.glob("*.md")], ids=lambda page: page.name)
+def test_links_lead_to_what_is_there(page: Path) -> None:
+    links = re.findall(r"\]\((?!https://)([^)]+)\)", page.read_text(encoding="utf-8"))
+    assert [link for link in links if not (page.parent / link).exists()] == []
+
+
+def test_readme_leads_to_every_page_of_the_manual() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert [page.name for page in MANUAL.glob("*.md") if f"assets/manual/{page.name}" not in readme] == []

@@ -11,7 +11,11 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("app", "renderer", "enhance")
-PAGES = ("README.md", "CHANGELOG.md")
+PAGES = (
+    "README.md",
+    "CHANGELOG.md",
+    *(f"assets/manual/{page.name}" for page in (ROOT / "assets/manual").glob("*.md")),
+)
 SAY_INSTEAD = (
     ("says of itself", "has (invalid) provenance"),
     ("it waits on", "it stays in the queue"),

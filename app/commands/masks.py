@@ -27,7 +27,12 @@ from renderer.tools.polarity import with_doubt
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("clip", metavar="CLIP", type=Path, help="folder of a clip, or a video, see README")
+    parser.add_argument(
+        "clip",
+        metavar="CLIP",
+        type=Path,
+        help="folder of a clip, or a video: `vesselsplat info CLIP` says as what it is read",
+    )
     parser.add_argument(
         "--out",
         type=Path,

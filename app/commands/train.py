@@ -38,7 +38,12 @@ from renderer.train.events import (
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("clip", metavar="CLIP", type=Path, help="folder of a clip, or a video, see README")
+    parser.add_argument(
+        "clip",
+        metavar="CLIP",
+        type=Path,
+        help="folder of a clip, or a video: `vesselsplat info CLIP` says as what it is read",
+    )
     parser.add_argument("--run", type=Path, required=True, metavar="RUN", help="folder of the run to write")
     add_fields(parser, TrainConfig, ("method",))
     parser.add_argument(
