@@ -143,7 +143,8 @@ def _require_fit(frame: bytes, path: Path, header: DicomHeader, index: int) -> N
         with Image.open(io.BytesIO(frame)) as picture:
             size = picture.size
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        raise ClipError(f"expected an intact frame {index}, got a damaged one: {path}") from error
+        wanted = f"expected an intact frame {index}, counted from 0"
+        raise ClipError(f"{wanted}, got a damaged one: {path}") from error
     if size != header.size:
         raise ClipError(f"expected a frame of {width}x{height}, got {size[0]}x{size[1]}: {path}")
 
