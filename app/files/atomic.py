@@ -127,13 +127,16 @@ def _told_as(place: Path, temporary: Path) -> Iterator[None]:
     except UserError as error:
         raise UserError(str(error).replace(str(temporary), str(place))) from error
     except OSError as error:
-        if error.errno in NO_SPACE and not error.filename:
-            error.filename = str(place)
         # FFmpeg gets its paths as addresses.
         told = error.filename.removeprefix("file:") if isinstance(error.filename, str) else ""
         if told and (named := Path(told)).is_relative_to(temporary):
-            error.strerror, error.filename = _reason(error), str(place / named.relative_to(temporary))
-        raise
+            stands_for = place / named.relative_to(temporary)
+        elif error.errno in NO_SPACE and not error.filename:
+            stands_for = place
+        else:
+            raise
+        # An error of PyAV takes no other name.
+        raise OSError(error.errno, _reason(error), str(stands_for)) from error
 
 
 def _reason(error: OSError) -> str | None:

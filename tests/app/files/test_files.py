@@ -13,6 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -249,7 +250,8 @@ def test_a_link_under_the_temporary_name_is_not_followed(tmp_path: Path) -> None
     assert not (folder / "run.json").is_symlink()
 
 
-def test_a_full_disk_is_told_of_the_file_that_was_asked_for(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", [OSError, av.error.OSError])
+def test_a_full_disk_is_told_of_the_file_that_was_asked_for(tmp_path: Path, kind: type[OSError]) -> None:
     """FFmpeg names it as an address, in the temporary folder of all that appears at once."""
     path = tmp_path / "film.mp4"
     with (
@@ -257,7 +259,7 @@ def test_a_full_disk_is_told_of_the_file_that_was_asked_for(tmp_path: Path) -> N
         together(path) as place,
         replaced(place) as new,
     ):
-        raise OSError(errno.ENOSPC, "No space left on device", f"file:{new}")
+        raise kind(errno.ENOSPC, "No space left on device", f"file:{new}")
     assert told.value.filename == str(path)
 
 
