@@ -77,7 +77,10 @@ def problem(error: ValidationError, flag_of: Mapping[str, str] | None = None) ->
 
 def shortened(given: object) -> str:
     """As Python writes it, cut where it is long: a file may hold anything."""
-    text = repr(given)
+    try:
+        text = repr(given)
+    except ValueError:  # In hexadecimal, whole numbers are read that are too long to be written.
+        text = "a number of thousands of digits"
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
 
 

@@ -65,6 +65,8 @@ def test_combinations_that_say_the_same_are_one_job() -> None:
         ({"colour": 1}, "colour"),
         ({"grid": {"z": []}}, "grid.z"),
         ({"settings": {"z": 2.0}}, "z: expected"),
+        ({"settings": {"z": 16**5000}}, "got a number of thousands of digits"),
+        ({"frames": 16**5000}, "got a number of thousands of digits"),
         ({"settings": {"zz": 0.2}}, "expected settings among"),
         ({"settings": {"method": "clahe", "z": 0.2}}, "method clahe: expected settings among method, pixels"),
         ({"settings": {"method": "best"}}, "method: expected one of paper, vessel"),
