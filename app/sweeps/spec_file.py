@@ -12,7 +12,7 @@ from app.sweeps.settings import Enhancing
 
 def spec_text(clip: Path, settings: Enhancing, grid: Mapping[str, Sequence[object]]) -> str:
     """TOML: `clip` enhanced by these settings and by all combinations of the values of the grid.
-    Texts and numbers are written in TOML as in JSON."""
+    Texts and numbers are written in TOML as in JSON, but for the character DEL, which TOML escapes."""
     fixed = {name: value for name, value in settings.told().items() if name not in grid}
     return "\n".join(
         (
@@ -30,4 +30,4 @@ def spec_text(clip: Path, settings: Enhancing, grid: Mapping[str, Sequence[objec
 
 
 def _toml(value: object) -> str:
-    return json.dumps(value, ensure_ascii=False)
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -12,7 +12,10 @@ from hypothesis import strategies as st
 from app.errors import UserError
 from app.sweeps.design import Range, Sample
 from app.sweeps.plan import planned
+from app.sweeps.settings import Enhancing
 from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for, read_spec, spec_of
+from app.sweeps.spec_file import spec_text
+from enhance import EnhanceParams
 
 PLACE = Path("sweep.toml")
 
@@ -112,6 +115,13 @@ def test_a_file_that_is_no_toml_is_one_line(tmp_path: Path, text: bytes) -> None
 def test_a_byte_order_mark_is_no_part_of_the_file(tmp_path: Path) -> None:
     (tmp_path / "sweep.toml").write_text('clips = ["a.png"]\ntask = "enhance"\n', encoding="utf-8-sig")
     assert read_spec(tmp_path / "sweep.toml").clips == ["a.png"]
+
+
+def test_a_file_that_is_written_is_read_whatever_its_clip_is_called(tmp_path: Path) -> None:
+    clip = Path('a "b" \\ \x01\t\x7f é')
+    text = spec_text(clip, Enhancing("paper", EnhanceParams(), "all"), {"z": [0.1, 0.2]})
+    (tmp_path / "sweep.toml").write_text(text, encoding="utf-8")
+    assert read_spec(tmp_path / "sweep.toml").clips == [str(clip)]
 
 
 def test_a_setting_that_is_refused_names_the_file(tmp_path: Path) -> None:
