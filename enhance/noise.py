@@ -6,13 +6,13 @@ Pixels whose alpha is 0 count in no measure.
 from __future__ import annotations
 
 import math
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 import cv2
 import numpy as np
 
 from enhance.brightness import BLACK, value
-from enhance.image import AnyImage, BoolImage, Float32Image
+from enhance.image import AnyImage, BoolImage, Float32Image, ImageError
 from enhance.metrics import SATURATED, check_sizes, colors_of, green, kept
 
 FLAT_SIGMA: Final = 2.0
@@ -45,7 +45,7 @@ def noise_gain(
         cut: "by level" reproduces values of before 0.4.0.
 
     Raises:
-        ImageError: images or a mask of different sizes.
+        ImageError: images or a mask of different sizes, or a cut that there is none of.
 
     Example:
         >>> import numpy as np
@@ -71,7 +71,7 @@ def chroma_noise_gain(
     As `noise_gain`, of R - G and B - G in place of the channels. NaN: also of grey images.
 
     Raises:
-        ImageError: images or a mask of different sizes.
+        ImageError: images or a mask of different sizes, or a cut that there is none of.
 
     Example:
         >>> import numpy as np
@@ -98,6 +98,8 @@ def _flat(colors: Float32Image, counted: BoolImage) -> BoolImage:
 
 
 def _gain(before: Float32Image, after: Float32Image, where: BoolImage, cut: NoiseCut) -> float:
+    if cut not in get_args(NoiseCut):
+        raise ImageError(f"expected cut to be 'by rank' or 'by level', got {cut!r}")
     was, is_now = (_noise(colors, where, cut) for colors in (before, after))
     return is_now / was if was > (NOISELESS if cut == "by rank" else 0) else math.nan
 

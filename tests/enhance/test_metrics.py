@@ -239,6 +239,12 @@ def test_ties_among_whole_grey_levels_do_not_move_noise_gains() -> None:
     assert levels != pytest.approx([0.7, 0.7], rel=0.02)
 
 
+def test_noise_is_cut_in_one_of_two_ways() -> None:
+    for gain in (noise_gain, chroma_noise_gain):
+        with pytest.raises(ImageError, match="expected cut to be 'by rank' or 'by level', got 'by_rank'"):
+            gain(vessels(), vessels(), cut="by_rank")  # type: ignore[arg-type]
+
+
 def test_noise_gain_is_undefined_without_noise_or_without_tissue() -> None:
     flat = np.full((20, 20, 3), 0.5)
     assert math.isnan(noise_gain(flat, flat))
