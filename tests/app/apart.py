@@ -13,11 +13,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
+from typing import Any
 
 from app.__main__ import main
 
 FORKS = sys.platform == "linux"
-CONTEXT = get_context("forkserver" if FORKS else "spawn")
+CONTEXT: Any = get_context("forkserver" if FORKS else "spawn")
 if FORKS:
     CONTEXT.set_forkserver_preload(["tests.app.preloaded"])
 

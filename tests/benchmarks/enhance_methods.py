@@ -20,11 +20,13 @@ import cv2
 import numpy as np
 
 from app.enhancement.contact_sheet import Tile, sheet
-from app.report.visibility import COLUMNS, BoolImage, ByteImage, Sample, measured, methods, pattern, sample
+from app.report.visibility import COLUMNS, Sample, measured, methods, pattern, sample
 from enhance.baselines import TAO_STAND_INS
 from enhance.color_difference import vessel_color_difference
+from enhance.image import BoolImage
 from enhance.metrics import flicker
 from enhance.ridges import field_of_view
+from renderer.clip import ByteImage
 
 STATUS_BAR = 16
 """Rows at the bottom of the da Vinci clip."""

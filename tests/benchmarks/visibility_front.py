@@ -13,8 +13,9 @@ import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from app.report.visibility import ByteImage, Sample
+from app.report.visibility import Sample
 from app.report.visibility_front import ORIGINAL, VESSEL, Seen, Setting, averaged, best_other, is_ahead, seen
+from renderer.clip import ByteImage
 from tests.benchmarks.enhance_methods import annotated, every, fetoscopy, files, in_field, laparoscopy, read
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from enhance import EnhanceParams, Enhancer, ImageError, LiveStatistics, enhance, guided_filter, measure
 from enhance import enhancer as enhancer_module
+from enhance.second_pass import render
 from tests.enhance.pictures import DTYPES, as_type, vessels
 
 IMAGE = vessels(90, 140)
@@ -90,7 +91,6 @@ def test_moved_radius_measures_one_scale_and_takes_the_others_as_they_were(
     enhancer.show(IMAGE)
     enhancer.enhance()
     measured: list[list[bool]] = []
-    render = enhancer_module.render
     monkeypatch.setattr(
         enhancer_module, "render", lambda *args: measured.append(args[9].tolist()) or render(*args)
     )

@@ -17,36 +17,36 @@ from tests.enhance.pictures import as_type, vessels
 Float32 = NDArray[np.float32]
 
 
-@njit
+@njit()
 def exp2_of(x: Float32, out: Float32) -> None:
     for i in range(len(x)):
         out[i] = exp2(x[i])
 
 
-@njit
+@njit()
 def log2_of(x: Float32, out: Float32) -> None:
     for i in range(len(x)):
         out[i] = log2(x[i])
 
 
-@njit
+@njit()
 def brief_powers_of(x: Float32, out: Float32) -> None:
     for i in range(len(x)):
         out[i] = brief_exp2(x[i])
 
 
-@njit
+@njit()
 def brief_logarithms_of(x: Float32, out: Float32) -> None:
     for i in range(len(x)):
         out[i] = brief_log2(x[i])
 
 
-@njit
+@njit()
 def apart(pixels: NDArray[Any], planes: NDArray[Any]) -> None:
     deinterleave(pixels, planes)
 
 
-@njit
+@njit()
 def together(planes: NDArray[Any], pixels: NDArray[Any]) -> None:
     interleave(planes, pixels)
 

@@ -132,7 +132,7 @@ def test_the_backward_pass_is_the_slope_of_the_literal_colours(bands: int) -> No
 
     arrays = (value.astype(np.float32) for value in (means, harmonics))
     by_harmonics, by_means = np.full((9, bands, 3), np.nan, np.float32), np.ones((9, 3), np.float32)
-    harmonics_backward(*arrays, center, seen, by_colors.astype(np.float32), by_harmonics, by_means)
+    harmonics_backward(*arrays, center, seen, by_colors.astype(np.float32), by_harmonics, by_means)  # type: ignore[call-arg]
     assert (by_means[4] == 1).all()
     assert not by_harmonics[4].any()
     for index in np.ndindex(by_means.shape):
@@ -161,7 +161,7 @@ def test_a_picture_shows_what_its_camera_sees() -> None:
     functions = literal(rays / np.linalg.norm(rays, axis=1, keepdims=True), 15)
     colors = splats.colors + np.einsum("nb,nbc->nc", functions, splats.harmonics)
     fields = (splats.means, splats.quats, splats.scales, splats.opacities, colors)
-    want = rasterize_reference(*(torch.from_numpy(field) for field in fields), camera).image.numpy()
+    want = rasterize_reference(*(torch.from_numpy(field) for field in fields), camera).image.numpy()  # type: ignore[call-arg]
     got = render(splats, camera).image
     assert np.abs(got - want).mean() < 1e-5
     plain = render(Splats(*fields[:4], splats.colors), camera).image
@@ -180,7 +180,7 @@ def test_gradients_of_a_picture_agree_with_automatic_derivatives() -> None:
     functions = torch.stack([-c1 * y, c1 * z, -c1 * x, *second], dim=1)
     colors = tensors["colors"] + torch.einsum("nb,nbc->nc", functions, tensors["harmonics"])
     by_image = np.random.default_rng(8).normal(size=(40, 48, 3))
-    picture = rasterize_reference(*(tensors[n] for n in names[:4]), colors, camera)
+    picture = rasterize_reference(*(tensors[n] for n in names[:4]), colors, camera)  # type: ignore[call-arg]
     (picture.image * torch.from_numpy(by_image)).sum().backward()
 
     rasterizer = Rasterizer(48, 40)

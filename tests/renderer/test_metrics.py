@@ -47,7 +47,7 @@ def test_whole_numbers_are_on_no_known_scale():
     for measure in (psnr, psnr_masked, ssim):
         for pair in ((grey, np.uint8(255 * grey)), (np.uint8(255 * grey), grey)):
             with pytest.raises(ValueError, match=r"floats in \[0, 1\], got uint8"):
-                measure(*pair, everything)
+                measure(*pair, everything)  # type: ignore[call-arg]
 
 
 @pytest.mark.parametrize("rows", [1, 3, 7])

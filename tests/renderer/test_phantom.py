@@ -205,7 +205,7 @@ def distance_to_segment(points: np.ndarray, capsule: Capsule) -> np.ndarray:
 
 def test_rays_meet_capsules_first_where_they_touch():
     rng = np.random.default_rng(8)
-    capsules = [Capsule(*rng.uniform([-20, -20, 30], [20, 20, 60], (2, 3)), 3.0, 0.5) for _ in range(3)]
+    capsules = [Capsule(*rng.uniform([-20, -20, 30], [20, 20, 60], (2, 3)), 3.0, 0.5) for _ in range(3)]  # type: ignore[call-arg]
     directions = rng.normal([0, 0, 2], 0.7, (800, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     hits = hit_tools(np.zeros(3), directions, capsules)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numba
 import numpy as np
@@ -21,7 +22,7 @@ from tests.renderer.scenes import random_splats, turned_camera
 NAMES = ("means", "quats", "scales", "opacities", "colors")
 
 
-def tensors(splats: Splats, dtype: torch.dtype) -> list[Tensor]:
+def tensors(splats: Splats, dtype: torch.dtype) -> Any:
     return [torch.tensor(getattr(splats, name), dtype=dtype, requires_grad=True) for name in NAMES]
 
 

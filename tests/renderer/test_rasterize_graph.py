@@ -17,7 +17,7 @@ from renderer.splats import Splats  # noqa: E402
 CAMERA = Camera.from_fov(60, 64, 48)
 
 
-def splats() -> list[torch.Tensor]:
+def splats() -> list[Any]:
     return [
         torch.tensor([[0.3, 0.0, 5.0]]),
         torch.tensor([[1.0, 0.0, 0.0, 0.0]]),
@@ -87,4 +87,4 @@ def test_shapes_that_do_not_agree_are_refused(backend: Any) -> None:
         with pytest.raises(ValueError, match=r"shape|splats"):
             rasterize(*given, CAMERA, backend=backend)
     with pytest.raises(ValueError, match="background of three numbers"):
-        rasterize(*splats(), CAMERA, (0.5,), backend=backend)  # type: ignore[arg-type]
+        rasterize(*splats(), CAMERA, (0.5,), backend=backend)  # type: ignore[arg-type, call-arg]

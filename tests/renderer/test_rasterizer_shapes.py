@@ -48,7 +48,7 @@ def test_pictures_are_no_larger_than_the_planes() -> None:
 def test_gradients_by_a_picture_have_its_shape(image: Any, alpha: Any, depth: Any, said: str) -> None:
     by = [np.zeros(shape) for shape in (image, alpha, depth)]
     with pytest.raises(ValueError, match=said):
-        drawn().set_adjoint(*by, BLACK)
+        drawn().set_adjoint(*by, BLACK)  # type: ignore[call-arg]
 
 
 def test_tiles_and_splats_are_those_of_the_picture() -> None:

@@ -153,7 +153,7 @@ def test_what_may_not_be_read_is_passed_over(
         if path in denied:
             raise PermissionError(errno.EACCES, "Permission denied", str(path))
 
-    listed, of, read = Path.iterdir, Source.of, image_series.read_image
+    listed, of, read = Path.iterdir, Source.of, read_image
     monkeypatch.setattr(Path, "iterdir", lambda path: (asked(path), listed(path))[1])
     monkeypatch.setattr(Source, "of", lambda path: (asked(path), of(path))[1])
     monkeypatch.setattr(image_series, "read_image", lambda path: (asked(path), read(path))[1])

@@ -64,7 +64,7 @@ def test_tools_and_surround_do_not_count_when_tissue_alone_shall(clip: Clip) -> 
 
     def frame(index: int) -> Frame:
         every = np.ones(circle.shape, dtype=bool)
-        return Frame(index, 0.0, image, clip.cameras[0].fitted(*every.shape[::-1]), every, every)
+        return Frame(index, 0.0, image, clip.cameras[0].fitted(*every.shape[::-1]), every, every)  # type: ignore[call-arg]
 
     scope = replace(clip, read_frame=frame, read_image=lambda index: image)
     request = PictureRequest(scope, 0, EnhanceParams(), pixels="all")

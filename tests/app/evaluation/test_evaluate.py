@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.commands.evaluate import PAPER, compared
+from app.commands.evaluate import compared
 from app.evaluation.evaluate import Stopwatch, measure_frame, open_evaluation
+from app.report.paper_rows import PAPER
 from app.runs.processor import load_average
 from app.runs.run_folder import RunFolder
 from app.scenes.cpu_rendering import draw_on_cpu

@@ -17,7 +17,7 @@ import numpy as np
 from app.__main__ import main
 from app.exports.exporting import export
 from app.gui.actions import actions, comparing, edit_actions, second_actions, window_actions
-from app.gui.actions.export_actions import What
+from app.gui.state.exports import What
 from app.gui.work.saving_edits import SaveRequest, write_splats
 from app.gui.work.settings import Places
 from app.runs.run_edits import save_edits

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from imgui_bundle import portable_file_dialogs as desktop
 
 from app.gui.frame import dialogs
 from app.gui.frame.dialogs import has_desktop_dialogs
@@ -54,9 +55,9 @@ def test_the_desktop_s_dialog_is_asked_with_folder_and_kinds_and_remembered(
         FakeDesktop(str(folder / "mine")),
         FakeDesktop(""),
     )
-    monkeypatch.setattr(dialogs.desktop, "open_file", opens)
-    monkeypatch.setattr(dialogs.desktop, "save_file", saves)
-    monkeypatch.setattr(dialogs.desktop, "select_folder", nothing)
+    monkeypatch.setattr(desktop, "open_file", opens)
+    monkeypatch.setattr(desktop, "save_file", saves)
+    monkeypatch.setattr(desktop, "select_folder", nothing)
     chooser.ask("file", "file", folder.parent)
     ((title, start, filters),) = opens.asked
     assert (title, start) == ("Open a file", str(folder.parent))
@@ -76,8 +77,8 @@ def test_macos_gets_a_name_alone_and_folders_that_are_there(
 ) -> None:
     monkeypatch.setattr(sys, "platform", "darwin")
     folders, saves = FakeDesktop(""), FakeDesktop("")
-    monkeypatch.setattr(dialogs.desktop, "select_folder", folders)
-    monkeypatch.setattr(dialogs.desktop, "save_file", saves)
+    monkeypatch.setattr(desktop, "select_folder", folders)
+    monkeypatch.setattr(desktop, "save_file", saves)
     chooser.ask("folder", "export", tmp_path / "none" / "VesselSplat")
     chooser.ask("save", "session", tmp_path, "liver.vesselsplat")
     assert folders.asked == [("Choose a folder for exports", str(tmp_path))]

@@ -12,6 +12,7 @@ from app.gui.panels import scene_marks
 from app.gui.state.app_state import AppState
 from app.gui.state.view_words import view_tags
 from app.gui.style import theme
+from app.gui.style.labels import tag
 from app.gui.work.selecting import pick
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
@@ -47,11 +48,10 @@ def test_clicks_measure_and_drags_still_turn(
     assert opened.scene.viewer.measurement.length == pytest.approx(expected, rel=1e-3)
     assert "mm" in opened.scene.viewer.measurement.text("mm")
     labels: list[tuple[float, float]] = []
-    mark = scene_marks.tag
 
     def noted(text: str, position: ImVec2, color: ImVec4) -> float:
         labels.append((position.x, position.y))
-        return mark(text, position, color)
+        return tag(text, position, color)
 
     monkeypatch.setattr(scene_marks, "tag", noted)
     ui.frame(draw)

@@ -9,6 +9,8 @@ from imgui_bundle import imgui
 
 from app.gui import window
 from app.gui.actions import actions
+from app.gui.panels.compare import draw_compare
+from app.gui.panels.enhancement import draw_enhancement
 from app.gui.state.app_state import AppState
 from app.gui.update import update
 from app.gui.work.settings import Places, Settings
@@ -23,7 +25,6 @@ MOVED = [EnhanceParams(z=z) for z in (0.3, 0.4, 0.5)]
 def test_the_picture_of_a_moved_setting_is_in_the_same_frame(
     places: Places, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    draw_enhancement, draw_compare = window.draw_enhancement, window.draw_compare
     moves: list[tuple[object, int]] = []
     """A setting, and the frame in which it was chosen."""
     drawn: list[tuple[object, int]] = []

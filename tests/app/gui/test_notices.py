@@ -12,6 +12,7 @@ from PIL import Image
 from app.gui.actions import arriving, clip_actions, depth_actions
 from app.gui.panels import compare
 from app.gui.state.app_state import AppState
+from app.gui.style import widgets
 from app.gui.work.depths import DepthRequest
 from app.gui.work.opening import Opened, OpenRequest, open_path
 from renderer.clip import Clip
@@ -26,10 +27,10 @@ def test_they_stand_above_the_images_until_they_have_been_read(
     ui: Ui, state: AppState, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     texts: list[str] = []
-    note = compare.note
+    note = widgets.note
     monkeypatch.setattr(compare, "note", lambda text, *given: (texts.append(text), note(text, *given)))
     spots: list[tuple[float, float]] = []
-    press = compare.button
+    press = widgets.button
 
     def button(label: str, *given: object, **named: object) -> bool:
         pressed = press(label, *given, **named)  # type: ignore[arg-type]

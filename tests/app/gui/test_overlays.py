@@ -13,6 +13,7 @@ from app.gui.actions import actions
 from app.gui.commands.commands import sections
 from app.gui.panels import compare, overlays
 from app.gui.state.app_state import AppState
+from app.gui.style import widgets
 from tests.app.gui.conftest import outside
 from tests.app.gui.ui import (
     Draw,
@@ -115,7 +116,7 @@ def test_an_error_hides_no_control_of_the_images(
         tops.append(imgui.get_cursor_screen_pos().y)
         return original(label, *rest, **more)
 
-    original = compare.button
+    original = widgets.button
     monkeypatch.setattr(compare, "button", seen)
     shown = Shown()
 

@@ -13,7 +13,7 @@ from app.gui.actions import actions, presenting, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.frame import starting
 from app.gui.frame.window_shots import read_window
-from app.gui.panels import presentation
+from app.gui.panels import picture_pane, presentation
 from app.gui.panels.presentation import draw_presentation
 from app.gui.state.app_state import AppState
 from app.gui.style import labels, theme
@@ -191,7 +191,7 @@ def test_the_hint_lies_below_the_image_which_stays_where_it_is(
 ) -> None:
     tops: list[float] = []
     panes: list[Area] = []
-    tag, pane = presentation.tag, presentation.draw_pane
+    tag, pane = labels.tag, picture_pane.draw_pane
 
     def draw_pane(*given: Any, **more: Any) -> Any:
         panes.append(given[5])

@@ -16,6 +16,7 @@ from app.gui.panels import run_measures
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.run_measures import ROWS
 from app.gui.state.app_state import AppState
+from app.gui.style import widgets
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import OpenRequest, open_path
@@ -54,13 +55,13 @@ def opened(state: AppState, run_path: Path) -> AppState:
 def lines(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """What the panel says of the run's measures in the last frame."""
     said: list[str] = []
-    real = run_measures.muted
+    real = widgets.muted
 
     def muted(text: str) -> None:
         said.append(text)
         real(text)
 
-    cells = run_measures.cell
+    cells = widgets.cell
 
     def cell(text: str, color: ImVec4 | None = None, tooltip: str = "") -> None:
         said.append(text)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from imgui_bundle import imgui
+from imgui_bundle import portable_file_dialogs as desktop
 
 from app.gui.actions import browse_actions
 from app.gui.frame import dialogs
@@ -34,7 +35,7 @@ def test_a_name_completed_after_the_desktop_s_question_is_asked_about_again(
     wanted = tmp_path / "monday.vesselsplat"
     wanted.write_text("patient A")
     monkeypatch.setattr(dialogs, "has_desktop_dialogs", lambda: True)
-    monkeypatch.setattr(dialogs.desktop, "save_file", FakeDesktop(str(tmp_path / typed)))
+    monkeypatch.setattr(desktop, "save_file", FakeDesktop(str(tmp_path / typed)))
     chooser.ask("save", "session", tmp_path)
     if typed == wanted.name:  # The desktop has asked about this very name.
         assert chooser.chosen == [wanted]

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from imgui_bundle import immapp
 
 from app.files.provenance import read_provenance
 from app.gui import window
@@ -168,7 +169,7 @@ def test_a_window_that_a_signal_ends_gives_back_what_its_job_shares(
     state = AppState(places)
     shown = window.Window(state)
     state.runs.reconstruction.job = Job()  # type: ignore[assignment]
-    monkeypatch.setattr(window.immapp, "run", interrupted)
+    monkeypatch.setattr(immapp, "run", interrupted)
     with pytest.raises(KeyboardInterrupt):
         shown.run()
     assert closed == [True]

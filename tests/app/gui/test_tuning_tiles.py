@@ -13,7 +13,7 @@ from app.gui.panels import tuning as panel
 from app.gui.panels.tuning import draw_tuning
 from app.gui.state.app_state import AppState
 from app.gui.state.tags import Tag
-from app.gui.style import theme
+from app.gui.style import labels, theme
 from app.gui.update.channels import Channels
 from app.gui.work.thumbnails import shrunk
 from app.gui.work.tuning import TILE
@@ -46,7 +46,7 @@ def test_the_grid_says_which_frame_it_is_of(
     ui: Ui, state: AppState, channels: Channels, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     written: list[tuple[ImVec4, str]] = []
-    text, stack = imgui.text_colored, panel.stack_tags
+    text, stack = imgui.text_colored, labels.stack_tags
 
     def colored(color: ImVec4, said: str) -> None:
         written.append((color, said))

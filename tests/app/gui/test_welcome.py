@@ -23,6 +23,7 @@ from app.gui.panels.overlays import BANNER, draw_banner
 from app.gui.panels.welcome import SAMPLES, draw_welcome
 from app.gui.session_file import SUFFIX, Session, SessionSource, write_session
 from app.gui.state.app_state import AppState
+from app.gui.style import widgets
 from app.gui.style.widgets import end_of, shortened
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
@@ -224,7 +225,7 @@ def test_an_error_lies_above_the_title_and_all_is_in_the_middle(
         original(text, *rest)
         lines.append((imgui.get_item_rect_min(), imgui.get_item_rect_max()))
 
-    original = welcome.centered
+    original = widgets.centered
     monkeypatch.setattr(welcome, "centered", centered)
 
     def draw() -> None:

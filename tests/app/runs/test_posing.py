@@ -72,8 +72,8 @@ def test_a_run_resumes_with_the_poses_that_it_began_with(moving, tmp_path):
 
 def test_poses_can_be_refused_and_are_left_out_where_the_camera_is_fixed(moving, tmp_path):
     refused = replace(CONFIG, leave_out=("poses",))
-    events = list(run_training(TrainRequest(clip_path=moving, run_path=tmp_path / "refused", config=refused)))
-    assert any("poses are missing" in event.message for event in events if isinstance(event, Warned))
+    told = list(run_training(TrainRequest(clip_path=moving, run_path=tmp_path / "refused", config=refused)))
+    assert any("poses are missing" in event.message for event in told if isinstance(event, Warned))
     assert RunFolder(tmp_path / "refused").record().clip.poses is None
 
     write_phantom(tmp_path / "still", PhantomParams(n_frames=10, width=64, height=48))

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
+from datetime import datetime
 from pathlib import Path
 
 import pytest
 
-from app.files import provenance
 from tests.app.conftest import Cli
 
 
@@ -21,10 +21,10 @@ def passing_hours(monkeypatch: pytest.MonkeyPatch) -> None:
     began = time.time()
     hours = iter(range(10_000))
 
-    class Clock(provenance.datetime):  # type: ignore[misc,name-defined]
+    class Clock(datetime):
         @classmethod
-        def now(cls, tz: object = None) -> provenance.datetime:  # type: ignore[name-defined]
-            return provenance.datetime.fromtimestamp(began + 3600 * next(hours), tz)
+        def now(cls, tz: object = None) -> datetime:
+            return datetime.fromtimestamp(began + 3600 * next(hours), tz)
 
     monkeypatch.setattr("app.files.provenance.datetime", Clock)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -43,8 +44,8 @@ def test_too_little_memory_is_one_line_before_anything_is_read(
 def test_a_full_disk_is_told_before_training(
     clip_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    usage = memory.shutil.disk_usage(tmp_path)
-    monkeypatch.setattr(memory.shutil, "disk_usage", lambda path: usage._replace(free=1_000_000))
+    usage = shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(shutil, "disk_usage", lambda path: usage._replace(free=1_000_000))
     assert train(clip_path, tmp_path / "run") == 2
     assert "of free disk" in capsys.readouterr().err
 

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import cv2
 
+from app.enhancement.records import EnhancedVideo
 from app.errors import UserError
-from app.exports.records import EXPORT, EnhancedVideo, Export, MeasuresTable, PanesVideo, ViewVideo
+from app.exports.records import EXPORT, Export, MeasuresTable, PanesVideo, ViewVideo
 from app.exports.replay.again import replay
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance

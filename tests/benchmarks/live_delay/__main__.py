@@ -71,7 +71,7 @@ def main() -> None:
         " | on screen, frames/s, dropped, cores, MB"
     )
     for kind, size, rate, method in itertools.product(given.kinds, given.sizes, given.rates, given.methods):
-        trial = Trial(str(given.clip), kind, *size, rate, method, given.alone, given.seconds)
+        trial = Trial(str(given.clip), kind, *size, rate, method, given.alone, given.seconds)  # type: ignore[call-arg]
         print(row(trial, *measured(trial, given.screen, still=given.still)), flush=True)
 
 

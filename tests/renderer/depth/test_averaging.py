@@ -29,7 +29,7 @@ def test_beyond_it_is_the_same_within_a_percent(monkeypatch, width):
     blurred: list[tuple[int, ...]] = []
     blur = cv2.GaussianBlur
     monkeypatch.setattr(
-        averaging.cv2, "GaussianBlur", lambda image, *rest: blurred.append(image.shape) or blur(image, *rest)
+        cv2, "GaussianBlur", lambda image, *rest: blurred.append(image.shape) or blur(image, *rest)
     )
     shrunk = averaged(values, 0.05)
     assert blurred == [(round(values.shape[0] * 400 / width), 400)]

@@ -14,6 +14,7 @@ from renderer.draw.offscreen import render_offscreen
 from renderer.measuring.stability import PARTS, blending, learning, runs, stability
 from renderer.measuring.stability.blending import pictures
 from renderer.measuring.stability.row import Row, worst
+from renderer.rasterize.cpu import Rasterizer
 from renderer.train import guards, model
 from renderer.train.config import Method
 from renderer.train.trainer import TrainingError
@@ -121,14 +122,14 @@ def test_a_run_that_is_not_refused_fails(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_one_gradient_that_is_no_number_fails(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = blending.Rasterizer.backward
+    whole = Rasterizer.backward
 
     def broken(self: Any, splats: Any) -> Any:
         found = whole(self, splats)
         found.colors[0, 0] = np.nan
         return found
 
-    monkeypatch.setattr(blending.Rasterizer, "backward", broken)
+    monkeypatch.setattr(Rasterizer, "backward", broken)
     assert not any(row.passed for row in blending.gradients() if row.hazard == "gradients of (13)-(16)")
 
 

@@ -90,7 +90,7 @@ def encoded(image: np.ndarray, kind: str, **settings: Any) -> bytes:
 
 def lossless(image: np.ndarray, codec: str, form: str) -> bytes:
     """One frame as FFmpeg's encoder of that name makes it of pixels of that form."""
-    encoder = av.CodecContext.create(codec, "w")
+    encoder: Any = av.CodecContext.create(codec, "w")
     encoder.height, encoder.width, encoder.pix_fmt = *image.shape[:2], form
     encoder.time_base = Fraction(1, 25)
     frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(image), form)

@@ -17,6 +17,7 @@ from renderer.ply_elements import read_ply
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splat_files import SplatFile, SplatFileError, inria_ply, read_splats
 from renderer.splat_files.y_up import FLIPS
+from renderer.splats import RenderMode
 from tests.renderer.splat_files.files import NAMES, damaged, gaussians, packed_ply, ply, spz, word, zipped
 
 DATA = Path(__file__).resolve().parents[4] / "shared/data/ply"
@@ -52,7 +53,7 @@ def same(one: RawGaussians, other: RawGaussians, colors: float = 3e-7) -> None:
     st.integers(0, 99),
 )
 def test_what_is_written_comes_back(
-    tmp_path_factory: pytest.TempPathFactory, count: int, bands: int, mode: inria_ply.RenderMode, seed: int
+    tmp_path_factory: pytest.TempPathFactory, count: int, bands: int, mode: RenderMode, seed: int
 ) -> None:
     raw = gaussians(count, bands, seed)
     content = inria_ply.ply_bytes(raw, mode, ["made by\na test"])
