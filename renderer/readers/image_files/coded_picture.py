@@ -84,17 +84,18 @@ class CodedPicture(ImageFile.ImageFile):
         from renderer.readers.video_decoding.video_index import decoded, open_container, video_stream
         from renderer.readers.video_decoding.video_shape import lies_down
 
+        head = _head(self._path, BEFORE_PIXELS)
         with open_container(self._path) as container:
             stream = video_stream(container, self._path)
             self._size = stream.codec_context.width, stream.codec_context.height
             self.n_frames = max(stream.frames, 1)
-            if _may_lie_down(self._path):
+            if _may_lie_down(head):
                 first = next(decoded(container, stream), None)
                 if first is None:
                     raise ClipError(f"expected an intact image, got one that does not decode: {self._path}")
                 self._size = self._size[::-1] if lies_down(first) else self._size
         self._mode = "RGB"
-        if profile := _box(_head(self._path, BEFORE_PIXELS), COLORS):
+        if profile := _box(head, COLORS):
             self.info["icc_profile"] = profile
 
     def load(self) -> PixelAccess | None:
@@ -107,6 +108,6 @@ class CodedPicture(ImageFile.ImageFile):
         return access
 
 
-def _may_lie_down(path: Path) -> bool:
+def _may_lie_down(head: bytes) -> bool:
     """Decoding tells whether it does; of most files that is spared."""
-    return any(turn[0] & 1 for turn in QUARTERS.findall(_head(path, BEFORE_PIXELS)))
+    return any(turn[0] & 1 for turn in QUARTERS.findall(head))
