@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from app.gui.actions import queue_actions
 from app.gui.state.app_state import AppState
+from app.gui.state.run_words import KEEPS
 
 
 def at_stake(state: AppState) -> str:
@@ -49,9 +50,7 @@ def _run(state: AppState) -> str:
 
 
 def _kept_of_run(state: AppState) -> str:
-    begun = "The iterations that are done are kept: Continue resumes from there."
-    if not state.runs.reconstruction.iteration:
-        begun = "It has not done an iteration yet."
+    begun = KEEPS if state.runs.reconstruction.iteration else "It has not done an iteration yet."
     return f"{begun} {_kept_of_queue(state)}" if state.runs.queue else begun
 
 

@@ -16,7 +16,7 @@ from app.gui.panels.reconstruction_choices import draw_choices
 from app.gui.panels.run_measures import draw_run_measures
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Reconstruction
-from app.gui.state.run_words import COMPILING, doing, share_done
+from app.gui.state.run_words import COMPILING, KEEPS, doing, share_done
 from app.gui.style import theme
 from app.gui.style.widgets import (
     button,
@@ -34,7 +34,6 @@ from app.runs.wall_clock import in_all
 from app.scenes.view_kinds import SCENE_UNITS
 from renderer.train.events import Evaluated, Omission, Progress
 
-KEEPS = "The iterations that are done are kept: Continue resumes from there."
 CONTINUES = "From the last checkpoint."
 STARTS_OVER = "No checkpoint: starts over."
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."

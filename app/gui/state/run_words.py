@@ -17,6 +17,8 @@ STATUS: Final = {
 CANCELLING: Final = "Cancelling…"
 FIRST_STEP: Final = "Preparing the first iteration…"
 COMPILING: Final = "Compiling once…"
+KEEPS: Final = "The iterations that are done are kept: Continue resumes from there."
+"""Of a run that is cancelled."""
 LONG_STEP: Final = 5.0
 """Seconds after which a first step is known to compile: others take a fraction of one."""
 
