@@ -163,7 +163,8 @@ def _draw_thumbnail(state: AppState, name: str, textures: ShowsPictures) -> bool
     clicked = imgui.is_item_clicked()
     images = made.images if made is not None and made.request.pictures.original is pictures.original else {}
     waits = state.lacks(PAPER) or state.lacks(VESSEL)
-    draw_small(textures, f"preset {name}", images.get(name), area, PREPARING if waits else "")
+    image, instead, aspect = images.get(name), PREPARING if waits else "", state.picture.view.pixel_aspect
+    draw_small(textures, f"preset {name}", image, area, instead, pixel_aspect=aspect)
     return clicked
 
 

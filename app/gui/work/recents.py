@@ -18,7 +18,7 @@ from app.gui.work.opening import VIEW_SUFFIXES
 from app.gui.work.thumbnails import shrunk
 from app.runs.run_folder import RunFolder
 from app.sweeps.folder import is_sweep
-from renderer.clip import ByteImage, ClipError
+from renderer.clip import ByteImage, Clip, ClipError
 from renderer.readers.clip_options import DEFAULTS
 from renderer.readers.image_files.pictures import read_rgb
 from renderer.sources import open_case
@@ -96,7 +96,7 @@ def _key(path: Path) -> str | None:
 
 
 def _made(path: Path) -> ByteImage | None:
-    """The frame in the middle: of a clip, of the clip of a run, of the source of a session."""
+    """A frame of a clip, of the clip of a run, of the source of a session."""
     try:
         if path.suffix == SUFFIX:
             session = readable_session(path)
@@ -107,9 +107,16 @@ def _made(path: Path) -> ByteImage | None:
             record = run.record()
             path, options = Path(record.clip.path), record.clip.options
         clip = open_case(path, options)
-        return shrunk(clip.read_image(len(clip) // 2), SIDE, SIDE)
+        return shrunk(_readable(clip), SIDE, SIDE, clip.pixel_aspect)
     except TROUBLE:
         return None
+
+
+def _readable(clip: Clip) -> ByteImage:
+    """The frame in the middle; the first where that one is damaged. Raises ClipError: neither can be read."""
+    with suppress(ClipError):
+        return clip.read_image(len(clip) // 2)
+    return clip.read_image(0)
 
 
 def _kept(file: Path) -> ByteImage | None:

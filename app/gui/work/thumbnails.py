@@ -47,12 +47,14 @@ def make_thumbnails(request: ThumbnailsRequest) -> Iterator[Thumbnails]:
     yield Thumbnails(request, images)
 
 
-def shrunk(image: ByteImage, width: int, height: int) -> ByteImage:
-    """(h, w, 3): as large as it fits into so many pixels, and no larger than it is."""
-    scale = min(width / image.shape[1], height / image.shape[0])
-    if scale >= 1:
+def shrunk(image: ByteImage, width: int, height: int, pixel_aspect: float = 1.0) -> ByteImage:
+    """(h, w, 3): as large as it fits into so many pixels, and no larger than it is; its pixels, which are
+    `pixel_aspect` times as wide as high, become square."""
+    high, wide = image.shape[0], pixel_aspect * image.shape[1]
+    scale = min(width / wide, height / high, 1.0)
+    size = max(1, round(scale * wide)), max(1, round(scale * high))
+    if size == (image.shape[1], high):
         return image
-    size = max(1, round(scale * image.shape[1])), max(1, round(scale * image.shape[0]))
     return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 

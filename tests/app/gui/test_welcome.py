@@ -6,6 +6,7 @@ import shutil
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,7 @@ from app.gui.work.settings import Places, Settings
 from assets import phantom_path
 from tests.app.gui.test_window import Driver, wait
 from tests.app.gui.ui import Draw, Shown, Ui
+from tests.renderer.readers.numbered import encoded
 
 
 @pytest.fixture
@@ -58,6 +60,26 @@ def test_a_clip_has_a_small_image_that_is_kept(folder: Path, monkeypatch: pytest
     assert again is not None
     assert np.abs(again.astype(int) - image).mean() < 3
     assert [kept] == list(folder.glob("*.jpg"))
+
+
+def test_a_video_whose_pixels_are_not_square_has_an_image_in_its_shape(folder: Path, tmp_path: Path) -> None:
+    """As of a box that records PAL: 540x576 for 4:3."""
+    frames = [np.full((576, 540, 3), 90, np.uint8)] * 3
+    video = encoded(tmp_path / "pal.mp4", frames, aspect=Fraction(64, 45))
+    image = found(folder, video)[str(video)].image
+    assert image is not None
+    assert image.shape[:2] == (240, 320)
+
+
+def test_a_video_with_a_damaged_middle_has_an_image_of_its_beginning(folder: Path, tmp_path: Path) -> None:
+    video, parts = tmp_path / "changes.ts", []
+    for name, shape in (("a.ts", (48, 64, 3)), ("b.ts", (80, 96, 3))):
+        part = encoded(tmp_path / name, [np.full(shape, 90, np.uint8)] * 6)
+        parts.append(part.read_bytes())
+    video.write_bytes(b"".join(parts))
+    image = found(folder, video)[str(video)].image
+    assert image is not None
+    assert image.shape == (48, 64, 3)
 
 
 def test_a_clip_that_has_changed_gets_another_image(folder: Path, tmp_path: Path) -> None:
