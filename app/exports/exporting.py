@@ -207,11 +207,20 @@ def _made(request: ExportRequest, target: Path) -> Iterator[Step]:
         yield from map_steps(make(record.record(), request.sources, target), Step)
         return
     if isinstance(record, PanesRecord) and record.panes and clip is not None:
-        record = replace(record, source=Source.of(_kept(clip, request.folder)))
+        record = replace(record, source=_source(_kept(clip, request.folder)))
     if request.screen is not None and isinstance(record, PanesPicture):
         write_image(target, request.screen, record.signed, record.quality)
     else:
         yield from map_steps(make(record, request.sources, target), Step)
+
+
+def _source(path: Path) -> Source:
+    """Raises UserError: it was moved away, or its disk was unplugged, since it was opened."""
+    try:
+        return Source.of(path)
+    except FileNotFoundError as error:
+        wanted = "expected the clip where it was opened"
+        raise UserError(f"{wanted}, got no such file or folder: {path}") from error
 
 
 def _kept(clip: Clip, folder: Path) -> Path:

@@ -115,6 +115,7 @@ def test_a_clip_deleted_under_the_app(places: Places, own_clip: Path) -> None:
     assert mended_session(autosave_path(places.config))[0].notes == "gone at frame 8"
     app.save()
     app.turn()
+    assert app.trouble().startswith("the image was not saved: expected the clip where it was opened, got no ")
     (saved,) = places.pictures.glob("*.png")
     assert read_provenance(saved)["frame"]["index"] == 0
     actions.open_path(app.state, phantom_path())
