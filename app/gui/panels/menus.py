@@ -84,6 +84,7 @@ def _facts(state: AppState) -> list[str]:
     facts = []
     if (now := state.window.preparation) is not None:
         facts.append(worded(now))
+    facts += _behind_closed_panels(state)
     if state.opens:
         return [*facts, state.opens]
     if state.source.clip is not None:
@@ -99,6 +100,17 @@ def _facts(state: AppState) -> list[str]:
     elif state.scene.model is not None:
         took = f" in {_while(state.scene.view.milliseconds)}" if state.scene.view else ""
         facts.append(f"3D rendered on the CPU{took}")
+    return facts
+
+
+def _behind_closed_panels(state: AppState) -> list[str]:
+    """How far an export and a batch are that go on."""
+    facts, export, batches = [], state.exports.under_way, state.batches
+    if export is not None and not state.exports.shown:
+        facts.append(f"Export: {state.exports.pace.told(max(export.steps, 1))}")
+    if batches.under_way is not None and not batches.shown:
+        step = batches.progressed.step if batches.progressed is not None else None
+        facts.append(f"Files enhanced: {step.place} of {step.count}" if step else "Looking for images…")
     return facts
 
 

@@ -20,6 +20,7 @@ from app.gui.actions.export_offers import OFFERS
 from app.gui.commands.commands import sections
 from app.gui.commands.finding import find
 from app.gui.commands.keys import chord
+from app.gui.panels import menus
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
@@ -113,6 +114,17 @@ def test_closing_tells_of_a_run_a_batch_and_an_export_that_go_on_together(
         "start. Finished files are kept; the rest are not written. "
         "What the export has written so far is discarded."
     )
+
+
+def test_the_status_bar_tells_of_work_behind_closed_panels(run: Exporter, tmp_path: Path) -> None:
+    state, before = run.state, menus._facts(run.state)
+    export_actions.choose_what(state, "video of both panes")
+    export_actions.start(state)
+    state.batches.under_way = BatchRequest((), tmp_path, Setting("vessel", VesselParams()))
+    state.exports.shown = state.batches.shown = False
+    assert menus._facts(state) == ["Export: Preparing the first frame", "Looking for images…", *before]
+    state.exports.shown = state.batches.shown = True
+    assert menus._facts(state) == before
 
 
 def test_free_names(tmp_path: Path) -> None:
