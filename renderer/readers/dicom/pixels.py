@@ -143,7 +143,7 @@ def _require_fit(frame: bytes, path: Path, header: DicomHeader, index: int) -> N
         with Image.open(io.BytesIO(frame)) as picture:
             size = picture.size
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
-        wanted = f"expected an intact frame {index}, counted from 0"
+        wanted = f"expected an intact frame {index + 1} of {header.frames}"
         raise ClipError(f"{wanted}, got a damaged one: {path}") from error
     if size != header.size:
         raise ClipError(f"expected a frame of {width}x{height}, got {size[0]}x{size[1]}: {path}")

@@ -75,7 +75,7 @@ class OpenCvVideo:
                     ok, picture = self._capture.retrieve()
                     if ok:
                         return np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB), dtype=np.uint8)
-        raise ClipError(f"frame {index}, counted from 0, cannot be decoded: {self._path}")
+        raise ClipError(f"frame {index + 1} of {len(self)} cannot be decoded: {self._path}")
 
     def _step(self, index: int) -> bool:
         return 0 < index - self._at <= STEP_LIMIT

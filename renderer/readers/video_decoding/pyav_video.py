@@ -113,7 +113,7 @@ class PyAvVideo:
             if (frame.width, frame.height) != self._size:
                 (width, height), got = self._size, f"{frame.width}x{frame.height}"
                 wanted = f"expected frames of {width}x{height}, as the first one"
-                raise ClipError(f"{wanted}, got {got} in frame {index}, counted from 0: {self._path}")
+                raise ClipError(f"{wanted}, got {got} in frame {index + 1} of {len(self)}: {self._path}")
             if frame.interlaced_frame and self._deinterlacing != "off":
                 after = self._neighbour(number + 1)
                 frame = deinterlaced(before, frame, after, field=field if self._per_frame == 2 else None)
@@ -171,7 +171,8 @@ class PyAvVideo:
         for approach in (self._step, self._seek, self._seek_one_by_one, self._restart):
             if approach(number) and (frame := self._decode_until(number)) is not None:
                 return frame
-        raise ClipError(f"frame {number * self._per_frame}, counted from 0, cannot be decoded: {self._path}")
+        place = f"frame {number * self._per_frame + 1} of {len(self)}"
+        raise ClipError(f"{place} cannot be decoded: {self._path}")
 
     def _step(self, number: int) -> bool:
         return 0 < number - self._at <= STEP_LIMIT

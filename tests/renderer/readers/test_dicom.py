@@ -198,7 +198,7 @@ def test_what_cannot_be_read_is_one_line(tmp_path: Path) -> None:
         ),
         (
             compressed(with_pixels(labelled(VIDEO, JPEGBaseline8Bit), IMAGE), []),
-            "expected an intact frame 0, counted from 0, got a damaged one",
+            "expected an intact frame 1 of 1, got a damaged one",
         ),
         (video(b"nothing", (64, 48), 6, "40"), "got one whose video is damaged"),
     ):

@@ -89,7 +89,7 @@ def test_a_frame_of_another_size_is_refused_in_a_line(tmp_path):
     clip = open_video(path)
     assert clip.read_image(1).shape == (48, 64, 3)
     assert clip.notices == ("frames at the end are 96x80, not 64x48 as the first one, and cannot be read",)
-    wanted = "expected frames of 64x48, as the first one, got 96x80 in frame 4, counted from 0: "
+    wanted = "expected frames of 64x48, as the first one, got 96x80 in frame 5 of 8: "
     with pytest.raises(ClipError, match=wanted):
         clip.read_image(4)
 
