@@ -305,7 +305,10 @@ def _write(
     with filled(output) as staging:
         for image, record in pictures:
             # PNG holds no floats.
-            name = _free(staging, record.picture or "", ".tiff" if image.dtype.kind == "f" else ".png")
+            suffix = ".tiff" if image.dtype.kind == "f" else ".png"
+            if not written:  # What is taken by another program is told before all the work is done.
+                require_own(*(output / f"{name}{suffix}" for name in files))
+            name = _free(staging, record.picture or "", suffix)
             require_own(output / name)
             profile = profile_of(files[record.picture or ""], image)
             write_image(staging / name, image, record.signed, profile=profile)

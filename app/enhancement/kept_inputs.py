@@ -34,10 +34,11 @@ def require_other(outputs: Iterable[Path], inputs: set[Identity]) -> None:
             raise UserError(f"expected OUTPUT other than INPUT, which is never overwritten: {output}")
 
 
-def require_own(output: Path) -> None:
+def require_own(*outputs: Path) -> None:
     """Raises UserError: under a name that follows from that of an input, another program's file is there."""
-    if output.exists() and not is_ours(output):
-        raise UserError(f"expected no file there, or one of VesselSplat's, which is replaced: {output}")
+    for output in outputs:
+        if output.exists() and not is_ours(output):
+            raise UserError(f"expected no file there, or one of VesselSplat's, which is replaced: {output}")
 
 
 def identities(paths: Iterable[Path]) -> set[Identity]:

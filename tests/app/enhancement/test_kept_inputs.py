@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from app.enhancement.batch import enhance_batch, items_in
-from app.enhancement.enhance_files import Setting
+from app.enhancement.enhance_files import Setting, enhance_into
 from app.enhancement.kept_inputs import identities
 from app.errors import UserError
+from app.files.image_series import open_series
 from enhance import EnhanceParams
 from tests.app.conftest import Cli, tissue
 from tests.app.enhancement.test_batch import write_avi
@@ -85,6 +86,16 @@ def test_what_this_program_did_not_make_is_not_replaced_unasked(home: Path, vess
         assert vesselsplat("enhance", home / "a.avi", home / "p.jpg", home / "q.jpg", home).code == 0
         (home / "p.png.json").write_text('{"annotations": []}')
     assert vesselsplat("enhance", home / "q.jpg", home / "out/q.png").code == 0, "it is named"
+
+
+def test_a_name_that_is_taken_is_told_before_the_work(home: Path) -> None:
+    put(*(home / f"in/{name}.jpg" for name in "abc"), home / "out/c.png")
+    steps = enhance_into(home / "out", open_series(home / "in"), Setting("paper", EnhanceParams()))
+    made = []
+    with pytest.raises(UserError, match=r"expected no file there.*c\.png"):
+        made.extend(steps)
+    assert not any(made)
+    assert contents(home / "out").keys() == {home / "out/c.png"}
 
 
 def test_only_what_is_read_of_a_folder_is_kept(tmp_path: Path) -> None:
