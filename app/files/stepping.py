@@ -41,8 +41,8 @@ def run_to_end(work: Generator[object, None, Result]) -> Result:
 
 
 def ahead(items: Generator[Done, None, None]) -> Generator[Done, None, None]:
-    """The same items in the same order, made by a thread of their own up to DEPTH in advance, so that
-    reading, enhancing and writing a video overlap.
+    """The same items in the same order, all but the first made by a thread of their own up to DEPTH in
+    advance, so that reading, enhancing and writing a video overlap.
 
     What `items` raises is raised here, after the items before it. `items` is closed when it ends and when
     this generator is closed early.
@@ -52,12 +52,15 @@ def ahead(items: Generator[Done, None, None]) -> Generator[Done, None, None]:
         return tuple(islice(items, 1))
 
     with closing(items):
+        # In this thread: it may wait minutes for kernels to compile, which Ctrl+C ends in the main one alone.
+        item = one()
         thread = ThreadPoolExecutor(1)
         try:
             waiting = deque(thread.submit(one) for _ in range(DEPTH))
-            while item := waiting.popleft().result():
-                waiting.append(thread.submit(one))
+            while item:
                 yield item[0]
+                item = waiting.popleft().result()
+                waiting.append(thread.submit(one))
         finally:
             # Waits for the item that is being made; `items` cannot be closed before.
             thread.shutdown(cancel_futures=True)

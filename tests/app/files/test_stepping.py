@@ -66,6 +66,18 @@ def test_another_thread_works_in_advance_and_not_too_far() -> None:
     assert seen[-1] == -1
 
 
+def test_the_first_item_is_made_where_it_can_be_interrupted() -> None:
+    threads = []
+
+    def noted() -> Generator[None, None, None]:
+        for _ in range(3):
+            threads.append(threading.current_thread())
+            yield
+
+    assert len(list(ahead(noted()))) == 3
+    assert [one is threading.main_thread() for one in threads] == [True, False, False]
+
+
 def test_what_goes_wrong_comes_after_what_went_well() -> None:
     seen: list[int] = []
     items = ahead(numbers(5, seen, fail_at=3))
