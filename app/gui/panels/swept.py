@@ -10,6 +10,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
 from app.gui.actions import sweep_actions
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.tuning import draw_use
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import button, choose, em, muted
@@ -110,9 +111,7 @@ def _draw_job(state: AppState, textures: ShowsPictures, job: SweptJob) -> None:
         for name, value in list(job.values.items())[:TOLD]:
             muted(f"{in_words(name)} {plain(value, 4)}")
         if job.params is not None:
-            act = partial(sweep_actions.use_params, state, job)
-            text = "Enhance with these settings from now on. Ctrl+Z undoes it."
-            button("Use these settings###sweep use", act, text, color=theme.now().lit, width=11)
+            draw_use(partial(sweep_actions.use_params, state, job))
         if job.run is not None:
             act = partial(sweep_actions.open_run, state, job)
             button("Open the reconstruction###sweep run", act, "In place of what is shown.", width=12)

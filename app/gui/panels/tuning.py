@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -274,13 +275,17 @@ def in_words(measures: Measures) -> str:
     return f"{_contrast(measures)} · noise gain {noise} · {_ratio(measures)}"
 
 
+def draw_use(use: Callable[[], None]) -> None:
+    """A button that takes settings over."""
+    text = "Enhance with these settings from now on. Ctrl+Z undoes it."
+    button("Use these settings###use", use, text, color=theme.now().lit, width=11)
+
+
 def _draw_one(state: AppState, textures: ShowsPictures, setting: Setting) -> None:
     back = partial(tuning_actions.look_at, state, None)
     button(f"{icons.ICON_FA_TH}  All###back", back, "Esc: back to the grid.", width=6)
     imgui.same_line()
-    text = "Enhance with these settings from now on. Ctrl+Z undoes it."
-    use = partial(tuning_actions.use_setting, state, setting)
-    button("Use these settings###use", use, text, color=theme.now().lit, width=11)
+    draw_use(partial(tuning_actions.use_setting, state, setting))
     fit = f"{icons.ICON_FA_EXPAND}  Fit"
     beside(fit, 1)
     button(
