@@ -67,6 +67,16 @@ class Tones:
     """No surround is brighter, however noisy."""
 
 
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """Of what is lit in the small copy."""
+
+    corners: Points
+    """(N, 2), x and y, of its convex hull; none: it has no surround."""
+    is_convex: bool
+    """What is dark does not dent it."""
+
+
 def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     """The field of view of a picture; the whole picture where there is no surround, None where it is too dark
     to tell.
@@ -100,14 +110,16 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     if tones is None:
         return whole
     outline, threshold = _outline(low, tones.threshold), tones.threshold
-    if outline is None or len(outline) == 0:
+    if outline is None or len(outline.corners) == 0:
         return whole if outline is not None else None
-    shaded = _shaded(low, tones, outline)
+    shaded = _shaded(low, tones, outline.corners)
     if shaded is not None:
         outline, threshold = shaded, tones.least
     scale = np.array([width / low.shape[1], height / low.shape[0]])
-    rim = left_along_rays(pixels, (outline + 0.5) * scale, threshold, tones.most, factor)
-    return fitted(rim, whole)
+    rim = left_along_rays(pixels, (outline.corners + 0.5) * scale, threshold, tones.most, factor)
+    field = fitted(rim, whole)
+    # Where what is dark dents the outline, only a circle tells a lumen beside the rim from shade on tissue.
+    return field if outline.is_convex or field.circle is not None else whole
 
 
 def _small(pixels: AnyImage, factor: int) -> Levels:
@@ -188,16 +200,18 @@ def _ranked(counts: NDArray[np.int32], place: int) -> int:
     return value
 
 
-def _outline(low: Levels, threshold: float) -> Points | None:
-    """Corners of the convex field in the small copy; none: it has no surround. None: too dark to tell."""
+def _outline(low: Levels, threshold: float) -> Outline | None:
+    """Of what is brighter; None: too dark to tell."""
     _, lit = cv2.threshold(low, threshold, 1, cv2.THRESH_BINARY)
     count, labels = cv2.connectedComponents(cv2.morphologyEx(lit, cv2.MORPH_OPEN, SQUARE), connectivity=4)
     area, ends = _parts(np.asarray(labels, np.int32), count)
     if area == 0 or area < LEAST_FIELD * low.size:
         return None
     hull = cv2.convexHull(ends)
-    framed = _is_framed(low, np.asarray(lit), _filled(low, hull), threshold)
-    return hull[:, 0].astype(np.float64) if framed else np.empty((0, 2))
+    lit, field = np.asarray(lit), _filled(low, hull)
+    if not _is_framed(low, lit, field, threshold):
+        return Outline(np.empty((0, 2)), is_convex=True)
+    return Outline(hull[:, 0].astype(np.float64), _is_convex(lit, field))
 
 
 def _filled(low: Levels, hull: NDArray[Any]) -> Levels:
@@ -207,15 +221,15 @@ def _filled(low: Levels, hull: NDArray[Any]) -> Levels:
     return field
 
 
-def _shaded(low: Levels, tones: Tones, lit: Points) -> Points | None:
+def _shaded(low: Levels, tones: Tones, lit: Points) -> Outline | None:
     """The outline with tissue in the shade; None: there is none beyond the outline of what is lit."""
     dark, bright = (np.count_nonzero(low > level) for level in (tones.least, tones.threshold))
     if dark < (1 + LEAST_SHADED) * bright:
         return None
     outline = _outline(low, tones.least)
-    if outline is None or len(outline) == 0:
+    if outline is None or len(outline.corners) == 0 or not outline.is_convex:
         return None
-    field, before = (_filled(low, corners.astype(np.int32)) for corners in (outline, lit))
+    field, before = (_filled(low, corners.astype(np.int32)) for corners in (outline.corners, lit))
     if field.sum() < (1 + LEAST_SHADED) * before.sum():
         return None
     # Two pixels outside, where the outline has moved.
@@ -259,8 +273,11 @@ def _is_framed(low: Levels, lit: Levels, field: Levels, threshold: float) -> boo
     outside, dark, rim, sharp = _around(low, lit, field, threshold)
     if outside < LEAST_SURROUND * low.size or dark < LEAST_DARK * outside:
         return False
-    if rim == 0 or sharp < LEAST_SHARP * rim:
-        return False
+    return rim > 0 and sharp >= LEAST_SHARP * rim
+
+
+def _is_convex(lit: Levels, field: Levels) -> bool:
+    """Whether hardly any of what is dark and touches the border lies within the field."""
     # What is dark and touches the border, from a dark frame around it all.
     framed = cv2.copyMakeBorder(lit, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     cv2.floodFill(framed, None, (0, 0), 2)

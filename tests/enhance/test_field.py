@@ -110,6 +110,15 @@ def test_tissue_in_the_shade_is_field(name: str, level: float, blur: float) -> N
     assert_found(found(image.astype(np.uint8)).mask(), field)
 
 
+@pytest.mark.parametrize("name", ["circle", "beside the middle"])
+@pytest.mark.parametrize("black", [3, 18])
+def test_a_dark_lumen_beside_the_rim_is_field(name: str, black: float) -> None:
+    field = outline(name)
+    y, x = np.mgrid[:240, :320] + 0.5
+    image = seen_in(field & (np.hypot(x - 250, y - 120) > 60), black=black)
+    assert_found(found(image).mask(), field)
+
+
 @pytest.mark.parametrize("most", [15, 25, 33])
 @pytest.mark.parametrize("width", [8, 16, 40, 1000])
 def test_stray_light_on_one_side_is_none_of_the_field(most: float, width: float) -> None:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from enhance import Enhancer, LiveStatistics
@@ -26,6 +27,16 @@ def test_neither_flash_nor_dark_moment_moves_it() -> None:
     steady = [seen_in(ROUND, seed=seed) for seed in range(EVERY)]
     fields = followed(FieldTracker(), [*steady, flash, *steady, dark, dark, *steady])
     assert len(set(fields)) == 1
+
+
+def test_a_lumen_that_grows_dark_beside_the_rim_does_not_move_it() -> None:
+    y, x = np.mgrid[:240, :320] + 0.5
+    lumen = cv2.GaussianBlur((np.hypot(x - 230, y - 120) < 55).astype(np.float64), (0, 0), 3)[..., None]
+    images = list[AnyImage]()
+    for step in range(5 * EVERY):
+        dark = np.clip(step / (3 * EVERY), 0, 1) * lumen
+        images.append((seen_in(ROUND, seed=step) * (1 - dark) + 3 * dark).astype(np.uint8))
+    assert len(set(followed(FieldTracker(), images))) == 1
 
 
 def test_a_new_field_takes_its_place_within_two_looks() -> None:
