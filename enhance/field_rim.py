@@ -24,6 +24,13 @@ RUN, MOST_DARK = 5, 1
 """Of so many pixels in a row, at most so many are dark where the field begins: single ones are noise."""
 LEAST_ON_CIRCLE: Final = 0.7
 """Of the rays: with fewer the outline is no circle."""
+LEAST_ARC: Final = 0.4
+"""Of the rays: with so many on a circle the rest may be shade or an instrument beside its rim."""
+STRAIGHT: Final = 0.97
+"""From end to end of a rim by its length: with more it is one straight line."""
+MOST_SLANT: Final = 2.0
+"""Degrees of a straight rim from upright, level or half way between, as bars and octagons run; the edge of a
+shadow or drape runs anyhow."""
 CIRCLE_TOLERANCE: Final = 1.5
 """Pixels, or so many thousandths of the radius where that is more, that a point may lie off a circle."""
 BEYOND: Final = 4.0
@@ -204,20 +211,35 @@ def _move_beyond(point: Points, ends: Points, margin: float) -> None:
 
 
 def fitted(rim: Rim, whole: FieldOfView) -> FieldOfView:
-    """A circle where most points lie on one, else the convex hull of all, in the picture that is `whole`."""
-    free = rim.points[~rim.cropped]
+    """A circle where most points lie on one, else the convex hull of all, in the picture that is `whole`; all
+    of it where the hull ends in shade."""
+    free, arc = rim.points[~rim.cropped], 1.0
     if len(free) >= RAYS // 6:
         *circle, share = _circle(free)
         x, y, radius = (round(value, 2) for value in circle)
         across, down = (rim.points.max(axis=0) + rim.points.min(axis=0)) / 2
         # Points on a straight line lie on a circle, too: a large one, on either side.
         is_round = radius < max(whole.width, whole.height) and np.hypot(across - x, down - y) < radius
-        if share >= LEAST_ON_CIRCLE and is_round:
+        arc = share if is_round else 0.0
+        if arc >= LEAST_ON_CIRCLE:
             return FieldOfView(whole.width, whole.height, circle=(x, y, radius))
     hull = cv2.convexHull(rim.points.astype(np.float32))
     corners = cv2.approxPolyDP(hull, 0.7, closed=True)[:, 0]
+    if arc < LEAST_ARC and _is_shade(corners, whole):
+        return whole
     polygon = tuple((round(float(x), 1), round(float(y), 1)) for x, y in corners)
     return FieldOfView(whole.width, whole.height, polygon=polygon)
+
+
+def _is_shade(corners: NDArray[np.float32], whole: FieldOfView) -> bool:
+    """Whether the rim of a polygon, (N, 2) corners, is one straight line that runs as no frame does."""
+    outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
+    within = ~(outside & np.roll(outside, -1, axis=0)).any(axis=1)
+    sides = (np.roll(corners, -1, axis=0) - corners)[within]
+    across, down = sides.sum(axis=0)
+    slant = np.degrees(np.arctan2(down, across)) % 45
+    is_straight = np.hypot(across, down) > STRAIGHT * np.hypot(sides[:, 0], sides[:, 1]).sum()
+    return bool(is_straight and min(slant, 45 - slant) > MOST_SLANT)
 
 
 @njit(cache=True, error_model="numpy")

@@ -119,6 +119,24 @@ def test_a_dark_lumen_beside_the_rim_is_field(name: str, black: float) -> None:
     assert_found(found(image).mask(), field)
 
 
+@pytest.mark.parametrize("tilt", [-0.3, 0.2, 0.6, 3.0])
+@pytest.mark.parametrize("blur", [0.8, 4])
+def test_a_dark_half_with_a_slanting_edge_is_field(tilt: float, blur: float) -> None:
+    """Such as the shadow of an instrument, or a drape."""
+    y, x = np.mgrid[:240, :320] + 0.5
+    lit = cv2.GaussianBlur((x + tilt * (y - 120) > 150).astype(np.float64), (0, 0), blur)
+    noise = np.random.default_rng(0).normal(0, 1, (240, 320))
+    assert found((5 + lit * 160 + noise).astype(np.uint8)).is_whole
+
+
+@pytest.mark.parametrize("name", ["left", "top", "diagonal", "half an octagon"])
+def test_bars_and_octagons_that_reach_out_of_the_picture_are_surround(name: str) -> None:
+    y, x = np.mgrid[:240, :320] + 0.5
+    half = (x > 60) & (x - np.abs(y - 120) > -10)
+    field = {"left": x > 80, "top": y > 60, "diagonal": x + y > 220, "half an octagon": half}[name]
+    assert agreement(found(seen_in(field)).mask(), field) > 0.98
+
+
 @pytest.mark.parametrize("most", [15, 25, 33])
 @pytest.mark.parametrize("width", [8, 16, 40, 1000])
 def test_stray_light_on_one_side_is_none_of_the_field(most: float, width: float) -> None:
