@@ -68,6 +68,8 @@ SWEEP_TEXT = (
 SIZE_STEP = 1.25
 LEAST_TILE = 6.0
 """Em across, unless made smaller."""
+WORDS = 5
+"""Lines below a tile, as far as they can be told before."""
 
 
 def draw_tuning(state: AppState, textures: ShowsPictures) -> None:
@@ -178,7 +180,7 @@ def _draw_size(state: AppState) -> None:
         button(f"{label}##size", resize, text, enabled=enabled, width=1.8)
         imgui.same_line(0, em(0.2))
     button(f"{100 * size:.0f} %###whole size", partial(tuning_actions.resize_tiles, state, 1.0),
-           "All columns in sight.", width=4)  # fmt: skip
+           "All columns and whole images in sight.", width=4)  # fmt: skip
 
 
 def _why(metric: str) -> str:
@@ -193,22 +195,31 @@ def _draw_tiles(state: AppState, textures: ShowsPictures) -> None:
     """The original stays in sight at the left while the others are scrolled."""
     tuning, gap = state.tuning, em(0.5)
     assert tuning.grid is not None
-    fitting = tuning.grid.columns if not tuning.sort else max(3, min(tuning.grid.columns, 6))
-    room = imgui.get_content_region_avail().x - imgui.get_style().scrollbar_size - gap * fitting
-    width = tuning.size * max(room / (fitting + 1), em(LEAST_TILE))
-    across, down = tuning.grid.picture.clip.size
-    size = ImVec2(width, width * down / (across * state.picture.view.pixel_aspect))
+    size = _tile_size(state, gap)
     with imgui_ctx.begin_group():
         _draw_original(state, textures, size)
     imgui.same_line(0, gap)
     with imgui_ctx.begin_child("tiles", ImVec2(0, 0), FLAT, imgui.WindowFlags_.horizontal_scrollbar):
-        whole = int((imgui.get_content_region_avail().x + gap) / (width + gap))
+        whole = int((imgui.get_content_region_avail().x + gap) / (size.x + gap))
         laid_out.place_tiles(state, max(whole, 1) if tuning.sort else tuning.grid.columns)
         for place, setting in enumerate(tuning.in_order):
             if place % tuning.columns:
                 imgui.same_line(0, gap)
             with imgui_ctx.begin_group():
                 _draw_tile(state, textures, setting, size)
+
+
+def _tile_size(state: AppState, gap: float) -> ImVec2:
+    """With which all columns and, below an upright frame, its words are in sight."""
+    tuning = state.tuning
+    assert tuning.grid is not None
+    fitting = tuning.grid.columns if not tuning.sort else max(3, min(tuning.grid.columns, 6))
+    room, (across, down) = imgui.get_content_region_avail(), tuning.grid.picture.clip.size
+    wide = (room.x - imgui.get_style().scrollbar_size - gap * fitting) / (fitting + 1)
+    upright = down / (across * state.picture.view.pixel_aspect)
+    high = room.y - WORDS * imgui.get_text_line_height_with_spacing()
+    width = tuning.size * max(min(wide, high / upright), em(LEAST_TILE))
+    return ImVec2(width, width * upright)
 
 
 def _draw_original(state: AppState, textures: ShowsPictures, size: ImVec2) -> None:

@@ -15,6 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.tags import Tag
 from app.gui.style import labels, theme
 from app.gui.update.channels import Channels
+from app.gui.views.picture_view import PictureView
 from app.gui.work.thumbnails import shrunk
 from app.gui.work.tuning import TILE
 from tests.app.gui.test_tuning import finish, turn
@@ -74,3 +75,21 @@ def test_the_grid_says_which_frame_it_is_of(
     for _ in range(2):
         turn(state, channels)
     assert frames() == [(theme.TAG_CAUTION, "Frame 2 / 6: not the one on screen")]
+
+
+def test_upright_frames_and_what_is_below_them_are_in_sight(
+    ui: Ui, state: AppState, channels: Channels
+) -> None:
+    """As of a phone held upright: the panel itself has nothing to scroll."""
+    state.picture.view = PictureView(pixel_aspect=0.2)
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    below: list[float] = []
+
+    def draw() -> None:
+        draw_tuning(state, Shown())
+        below.append(imgui.get_scroll_max_y())
+
+    for _ in range(3):
+        ui.frame(draw)
+    assert below[-1] == 0
