@@ -44,9 +44,7 @@ def parameters(kind: type[T], flags: argparse.Namespace, spelled: Mapping[str, s
         UserError: a value that the dataclass refuses; the line names the flag.
     """
     known = _fields(kind)
-    given = {
-        name: _value(text, known[name].annotation) for name, text in vars(flags).items() if name in known
-    }
+    given = {name: meant(kind, name, text) for name, text in vars(flags).items() if name in known}
     try:
         return kind(**given)
     except ValidationError as error:
@@ -100,9 +98,10 @@ def _fields(kind: Any) -> dict[str, FieldInfo]:
     return fields
 
 
-def _value(given: Any, hint: Any) -> Any:
-    """The text given, ready for the dataclass: `auto` is None, one number of several may stand alone."""
-    parts = _alternatives(hint)
+def meant(kind: type[Any], name: str, given: Any) -> Any:
+    """The value given for a field, ready for the dataclass: `auto` is None where the field takes that, one
+    number of several may stand alone."""
+    parts = _alternatives(_fields(kind)[name].annotation)
     if given in (AUTO, [AUTO]) and type(None) in parts:
         return None
     alone = isinstance(given, list) and len(given) == 1 and float in parts

@@ -8,7 +8,7 @@ from typing import Any, Final, Literal
 
 from pydantic import ValidationError
 
-from app.console.flags import AUTO, problem, shortened
+from app.console.flags import AUTO, meant, problem, shortened
 from app.enhancement.methods import METHODS, PAPER, VESSEL, EnhancementSettings, Params
 from app.enhancement.settable import PIXELS, Pixels
 from app.errors import UserError
@@ -140,7 +140,7 @@ def _require_known(given: Mapping[str, Any], known: set[str], of: str) -> None:
 
 def _made(kind: Any, given: Mapping[str, Any]) -> Any:
     try:
-        return kind(**{name: None if value == AUTO else _several(value) for name, value in given.items()})
+        return kind(**{name: _several(meant(kind, name, value)) for name, value in given.items()})
     except ValidationError as error:
         raise UserError(problem(error)) from error
 

@@ -54,6 +54,15 @@ def test_settings_may_be_written_as_their_flags_are() -> None:
         assert [one.told()["n_gaussians"] for one in all_settings(asked)] == [8000, 8000, 30000, 30000]
 
 
+def test_automatic_is_what_every_setting_is_without_it() -> None:
+    for task, names in (
+        ("train", ("depth", "stereo", "bottom_rows", "window_frames")),
+        ("enhance", ("z", "p")),
+    ):
+        settings = dict.fromkeys(names, "auto")
+        assert all_settings(spec(task=task, settings=settings)) == all_settings(spec(task=task))
+
+
 def test_combinations_that_say_the_same_are_one_job() -> None:
     assert len(all_settings(spec(grid={"z": ["auto", 0.5, 0.5]}))) == 2
 
