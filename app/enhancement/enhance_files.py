@@ -224,7 +224,7 @@ def enhance_frame_into(
     if not 0 <= index < len(series):
         raise UserError(f"expected one of {len(series)} frames, got {index}")
     pooled = yield from pooled_statistics(series, setting)
-    record = _record(series, index, Source.of(series.sources[index]), setting, pooled)
+    record = record_of(series, index, Source.of(series.sources[index]), setting, pooled)
     try:
         image, made = enhanced(record, series.read(index), MethodEnhancer())
     except ImageError as error:
@@ -232,7 +232,7 @@ def enhance_frame_into(
     return write_enhanced_still(output, image, made, series.sources)
 
 
-def _record(
+def record_of(
     series: Series, index: int, source: Source, setting: Setting, pooled: Statistics | None
 ) -> EnhancedPicture:
     """What is to be made of a picture."""
@@ -256,7 +256,7 @@ def _enhanced(series: Series, images: Stream, setting: Setting, pooled: Statisti
     try:
         for index, image in images:
             # Of a file that cannot be read there is no digest either.
-            record = _record(series, index, origin_of(series.sources[index]), setting, pooled)
+            record = record_of(series, index, origin_of(series.sources[index]), setting, pooled)
             try:
                 made = enhanced(record, image, enhancer)
             except (ImageError, UserError) as error:

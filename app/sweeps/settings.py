@@ -10,18 +10,19 @@ from pydantic import ValidationError
 
 from app.console.flags import AUTO, meant, problem, shortened
 from app.enhancement.methods import METHODS, PAPER, VESSEL, EnhancementSettings, Params
-from app.enhancement.settable import PIXELS, Pixels
+from app.enhancement.settable import PIXELS, SCOPES, Pixels, Scope
 from app.errors import UserError
 from app.exports.records import LEAST_FACES, MOST_COARSE, MOST_FINE
 from app.files.provenance import plain
 from app.runs.train_run import PRESETS
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
-from renderer.readers.clip_options import ClipOptions
+from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.surface.fineness import VERTICES
 from renderer.train.config import TrainConfig
 
 TaskName = Literal["enhance", "train", "mesh"]
+READ: Final = ("deinterlacing", "stereo")
 PARAMS: Final[Mapping[str, type[EnhancementSettings]]] = {PAPER: EnhanceParams, VESSEL: VesselParams}
 
 
@@ -32,10 +33,15 @@ class Enhancing:
     method: str
     params: Params
     pixels: Pixels
+    statistics: Scope = SCOPES[0]
+    options: ClipOptions = DEFAULTS
+    """How videos are read: READ of them."""
 
     def told(self) -> dict[str, Any]:
         """Every setting by its name, as JSON has it."""
-        return {"method": self.method, "pixels": self.pixels} | (plain(self.params) if self.params else {})
+        read = {name: getattr(self.options, name) for name in READ}
+        own = {"method": self.method, "pixels": self.pixels, "statistics": self.statistics} | read
+        return own | (plain(self.params) if self.params else {})
 
 
 @dataclass(frozen=True)
@@ -101,10 +107,12 @@ def _whole(name: str, value: object, least: int, most: int) -> int:
 def _enhancing(given: dict[str, Any]) -> Enhancing:
     method = _chosen("method", given.pop("method", PAPER), METHODS)
     pixels = _chosen("pixels", given.pop("pixels", PIXELS[0]), PIXELS)
+    statistics = _chosen("statistics", given.pop("statistics", SCOPES[0]), SCOPES)
+    options = _made(ClipOptions, {name: given.pop(name) for name in READ if name in given})
     kind = PARAMS.get(method)
     known = {field.name for field in fields(kind)} if kind else set()
-    _require_known(given, {*known, "method", "pixels"}, f"method {method}")
-    return Enhancing(method, _made(kind, given) if kind else None, pixels)
+    _require_known(given, {*known, "method", "pixels", "statistics", *READ}, f"method {method}")
+    return Enhancing(method, _made(kind, given) if kind else None, pixels, statistics, options)
 
 
 def _training(given: dict[str, Any]) -> Training:

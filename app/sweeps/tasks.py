@@ -6,10 +6,9 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from app.enhancement.enhance_files import Setting, enhanced, pooled_statistics
+from app.enhancement.enhance_files import Setting, enhanced, pooled_statistics, record_of
 from app.enhancement.measures import METRICS, Measures, Original
 from app.enhancement.methods import MethodEnhancer, load_kernels
-from app.enhancement.records import EnhancedPicture
 from app.evaluation.evaluate import Evaluation, open_evaluation
 from app.evaluation.mean import mean_of_finite
 from app.files.atomic import filled
@@ -59,8 +58,8 @@ def render_again(folder: Path) -> None:
 
 def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Numbers:
     """Means over evenly spread images; the middle one is written."""
-    series = open_series(clip)
-    setting = Setting(wanted.method, wanted.params, pixels=wanted.pixels)
+    series = open_series(clip, wanted.options)
+    setting = Setting(wanted.method, wanted.params, wanted.statistics, wanted.pixels, wanted.options)
     pooled = run_to_end(pooled_statistics(series, setting))
     indices = series.spread(frames)
     kept, enhancer, found = indices[len(indices) // 2], MethodEnhancer(), list[Measures]()
@@ -68,15 +67,7 @@ def _enhance(wanted: Enhancing, frames: int, clip: Path, folder: Path) -> Number
         image = series.read(index)
         if index == indices[0] and wanted.params is not None:
             load_kernels(wanted.params, image)
-        record = EnhancedPicture(
-            source=Source.of(series.sources[index]),
-            picture=series.names[index],
-            frame=series.frame(index),
-            method=wanted.method,
-            params=wanted.params,
-            pixels=wanted.pixels if wanted.params else "all",
-            statistics=pooled,
-        )
+        record = record_of(series, index, Source.of(series.sources[index]), setting, pooled)
         began = perf_counter()
         result, record = enhanced(record, image, enhancer)
         milliseconds = 1000 * (perf_counter() - began)

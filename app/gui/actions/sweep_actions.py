@@ -28,9 +28,9 @@ def take_image(state: AppState, job: SweptJob, answer: SweptImage | Failure) -> 
 
 
 def use_params(state: AppState, job: SweptJob) -> None:
-    """Enhance by the job's settings from now on; one step of undo. Jobs choose no scope of statistics."""
+    """Enhance by the job's settings from now on; one step of undo."""
     assert job.params is not None
-    actions.use_look(state, job.params, "automatic", job.pixels, job.setting)
+    actions.use_look(state, job.params, job.scope, job.pixels, job.setting)
 
 
 def open_run(state: AppState, job: SweptJob) -> None:

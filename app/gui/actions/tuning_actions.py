@@ -80,7 +80,8 @@ def save_sweep(state: AppState) -> None:
     if clip is None or not wanted:
         return
     path = state.export_folder / f"{clip.path.stem}-sweep-{stamp()}.toml"
-    fixed = Enhancing(preset_of(chosen.params), chosen.params, chosen.pixels)
+    method, params = preset_of(chosen.params), chosen.params
+    fixed = Enhancing(method, params, chosen.pixels, chosen.scope, state.source.options)
     text = spec_text(clip.path.absolute(), fixed, {one.name: one.values for one in axes})
     request = WriteRequest(
         path, text.encode(errors="surrogateescape"), "the sweep was not saved", announced=True

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.enhancement.methods import EnhancementSettings
-from app.enhancement.settable import Pixels
+from app.enhancement.settable import Pixels, Scope
 from app.errors import UserError
 from app.files.image_files import read_image
 from app.report.section import is_number
@@ -47,6 +47,7 @@ class SweptJob:
     """Measures, seconds, and varied settings that are numbers."""
     params: EnhancementSettings | None
     """To enhance by; None of trainings, and of methods without settings."""
+    scope: Scope
     pixels: Pixels
     """Of their statistics."""
     folder: Path
@@ -114,6 +115,7 @@ def _job(summary: Summary, row: Row, folder: Path, order: Sequence[str]) -> Swep
         series=drawn_as(setting),
         values={name: float(value) for name, value in values.items() if is_number(value)},
         params=enhancing.params if enhancing else None,
+        scope=enhancing.statistics if enhancing else "automatic",
         pixels=enhancing.pixels if enhancing else "automatic",
         folder=place.path,
         run=run if RunFolder(run).is_finished else None,

@@ -17,6 +17,7 @@ from app.sweeps.settings import Enhancing
 from app.sweeps.spec import all_settings, read_spec
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from renderer.readers.clip_options import ClipOptions
 from tests.app.conftest import Cli
 
 CHOICES = {
@@ -35,6 +36,8 @@ def test_the_saved_sweep_runs_with_the_values_of_the_grid(
     write_png(state.source.clip.path / "0.png", state.source.clip.read_image(0), {})
     state.settings = replace(state.settings, folders={"export": str(state.places.pictures / 'of "A" $B')})
     actions.set_params(state, look)
+    state.enhancement.scope = "clip"
+    state.source.options = ClipOptions(stereo="off", deinterlacing="field")
     state.tuning.choices = CHOICES[type(look)]
     tuning_actions.save_sweep(state)
     (request,) = (wish for wish in state.window.wishes if isinstance(wish, WriteRequest))
@@ -44,6 +47,9 @@ def test_the_saved_sweep_runs_with_the_values_of_the_grid(
     tuning_actions.start_grid(state)
     assert state.tuning.grid is not None
     asked = all_settings(read_spec(path))
+    assert {(one.statistics, one.options) for one in asked if isinstance(one, Enhancing)} == {
+        ("clip", state.source.options)
+    }
     assert {one.params for one in asked if isinstance(one, Enhancing)} == {
         setting.params for setting in state.tuning.grid.settings
     }
