@@ -24,31 +24,8 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
         actions.say(state, f"opened {path.name}")
         return
     again, before, making = _is_same_clip(state, opened), state.source.clip, state.masking.making
-    if not goes_on(state, opened):
-        state.session.path, state.session.discarded, state.session.is_unsaved = None, None, False
-    state.source.opening = None
-    # A session of notes alone has no source.
-    state.source.path = opened.path if opened.session is not None else opened.path or path
-    state.source.asked = True
-    if opened.clip is None or state.source.clip is None or opened.clip.path != state.source.clip.path:
-        state.scene.cameras = CameraList()
-    state.source.clip, state.source.options, state.picture.pictures = opened.clip, opened.options, None
-    state.source.content = opened.content
-    state.source.bare, state.source.depth_ways = opened.bare, None
-    state.source.notices = opened.to_be_read
-    state.source.depth_wish = _kept_depth(state, opened)
-    state.picture.measured = None
-    state.timeline.playing, state.timeline.frozen_index = False, None
-    if not again:
-        state.picture.view = PictureView(pixel_aspect=opened.clip.pixel_aspect if opened.clip else 1.0)
-        state.scene.linked, state.scene.own_time, state.timeline.frame_index = True, 0.0, 0
-    state.tuning = state.tuning.renewed()
-    state.comparing.chosen = state.comparing.chosen.renewed()
-    state.comparing.others, state.comparing.difference = {}, None
-    state.timeline.strip, state.picture.left_out, state.picture.mask_tool = None, None, ""
-    state.masking, state.source.tool_masks = Masking(radius=state.masking.radius), None
-    said = state.source.known.get(str(opened.clip.path), UNKNOWN) if opened.clip is not None else UNKNOWN
-    state.source.part = opened.run.record.clip.part if opened.run is not None else said.part
+    _take_source(state, path, opened)
+    _look_anew(state, opened, again=again)
     if not state.runs.reconstruction.is_alive:
         _show_run(state, opened, again=again)
     actions.rebase(state, [step.params for step in state.enhancement.past])
@@ -69,6 +46,38 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     if not opened.in_passing and path.parent != state.places.config:
         state.settings = state.settings.opened(path)
         actions.save_settings(state)
+
+
+def _take_source(state: AppState, path: Path, opened: Opened) -> None:
+    """What is open, how it was read, and what is known of it."""
+    source, clip = state.source, opened.clip
+    if not goes_on(state, opened):
+        state.session.path, state.session.discarded, state.session.is_unsaved = None, None, False
+    if clip is None or source.clip is None or clip.path != source.clip.path:
+        state.scene.cameras = CameraList()
+    source.opening, source.asked = None, True
+    # A session of notes alone has no source.
+    source.path = opened.path if opened.session is not None else opened.path or path
+    source.clip, source.options, source.content = clip, opened.options, opened.content
+    source.bare, source.depth_ways = opened.bare, None
+    source.notices, source.depth_wish = opened.to_be_read, _kept_depth(state, opened)
+    source.tool_masks = None
+    said = source.known.get(str(clip.path), UNKNOWN) if clip is not None else UNKNOWN
+    source.part = opened.run.record.clip.part if opened.run is not None else said.part
+
+
+def _look_anew(state: AppState, opened: Opened, *, again: bool) -> None:
+    """Nothing is left of what was made for the clip before; `again`: what one looks at stays."""
+    state.picture.pictures, state.picture.measured = None, None
+    state.picture.left_out, state.picture.mask_tool = None, ""
+    state.timeline.playing, state.timeline.frozen_index, state.timeline.strip = False, None, None
+    if not again:
+        state.picture.view = PictureView(pixel_aspect=opened.clip.pixel_aspect if opened.clip else 1.0)
+        state.scene.linked, state.scene.own_time, state.timeline.frame_index = True, 0.0, 0
+    state.tuning = state.tuning.renewed()
+    state.comparing.chosen = state.comparing.chosen.renewed()
+    state.comparing.others, state.comparing.difference = {}, None
+    state.masking = Masking(radius=state.masking.radius)
 
 
 def show_without_run(state: AppState, clip: Clip) -> None:
