@@ -325,28 +325,32 @@ def answer(state: AppState, reply: str) -> None:
 
 def take_written(state: AppState, request: SessionRequest, answer: Path | Failure) -> None:
     """Say how it went; the same trouble with saving in passing is told once."""
-    go = None
-    if not request.in_passing:
-        go, state.session.after_saving = state.session.after_saving, None
-    if isinstance(answer, Path):
-        if request.in_passing:
-            state.session.autosave_trouble = ""
-        else:
-            state.session.saved_case = request.session.case
-            if answer == state.session.path:
-                state.session.saved, state.session.is_unsaved = request.session.substance, False
-            actions.announce(state, f"saved {answer.name} in {located(answer.parent)}")
-            state.settings = state.settings.opened(answer)
-            actions.save_settings(state)
-            if go is not None:
-                go()
-    elif not request.in_passing:
+    if request.in_passing:
+        _autosaved(state, answer)
+        return
+    go, state.session.after_saving = state.session.after_saving, None
+    if isinstance(answer, Failure):
         actions.fail(state, f"the session was not saved: {answer.message}")
-    else:
-        state.session.autosaved = None
-        if state.session.autosave_trouble != answer.message:
-            state.session.autosave_trouble = answer.message
-            actions.fail(state, f"the session cannot be autosaved: {answer.message}")
+        return
+    state.session.saved_case = request.session.case
+    if answer == state.session.path:
+        state.session.saved, state.session.is_unsaved = request.session.substance, False
+    actions.announce(state, f"saved {answer.name} in {located(answer.parent)}")
+    state.settings = state.settings.opened(answer)
+    actions.save_settings(state)
+    if go is not None:
+        go()
+
+
+def _autosaved(state: AppState, answer: Path | Failure) -> None:
+    kept = state.session
+    if not isinstance(answer, Failure):
+        kept.autosave_trouble = ""
+        return
+    kept.autosaved = None
+    if kept.autosave_trouble != answer.message:
+        kept.autosave_trouble = answer.message
+        actions.fail(state, f"the session cannot be autosaved: {answer.message}")
 
 
 def hides_model(state: AppState, opened: Opened) -> bool:
