@@ -98,19 +98,18 @@ def draw_masking(state: AppState) -> None:
     if reason := clip_actions.why_no_clip(state):
         muted(reason)
         return
-    masking = state.masking
-    _draw_tools(state, masking)
-    _draw_frame(state, masking)
+    _draw_tools(state)
+    _draw_frame(state)
     imgui.separator_text("All frames")
-    _draw_by_hand(state, masking)
-    _draw_making(state, masking)
+    _draw_by_hand(state)
+    _draw_making(state)
     imgui.spacing()
     ends = (
         (
             "Show in folder",
             masking_actions.reveal,
             "The masks as images: white is tool.",
-            _has_any(masking),
+            _has_any(state.masking),
         ),
         ("Done", masking_actions.toggle, "Esc: stop masking. Masks stay with the clip.", True),
     )
@@ -122,7 +121,8 @@ def _has_any(masking: Masking) -> bool:
     return masking.there is not None and bool(masking.there.origins)
 
 
-def _draw_tools(state: AppState, masking: Masking) -> None:
+def _draw_tools(state: AppState) -> None:
+    masking = state.masking
     for (tool, text), width in in_line(tuple(TOOL_TEXTS.items()), 0.25):
         choose = partial(masking_actions.choose_tool, state, tool)
         toggle(f"{capital(tool)}###mask {tool}", choose, text, on=tool == masking.tool, width=width)
@@ -141,9 +141,9 @@ def _draw_tools(state: AppState, masking: Masking) -> None:
         masking_actions.choose_radius(state, radius / across)
 
 
-def _draw_frame(state: AppState, masking: Masking) -> None:
+def _draw_frame(state: AppState) -> None:
     """What the mask of this frame is, and what can be done with it as a whole."""
-    shown = masking.shown
+    masking, shown = state.masking, state.masking.shown
     if shown is None:
         muted("Looking for tools in this frame…")
     else:
@@ -170,8 +170,8 @@ def _said(shown: FrameMask) -> str:
     return f"{share}: {ORIGINS[shown.origin]}"
 
 
-def _draw_by_hand(state: AppState, masking: Masking) -> None:
-    there = masking.there
+def _draw_by_hand(state: AppState) -> None:
+    there = state.masking.there
     frames = () if there is None else there.frames(BY_HAND)
     if not frames:
         given = 0 if there is None else len(there.frames(FROM_FOLDER))
@@ -193,8 +193,8 @@ def _draw_frames(state: AppState, name: str, frames: Sequence[int]) -> None:
         button(f"{label}###{name} {index}", go, "Go to this frame.", small=True)
 
 
-def _draw_making(state: AppState, masking: Masking) -> None:
-    report, count = masking.report, state.moments
+def _draw_making(state: AppState) -> None:
+    masking, report, count = state.masking, state.masking.report, state.moments
     if masking.making is not None:
         done = 0 if report is None else report.done
         said = f"{done} of {count}" if done else "learning…"
@@ -218,7 +218,7 @@ def _draw_making(state: AppState, masking: Masking) -> None:
     )
     for (label, act, text, reason), width in in_line(others):
         button(f"{label}###masks {label}", partial(act, state), text, reason=reason, width=width)
-    _draw_network(state, masking, wrong)
+    _draw_network(state, wrong)
     if report is not None and report.done:
         _draw_report(state, report)
 
@@ -239,10 +239,11 @@ def _draw_report(state: AppState, report: MaskReport) -> None:
         _draw_frames(state, "weak", report.weak[:MOST_LISTED])
 
 
-def _draw_network(state: AppState, masking: Masking, wrong: str) -> None:
+def _draw_network(state: AppState, wrong: str) -> None:
     """What the network of a user takes and gives."""
     if not imgui.tree_node("Network settings###network"):
         return
+    masking = state.masking
     values = choose_row("Pixel values", masking.network_values, VALUE_NAMES, VALUES_TEXT)
     masking_actions.choose_network_values(state, values)
     row("Tool classes", CLASSES_TEXT)
