@@ -151,7 +151,7 @@ def _draw_one(
     if mode != "difference" or state.enhancement.peeking:
         difference = None
     if difference is not None:
-        shown = difference_pane(state, pictures, difference)
+        shown = difference_pane(left, right, difference)
     pointer = draw_pane(state, textures, "single", shown, (left, right), area, covered=covered)
     laid_out.point(state, pointer)
     if difference is not None:

@@ -235,18 +235,13 @@ def difference_request(state: AppState) -> DifferenceRequest | None:
     return DifferenceRequest(left, right, state.source.clip) if left.shape == right.shape else None
 
 
-def difference_pane(state: AppState, pictures: Pictures, difference: Difference) -> Pane:
+def difference_pane(left: Pane, right: Pane, difference: Difference) -> Pane:
     """The heat map, with both names; its colours, of a scale, are neither clipped nor tinted."""
-    sides = [pane(state, pictures, side) for side in SIDES]
-    names = " − ".join(side.tags[0].text for side in sides)
+    names = f"{left.tags[0].text} − {right.tags[0].text}"
     said = Tag(f"largest of R, G, B · mean {difference.mean:.1f} grey levels")
-    stale = difference.request != difference_request(state) or any(side.stale for side in sides)
-    others = [tag for tag in cautions(sides[1].tags[1:]) if tag != TINTED]
-    return Pane(
-        difference.heat,
-        (Tag(f"DIFFERENCE · {names}", "caution"), said, *others),
-        stale,
-    )
+    stale = left.stale or right.stale or difference.request != DifferenceRequest(left.image, right.image)
+    others = [tag for tag in cautions(right.tags[1:]) if tag != TINTED]
+    return Pane(difference.heat, (Tag(f"DIFFERENCE · {names}", "caution"), said, *others), stale)
 
 
 @dataclass(frozen=True)

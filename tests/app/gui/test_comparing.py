@@ -20,10 +20,10 @@ from app.gui.actions import actions, clip_actions, comparing, history_actions
 from app.gui.drawing.viewport import Viewport
 from app.gui.frame.second_content import SecondContent
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import difference_pane, other_request, pane, pixel, shown_mode, tinted, why_not
+from app.gui.state.panes import Pane, difference_pane, other_request, pane, pixel, shown_mode, tinted, why_not
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
-from app.gui.views.comparison import Comparison
+from app.gui.views.comparison import SIDES, Comparison
 from app.gui.work.background import Channel
 from app.scenes.scene import Scene
 from enhance import EnhanceParams, enhance, measure
@@ -268,11 +268,16 @@ def test_the_difference_is_of_the_two_panes(state: AppState, channels: Channels)
     assert pictures.enhanced is not None
     apart = np.abs(pictures.original.astype(int) - pictures.enhanced).max(axis=2)
     assert difference.mean == pytest.approx(apart.mean())
-    shown = difference_pane(state, pictures, difference)
+
+    def pane_now() -> Pane:
+        left, right = (pane(state, pictures, side) for side in SIDES)
+        return difference_pane(left, right, difference)
+
+    shown = pane_now()
     assert not shown.stale
     assert "ORIGINAL − ENHANCED" in shown.tags[0].text
     actions.set_params(state, EnhanceParams(z=0.0))
-    assert difference_pane(state, pictures, difference).stale
+    assert pane_now().stale
 
 
 def test_stripes_and_tint_are_on_both_windows_and_on_no_heat_map(
@@ -298,7 +303,8 @@ def test_stripes_and_tint_are_on_both_windows_and_on_no_heat_map(
     assert shown.images["single"] is state.comparing.difference.heat
     assert shown.marks["single"] == (False, None)
     assert state.picture.pictures is not None
-    tags = difference_pane(state, state.picture.pictures, state.comparing.difference).tags
+    left, right = (pane(state, state.picture.pictures, side) for side in SIDES)
+    tags = difference_pane(left, right, state.comparing.difference).tags
     assert not any("TINTED" in tag.text for tag in tags)
 
 
