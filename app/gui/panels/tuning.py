@@ -110,8 +110,8 @@ def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
         return
     if not name:
         return
-    explain(amount(kind, name).text)
     shown = amount(kind, name)
+    explain(shown.text)
     first = _draw_end(f"from##{place}", choice.first, shown)
     last = _draw_end(f"to##{place}", choice.last, shown)
     _before("in", em(6))
