@@ -59,36 +59,31 @@ def announce(state: AppState, sentence: str) -> None:
 
 def acknowledge(state: AppState) -> None:
     """The first-start notice has been read."""
-    state.settings = replace(state.settings, acknowledged=True)
-    save_settings(state)
+    use_settings(state, replace(state.settings, acknowledged=True))
 
 
 def choose_theme(state: AppState, theme: Theme) -> None:
-    state.settings = replace(state.settings, theme=theme)
-    save_settings(state)
+    use_settings(state, replace(state.settings, theme=theme))
 
 
 def choose_background(state: AppState, name: BackgroundName) -> None:
     """Of reconstructions, where nothing was observed."""
-    state.settings = replace(state.settings, background=name)
-    save_settings(state)
+    use_settings(state, replace(state.settings, background=name))
 
 
 def resize_text(state: AppState, steps: int) -> None:
     """Larger or smaller by so many steps; 0 for the size as it is at first."""
-    state.settings = state.settings.resized(steps) if steps else replace(state.settings, text_percent=100)
-    save_settings(state)
+    use_settings(state, state.settings.resized(steps) if steps else replace(state.settings, text_percent=100))
 
 
 def remember_recent(state: AppState, remember: bool) -> None:
-    state.settings = state.settings.remembering(remember)
-    save_settings(state)
+    use_settings(state, state.settings.remembering(remember))
 
 
-def save_settings(state: AppState) -> None:
-    """For the next start."""
-    state.window.wishes += (KeepSettings(state.places.settings_file, state.settings, state.saved_settings),)
-    state.saved_settings = state.settings
+def use_settings(state: AppState, settings: Settings) -> None:
+    """From now on, and at the next start."""
+    state.window.wishes += (KeepSettings(state.places.settings_file, settings, state.saved_settings),)
+    state.settings = state.saved_settings = settings
 
 
 def take_settings(state: AppState, request: KeepSettings, kept: Settings) -> None:
@@ -351,14 +346,17 @@ def rebase(state: AppState, looks: Iterable[EnhancementSettings]) -> None:
 def reset_params(state: AppState) -> None:
     """All that is set of the enhancement, but for the method."""
     chosen = state.enhancement
-    chosen.params, chosen.scope, chosen.pixels = type(chosen.params)(), "automatic", "automatic"
+    chosen.params, chosen.scope, chosen.pixels = _defaults(state)
 
 
 def can_reset(state: AppState) -> bool:
     """Something is not at its default."""
     chosen = state.enhancement
-    default = (type(chosen.params)(), "automatic", "automatic")
-    return (chosen.params, chosen.scope, chosen.pixels) != default
+    return (chosen.params, chosen.scope, chosen.pixels) != _defaults(state)
+
+
+def _defaults(state: AppState) -> tuple[EnhancementSettings, Scope, Pixels]:
+    return type(state.enhancement.params)(), "automatic", "automatic"
 
 
 def toggle_enhancement(state: AppState) -> None:

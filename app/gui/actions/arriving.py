@@ -44,8 +44,7 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     masking_actions.tell_interrupted(state, making)
     # What a crash left is this process's own from now on: nothing to open another time.
     if not opened.in_passing and path.parent != state.places.config:
-        state.settings = state.settings.opened(path)
-        actions.save_settings(state)
+        actions.use_settings(state, state.settings.opened(path))
 
 
 def _take_source(state: AppState, path: Path, opened: Opened) -> None:

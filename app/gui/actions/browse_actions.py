@@ -155,8 +155,7 @@ def chosen(state: AppState, choosing: Choosing, path: Path) -> None:
     """A person has chosen it, in this dialog or the desktop's: where that was is remembered."""
     folder = path if choosing.question.keeps_itself else path.parent
     state.window.folders = {**state.window.folders, choosing.purpose: folder}
-    state.settings = state.settings.visited(choosing.purpose, folder)
-    actions.save_settings(state)
+    actions.use_settings(state, state.settings.visited(choosing.purpose, folder))
     choosing.then(path)
 
 

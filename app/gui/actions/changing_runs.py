@@ -100,8 +100,7 @@ def take_changed(state: AppState, request: ChangeRequest, answer: Path | Failure
     gone = f"deleted {name}" if request.for_good else f"moved {name} to the bin"
     now = f"the run {name} is now called {legible(answer.name)}" if answer is not None else gone
     actions.announce(state, now)
-    state.settings = state.settings.moved(request.path, answer)
-    actions.save_settings(state)
+    actions.use_settings(state, state.settings.moved(request.path, answer))
     second = state.scene.second.model
     if second is not None and second.path == request.path:
         second_actions.close_second(state)

@@ -38,5 +38,4 @@ def remember(state: AppState) -> None:
     if (second := state.second_window).shown and second.place is not None:
         settings = replace(settings, second_place=second.place, second_full_screen=second.full_screen)
     if settings != state.settings:
-        state.settings = settings
-        actions.save_settings(state)
+        actions.use_settings(state, settings)

@@ -336,8 +336,7 @@ def take_written(state: AppState, request: SessionRequest, answer: Path | Failur
     if answer == state.session.path:
         state.session.saved, state.session.is_unsaved = request.session.substance, False
     actions.announce(state, f"saved {answer.name} in {located(answer.parent)}")
-    state.settings = state.settings.opened(answer)
-    actions.save_settings(state)
+    actions.use_settings(state, state.settings.opened(answer))
     if go is not None:
         go()
 

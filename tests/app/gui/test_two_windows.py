@@ -29,8 +29,7 @@ def windows(places: Places) -> tuple[AppState, AppState]:
 
 
 def opens(state: AppState, path: str) -> None:
-    state.settings = state.settings.opened(Path(path)).visited("file", Path(path).parent)
-    actions.save_settings(state)
+    actions.use_settings(state, state.settings.opened(Path(path)).visited("file", Path(path).parent))
     keep_all(state)
 
 
@@ -123,10 +122,8 @@ def test_changes_are_kept_that_come_before_an_answer(
     state = windows[0]
     actions.choose_theme(state, "light")
     actions.choose_theme(state, "dark")
-    state.settings = state.settings.opened(Path("/a"))
-    actions.save_settings(state)
-    state.settings = state.settings.moved(Path("/a"), None)
-    actions.save_settings(state)
+    actions.use_settings(state, state.settings.opened(Path("/a")))
+    actions.use_settings(state, state.settings.moved(Path("/a"), None))
     keep_all(state)
     assert load_settings(places.settings_file) == state.settings == state.saved_settings
     assert (state.settings.theme, state.settings.recent) == ("dark", ("/old",))
