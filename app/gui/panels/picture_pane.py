@@ -8,6 +8,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.frame_enhancer import PictureRequest
 from app.gui.actions import clip_actions, comparing, laid_out, picture_actions, presenting
+from app.gui.actions.picture_actions import Seen
 from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
 from app.gui.panels.masking import draw_brush, follow_brush
 from app.gui.state.app_state import AppState
@@ -128,11 +129,9 @@ def _placement(state: AppState, image: ByteImage, area: Area) -> Placement:
 
 def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
     """Wheel zooms at the pointer, drag moves, a double click fits: on either pane, for both."""
-    io, picture, pane = imgui.get_io(), (image.shape[1], image.shape[0]), area.inside
+    picture, pane = (image.shape[1], image.shape[0]), area.inside
     if imgui.is_item_hovered():
-        imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
-        if io.mouse_wheel != 0:
-            picture_actions.zoom(state.picture, WHEEL_STEP**io.mouse_wheel, area.mouse(), picture, pane)
+        zoom_by_wheel(state.picture, picture, area)
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left) and not state.masking.active:
             picture_actions.fit(state.picture)
             return
@@ -146,7 +145,14 @@ def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
         if by.x or by.y:
             picture_actions.pan(state.picture, (by.x, by.y), picture, pane)
     zoom = state.picture.view.place(picture, pane).zoom
-    laid_out.size_picture(state, io.display_framebuffer_scale.x * zoom)
+    laid_out.size_picture(state, imgui.get_io().display_framebuffer_scale.x * zoom)
+
+
+def zoom_by_wheel(seen: Seen, picture: tuple[int, int], area: Area) -> None:
+    """At the pointer, which is on the item before."""
+    imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
+    if wheel := imgui.get_io().mouse_wheel:
+        picture_actions.zoom(seen, WHEEL_STEP**wheel, area.mouse(), picture, area.inside)
 
 
 def _draw_mask(state: AppState, image: ByteImage, area: Area) -> None:

@@ -19,7 +19,7 @@ from app.gui.actions import laid_out, picture_actions, tuning_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.enhancement_measured import measure_text
 from app.gui.panels.overlays import make_room
-from app.gui.panels.picture_pane import WHEEL_STEP, draw_part, frame_text
+from app.gui.panels.picture_pane import draw_part, frame_text, zoom_by_wheel
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.state.tags import Tag
@@ -347,12 +347,8 @@ def _draw_half(
 
 def _look_around(state: AppState, picture: tuple[int, int], area: Area) -> None:
     """Wheel zooms at the pointer, drag moves, a double click fits: on either half, for both."""
-    io = imgui.get_io()
     if imgui.is_item_hovered():
-        imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
-        if io.mouse_wheel:
-            factor = WHEEL_STEP**io.mouse_wheel
-            picture_actions.zoom(state.tuning, factor, area.mouse(), picture, area.inside)
+        zoom_by_wheel(state.tuning, picture, area)
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left):
             picture_actions.fit(state.tuning)
     by = dragged()
