@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from dataclasses import replace
 from functools import partial
+from typing import Final
 
 from app.runs.dark_surround import lit_part
 from app.runs.posing import Posed, through_found
@@ -22,6 +23,12 @@ from renderer.train.events import Preparing
 FOLLOWING, PLACING = "following features", "finding camera and shape from motion"
 DOUBTFUL = 0.05
 """Share of a point's depth by which it may be off before that is said. On a sinus 3 %, on a fetoscopy 7 %."""
+UNBENT: Final = (
+    "the lens is treated as free of distortion: where it bends straight lines, shapes along the view and the "
+    "path of the camera may be off by some percent, and a field of view that is estimated by more "
+    "(--calibration undistorts the images)"
+)
+"""As tests/benchmarks/lens_distortion.py measures it."""
 DIGITS = 2
 """Of positions in run.json, in scene units of which the tissue is a hundred away."""
 
@@ -38,7 +45,8 @@ def structured(
     if "poses" in config.leave_out:
         raise ClipError(f"expected poses to be found for depth from motion, got them left out: {clip.path}")
     moves = yield from told_meanwhile("checking for camera motion", lambda _: camera_motion(clip))
-    is_known = not is_seen_by_assumption(clip) or options.field_of_view is not None
+    is_assumed = is_seen_by_assumption(clip)
+    is_known = not is_assumed or options.field_of_view is not None
     features = yield from told_meanwhile(FOLLOWING, lambda tell: followed_features(lit_part(clip), tell))
     place = partial(structure_of, clip, features, focal_is_known=is_known)
     try:
@@ -54,6 +62,7 @@ def structured(
         *through.notices,
         *_doubts(found, moves),
         *(() if is_known else (_focal(clip.cameras[0], found),)),
+        *((UNBENT,) if is_assumed else ()),
     )
     return replace(
         through,

@@ -23,6 +23,7 @@ from renderer.clip import Clip, ClipError
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.poses.from_motion import FoundStructure, followed_features, structure_of
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.lenses.calibration import Calibration, LensCalibration
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, Warned
@@ -129,6 +130,17 @@ def test_a_field_of_view_that_is_stated_is_kept_whatever_it_is(
     assert stated.clip.cameras[0].fx == clip.cameras[0].fx != assumed.clip.cameras[0].fx
     assert not any("field of view is estimated" in said for said in stated.notices)
     assert any("field of view is estimated" in said for said in assumed.notices)
+    assert structuring.UNBENT in stated.notices
+    assert structuring.UNBENT in assumed.notices
+
+
+def test_of_a_lens_that_is_known_no_guess_is_said(images: Path, finding: Callable[..., None]) -> None:
+    lens = LensCalibration(fx=140, fy=140, cx=79.5, cy=63.5, distortion=(-0.1, 0, 0, 0))
+    options = replace(MOTION, calibration=Calibration(lens=lens))
+    finding()
+    notices = told(open_clip(images, options), options).notices
+    assert structuring.UNBENT not in notices
+    assert not any("field of view" in said for said in notices)
 
 
 def test_uncertain_distances_are_said(images: Path, tmp_path: Path, finding: Callable[..., None]) -> None:
