@@ -215,6 +215,24 @@ def test_a_turn_through_a_lens_that_is_wider_than_its_guess_is_no_path(degrees):
         focused(LENS, [seen], FocalGuess(LENS.fx, FOCAL_SPREAD), lambda *each: None)
 
 
+def bent(places, k1):
+    """Places (N, 2) in px as a lens shows them that bends straight lines, by OpenCV's model."""
+    slants = (places - (LENS.cx, LENS.cy)) / LENS.fx
+    return places + k1 * (slants**2).sum(axis=1, keepdims=True) * slants * LENS.fx
+
+
+@pytest.mark.parametrize(("k1", "off"), [(-0.1, 0.03), (-0.3, 0.1)])
+def test_a_lens_that_bends_straight_lines_leaves_most_of_the_path(k1, off):
+    """Although nothing is known of it."""
+    truth = path(24)
+    seen = followed(truth)
+    sights = tuple(replace(each, places=bent(each.places, k1)) for each in seen.sights)
+    guess, tell = FocalGuess(LENS.fx, FOCAL_SPREAD), lambda *each: None
+    done = focused(LENS, [replace(seen, sights=sights)], guess, tell).done
+    assert len(done.views) == 24
+    np.testing.assert_allclose(shape_of([view.pose for view in done.views]), shape_of(truth), atol=off)
+
+
 def test_a_field_of_view_that_is_known_is_not_sought():
     wide = Camera.from_fov(70, 320, 256)
     done = focused(LENS, [followed(path(24), lens=wide)], None, lambda *each: None).done
