@@ -13,6 +13,7 @@ from app.gui.style import fonts
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.update.wishes import thumbnails_wish
+from app.gui.views.picture_view import PictureView
 from app.gui.work.presets import BUILT_IN
 from app.gui.work.thumbnails import SIDE, ThumbnailsRequest, make_thumbnails, smaller
 from enhance import EnhanceParams, VesselParams, enhance
@@ -90,6 +91,20 @@ def test_names_with_hashes_are_shown_whole(ui: Ui, opened: AppState, monkeypatch
     ui.drag(draw, (300, 20), (300, 20))
     ui.frame(draw)
     assert len(shown) == 1 + len(BUILT_IN) + len(names)
+
+
+def test_they_have_the_shape_of_the_frame_on_screen(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where pixels are not square, as of a box that records PAL."""
+    shapes: set[float] = set()
+    monkeypatch.setattr(
+        "app.gui.panels.enhancement.draw_small", lambda *_, **how: shapes.update(how.values())
+    )
+    opened.picture.view = PictureView(pixel_aspect=1.5)
+    for _ in range(2):
+        ui.drag(lambda: draw_presets(opened, Shown()), (300, 20), (300, 20))
+    assert shapes == {1.5}
 
 
 @pytest.mark.parametrize("aside", [0.0, 120.0], ids=["picture", "name"])
