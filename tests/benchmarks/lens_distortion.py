@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from renderer.camera import Camera, FloatArray
+from renderer.camera import BoolArray, Camera, FloatArray
 from renderer.phantom import Phantom
 from renderer.poses.bundle import Bundle, FocalGuess, adjusted, misfit
 from renderer.poses.from_motion import FOCAL_SPREAD, Solved, focused
@@ -82,7 +82,7 @@ def footage(scene: Phantom, lens: Camera, k1: float, frames: int, seed: int) -> 
     )
 
 
-def bent(lens: Camera, places: FloatArray, k1: float) -> tuple[FloatArray, FloatArray]:
+def bent(lens: Camera, places: FloatArray, k1: float) -> tuple[FloatArray, BoolArray]:
     """(N, 2) px of points (N, 3) in camera axes, and (N,) whether they are in view."""
     slants = places[:, :2] / places[:, 2:]
     squares = (slants**2).sum(axis=1)
