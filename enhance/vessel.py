@@ -1,22 +1,24 @@
-"""The preset `vessel`: the paper's brightness and detail, gentle colour, and more of what looks like blood.
+"""The preset `vessel`: the paper's brightness, gentle colour, and more of what looks like blood.
 
 An own method beside the paper's, which stays the default. Its claim is visibility only: it darkens and
-reddens narrow dark structures as more blood would, whether or not they are vessels.
+reddens narrow dark structures as more blood would, whether or not they are vessels. Local detail (Eqs 7-10)
+stays as it is: strengthened, it shows noise by more than vessels.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass as plain_dataclass
+from dataclasses import replace
 from typing import Annotated, Final
 
 import numpy as np
 from annotated_types import Interval, Unit
+from numpy.typing import NDArray
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
 from enhance import vessel_curves
-from enhance.brightness import z_from_level
-from enhance.guided_filter import Grids, WindowModels, window
+from enhance.brightness import level, z_from_level
 from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DFactor, EnhanceParams
 from enhance.pixel_block import BINS
@@ -24,9 +26,8 @@ from enhance.result import EnhanceResult
 from enhance.rows import sums_of
 from enhance.saturation import pull
 from enhance.shown import Pixels, Shown
-from enhance.statistics import LiveStatistics, Statistics, require_classes
+from enhance.statistics import LiveStatistics, Statistics, from_sums, require_classes
 from enhance.stream import Stream
-from enhance.survey import LIKELY_SIGMA, Moments, Survey, statistics_of
 from enhance.vessel_density import background, blood_density, middle_density
 from enhance.vessel_first_pass import SUBSAMPLE, TASK, first_pass
 from enhance.vessel_second_pass import second_pass
@@ -57,17 +58,19 @@ class VesselParams:
     """Share of the darkness common to red and green that is treated as shadow, not blood."""
     coring: Annotated[float, Interval(ge=0.0, le=4.0)] = 1.5
     """Structures weaker than this many times the image's median density are hardly strengthened."""
-    lift: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.5
+    lift: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.25
     """How much of the paper's brightening, Eq 1, is applied: 0 is off."""
-    gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 1.05
+    gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 0.95
     """Exponent applied to V afterwards: above 1 darkens the mid-tones; black and white stay."""
-    d_factor: DFactor = 1.0
+    d_factor: DFactor = 0.7
     """Multiplies d in Eq 11: smaller means more colour. 0 leaves saturation unchanged."""
     most_color: Annotated[float, Interval(ge=1.0, le=4.0)] = 1.4
     """Upper limit of the saturation gain, which is at least 1: greys and highlights keep their colour."""
 
 
 VESSEL: Final = VesselParams()
+TONE: Final = EnhanceParams(p=0.0, d_factor=0.0)
+"""What is taken of the paper's method, but for z."""
 
 
 def enhance_vessels(
@@ -81,7 +84,7 @@ def enhance_vessels(
     """Make vessels visible as if they held more blood (Beer-Lambert law), with colours close to the original.
 
     1. Noise of colour, not of brightness, is smoothed away. V never rises by that.
-    2. V: Eqs 1 and 7-10 of the paper with part of its brightening, then `gamma`.
+    2. V: Eq 1 of the paper with part of its brightening, then `gamma`.
     3. S: Eqs 11 and 12 with the gain kept between 1 and `most_color`.
     4. What is narrow and absorbs green more than red is a density of blood: the top-hat (the image less its
        morphological opening, of radius `radius`) of `shading` log R - log G. Slow shading falls out, of
@@ -94,7 +97,7 @@ def enhance_vessels(
         image: (H, W), (H, W, 3) RGB in this order, or (H, W, 4) RGBA; types as of `enhance`. Of grey
             images all darkness counts as blood.
         tissue_mask: as of `enhance`; the median density, too, is that of the kept pixels.
-        statistics: of a clip, measured with any parameters of three scales; None: of this image.
+        statistics: of a clip, measured with any parameters; None: of this image.
         pixels: as of `enhance`.
 
     Raises:
@@ -122,7 +125,12 @@ class _Found:
 
     shown: Shown
     shading: float
-    survey: Survey
+    bright: Float32Image
+    """(H / 2, W / 2) V in blocks of 2 x 2 pixels."""
+    histogram: NDArray[np.int64]
+    """(256,) of V over the kept pixels."""
+    chroma: float
+    """Sum of S over the kept pixels."""
     absorbed: Float32Image
     """(H / 2, W / 2) natural logarithm of what green lacks beside red; in grey images, of darkness."""
 
@@ -141,8 +149,8 @@ class _Ground:
 class VesselEnhancer:
     """Show it an image, then enhance it as often as the parameters change; see `enhance_vessels`.
 
-    A new strength, coring, lift, gamma, d-factor or colour limit neither filters nor looks for structures
-    again. Working memory is reused from image to image. Not thread-safe.
+    A new strength, coring, lift, gamma, d-factor or colour limit does not look for structures again.
+    Working memory is reused from image to image. Not thread-safe.
 
     Example:
         >>> import numpy as np
@@ -159,8 +167,6 @@ class VesselEnhancer:
         self._shown: Shown | None = None
         self._found: _Found | None = None
         self._ground: _Ground | None = None
-        self._models = WindowModels()
-        self._moments: tuple[Moments, ...] = ()
 
     def show(
         self, image: AnyImage, tissue_mask: AnyImage | None = None, *, pixels: Pixels = "automatic"
@@ -173,8 +179,7 @@ class VesselEnhancer:
         self._take(self._stream.next(Shown.of(image, tissue_mask, pixels), pixels))
 
     def _take(self, shown: Shown) -> None:
-        self._shown, self._moments, self._ground = shown, (), None
-        self._models.forget()
+        self._shown, self._ground = shown, None
 
     def enhance(
         self, params: VesselParams = VESSEL, *, statistics: Statistics | None = None
@@ -188,17 +193,10 @@ class VesselEnhancer:
         require_classes(params, VesselParams, statistics)
         now = self._look_within(statistics)
         found, ground = self._find(now, params)
-        dark = statistics or self._statistics(EnhanceParams(d_factor=0.0), found)
-        tone = EnhanceParams(z=1 - (1 - z_from_level(dark.level)) * params.lift, d_factor=0.0)
-        if statistics is not None:
-            used = statistics.resolved(tone)
-            return EnhanceResult(self._draw(params, tone, used, found, ground), used, ())
-        likely = self._statistics(tone, found)
-        drawn = self._draw(params, tone, likely, found, ground)
-        used = self._statistics(tone, found)
-        if used.p != likely.p:
-            drawn = self._draw(params, tone, used, found, ground)
-        return EnhanceResult(drawn, used, ())
+        measured = statistics or self._measured(found)
+        z = 1 - (1 - z_from_level(measured.level)) * params.lift
+        used = measured.resolved(replace(TONE, z=z))
+        return EnhanceResult(_drawn(params, used, found, ground), used, ())
 
     def _look_within(self, statistics: Statistics | None) -> Shown:
         """The shown image within its field of view, or that of the statistics."""
@@ -218,52 +216,39 @@ class VesselEnhancer:
             self._ground = None
         ground = self._ground
         if ground is None or ground.radius != params.radius:
-            opened = background(found.absorbed, found.survey.low.fine[0], params.radius)
+            opened = background(found.absorbed, found.bright, params.radius)
             middle = middle_density(found.absorbed, opened, params.radius, now.spans, now.keep)
             ground = self._ground = _Ground(params.radius, opened, middle)
         return found, ground
 
-    def _statistics(self, tone: EnhanceParams, found: _Found) -> Statistics:
-        """Of the shown image, smoothed if the stream is live; likely sigmas where Q is not measured."""
-        survey = found.survey
-        sigmas = tuple(one.sigma(survey.count) for one in self._moments)
-        sigmas = sigmas or (LIKELY_SIGMA,) * len(tone.radii)
-        measured = statistics_of(tone, survey, sigmas, None, found.shown)
-        return self._stream.smoothed(measured, survey.histogram).resolved(tone)
+    def _measured(self, found: _Found) -> Statistics:
+        """Of the shown image, smoothed if the stream is live."""
+        counts = found.histogram
+        one = from_sums(TONE, "image", int(counts.sum()), level(counts), found.chroma, ())
+        return self._stream.smoothed(replace(one, field=found.shown.field), counts)
 
-    def _draw(
-        self, params: VesselParams, tone: EnhanceParams, used: Statistics, found: _Found, ground: _Ground
-    ) -> AnyImage:
-        """The second pass; measures Q on the way."""
-        now = found.shown
-        windows = tuple(window(radius, tone.eps, tone.subsample) for radius in tone.radii)
-        noise, bright = params.coring * ground.middle, found.survey.low.fine[0]
-        density = blood_density(found.absorbed, bright, ground.opened, ground.radius, noise)
-        out = np.empty_like(now.pixels)
-        moments = np.empty((-(-len(out) // TASK), len(windows), 2))
-        second_pass(
-            now.pixels,
-            now.keep,
-            now.spans,
-            np.float32(now.full),
-            sums_of(now.pixels),
-            *self._models.of(found.survey.low, windows, (True,) * len(windows)),
-            np.array([one.coarse for one in windows]),
-            np.array(used.p, np.float32),
-            vessel_curves.logarithms(used.z),
-            np.float32(found.survey.mean),
-            density[None],
-            vessel_curves.powers(params.gamma),
-            np.float32(pull(used.saturation_mean, params.d_factor)),
-            np.float32(params.most_color),
-            np.float32(params.strength),
-            now.is_grey,
-            moments,
-            out,
-        )
-        sums = moments.sum(axis=0)
-        self._moments = tuple(Moments.of(sums[scale], found.survey) for scale in range(len(windows)))
-        return now.finished(out)
+
+def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Ground) -> AnyImage:
+    """The second pass."""
+    now = found.shown
+    noise = params.coring * ground.middle
+    density = blood_density(found.absorbed, found.bright, ground.opened, ground.radius, noise)
+    out = np.empty_like(now.pixels)
+    second_pass(
+        now.pixels,
+        now.spans,
+        np.float32(now.full),
+        sums_of(now.pixels),
+        vessel_curves.brightness(used.z),
+        density[None],
+        vessel_curves.powers(params.gamma),
+        np.float32(pull(used.saturation_mean, params.d_factor)),
+        np.float32(params.most_color),
+        np.float32(params.strength),
+        now.is_grey,
+        out,
+    )
+    return now.finished(out)
 
 
 def _survey(now: Shown, shading: float, before: _Found | None) -> _Found:
@@ -271,11 +256,9 @@ def _survey(now: Shown, shading: float, before: _Found | None) -> _Found:
     height, width = now.pixels.shape[:2]
     low = -(-height // SUBSAMPLE), -(-width // SUBSAMPLE)
     if before is not None and before.shown.pixels.shape[:2] == (height, width):
-        grids, absorbed = before.survey.low, before.absorbed
+        bright, absorbed = before.bright, before.absorbed
     else:
-        half = -(-low[0] // 2), -(-low[1] // 2)
-        grids = Grids(np.empty((2, *low), np.float32), np.empty((2, *half), np.float32))
-        absorbed = np.empty(low, np.float32)
+        bright, absorbed = np.empty(low, np.float32), np.empty(low, np.float32)
     tasks = -(-height // TASK)
     histograms, chroma = np.empty((tasks, BINS), np.int64), np.empty(tasks)
     first_pass(
@@ -285,10 +268,9 @@ def _survey(now: Shown, shading: float, before: _Found | None) -> _Found:
         np.float32(now.full),
         sums_of(now.pixels),
         np.float32(shading),
-        *grids,
+        bright,
         histograms,
         chroma,
         absorbed,
     )
-    survey = Survey(SUBSAMPLE, grids, histograms.sum(axis=0), float(chroma.sum()))
-    return _Found(now, shading, survey, absorbed)
+    return _Found(now, shading, bright, histograms.sum(axis=0), float(chroma.sum()), absorbed)

@@ -25,9 +25,9 @@ LIT: Final = 0.4
 """V from which on both are applied in full: dark vessels do not become black."""
 
 
-def logarithms(z: float) -> NDArray[np.float32]:
-    """(TERMS,) of log2 Vn (Eq 1) by log2 V, from LOWEST to 0; error below 0.01 levels."""
-    return _fitted(np.log2(brighten(2.0 ** _places(LOWEST, 0.0), z)))
+def brightness(z: float) -> NDArray[np.float32]:
+    """(TERMS,) of Vn (Eq 1) by log2 V, from LOWEST to 0; error below 0.01 levels."""
+    return _fitted(brighten(2.0 ** _places(LOWEST, 0.0), z))
 
 
 def powers(gamma: float) -> NDArray[np.float32]:

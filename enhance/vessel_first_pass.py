@@ -1,5 +1,5 @@
-"""The first pass of the preset `vessel`: noise of colour goes, and what the statistics, the filters and the
-search for blood need is gathered.
+"""The first pass of the preset `vessel`: noise of colour goes, and what the statistics and the search for
+blood need is gathered.
 
 Sums are never reordered, so results repeat bit for bit.
 """
@@ -12,7 +12,6 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from enhance.first_pass import finish
 from enhance.interleave import deinterleave
 from enhance.pixel_block import (
     BINS,
@@ -45,7 +44,7 @@ from enhance.rows import (
 )
 
 SUBSAMPLE: Final = 2
-"""Of the guided filters, as by default."""
+"""Pixels along a side of the blocks in which blood is looked for."""
 TASK: Final = SUBSAMPLE * BLOCK
 """Rows of one task."""
 LUMA = (np.float32(0.299), np.float32(0.587), np.float32(0.114))
@@ -62,8 +61,7 @@ def first_pass(
     full: np.float32,  # the image's value of 1.0
     sums: NDArray[Any],  # `sums_of` the image
     shading: np.float32,
-    fine: NDArray[np.float32],  # (2, h, w), out: of calm V in blocks of SUBSAMPLE, mean and variance
-    coarse: NDArray[np.float32],  # (2, h / 2, w / 2) rounded up, out: the same of 2 x 2 blocks
+    bright: NDArray[np.float32],  # (h, w), out: means of calm V in blocks of SUBSAMPLE
     histograms: NDArray[np.int64],  # (tasks, BINS), out: of calm V in grey levels, over the kept pixels
     chroma: NDArray[np.float64],  # (tasks,), out: sum of S over the kept pixels
     absorbed: NDArray[np.float32],  # (h, w), out: `shading` log red - log green, what green lacks
@@ -80,7 +78,7 @@ def first_pass(
         above, soft = np.empty(width, np.float32), np.empty((2, width), sums.dtype)
         levels = np.empty(CHUNK, np.uint16)
         counts = np.zeros((4, BINS + 1), np.int32)
-        blocks = np.empty((3, CHUNK), np.float32)
+        blocks = np.empty((2, CHUNK), np.float32)
         totals = np.zeros(CHUNK)
         top, bottom = task * TASK, min((task + 1) * TASK, rows)
         for y in range(top - REACH, top + REACH):
@@ -104,19 +102,21 @@ def first_pass(
                         counts[i & 3, levels[i]] += np.int32(1)
                 if y % SUBSAMPLE == SUBSAMPLE - 1 or y == rows - 1:
                     alone = y % SUBSAMPLE == 0
-                    _shrink(chunk, alone, count, above[x0:], blocks)
-                    _absorb(narrow, alone, count, soft[:, x0:], unit, shading, blocks[2])
+                    _shrink(chunk, alone, count, above[x0:], blocks[0])
+                    _absorb(narrow, alone, count, soft[:, x0:], unit, shading, blocks[1])
                     low_x = x0 // SUBSAMPLE
                     for i in range((count + SUBSAMPLE - 1) // SUBSAMPLE):
-                        fine[0, y // SUBSAMPLE, low_x + i] = blocks[0, i]
-                        fine[1, y // SUBSAMPLE, low_x + i] = blocks[1, i]
-                        absorbed[y // SUBSAMPLE, low_x + i] = blocks[2, i]
+                        bright[y // SUBSAMPLE, low_x + i] = blocks[0, i]
+                        absorbed[y // SUBSAMPLE, low_x + i] = blocks[1, i]
                 else:
                     for i in range(CHUNK):
                         above[x0 + i] = chunk[VALUE, i]
                         soft[RED, x0 + i], soft[GREEN, x0 + i] = narrow[RED, i], narrow[GREEN, i]
             totals += chunk[TOTAL]
-        finish(task, fine, coarse, counts, histograms)
+        for level in range(BINS):
+            histograms[task, level] = (
+                counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
+            )
         chroma[task] = totals.sum()
 
 
@@ -183,9 +183,9 @@ def _shrink(
     alone: bool,
     count: int,
     above: NDArray[np.float32],
-    blocks: NDArray[np.float32],
+    means: NDArray[np.float32],
 ) -> None:
-    """Mean and variance of V in each 2 x 2 block, from the row before, if there is one, and VALUE."""
+    """Mean of V in each 2 x 2 block, from the row before, if there is one, and VALUE."""
     for i in range(CHUNK):
         chunk[LOG, i] = chunk[VALUE, i] if alone else above[i]
     if count % SUBSAMPLE != 0:
@@ -194,9 +194,7 @@ def _shrink(
         x = np.uint64(SUBSAMPLE * i)
         a, b = chunk[LOG, x], chunk[LOG, x + NEXT]
         c, d = chunk[VALUE, x], chunk[VALUE, x + NEXT]
-        mean = (a + b + c + d) * QUARTER
-        a, b, c, d = a - mean, b - mean, c - mean, d - mean
-        blocks[0, i], blocks[1, i] = mean, (a * a + b * b + (c * c + d * d)) * QUARTER
+        means[i] = (a + b + c + d) * QUARTER
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")

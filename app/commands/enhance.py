@@ -60,7 +60,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         default=PAPER,
         help="the paper's method (default), VesselSplat's preset `vessel`, or another method to compare with",
     )
-    add_settings(parser, "and --strength, there 0 to 4, default 2.4, and --d-factor, default 1")
+    add_settings(parser, "and --strength, there 0 to 4, default 2.4, and --d-factor, default 0.7")
     parser.add_argument(
         "--statistics",
         choices=SCOPES,

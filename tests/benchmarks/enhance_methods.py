@@ -6,8 +6,9 @@ DV, BV and DV/BV by the inferred Otsu definition inside the tissue mask, "whole"
 picture as in the paper, then dvbv_local. Tissue: the given tool masks and no status bar (pulling), the field
 of view (fetoscopy, retina), all (SCARED). Vessels: annotated (retina), else the strongest dark ridges of the
 original. The preset `vessel` was tuned on even frames of the first two clips, on the left SCARED picture and
-on the odd children of the retina set: --held-out takes the rest. Its strength, lift, gamma and d were then
-chosen among 27 on one or two frames of every set, so that vessels gain colour difference on all of them.
+on the odd children of the retina set: --held-out takes the rest. Its strength was then chosen on one or two
+frames of every set; lift, gamma and d on the half that `visibility_front` calls chosen, so that vessels gain
+at least a tenth of colour difference with the least noise.
 """
 
 from __future__ import annotations

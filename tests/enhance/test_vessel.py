@@ -175,6 +175,14 @@ def test_coring_spares_weak_structures() -> None:
     assert mean[0] > 1.3 * mean[1] > 1.3 * 1.3 * mean[2]
 
 
+def test_noise_of_brightness_is_not_strengthened() -> None:
+    noise = np.random.default_rng(3).normal(0, 0.01, (96, 96, 1))
+    image = np.array([0.4, 0.25, 0.22]) + noise
+    plain = enhance_vessels(image, replace(OFF, lift=0, gamma=1, d_factor=0)).image
+    assert noise_gain(plain, image) == pytest.approx(1, abs=0.02)
+    assert noise_gain(enhance_vessels(image).image, image) < 1.25
+
+
 def test_nothing_gets_brighter_by_blood_and_black_stays() -> None:
     image = vessels()
     with_blood, without = (enhance_vessels(image, p).image for p in (VesselParams(), OFF))

@@ -53,7 +53,7 @@ def vessels_of(
     calm = _calm(planes)
     bright = _largest(calm)
     dark = level(value_histogram(bright[keep])) if statistics is None else statistics.level
-    paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, d_factor=0.0)
+    paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, p=0.0, d_factor=0.0)
     toned = enhance(_merged(calm), paper, tissue_mask=keep, statistics=statistics, pixels=field or "all")
     colored = _colored(_split(toned.image), toned.statistics.saturation_mean, params)
     density = np.float32(params.strength) * blood_density(planes, bright, params, keep)

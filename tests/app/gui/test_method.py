@@ -88,7 +88,7 @@ def test_the_picture_and_the_file_say_which_method(tmp_path: Path, state: AppSta
 
 
 def test_what_was_not_measured_is_said_to_be_unused(clip: Clip) -> None:
-    for params, unused in ((EnhanceParams(), []), (EnhanceParams(p=0.8), ["σ"]), (STRONG, [])):
+    for params, unused in ((EnhanceParams(), []), (EnhanceParams(p=0.8), ["σ"]), (STRONG, ["σ"])):
         shown = made(PictureRequest(clip, 2, params))
         assert shown.statistics is not None
         facts = {name: value for name, value, _ in facts_of(shown.statistics, 1.0)}
