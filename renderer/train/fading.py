@@ -71,7 +71,7 @@ def faded_out_of_sight(
     wanted = (_kept(beyond[:, strays]) * opacities).clip(*WITHIN)
     # What a step of the logit does to the opacity: of next to nothing left, little matters.
     weights = wanted * (1 - wanted)
-    curves = _fitted(logits(wanted) - logits(opacities), weights, times, count)
+    curves = fitted_curves(logits(wanted) - logits(opacities), weights, times, count)
     controls = motion.opacity_controls
     controls = controls.copy() if len(controls) else np.zeros((len(gaussians), count, 1), np.float32)
     controls[strays, :, 0] += curves.astype(np.float32)
@@ -100,7 +100,7 @@ def _kept(shares: NDArray[np.float32]) -> NDArray[np.float64]:
     return LEAST + (1 - LEAST) * (1 - t * t * (3 - 2 * t))
 
 
-def _fitted(
+def fitted_curves(
     values: NDArray[np.float32], weights: NDArray[np.float64], times: Sequence[float], count: int
 ) -> NDArray[np.float64]:
     """(S, count) control values of splines for (T, S) values at T times, by weighted least squares."""

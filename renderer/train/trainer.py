@@ -29,6 +29,8 @@ from renderer.train.fading import faded_out_of_sight
 from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frame_store import FrameStore, nearest_folder
 from renderer.train.frames import TrainFrame, halved, train_frame, unseen_by, within_reach
+from renderer.train.gaps import EVERY as LOOKED_AT
+from renderer.train.gaps import closed_gaps
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.guards import LossWatch, Trouble
 from renderer.train.held_out import HeldOut, evaluated
@@ -46,7 +48,8 @@ LOSSES, TROUBLE = "loss_watch", "trouble"
 HELD_OUT_PHASE, HELD_OUT_EVERY = 4, 7
 """In training frames; of a clip split as the field does, those with index % 8 == 5."""
 REMOVING, SMOOTHING = "removing what no frame shows", "smoothing hidden motion"
-FADING, MEASURING = "fading what moves out of sight", "measuring held-out frames"
+FADING, CLOSING = "fading what moves out of sight", "closing gaps in hidden tissue"
+MEASURING = "measuring held-out frames"
 """What follows the last step."""
 RENDERED, SMOOTHED = 0.45, 0.6
 """Of the time of a step, what drawing a frame takes, and finding what it hides; only the time left depends on
@@ -152,6 +155,8 @@ def _prepared(
         after[SMOOTHING] = SMOOTHED * len(fit)
     if bends and unseen is not None and unseen.any():
         after[FADING] = SMOOTHED * len(fit)
+    if SMOOTHING in after and needs.has_masks and unseen is not None:
+        after[CLOSING] = RENDERED * len(fit) / LOOKED_AT
     after[MEASURING] = RENDERED * len(measured)
     training = _Training(clip, config, recipe, folder, identity, pool, size, unseen, measured, after)
     return training, model, needs, checkpoint
@@ -235,6 +240,9 @@ class _Training:
             assert self.unseen is not None
             yield Finishing(FADING, left[FADING])
             gaussians = faded_out_of_sight(gaussians, frames, self.unseen, near, mode)
+        if CLOSING in left:
+            yield Finishing(CLOSING, left[CLOSING])
+            gaussians = closed_gaps(gaussians, frames, near, mode)
         yield Finishing(MEASURING, left[MEASURING])
         if self.measured:
             views = (self.clip.read_frame(index) for index in self.measured)
