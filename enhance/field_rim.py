@@ -231,7 +231,7 @@ def fitted(rim: Rim, whole: FieldOfView) -> FieldOfView:
     return FieldOfView(whole.width, whole.height, polygon=polygon)
 
 
-def _is_shade(corners: NDArray[np.float32], whole: FieldOfView) -> bool:
+def _is_shade(corners: NDArray[Any], whole: FieldOfView) -> bool:
     """Whether the rim of a polygon, (N, 2) corners, is one straight line that runs as no frame does."""
     outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
     within = ~(outside & np.roll(outside, -1, axis=0)).any(axis=1)

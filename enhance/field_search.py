@@ -202,13 +202,13 @@ def _ranked(counts: NDArray[np.int32], place: int) -> int:
 
 def _outline(low: Levels, threshold: float) -> Outline | None:
     """Of what is brighter; None: too dark to tell."""
-    _, lit = cv2.threshold(low, threshold, 1, cv2.THRESH_BINARY)
+    lit = np.asarray(cv2.threshold(low, threshold, 1, cv2.THRESH_BINARY)[1], np.uint8)
     count, labels = cv2.connectedComponents(cv2.morphologyEx(lit, cv2.MORPH_OPEN, SQUARE), connectivity=4)
     area, ends = _parts(np.asarray(labels, np.int32), count)
     if area == 0 or area < LEAST_FIELD * low.size:
         return None
     hull = cv2.convexHull(ends)
-    lit, field = np.asarray(lit), _filled(low, hull)
+    field = _filled(low, hull)
     if not _is_framed(low, lit, field, threshold):
         return Outline(np.empty((0, 2)), is_convex=True)
     return Outline(hull[:, 0].astype(np.float64), _is_convex(lit, field))
