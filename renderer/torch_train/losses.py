@@ -24,6 +24,8 @@ class Target:
     """(H, W, 3) in [0, 1]."""
     mask: Tensor
     """(H, W) True: supervised."""
+    opaque: Tensor
+    """(H, W) True: some frame shows tissue there."""
     unseen: Tensor
     """(H, W) True: no frame shows tissue there."""
     depth: Tensor
@@ -33,11 +35,12 @@ class Target:
     def of(cls, frame: TrainFrame, device: torch.device) -> Target:
         """The bytes cross to the device, not the floats."""
         inside = slice(frame.camera.height), slice(frame.camera.width)
-        arrays = frame.colors[:, *inside], frame.color_mask[inside], frame.unseen[inside], frame.depth[inside]
-        colors, mask, unseen, depth = (
+        masks = frame.color_mask[inside], frame.opaque[inside], frame.unseen[inside]
+        arrays = frame.colors[:, *inside], *masks, frame.depth[inside]
+        colors, mask, opaque, unseen, depth = (
             torch.from_numpy(np.ascontiguousarray(array)).to(device) for array in arrays
         )
-        return cls(colors.permute(1, 2, 0).float() * (1 / 255), mask, unseen, depth)
+        return cls(colors.permute(1, 2, 0).float() * (1 / 255), mask, opaque, unseen, depth)
 
 
 def picture_loss(
@@ -49,8 +52,8 @@ def picture_loss(
     errors = (picture.image - target.colors) * target.mask[:, :, None]
     loss = weights.color * per_color * errors.abs().sum()
     if weights.opacity > 0:
-        through = (1 - picture.alpha - float(CLEAR)).clamp(min=0.0) * target.mask
-        per_opacity = weights.opacity / max(frame.n_colors + frame.n_unseen, 1)
+        through = (1 - picture.alpha - float(CLEAR)).clamp(min=0.0) * target.opaque
+        per_opacity = weights.opacity / max(frame.n_opaque + frame.n_unseen, 1)
         loss = loss + per_opacity * (through.sum() + (picture.alpha * target.unseen).sum())
     if weights.depth > 0 or weights.inverse_depth > 0:
         known = _fitted(target.depth, picture) if frame.depth_is_guess else target.depth

@@ -31,11 +31,14 @@ class TrainFrame:
     camera: Camera
     colors: NDArray[np.uint8]  # (3, H, W)
     color_mask: NDArray[np.bool_]  # (H, W)
+    opaque: NDArray[np.bool_]  # (H, W), True: this frame or another shows tissue there; on wanted tiles
     unseen: NDArray[np.bool_]  # (H, W), True: no frame shows tissue there; on wanted tiles
     depth: NDArray[np.float32]  # (H, W), 0 = not supervised
     tile_wanted: NDArray[np.bool_]  # (tile rows, tile columns)
     n_colors: int
     """Supervised pixels."""
+    n_opaque: int
+    """Pixels that tissue is to hide what is behind."""
     n_unseen: int
     n_depths: int
     depth_is_guess: bool
@@ -50,24 +53,32 @@ def within_reach(frame: Frame) -> Frame:
     return frame if near.all() else replace(frame, depth=np.where(near, frame.depth, np.float32(0)))
 
 
-def train_frame(frame: Frame, unseen: NDArray[np.bool_] | None = None) -> TrainFrame:
+def train_frame(
+    frame: Frame, unseen: NDArray[np.bool_] | None = None, seen: NDArray[np.bool_] | None = None
+) -> TrainFrame:
     """A frame at its own resolution. Only tissue is supervised, and depth only where it is measured.
 
-    `unseen` (H, W) is where no frame shows tissue; None: that is not known.
+    `unseen` (H, W) is where no frame shows tissue, `seen` where some does; None: that is not known.
     """
     depth = np.zeros(frame.tissue_mask.shape, np.float32) if frame.depth is None else frame.depth
     depth = np.where(frame.depth_mask, depth, np.float32(0.0))
     unseen = np.zeros(depth.shape, bool) if unseen is None else unseen
-    masks = frame.tissue_mask, unseen
+    seen = frame.tissue_mask if seen is None else seen
+    masks = frame.tissue_mask, seen, unseen
     return _padded(frame.time, frame.camera, frame.image, *masks, depth, frame.depth_is_guess)
 
 
 def unseen_by(frames: Iterable[Frame]) -> NDArray[np.bool_]:
     """(H, W) where none of the frames, of one camera that stands still, shows tissue within MARGIN."""
-    seen = reduce(np.logical_or, (frame.tissue_mask for frame in frames))
+    seen = seen_by(frames)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * MARGIN + 1, 2 * MARGIN + 1))
     reached: NDArray[np.bool_] = cv2.dilate(seen.astype(np.uint8), disc) > 0
     return ~reached
+
+
+def seen_by(frames: Iterable[Frame]) -> NDArray[np.bool_]:
+    """(H, W) where some of the frames shows tissue."""
+    return reduce(np.logical_or, (frame.tissue_mask for frame in frames))
 
 
 def tissue_tiles(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -93,9 +104,12 @@ def halved(frame: TrainFrame, has_masks: bool = True) -> TrainFrame:
     depth = _masked_mean(depth_values, (depth_values > 0).astype(np.float32), half)
     tissue = cv2.resize(mask, half, interpolation=cv2.INTER_AREA) >= 0.5
     unseen = cv2.resize(frame.unseen[:height, :width].astype(np.float32), half, interpolation=cv2.INTER_AREA)
+    opaque = cv2.resize(frame.opaque[:height, :width].astype(np.float32), half, interpolation=cv2.INTER_AREA)
     camera = frame.camera.resized(*half)
     bytes_, known = np.rint(colors).astype(np.uint8), np.where(tissue, depth, 0.0)
-    return _padded(frame.time, camera, bytes_, tissue, unseen == 1, known, frame.depth_is_guess)
+    return _padded(
+        frame.time, camera, bytes_, tissue, opaque >= 0.5, unseen == 1, known, frame.depth_is_guess
+    )
 
 
 def _masked_mean(
@@ -116,6 +130,7 @@ def _padded(
     camera: Camera,
     colors: NDArray[np.uint8],
     mask: NDArray[np.bool_],
+    opaque: NDArray[np.bool_],
     unseen: NDArray[np.bool_],
     depth: NDArray[np.float32],
     depth_is_guess: bool,
@@ -126,17 +141,22 @@ def _padded(
     depth = np.pad(depth.astype(np.float32), ((0, below), (0, beside)))
     wanted = tissue_tiles(mask)
     unseen = np.pad(unseen, ((0, below), (0, beside)))
+    opaque = np.pad(opaque, ((0, below), (0, beside)))
     height, width = mask.shape
-    unseen &= wanted.repeat(TILE, axis=0).repeat(TILE, axis=1)[:height, :width]
+    drawn = wanted.repeat(TILE, axis=0).repeat(TILE, axis=1)[:height, :width]
+    unseen &= drawn
+    opaque &= drawn
     return TrainFrame(
         time=time,
         camera=camera,
         colors=np.pad(colors.transpose(2, 0, 1), ((0, 0), (0, below), (0, beside))),
         color_mask=mask,
+        opaque=opaque,
         unseen=unseen,
         depth=depth,
         tile_wanted=wanted,
         n_colors=int(mask.sum()),
+        n_opaque=int(opaque.sum()),
         n_unseen=int(unseen.sum()),
         n_depths=int((depth > 0).sum()),
         depth_is_guess=depth_is_guess,

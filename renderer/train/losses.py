@@ -77,15 +77,16 @@ class Measured:
 def picture_loss(rasterizer: Rasterizer, frame: TrainFrame, weights: LossWeights, size: float) -> Measured:
     """The loss of the picture that `rasterizer` holds; its adjoint is left there. `size` is the scene's."""
     per_color = 1.0 / max(3 * frame.n_colors, 1)
-    per_opacity = weights.opacity / max(frame.n_colors + frame.n_unseen, 1)
+    per_opacity = weights.opacity / max(frame.n_opaque + frame.n_unseen, 1)
     per_depth = weights.depth / (max(frame.n_depths, 1) * size)
     per_inverse = weights.inverse_depth * size / max(frame.n_depths, 1)
     rows = np.empty((frame.color_mask.shape[0], N_SUMS))
     loss, extra = _variation(rasterizer.planes, frame, weights, size)
     depth = _fitted(rasterizer.planes, frame) if frame.depth_is_guess else frame.depth
     masked_loss(
-        rasterizer.planes, frame.colors, frame.color_mask, frame.unseen, depth, rasterizer.wanted,
-        weights.color * per_color, per_opacity, per_depth, per_inverse, extra, rasterizer.adjoint, rows,
+        rasterizer.planes, frame.colors, frame.color_mask, frame.opaque, frame.unseen, depth,
+        rasterizer.wanted, weights.color * per_color, per_opacity, per_depth, per_inverse, extra,
+        rasterizer.adjoint, rows,
     )  # fmt: skip
     sums = rows.sum(axis=0)
     loss += weights.color * per_color * sums[COLOR_LOSS] + per_opacity * sums[OPACITY_LOSS]
@@ -141,6 +142,7 @@ def masked_loss(
     planes: NDArray[np.float32],  # (5, H, W) blended picture, black background
     colors: NDArray[np.uint8],  # (3, H, W)
     color_mask: NDArray[np.bool_],  # (H, W)
+    opaque: NDArray[np.bool_],  # (H, W)
     unseen: NDArray[np.bool_],  # (H, W)
     depths: NDArray[np.float32],  # (H, W), 0 = not supervised
     tile_wanted: NDArray[np.bool_],
@@ -155,13 +157,13 @@ def masked_loss(
     """L1 of colour on tissue, of alpha, and of expected depth where it is measured and alpha > 0.5.
 
     Loss = color_weight * sum |color - image|
-    + opacity_weight * (sum max(0, 1 - alpha - CLEAR) over tissue + sum alpha over what is unseen)
+    + opacity_weight * (sum max(0, 1 - alpha - CLEAR) over what is opaque + sum alpha over what is unseen)
     + depth_weight * sum |D - depth| + inverse_weight * sum |1 / D - 1 / depth| with D = sum(w z) / sum(w).
     """
     for y in prange(planes.shape[1]):
         _row_loss(
-            planes[:, y], colors[:, y], color_mask[y], unseen[y], depths[y], tile_wanted[y // TILE],
-            np.float32(color_weight), np.float32(opacity_weight),
+            planes[:, y], colors[:, y], color_mask[y], opaque[y], unseen[y], depths[y],
+            tile_wanted[y // TILE], np.float32(color_weight), np.float32(opacity_weight),
             np.float32(depth_weight), np.float32(inverse_weight),
             adjoint[:, y], sums[y],
         )  # fmt: skip
@@ -176,6 +178,7 @@ def _row_loss(
     planes: NDArray[np.float32],  # (5, W)
     colors: NDArray[np.uint8],  # (3, W)
     color_mask: NDArray[np.bool_],
+    opaque: NDArray[np.bool_],
     unseen: NDArray[np.bool_],
     depths: NDArray[np.float32],
     wanted: NDArray[np.bool_],  # one a tile
@@ -189,7 +192,7 @@ def _row_loss(
     """One row, a tile's width at a time: fetched to the stack, reckoned there as vectors, and put back."""
     drawn, image = stack_array(PLANES, TILE), stack_array(3, TILE)
     by, lanes = stack_array(ADJOINT_PLANES, TILE), stack_array(N_SUMS, TILE)
-    kept, empty, measured = stack_array(TILE), stack_array(TILE), stack_array(TILE)
+    kept, full, empty, measured = stack_array(TILE), stack_array(TILE), stack_array(TILE), stack_array(TILE)
     for row in range(N_SUMS):
         for lane in range(TILE):
             lanes[row, lane] = ZERO
@@ -199,6 +202,7 @@ def _row_loss(
         left = TILE * tile
         for lane in range(TILE):
             kept[lane] = ONE if color_mask[left + lane] else ZERO
+            full[lane] = ONE if opaque[left + lane] else ZERO
             empty[lane] = ONE if unseen[left + lane] else ZERO
             measured[lane] = depths[left + lane]
             for plane in range(PLANES):
@@ -218,7 +222,7 @@ def _row_loss(
             by[BY_RED, lane], by[BY_GREEN, lane], by[BY_BLUE, lane] = by_red, by_green, by_blue
             weight, depth = ONE - drawn[LEFT, lane], measured[lane]
             through = drawn[LEFT, lane] - CLEAR
-            shines = keep > ZERO and through > ZERO
+            shines = full[lane] > ZERO and through > ZERO
             lanes[OPACITY_LOSS, lane] += (through if shines else ZERO) + empty[lane] * weight
             by_opacity = opacity_gradient * (empty[lane] - (ONE if shines else ZERO))
             # The depth terms of the total cancel: sum(w z) h - sum(w) D h = 0.

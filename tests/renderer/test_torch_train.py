@@ -51,7 +51,8 @@ def through_torch() -> TorchBackend:
 
 
 def noisy_frame(camera: Camera, *, guess: bool = False) -> TrainFrame:
-    """Noise with a tool and holes in its depth; no whole number of tiles."""
+    """Noise with a tool, half of which hides what other frames show, and holes in its depth; no whole number
+    of tiles."""
     rng = np.random.default_rng(5)
     shape = camera.height, camera.width
     image = rng.integers(0, 256, (*shape, 3), dtype=np.uint8)
@@ -60,7 +61,9 @@ def noisy_frame(camera: Camera, *, guess: bool = False) -> TrainFrame:
     depth = (50 + 5 * np.sin(np.arange(shape[1]) / 7) + rng.normal(0, 0.2, shape)).astype(np.float32)
     depth[:, ::9] = 0
     frame = Frame(0, 0.3, image, camera, tissue, tissue, depth, depth_is_guess=guess)
-    return train_frame(frame, ~tissue)
+    shown = tissue.copy()
+    shown[:, : 3 * shape[1] // 4] = True
+    return train_frame(frame, ~shown, shown)
 
 
 def with_harmonics(raw: RawGaussians, bands: int) -> RawGaussians:

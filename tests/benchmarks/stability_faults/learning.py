@@ -31,9 +31,9 @@ def _losses() -> list[Fault]:
         ),
         edit("swapped", "red and blue", LOSSES, "image[channel, lane] =", "image[2 - channel, lane] ="),
         Fault(
-            "loss", "float16", "the adjoint", ("losses",), rounded(f"{LOSSES}:masked_loss", 11), quick=True
+            "loss", "float16", "the adjoint", ("losses",), rounded(f"{LOSSES}:masked_loss", 12), quick=True
         ),
-        Fault("loss", "float16", "sums of rows", ("losses",), rounded(f"{LOSSES}:masked_loss", 12)),
+        Fault("loss", "float16", "sums of rows", ("losses",), rounded(f"{LOSSES}:masked_loss", 13)),
         edit("dropped", "the mask", LOSSES, "ONE if color_mask[left + lane] else ZERO", "ONE"),
         edit(
             "sign", "of the total", LOSSES, "adjoint[TOTAL, y, x] += planes", "adjoint[TOTAL, y, x] -= planes"
