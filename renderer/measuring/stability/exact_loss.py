@@ -24,6 +24,8 @@ class ExactLoss:
     frame: Frame
     weights: LossWeights
     size: float
+    opaque: NDArray[np.bool_]
+    """(H, W) True: some frame shows tissue there."""
     unseen: NDArray[np.bool_]
     """(H, W) True: no frame shows tissue there."""
 
@@ -42,8 +44,8 @@ class ExactLoss:
         mask, picture = self.frame.tissue_mask, planes[PLANE_RED : PLANE_BLUE + 1].transpose(1, 2, 0)
         loss = weights.color * np.abs(picture - image)[mask].sum() / max(1, 3 * mask.sum())
         left = planes[LEFT]
-        through = np.maximum(left - np.float64(CLEAR), 0)[mask].sum() + (1 - left)[self.unseen].sum()
-        loss += weights.opacity * through / max(1, mask.sum() + self.unseen.sum())
+        through = np.maximum(left - np.float64(CLEAR), 0)[self.opaque].sum() + (1 - left)[self.unseen].sum()
+        loss += weights.opacity * through / max(1, self.opaque.sum() + self.unseen.sum())
         loss += weights.image_variation * sum(_steps(picture[..., c]) for c in range(3)) / picture.size
         alpha = 1 - planes[LEFT]
         drawn = (alpha > 0.5) & (planes[PLANE_DEPTH] > 0)

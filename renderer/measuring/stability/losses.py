@@ -26,7 +26,7 @@ from renderer.rasterize.tiles import (
     PLANE_RED,
     TOTAL,
 )
-from renderer.train.frames import train_frame
+from renderer.train.frames import TrainFrame, train_frame
 from renderer.train.losses import LossWeights, picture_loss
 
 FloatArray = NDArray[np.float64]
@@ -70,25 +70,28 @@ def rows() -> Iterator[Row]:
         "every term, white frame": (replace(whole, image=np.full_like(whole.image, 255)), EVERY_TERM),
     }
     for name, (given, weights) in cases.items():
-        yield from _of(name, given, weights, 200)
-    yield from _of("every term, nothing drawn", whole, EVERY_TERM, 0)
-    got, by, _ = _loss(replace(whole, tissue_mask=nothing), COLOR_AND_DEPTH, 200)
+        yield from _of(name, given, given.tissue_mask, weights, 200)
+    hidden, seen = replace(whole, tissue_mask=half), half.copy()
+    seen[:, 5:] = True
+    yield from _of("every term, tissue behind a tool", hidden, seen, EVERY_TERM, 200)
+    yield from _of("every term, nothing drawn", whole, whole.tissue_mask, EVERY_TERM, 0)
+    got, by, _ = _loss(train_frame(replace(whole, tissue_mask=nothing), ~nothing), COLOR_AND_DEPTH, 200)
     yield Row(HAZARD, "empty mask", abs(got) + float(np.abs(by).sum()), 0, "loss and slopes")
 
 
-def _of(name: str, given: Frame, weights: LossWeights, splats: int) -> Iterator[Row]:
-    got, by, planes = _loss(given, weights, splats)
-    unseen = train_frame(given, ~given.tissue_mask).unseen[: SHAPE[0], : SHAPE[1]]
-    exact = ExactLoss(given, weights, SIZE, unseen)
+def _of(name: str, given: Frame, seen: NDArray[np.bool_], weights: LossWeights, splats: int) -> Iterator[Row]:
+    """`seen` (H, W) is where some frame shows tissue; the rest was never seen."""
+    ready, inside = train_frame(given, ~seen, seen), np.s_[: SHAPE[0], : SHAPE[1]]
+    got, by, planes = _loss(ready, weights, splats)
+    exact = ExactLoss(given, weights, SIZE, ready.opaque[inside], ready.unseen[inside])
     wanted = exact.value(planes)
     yield Row(HAZARD, name, abs(got - wanted) / wanted, 1e-5, "of itself")
     yield Row(HAZARD, f"{name}: slopes", _slopes_off(by, planes, exact), 1e-4, "of the steepest")
 
 
-def _loss(given: Frame, weights: LossWeights, count: int) -> tuple[float, FloatArray, FloatArray]:
-    """As trained: the loss, its adjoint and the planes that it is of, without padding. What is no tissue was
-    never seen."""
-    rasterizer, ready = Rasterizer(CAMERA.width, CAMERA.height), train_frame(given, ~given.tissue_mask)
+def _loss(ready: TrainFrame, weights: LossWeights, count: int) -> tuple[float, FloatArray, FloatArray]:
+    """As trained: the loss, its adjoint and the planes that it is of, without padding."""
+    rasterizer = Rasterizer(CAMERA.width, CAMERA.height)
     rasterizer.forward(ordinary(count), CAMERA, NEAR)
     with warnings.catch_warnings():
         # Depths of 1e30 have no square.

@@ -114,7 +114,9 @@ class _Loss:
         image, alpha, depth = (part.numpy() for part in (drawn.image, drawn.alpha, drawn.depth))
         planes = np.stack([1 - alpha, *image.transpose(2, 0, 1), alpha * depth])
         ready, inside = train_frame(self.frame, ~self.frame.tissue_mask), np.s_[: SHAPE[0], : SHAPE[1]]
-        return ExactLoss(self.frame, self.weights, SIZE, ready.unseen[inside]).value(planes)
+        return ExactLoss(self.frame, self.weights, SIZE, ready.opaque[inside], ready.unseen[inside]).value(
+            planes
+        )
 
     def off(self, name: str, found: FloatArray, raw: RawGaussians) -> float:
         """The error of one array's gradient, by differences of the loss."""
