@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
 from renderer.clip import Clip, Frame
 from renderer.deformation.spline import MIN_CONTROLS, controls_for, most_controls
 from renderer.harmonics import BANDS
-from renderer.train.config import Part, TrainConfig
+from renderer.train import outlines
+from renderer.train.config import Method, Part, TrainConfig
 from renderer.train.events import Omission
 from renderer.train.frames import tissue_tiles
 from renderer.train.starting_motion import Followed
@@ -24,6 +26,8 @@ SAME_COLOR = 0.5
 FRAMES_PER_CONTROL_AT_REST = 2
 """Colours of tissue at rest follow the lamp, which turns faster than tissue: on held-out training frames of
 three phantoms 0.5 dB better than 3.7 frames, and better than with a deformation."""
+OWN: Final[tuple[Method, ...]] = ("vesselsplat", "static")
+"""Methods that are not of others' publications, which are trained on all tissue."""
 RAW_NUMBERS = 14
 """Of a Gaussian without harmonics and motion."""
 
@@ -46,6 +50,8 @@ class Needs:
     """There is depth to compare with."""
     has_masks: bool
     """Some pixel is not tissue."""
+    tight_masks: bool = False
+    """They end at the tools' outline: tissue beside it is not trained on where other frames show it."""
     followed: Followed | None = None
     """Where tissue was seen to go, to start from; None: nobody looked."""
     omitted: tuple[Omission, ...] = ()
@@ -79,6 +85,7 @@ def decide(
         followed=followed,
         has_depth="depth" in config.keep or any(frame.depth_mask.any() for frame in frames),
         has_masks="masks" in config.keep or not all(frame.tissue_mask.all() for frame in frames),
+        tight_masks=clip.camera_is_fixed and config.method in OWN and outlines.are_tight(frames),
     )
     counted = followed is not None or n_controls is not None or not _tracks_count(config, moves)
     return replace(needs, omitted=tuple(_omitted(clip, frames, config, needs, measured, counted=counted)))
@@ -162,6 +169,8 @@ def _omitted(
         yield Omission(
             "tiles without tissue", "no tissue to compare with", f"{share:.0%} of the tiles", "tiles"
         )
+    if needs.tight_masks:
+        yield outlines.told(frames)
 
 
 def _of_curves(clip: Clip, config: TrainConfig, needs: Needs, *, counted: bool) -> Iterator[Omission]:

@@ -50,20 +50,20 @@ def away_from_tools(tissue: BoolImage) -> Float32Array:
     return np.asarray(away[1:-1, 1:-1], np.float32)
 
 
-def without_outlines(
-    frames: FrameStore[Frame], folder: Path | None
-) -> tuple[FrameStore[Frame], tuple[Omission, ...]]:
+def without_outlines(frames: FrameStore[Frame], folder: Path | None) -> FrameStore[Frame]:
     """The frames, of one camera that does not move, without tissue that is MIXED with tools where some frame
-    shows it apart from them; what was left out. They are taken from their store where there is such."""
-    if not are_tight(frames):
-        return frames, ()
-    apart, before = seen_apart(frames), sum(np.count_nonzero(frame.tissue_mask) for frame in frames)
-    places = range(len(frames))
-    kept = FrameStore.of((without_mixed(frames.take(place), apart) for place in places), folder)
-    share = 1 - sum(np.count_nonzero(frame.tissue_mask) for frame in kept) / before
-    return kept, (
-        Omission("tissue beside tools", "it has part of their colour", f"{share:.1%} of the tissue"),
-    )
+    shows it apart from them. They are taken from their store."""
+    apart = seen_apart(frames)
+    return FrameStore.of((without_mixed(frames.take(place), apart) for place in range(len(frames))), folder)
+
+
+def told(frames: Sequence[Frame]) -> Omission:
+    """What that leaves out."""
+    apart = seen_apart(frames)
+    before = sum(np.count_nonzero(frame.tissue_mask) for frame in frames)
+    kept = sum(np.count_nonzero(without_mixed(frame, apart).tissue_mask) for frame in frames)
+    saves = f"{1 - kept / before:.1%} of the tissue"
+    return Omission("tissue beside tools", "it has part of their colour", saves, None)
 
 
 def are_tight(frames: Sequence[Frame]) -> bool:

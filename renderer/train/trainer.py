@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -140,10 +140,9 @@ def _prepared(
     needs = decide(clip, frames, config, follow=follow, n_controls=known)
     recipe = recipe_for(config, needs)
     judged = clip.camera_is_fixed and recipe.losses.opacity > 0
-    if judged:
-        apart, outlines = without_outlines(frames, spilled)
+    if needs.tight_masks:
+        apart = without_outlines(frames, spilled)
         seeds, frames = (apart if seeds is frames else seeds), apart
-        needs = replace(needs, omitted=needs.omitted + outlines)
     raw = recipe.initialize(seeds)
     model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size, pictures)
     seen, unseen = (seen_by(frames), unseen_by(frames)) if judged else (None, None)

@@ -136,7 +136,7 @@ def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
     assert (
         describe(pair(clip, vessel))
         == worded(vessel)
-        == "Vessel · Strength 1.50 · Brightening 0.50 · Colour 0.50"
+        == "Vessel · Strength 1.50 · Brightening 0.25 · Colour 0.59"
     )
     assert in_letters(chosen) == "z 0.25 · P 0.40/0.50 · d 1.00"
 

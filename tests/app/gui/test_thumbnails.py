@@ -62,7 +62,7 @@ def test_they_are_made_while_the_menu_is_open_and_once(opened: AppState) -> None
 def test_names_with_hashes_are_shown_whole(ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch) -> None:
     own = ui.io.fonts.add_font_from_file_ttf(hello_imgui.asset_file_full_path(fonts.OWN), 15)
     names, shown = ("a##1", "##b", "c###", "d #"), list[float]()
-    opened.enhancement.presets = {name: VesselParams(strength=place) for place, name in enumerate(names)}
+    opened.enhancement.presets = {name: VesselParams(strength=place / 10) for place, name in enumerate(names)}
     opened.enhancement.params = opened.enhancement.presets["##b"]
     combo, line = imgui.begin_combo, imgui.selectable
 
