@@ -175,8 +175,18 @@ def finish(
     last = min((block + 1) * BLOCK, low_rows)
     for low_row in range(block * BLOCK // 2, min((last + 1) // 2, coarse.shape[1])):
         _pool(fine, 2 * low_row, min(2 * low_row + 1, low_rows - 1), coarse[:, low_row])
+    add_up(block, counts, histograms)
+
+
+@njit(fastmath={"contract"}, error_model="numpy")
+def add_up(
+    task: int,
+    counts: NDArray[np.int32],  # (4, more than BINS), the histograms in turn
+    histograms: NDArray[np.int64],  # (tasks, BINS), out
+) -> None:
+    """A task's histograms together."""
     for level in range(BINS):
-        histograms[block, level] = counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
+        histograms[task, level] = counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
 
 
 @njit(fastmath={"contract"}, error_model="numpy")

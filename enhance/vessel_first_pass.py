@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance.first_pass import add_up
 from enhance.interleave import deinterleave
 from enhance.pixel_block import (
     BINS,
@@ -113,10 +114,7 @@ def first_pass(
                         above[x0 + i] = chunk[VALUE, i]
                         soft[RED, x0 + i], soft[GREEN, x0 + i] = narrow[RED, i], narrow[GREEN, i]
             totals += chunk[TOTAL]
-        for level in range(BINS):
-            histograms[task, level] = (
-                counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
-            )
+        add_up(task, counts, histograms)
         chroma[task] = totals.sum()
 
 
