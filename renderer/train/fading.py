@@ -56,7 +56,7 @@ def faded_out_of_sight(
 
     Args:
         frames: all of one size, of one fixed camera.
-        unseen: (H, W), True where no frame shows tissue, see `renderer.train.frames.unseen_by`.
+        unseen: (H, W), True where no frame shows tissue, see `renderer.train.frames.unseen_beyond`.
     """
     motion = gaussians.motion
     if not (isinstance(motion, SplineMotion) and unseen.any()):
@@ -72,8 +72,7 @@ def faded_out_of_sight(
     # What a step of the logit does to the opacity: of next to nothing left, little matters.
     weights = wanted * (1 - wanted)
     curves = fitted_curves(logits(wanted) - logits(opacities), weights, times, count)
-    controls = motion.opacity_controls
-    controls = controls.copy() if len(controls) else np.zeros((len(gaussians), count, 1), np.float32)
+    controls = opacity_curves(motion, len(gaussians))
     controls[strays, :, 0] += curves.astype(np.float32)
     return replace(gaussians, motion=replace(motion, opacity_controls=controls))
 
@@ -98,6 +97,12 @@ def _kept(shares: NDArray[np.float32]) -> NDArray[np.float64]:
     """Share of the opacity that is left, by a smoothstep."""
     t = np.clip((shares.astype(np.float64) - FADES[0]) / (FADES[1] - FADES[0]), 0, 1)
     return LEAST + (1 - LEAST) * (1 - t * t * (3 - 2 * t))
+
+
+def opacity_curves(motion: SplineMotion, count: int) -> NDArray[np.float32]:
+    """(N, K, 1) a copy of those of `count` Gaussians, 0 where they have none."""
+    curves = motion.opacity_controls
+    return curves.copy() if len(curves) else np.zeros((count, motion.n_controls, 1), np.float32)
 
 
 def fitted_curves(

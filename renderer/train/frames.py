@@ -68,17 +68,23 @@ def train_frame(
     return _padded(frame.time, frame.camera, frame.image, *masks, depth, frame.depth_is_guess)
 
 
-def unseen_by(frames: Iterable[Frame]) -> NDArray[np.bool_]:
-    """(H, W) where none of the frames, of one camera that stands still, shows tissue within MARGIN."""
-    seen = seen_by(frames)
+def seen_by(frames: Iterable[Frame]) -> NDArray[np.bool_]:
+    """(H, W) where some of the frames shows tissue."""
+    return reduce(np.logical_or, (frame.tissue_mask for frame in frames))
+
+
+def unseen_beyond(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(H, W) where no frame of a fixed camera shows tissue within MARGIN; `seen` (H, W): where some does."""
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * MARGIN + 1, 2 * MARGIN + 1))
     reached: NDArray[np.bool_] = cv2.dilate(seen.astype(np.uint8), disc) > 0
     return ~reached
 
 
-def seen_by(frames: Iterable[Frame]) -> NDArray[np.bool_]:
-    """(H, W) where some of the frames shows tissue."""
-    return reduce(np.logical_or, (frame.tissue_mask for frame in frames))
+def away_from_tools(tissue: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """(H, W) distance of each pixel from the nearest that is no tissue; the image's own border is no edge."""
+    padded = np.pad(tissue.astype(np.uint8), 1, constant_values=1)
+    away = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_5)
+    return np.asarray(away[1:-1, 1:-1], np.float32)
 
 
 def tissue_tiles(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:

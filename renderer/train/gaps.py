@@ -29,8 +29,9 @@ from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.rasterize.rendered import Rendered
+from renderer.raw_gaussians import logits
 from renderer.splats import Float32Array, RenderMode, Splats
-from renderer.train.fading import LEAST, fitted_curves
+from renderer.train.fading import LEAST, fitted_curves, opacity_curves
 from renderer.train.frames import TrainFrame, tissue_tiles
 
 COVERED: Final = 0.9
@@ -47,7 +48,8 @@ BEHIND: Final = 1.01
 """Times the depth of what it is a copy of."""
 SAME_DEPTH: Final = 0.03
 """By which the depth of a Gaussian differs at most from what is drawn beside it."""
-OPACITY: Final = 0.95
+THERE, GONE = logits(np.array((0.95, LEAST)))
+"""Logits of the opacity of a copy, while its place is hidden and while it is visible."""
 NEAR_EDGE: Final = 9
 """Side in pixels of a disc that must be hidden around a copy."""
 WEIGHT: Final = 10.0
@@ -60,7 +62,9 @@ def closed_gaps(
     """The model with copies in the gaps of what frames, all of one size and of one fixed camera, hide."""
     if not isinstance(gaussians.motion, SplineMotion):
         return gaussians
-    closed, count, camera = _with_opacity_curves(gaussians), len(gaussians), frames[0].camera
+    count, camera = len(gaussians), frames[0].camera
+    motion = replace(gaussians.motion, opacity_controls=opacity_curves(gaussians.motion, count))
+    closed = replace(gaussians, motion=motion)
     often = np.asarray(sum(_tissue(frame).astype(np.float32) for frame in frames) > OFTEN * len(frames))
     rasterizer = Rasterizer(camera.width, camera.height)
     for place in range(0, len(frames), EVERY):
@@ -85,15 +89,6 @@ def _reached(hidden: BoolImage) -> BoolImage:
 
 def _disc(side: int) -> NDArray[np.uint8]:
     return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side)).astype(np.uint8)
-
-
-def _with_opacity_curves(gaussians: DynamicGaussians) -> DynamicGaussians:
-    motion = gaussians.motion
-    assert isinstance(motion, SplineMotion)
-    if len(motion.opacity_controls):
-        return gaussians
-    none = np.zeros((len(gaussians), motion.n_controls, 1), np.float32)
-    return replace(gaussians, motion=replace(motion, opacity_controls=none))
 
 
 def _clearest(alpha: Float32Array, hidden: BoolImage) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -127,7 +122,7 @@ def _with_copies(
     raw, motion = grown.raw, grown.motion
     assert isinstance(motion, SplineMotion)
     raw.means[count:] += (places - splats.means[chosen]).astype(np.float32)
-    raw.opacity_logits[count:] = _logit(OPACITY)
+    raw.opacity_logits[count:] = THERE
     motion.opacity_controls[count:] = 0
     return grown
 
@@ -144,7 +139,7 @@ def _while_hidden(
         hidden = cv2.erode((often & ~_tissue(frame)).astype(np.uint8), _disc(NEAR_EDGE)) > 0
         shown.append(~_at(hidden, camera.project(copies.at(frame.time).means.astype(np.float64))[0]))
     visible = np.stack(shown)
-    steps = np.where(visible, np.float32(_logit(LEAST) - _logit(OPACITY)), np.float32(0))
+    steps = np.where(visible, GONE - THERE, np.float32(0))
     times = [frame.time for frame in frames]
     curves = fitted_curves(steps, np.where(visible, WEIGHT, 1.0), times, motion.n_controls)
     motion.opacity_controls[count:, :, 0] = curves
@@ -156,7 +151,3 @@ def _at(mask: BoolImage, centers: FloatArray) -> NDArray[np.bool_]:
     columns, rows = np.floor(centers).astype(np.int64).T
     found: NDArray[np.bool_] = mask[rows.clip(0, mask.shape[0] - 1), columns.clip(0, mask.shape[1] - 1)]
     return found
-
-
-def _logit(opacity: float) -> float:
-    return float(np.log(opacity / (1 - opacity)))

@@ -30,7 +30,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-import cv2
 import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
@@ -41,7 +40,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import Rasterizer
 from renderer.splats import RenderMode
 from renderer.train.events import Omission
-from renderer.train.frames import TrainFrame
+from renderer.train.frames import TrainFrame, away_from_tools
 
 SLACK = 0.01
 REST = 0.01
@@ -123,8 +122,7 @@ def _seen_shares(
 def _trusted(frame: TrainFrame) -> NDArray[np.float32]:
     """(H, W) how much the colour of a pixel counts, from 0 to 1; the image's own border is no edge."""
     height, width = frame.camera.height, frame.camera.width
-    mask = np.pad(frame.color_mask[:height, :width].astype(np.uint8), 1, constant_values=1)
-    away = cv2.distanceTransform(mask, cv2.DIST_L2, cv2.DIST_MASK_5)[1:-1, 1:-1]
+    away = away_from_tools(frame.color_mask[:height, :width])
     trusted = np.zeros(frame.color_mask.shape, np.float32)
     trusted[:height, :width] = np.where(away > EDGE, np.float32(1), np.float32(BESIDE)) * (away > 0)
     return trusted

@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, Frame
 from renderer.evenly import evenly
-from renderer.splats import Float32Array
 from renderer.train.events import Omission
 from renderer.train.frame_store import FrameStore
+from renderer.train.frames import away_from_tools
 
 MIXED: Final = 2.0
 """Pixels beside a tool that are in part of its colour."""
@@ -41,13 +41,6 @@ TIGHT: Final = 4.0
 training frames: phantom 7.5, pulling 1.8 and mesentery 1.7."""
 MOST: Final = 16
 """Frames that are looked at."""
-
-
-def away_from_tools(tissue: BoolImage) -> Float32Array:
-    """(H, W) distance of each pixel from the nearest that is no tissue; the image's own border is no edge."""
-    padded = np.pad(tissue.astype(np.uint8), 1, constant_values=1)
-    away = cv2.distanceTransform(padded, cv2.DIST_L2, cv2.DIST_MASK_5)
-    return np.asarray(away[1:-1, 1:-1], np.float32)
 
 
 def without_outlines(frames: FrameStore[Frame], folder: Path | None) -> FrameStore[Frame]:

@@ -28,7 +28,7 @@ from renderer.train.events import (
 from renderer.train.fading import faded_out_of_sight
 from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frame_store import FrameStore, nearest_folder
-from renderer.train.frames import TrainFrame, halved, seen_by, train_frame, unseen_by, within_reach
+from renderer.train.frames import TrainFrame, halved, seen_by, train_frame, unseen_beyond, within_reach
 from renderer.train.gaps import EVERY as LOOKED_AT
 from renderer.train.gaps import closed_gaps
 from renderer.train.gradient_backend import GradientBackend
@@ -145,7 +145,8 @@ def _prepared(
         seeds, frames = (apart if seeds is frames else seeds), apart
     raw = recipe.initialize(seeds)
     model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size, pictures)
-    seen, unseen = (seen_by(frames), unseen_by(frames)) if judged else (None, None)
+    seen = seen_by(frames) if judged else None
+    unseen = unseen_beyond(seen) if seen is not None else None
     taken = (train_frame(frames.take(place), unseen, seen) for place in range(len(frames)))
     pool = _Pool(FrameStore.of(taken, spilled), config.seed, needs.has_masks, spilled)
     measured = held_out if config.hold_out else clip.test_indices

@@ -15,7 +15,8 @@ from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
 from renderer.raw_gaussians import RawGaussians
 from renderer.train.fading import FADES, LEAST, TRACE, _shares_beyond, faded_out_of_sight
-from renderer.train.frames import TrainFrame, train_frame, unseen_by
+from renderer.train.frames import TrainFrame, train_frame, unseen_beyond
+from tests.renderer.splines import without_nodes
 
 CONTROLS, WIDTH, HEIGHT = 9, 96, 64
 FOCAL, DEPTH = 80.0, 10.0
@@ -48,14 +49,7 @@ def model(down: float) -> DynamicGaussians:
     )
     positions = np.zeros((2, CONTROLS, 3), np.float32)
     positions[LEAVES, :, 1] = np.linspace(0, down * DEPTH / FOCAL, CONTROLS)
-    motion = SplineMotion(
-        position_controls=positions,
-        color_controls=np.zeros((0, CONTROLS, 3), np.float32),
-        opacity_controls=np.zeros((0, CONTROLS, 1), np.float32),
-        node_controls=np.zeros((0, CONTROLS, 3), np.float32),
-        node_indices=np.zeros((0, 4), np.int32),
-        node_weights=np.zeros((0, 4), np.float32),
-    )
+    motion = without_nodes(positions)
     return DynamicGaussians(raw, motion)
 
 
@@ -66,7 +60,7 @@ def faded(before: DynamicGaussians) -> DynamicGaussians:
 def hidden() -> NDArray[np.bool_]:
     mask = np.ones((HEIGHT, WIDTH), bool)
     mask[BAR:] = False
-    return unseen_by([Frame(0, 0.0, np.zeros((HEIGHT, WIDTH, 3), np.uint8), CAMERA, mask, mask)])
+    return unseen_beyond(mask)
 
 
 def test_it_is_gone_where_nothing_is_seen_and_as_it_was_before() -> None:

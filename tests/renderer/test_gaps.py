@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.clip import Frame
-from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array
 from renderer.train.frames import TrainFrame, train_frame
 from renderer.train.gaps import COVERED, closed_gaps
+from tests.renderer.splines import without_nodes
 
 CONTROLS, WIDTH, HEIGHT = 12, 64, 48
 FOCAL, DEPTH, NEAR = 80.0, 10.0, 0.1
@@ -59,14 +59,7 @@ def sheet(apart: float = 5.0) -> DynamicGaussians:
     positions = np.zeros((len(means), CONTROLS, 3), np.float32)
     away = np.exp(-(((np.arange(CONTROLS) - 5) / 1.5) ** 2)) * apart * DEPTH / FOCAL
     positions[pixels[:, 0] > 0, :, 0] = away
-    motion = SplineMotion(
-        position_controls=positions,
-        color_controls=np.zeros((0, CONTROLS, 3), np.float32),
-        opacity_controls=np.zeros((0, CONTROLS, 1), np.float32),
-        node_controls=np.zeros((0, CONTROLS, 3), np.float32),
-        node_indices=np.zeros((0, 4), np.int32),
-        node_weights=np.zeros((0, 4), np.float32),
-    )
+    motion = without_nodes(positions)
     return DynamicGaussians(raw, motion)
 
 

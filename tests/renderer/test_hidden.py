@@ -16,6 +16,7 @@ from renderer.raw_gaussians import RawGaussians
 from renderer.train import hidden as hidden_tissue
 from renderer.train.frames import TrainFrame, train_frame
 from renderer.train.hidden import EDGE, REST, SLACK, _seen_shares, smooth_occluded_motion
+from tests.renderer.splines import without_nodes
 
 CONTROLS, COUNT, SIDE = 9, 12, 32
 CAMERA = Camera(40.0, 40.0, SIDE / 2, SIDE / 2, SIDE, SIDE)
@@ -33,14 +34,8 @@ def gaussians(rng: np.random.Generator) -> DynamicGaussians:
         colors=rng.uniform(0.2, 0.8, (COUNT, 3)).astype(np.float32),
         harmonics=np.zeros((COUNT, 0, 3), np.float32),
     )
-    motion = SplineMotion(
-        position_controls=np.zeros((COUNT, CONTROLS, 3), np.float32),
-        color_controls=rng.normal(0, 0.3, (COUNT, CONTROLS, 3)).astype(np.float32),
-        opacity_controls=np.zeros((0, CONTROLS, 1), np.float32),
-        node_controls=np.zeros((0, CONTROLS, 3), np.float32),
-        node_indices=np.zeros((0, 4), np.int32),
-        node_weights=np.zeros((0, 4), np.float32),
-    )
+    positions = np.zeros((COUNT, CONTROLS, 3), np.float32)
+    motion = without_nodes(positions, rng.normal(0, 0.3, (COUNT, CONTROLS, 3)).astype(np.float32))
     return DynamicGaussians(raw, motion)
 
 

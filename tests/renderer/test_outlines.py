@@ -14,7 +14,8 @@ from renderer.clip import Clip, Frame
 from renderer.rasterize.cpu import render
 from renderer.train import outlines
 from renderer.train.config import TrainConfig
-from renderer.train.outlines import MIXED, are_tight, away_from_tools, seen_apart, without_mixed
+from renderer.train.frames import away_from_tools
+from renderer.train.outlines import MIXED, are_tight, seen_apart, without_mixed
 from tests.renderer.sheet import finished, moving_sheet
 
 WIDTH, HEIGHT = 32, 24

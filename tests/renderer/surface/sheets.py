@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
+from tests.renderer.splines import without_nodes
 
 CAMERA = Camera(fx=120, fy=120, cx=48, cy=36, width=96, height=72)
 NEAR = 0.05
@@ -45,15 +45,7 @@ def sheet(spacing: float = 0.8) -> DynamicGaussians:
     )
     # Values of a uniform cubic spline of four controls that is the straight line from 0 to 1.
     line = np.arange(controls)[:, None] - 1.0
-    nothing = np.zeros((0, controls, 3), np.float32)
-    motion = SplineMotion(
-        position_controls=np.broadcast_to(line * WAY, (count, controls, 3)).astype(np.float32).copy(),
-        color_controls=nothing,
-        opacity_controls=np.zeros((0, controls, 1), np.float32),
-        node_controls=nothing,
-        node_indices=np.zeros((0, 4), np.int32),
-        node_weights=np.zeros((0, 4), np.float32),
-    )
+    motion = without_nodes(np.broadcast_to(line * WAY, (count, controls, 3)).astype(np.float32).copy())
     return DynamicGaussians(raw, motion)
 
 
