@@ -28,6 +28,7 @@ from enhance.pixel_block import (
     load_keep,
 )
 from enhance.powers import rounded
+from enhance.wide_vectors import wide_vectors
 
 
 @njit(parallel=True, nogil=True, cache=True, fastmath={"contract"}, error_model="numpy")
@@ -84,6 +85,7 @@ def _gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np
 
     Differences to a value that occurs keep a small variance exact to float32.
     """
+    wide_vectors()
     first, drift, spread = lines[0, x0 : x0 + CHUNK], lines[1, x0 : x0 + CHUNK], lines[2, x0 : x0 + CHUNK]
     if begins:
         for i in range(CHUNK):
@@ -102,6 +104,7 @@ def _tally(
     chunk: NDArray[np.float32], levels: NDArray[np.uint16], counts: NDArray[np.int32], count: int
 ) -> None:
     """Add the chunk's S and V to the sums; four histograms in turn, as equal neighbours would wait."""
+    wide_vectors()
     for i in range(CHUNK):
         most = chunk[MOST, i]
         chroma = (most - chunk[LEAST_COLOR, i]) / (most if most > LEAST else LEAST)
@@ -143,6 +146,7 @@ def _shrink_by(
     variance: NDArray[np.float32],
 ) -> None:
     """Variances of the columns, and of their means about the block's (Chan, Golub and LeVeque, 1979)."""
+    wide_vectors()
     share = ONE / np.float32(subsample)
     first, drifts, spreads = lines[0], lines[1], lines[2]
     for x in range(len(mean)):
@@ -171,6 +175,7 @@ def finish(
     histograms: NDArray[np.int64],
 ) -> None:
     """Of a task's BLOCK rows of the fine grid, those of the coarse one; and its histograms together."""
+    wide_vectors()
     low_rows = fine.shape[1]
     last = min((block + 1) * BLOCK, low_rows)
     for low_row in range(block * BLOCK // 2, min((last + 1) // 2, coarse.shape[1])):
@@ -192,6 +197,7 @@ def add_up(
 @njit(fastmath={"contract"}, error_model="numpy")
 def _pool(fine: NDArray[np.float32], first: int, second: int, coarse: NDArray[np.float32]) -> None:
     """A row of the coarse grid from two of the fine one."""
+    wide_vectors()
     last = fine.shape[2] - 1
     above, below = fine[:, first], fine[:, second]
     for x in range(coarse.shape[1]):

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance.wide_vectors import wide_vectors
 from enhance.window_rows import (
     EDGE,
     NARROW,
@@ -221,6 +222,7 @@ def _covered(at: int, size: int, whole: int, part: float) -> float:
 @njit(error_model="numpy")
 def _shares(columns: int, whole: int, part: float) -> NDArray[np.float64]:
     """(columns,) one over the weight of the columns that each window covers."""
+    wide_vectors()
     out = np.empty(columns)
     for x in range(columns):
         out[x] = 1.0 / _covered(x, columns, whole, part)
@@ -239,6 +241,7 @@ def _move(
     second: NDArray[np.float64],
 ) -> None:
     """Two rows come in by and by, and two go; to begin with, all come in, four at a time."""
+    wide_vectors()
     if begins:
         first[:] = 0.0
         second[:] = 0.0
@@ -261,6 +264,7 @@ def _add(
     first: NDArray[np.float64],
     second: NDArray[np.float64],
 ) -> None:
+    wide_vectors()
     height = planes.shape[1]
     y0, w0 = _change(rows[0], y, begins, height, whole, part)
     y1, w1 = _change(rows[1], y, begins, height, whole, part)
@@ -300,6 +304,7 @@ def _weight(apart: int, whole: int, part: float) -> float:
 @njit(fastmath={"contract"}, error_model="numpy")
 def _solve(eps: np.float32, first: NDArray[np.float32], second: NDArray[np.float32]) -> None:
     """Variance and mean become a and b; (1 - a) as eps / (variance + eps), which does not cancel."""
+    wide_vectors()
     for x in range(len(first)):
         smooth = eps / (first[x] + eps)
         first[x] = np.float32(1.0) - smooth

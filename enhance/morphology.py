@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from enhance.image import Float32Image
 from enhance.pixel_block import HALF
 from enhance.rows import reflected
+from enhance.wide_vectors import wide_vectors
 
 STRIP: Final = 64
 """Rows of one task."""
@@ -103,6 +104,7 @@ def _smooth(levels: Levels, low: np.float32, unit: np.float32, out: NDArray[np.f
 
 @njit(error_model="numpy")
 def _weigh(left: NDArray[Any], middle: NDArray[Any], right: NDArray[Any], out: NDArray[np.float32]) -> None:
+    wide_vectors()
     for x in range(min(len(right), len(out))):
         beside = np.float32(left[x]) + np.float32(right[x])
         out[x] = MIDDLE * np.float32(middle[x]) + SIDE * beside
@@ -110,6 +112,7 @@ def _weigh(left: NDArray[Any], middle: NDArray[Any], right: NDArray[Any], out: N
 
 @njit(error_model="numpy")
 def _read(line: NDArray[Any], low: np.float32, inverse: np.float32, flip: np.uint16, out: Levels) -> None:
+    wide_vectors()
     for x in range(len(line)):
         out[x] = np.uint16(np.int32((np.float32(line[x]) - low) * inverse + HALF)) ^ flip
 
@@ -123,27 +126,31 @@ def _count(
     least: Levels,
 ) -> None:
     """Take a row into account; the disc is widest at its middle, so minima only widen towards it."""
+    wide_vectors()
     radius = len(reaches) - 1
     narrow[:] = row[radius : radius + TILE]
     done = 0
     for away in range(radius, -1, -1):
         while done < reaches[away]:
             done += 1
-            _widen(row[radius - done :], row[radius + done :], narrow)
+            _widen(row, np.uint64(radius - done), np.uint64(radius + done), narrow)
         if 0 <= at - away < len(least):
-            _lower(narrow, least[at - away])
+            _lower(narrow, np.uint64(at - away), least)
         if 0 <= at + away < len(least) and away > 0:
-            _lower(narrow, least[at + away])
+            _lower(narrow, np.uint64(at + away), least)
 
 
-@njit(error_model="numpy")
-def _widen(left: Levels, right: Levels, narrow: Levels) -> None:
-    for i in range(TILE):
-        outer = left[i] if left[i] < right[i] else right[i]
+@njit(forceinline=True, error_model="numpy")
+def _widen(row: Levels, left: np.uint64, right: np.uint64, narrow: Levels) -> None:
+    """Places, not slices, which would be counted as references."""
+    wide_vectors()
+    for i in range(np.uint64(TILE)):
+        outer = row[left + i] if row[left + i] < row[right + i] else row[right + i]
         narrow[i] = outer if outer < narrow[i] else narrow[i]
 
 
-@njit(error_model="numpy")
-def _lower(narrow: Levels, least: Levels) -> None:
-    for i in range(TILE):
-        least[i] = narrow[i] if narrow[i] < least[i] else least[i]
+@njit(forceinline=True, error_model="numpy")
+def _lower(narrow: Levels, y: np.uint64, least: Levels) -> None:
+    wide_vectors()
+    for i in range(np.uint64(TILE)):
+        least[y, i] = narrow[i] if narrow[i] < least[y, i] else least[y, i]

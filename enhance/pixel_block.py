@@ -16,6 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enhance.interleave import deinterleave
+from enhance.wide_vectors import wide_vectors
 
 CHUNK = 256
 """Pixels: loops are long beside what it costs to begin them, and the planes stay in the first-level cache. A
@@ -36,6 +37,7 @@ RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) -> None:
     """Colours, their largest and smallest, as they come; taken apart in their own, narrow type."""
+    wide_vectors()
     deinterleave(pixels, apart)
     for i in range(CHUNK):
         red, green, blue = apart[0, i], apart[1, i], apart[2, i]
@@ -51,6 +53,7 @@ def load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def load_keep(keep: NDArray[np.uint8], y: int, x0: int, count: int, chunk: NDArray[np.float32]) -> None:
     """1 where a pixel counts, 0 elsewhere; an empty `keep` keeps all."""
+    wide_vectors()
     if keep.shape[0] == 0:
         for i in range(CHUNK):
             chunk[KEEP, i] = ONE if i < count else ZERO
@@ -64,6 +67,7 @@ def load_keep(keep: NDArray[np.uint8], y: int, x0: int, count: int, chunk: NDArr
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def keep_within(first: int, end: int, x0: int, chunk: NDArray[np.float32]) -> None:
     """Only columns from `first` on and before `end` count."""
+    wide_vectors()
     for i in range(CHUNK):
         chunk[KEEP, i] = chunk[KEEP, i] if first <= x0 + i < end else ZERO
 
@@ -71,6 +75,7 @@ def keep_within(first: int, end: int, x0: int, chunk: NDArray[np.float32]) -> No
 @njit(error_model="numpy")
 def copy_pixels(pixels: NDArray[Any], out: NDArray[Any]) -> None:
     """(n, 3) pixels, both C-contiguous: a loop becomes vector code where an assignment of slices does not."""
+    wide_vectors()
     source, target = pixels.reshape(-1), out.reshape(-1)
     for i in range(len(source)):
         target[i] = source[i]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from enhance.image import Float32Image
 from enhance.pixel_block import ONE, ZERO
 from enhance.upscale import bring_up
+from enhance.wide_vectors import wide_vectors
 
 BRIGHT: Final = (np.float32(0.92), np.float32(0.98))
 """V from which on a block may be a reflection, and from which on it is one if it has no colour: at .9, pale
@@ -98,6 +99,7 @@ def _fill(
 @njit(error_model="numpy")
 def _see(absorbed: NDArray[np.float32], bright: NDArray[np.float32], seen: NDArray[np.float32]) -> None:
     """Soft bounds: noise about them does not flicker."""
+    wide_vectors()
     for i in range(len(absorbed)):
         seen[i] = ONE - _rise(bright[i], BRIGHT) * (ONE - _rise(absorbed[i], COLORLESS))
 
@@ -114,6 +116,7 @@ def _rise(value: np.float32, bounds: tuple[np.float32, np.float32]) -> np.float3
 def _least_of_three(
     a: NDArray[np.float32], b: NDArray[np.float32], c: NDArray[np.float32], out: NDArray[np.float32]
 ) -> None:
+    wide_vectors()
     for i in range(len(out)):
         least = a[i] if a[i] < b[i] else b[i]
         out[i] = least if least < c[i] else c[i]
@@ -121,6 +124,7 @@ def _least_of_three(
 
 @njit(error_model="numpy")
 def _pile(absorbed: NDArray[np.float32], seen: NDArray[np.float32], piles: NDArray[np.float32]) -> None:
+    wide_vectors()
     sums, shares = piles[0], piles[1]
     for i in range(len(absorbed)):
         sums[i] += absorbed[i] * seen[i]
@@ -130,6 +134,7 @@ def _pile(absorbed: NDArray[np.float32], seen: NDArray[np.float32], piles: NDArr
 @njit(error_model="numpy")
 def _average(piles: NDArray[np.float32], height: int, columns: int, means: NDArray[np.float32]) -> None:
     """Sums of columns to means of blocks; then they begin anew."""
+    wide_vectors()
     for plane in range(2):
         pile = piles[plane]
         for x in range(means.shape[1]):
@@ -148,6 +153,7 @@ def _blend(
     weight: np.float32,
     seen: NDArray[np.float32],
 ) -> None:
+    wide_vectors()
     for i in range(len(absorbed)):
         around = even[i] + weight * (odd[i] - even[i])
         lack = around - absorbed[i] if around > absorbed[i] else ZERO

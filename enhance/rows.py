@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from enhance.interleave import deinterleave
 from enhance.pixel_block import CHUNK
+from enhance.wide_vectors import wide_vectors
 
 REACH: Final = 1
 """Pixels on either side that count."""
@@ -49,11 +50,12 @@ def reflected(at: int, size: int) -> int:
 def read_row(
     image: NDArray[Any],  # (H, W, 3)
     y: int,  # may lie outside
-    line: NDArray[Any],  # (3, `held_width`), for use here
+    lines: NDArray[Any],  # (ROWS, 3, `held_width`), in and out: of the rows' colours apart
     across: NDArray[Any],  # (ROWS, 3, `held_width`), in and out
 ) -> None:
     """Sums of three neighbours in row y, the middle one twice: those around column x are at place x + 1."""
     columns = image.shape[1]
+    line = lines[y % ROWS]
     deinterleave(image[reflected(y, image.shape[0])], line)
     for color in range(3):
         pixels, sums = line[color], across[y % ROWS, color]
@@ -67,6 +69,7 @@ def read_row(
 
 @njit(error_model="numpy")
 def _add_across(left: NDArray[Any], sums: NDArray[Any], count: int) -> None:
+    wide_vectors()
     middle, right = left[1:], left[2:]
     for i in range(count):
         sums[i] = left[i] + right[i] + (middle[i] + middle[i])
@@ -75,6 +78,7 @@ def _add_across(left: NDArray[Any], sums: NDArray[Any], count: int) -> None:
 @njit(error_model="numpy")
 def add_down(across: NDArray[Any], y: int, color: int, x0: int, sums: NDArray[Any]) -> None:
     """Weighted (1 2 1) of the rows around y: (CHUNK,) sums of the pixels from column x0 on."""
+    wide_vectors()
     row, up, down = (
         across[y % ROWS, color, x0 + 1 :],
         across[(y - 1) % ROWS, color, x0 + 1 :],

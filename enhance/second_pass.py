@@ -43,6 +43,7 @@ from enhance.pixel_block import (
 )
 from enhance.powers import exp2, log2, rounded
 from enhance.upscale import bring_up
+from enhance.wide_vectors import wide_vectors
 
 FLOOR = np.float32(1 / 255)
 BLACK = np.float32(24 / 255)
@@ -152,6 +153,7 @@ def render(
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def filter_row(lines: NDArray[np.float32], x0: int, weight: np.float32, chunk: NDArray[np.float32]) -> None:
     """Q of Eq 6, into SLOPE, between two rows of a and b."""
+    wide_vectors()
     a, a_odd = lines[0, 0, x0 : x0 + CHUNK], lines[1, 0, x0 : x0 + CHUNK]
     b, b_odd = lines[0, 1, x0 : x0 + CHUNK], lines[1, 1, x0 : x0 + CHUNK]
     for i in range(CHUNK):
@@ -165,6 +167,7 @@ def _brighten(
     chunk: NDArray[np.float32], apart: NDArray[Any], curve: NDArray[np.float32], z: np.float32
 ) -> None:
     """log2 of Vn of Eq 1."""
+    wide_vectors()
     if len(curve) == BINS:
         for i in range(CHUNK):
             chunk[LOG, i] = curve[np.uint8(apart[3, i])]
@@ -177,6 +180,7 @@ def _brighten(
 
 @njit(fastmath={"contract"}, error_model="numpy")
 def _brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
+    wide_vectors()
     for i in range(CHUNK):
         value = chunk[VALUE, i]
         log = log2(value)
@@ -191,6 +195,7 @@ def add_moments(
     pivot: np.float32,
     sums: NDArray[np.float32],  # (2, CHUNK), in and out: of Q - pivot and its square over the kept pixels
 ) -> None:
+    wide_vectors()
     drift, spread = sums[0], sums[1]
     for i in range(CHUNK):
         apart = (chunk[SLOPE, i] - pivot) * chunk[KEEP, i]
@@ -208,6 +213,7 @@ def filter_and_add_by_root(
     chunk: NDArray[np.float32],
 ) -> None:
     """`filter_row`, `add_moments` and Vn^E for P = 1/2, nearly every image's, in one go."""
+    wide_vectors()
     a, a_odd = lines[0, 0, x0 : x0 + CHUNK], lines[1, 0, x0 : x0 + CHUNK]
     b, b_odd = lines[0, 1, x0 : x0 + CHUNK], lines[1, 1, x0 : x0 + CHUNK]
     drift, spread = sums[0], sums[1]
@@ -225,6 +231,7 @@ def filter_and_add_by_root(
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _add_by_root(chunk: NDArray[np.float32]) -> None:
     """Vn^E of Eq 8 from Q for P = 1/2, onto TOTAL."""
+    wide_vectors()
     for i in range(CHUNK):
         ratio = (chunk[SLOPE, i] + FLOOR) * chunk[INVERSE, i]
         chunk[TOTAL, i] += exp2(np.sqrt(ratio) * chunk[LOG, i])
@@ -233,6 +240,7 @@ def _add_by_root(chunk: NDArray[np.float32]) -> None:
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _raise(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[np.float32]) -> None:
     """E of Eq 7 from Q, or as far as needed from what is kept of an earlier pass; into SLOPE."""
+    wide_vectors()
     if stage in (FROM_LOGARITHM, FROM_POWER):
         for i in range(len(kept)):
             chunk[SLOPE, i] = kept[i]
@@ -259,6 +267,7 @@ def _raise(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
     """V* of Eq 10: of the scales added up, and of Vn for each that is left out, or alone if there is none."""
+    wide_vectors()
     left_out = 0
     for scale in range(len(exponents)):
         left_out += 1 if exponents[scale] < ZERO else 0
@@ -277,6 +286,7 @@ def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _recolor(chunk: NDArray[np.float32], pull: np.float32, color: np.float32, full: np.float32) -> None:
     """Colours of V* and S* (Eqs 11, 12) with the old hue: c becomes V* (1 - S* (M - c) / D), one division."""
+    wide_vectors()
     if pull >= ZERO:
         for i in range(CHUNK):
             most, least = chunk[MOST, i], chunk[LEAST_COLOR, i]
@@ -319,6 +329,7 @@ def faded_to_black(value: np.float32) -> np.float32:
 @njit(fastmath={"contract"}, error_model="numpy")
 def _fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
     """`keep_black`: back to the original colours below V = 24/255, by a smoothstep that is 0 at V = 0."""
+    wide_vectors()
     for i in range(CHUNK):
         chunk[OFFSET, i] = faded_to_black(chunk[VALUE, i])
     for plane in range(3):
@@ -329,6 +340,7 @@ def _fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pixels: NDArray[Any]) -> None:
+    wide_vectors()
     if full > ONE:
         for plane in range(3):
             for i in range(CHUNK):

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from enhance.image import Float32Image
 from enhance.pixel_block import HALF, ONE, ZERO
+from enhance.wide_vectors import wide_vectors
 
 
 @njit(error_model="numpy")
@@ -51,6 +52,7 @@ def _widen(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> No
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _widen_by(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
     """Where `grid` is a constant, this becomes vector code."""
+    wide_vectors()
     last = len(row) - 1
     _spread(row[0], row[0], row[min(1, last)], grid, 0, line)
     for x in range(1, last):

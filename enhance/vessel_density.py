@@ -19,6 +19,7 @@ from enhance.reflections import without_reflections
 from enhance.upscale import at_places, bring_up
 from enhance.vessel_curves import faded
 from enhance.vessel_first_pass import SUBSAMPLE
+from enhance.wide_vectors import wide_vectors
 
 BOUND = np.float32(0.5)
 """On the density that is found, a natural logarithm: at strength 1, green falls to 61 % at most."""
@@ -111,6 +112,7 @@ def _core(
     density: NDArray[np.float32],
 ) -> None:
     """Top-hat, coring, and a soft bound by the hyperbolic tangent."""
+    wide_vectors()
     for i in range(len(density)):
         found = absorbed[i] - (even[i] + weight * (odd[i] - even[i]))
         found = found if found > ZERO else ZERO

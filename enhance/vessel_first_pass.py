@@ -12,8 +12,8 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance.calm_color import calm
 from enhance.first_pass import add_up
-from enhance.interleave import deinterleave
 from enhance.pixel_block import (
     BINS,
     BLOCK,
@@ -39,16 +39,15 @@ from enhance.rows import (
     REACH,
     ROWS,
     SOFT,
-    add_down,
     held_width,
     read_row,
 )
+from enhance.wide_vectors import wide_vectors
 
 SUBSAMPLE: Final = 2
 """Pixels along a side of the blocks in which blood is looked for."""
 TASK: Final = SUBSAMPLE * BLOCK
 """Rows of one task."""
-LUMA = (np.float32(0.299), np.float32(0.587), np.float32(0.114))
 FLOOR = np.float32(8 / 255)
 """Added before a logarithm, so that noise in the dark is no structure."""
 NEXT = np.uint64(1)
@@ -72,9 +71,9 @@ def first_pass(
     unit = ONE / full
     for task in prange(len(chroma)):
         width = held_width(columns)
-        line = np.zeros((3, width), image.dtype)
+        lines = np.zeros((ROWS, 3, width), image.dtype)
         across = np.zeros((ROWS, 3, width), sums.dtype)
-        apart, narrow = np.zeros((3, CHUNK), image.dtype), np.zeros((3, CHUNK), sums.dtype)
+        narrow = np.zeros((3, CHUNK), sums.dtype)
         chunk = np.zeros((PLANES, CHUNK), np.float32)
         above, soft = np.empty(width, np.float32), np.empty((2, width), sums.dtype)
         levels = np.empty(CHUNK, np.uint16)
@@ -83,17 +82,14 @@ def first_pass(
         totals = np.zeros(CHUNK)
         top, bottom = task * TASK, min((task + 1) * TASK, rows)
         for y in range(top - REACH, top + REACH):
-            read_row(image, y, line, across)
+            read_row(image, y, lines, across)
         for y in range(top, bottom):
-            read_row(image, y + REACH, line, across)
+            read_row(image, y + REACH, lines, across)
             first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
             chunk[TOTAL] = ZERO
             for x0 in range(0, columns, CHUNK):
                 count = min(CHUNK, columns - x0)
-                gather(image[y, x0 : x0 + count], across, y, x0, apart, narrow)
-                for i in range(CHUNK):
-                    red, green, blue = calm_color(apart, narrow, i, unit)
-                    chunk[VALUE, i], chunk[LEAST_COLOR, i] = extremes(red, green, blue)
+                calm(lines, across, y, x0, unit, narrow, chunk)
                 if first < x0 + count and x0 < end:
                     load_keep(keep, y, x0, count, chunk)
                     if first > x0 or end < x0 + count:
@@ -119,54 +115,9 @@ def first_pass(
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def gather(
-    pixels: NDArray[Any],
-    across: NDArray[Any],
-    y: int,
-    x0: int,
-    apart: NDArray[Any],
-    narrow: NDArray[Any],
-) -> None:
-    """Colours apart, and sums about each pixel."""
-    deinterleave(pixels, apart)
-    for color in range(3):
-        add_down(across, y, color, x0, narrow[color])
-
-
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def calm_color(
-    apart: NDArray[Any], narrow: NDArray[Any], i: int, unit: np.float32
-) -> tuple[np.float32, np.float32, np.float32]:
-    """Noise of colour goes, that of brightness stays: differences of R, G and B to luma are smoothed.
-
-    V never rises by it.
-    """
-    scale = unit * SOFT
-    soft_red, soft_green = np.float32(narrow[0, i]) * scale, np.float32(narrow[1, i]) * scale
-    soft_blue = np.float32(narrow[2, i]) * scale
-    red, green = np.float32(apart[0, i]) * unit, np.float32(apart[1, i]) * unit
-    blue = np.float32(apart[2, i]) * unit
-    fine = LUMA[0] * (red - soft_red) + LUMA[1] * (green - soft_green) + LUMA[2] * (blue - soft_blue)
-    most = red if red > green else green
-    most = most if most > blue else blue
-    red, green, blue = soft_red + fine, soft_green + fine, soft_blue + fine
-    red, green = red if red < most else most, green if green < most else most
-    blue = blue if blue < most else most
-    red, green = red if red > ZERO else ZERO, green if green > ZERO else ZERO
-    return red, green, blue if blue > ZERO else ZERO
-
-
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def extremes(red: np.float32, green: np.float32, blue: np.float32) -> tuple[np.float32, np.float32]:
-    """V and the smallest of a pixel's colours."""
-    value = red if red > green else green
-    least = red if red < green else green
-    return value if value > blue else blue, least if least < blue else blue
-
-
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _tally(chunk: NDArray[np.float32], levels: NDArray[np.uint16]) -> None:
     """Add S to its sums; the levels of V, one more than there are of what does not count."""
+    wide_vectors()
     for i in range(CHUNK):
         most = chunk[VALUE, i]
         chroma = (most - chunk[LEAST_COLOR, i]) / (most if most > LEAST else LEAST)
@@ -207,6 +158,7 @@ def _absorb(
 ) -> None:
     """What green lacks beside red in each 2 x 2 block, from the smoothed colours and those of the row before,
     if there is one."""
+    wide_vectors()
     for color in range(2):
         for i in range(CHUNK):
             above[color, i] = narrow[color, i] + (narrow[color, i] if alone else above[color, i])

@@ -13,6 +13,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from enhance import vessel_curves
+from enhance.calm_color import calm
 from enhance.pixel_block import (
     BLUE,
     CHUNK,
@@ -32,7 +33,8 @@ from enhance.rows import REACH, ROWS, held_width, read_row
 from enhance.second_pass import faded_to_black, store
 from enhance.upscale import bring_up
 from enhance.vessel_curves import faded, unpacked, value_of
-from enhance.vessel_first_pass import SUBSAMPLE, TASK, calm_color, extremes, gather
+from enhance.vessel_first_pass import SUBSAMPLE, TASK
+from enhance.wide_vectors import wide_vectors
 
 ABSORPTION: Final = np.array([0.15, 1.0, 0.8], dtype=np.float32)
 """Of haemoglobin in the red, green and blue of a camera, relative to green (coarse: sensors differ)."""
@@ -62,7 +64,7 @@ def second_pass(
     unit = ONE / full
     for task in prange((rows + TASK - 1) // TASK):
         width = held_width(columns)
-        line = np.zeros((3, width), image.dtype)
+        lines = np.zeros((ROWS, 3, width), image.dtype)
         across = np.zeros((ROWS, 3, width), sums_type.dtype)
         apart, narrow = np.zeros((3, CHUNK), image.dtype), np.zeros((3, CHUNK), sums_type.dtype)
         chunk = np.zeros((PLANES, CHUNK), np.float32)
@@ -70,18 +72,14 @@ def second_pass(
         held = np.full(2, -1)
         top, bottom = task * TASK, min((task + 1) * TASK, rows)
         for y in range(top - REACH, top + REACH):
-            read_row(image, y, line, across)
+            read_row(image, y, lines, across)
         for y in range(top, bottom):
-            read_row(image, y + REACH, line, across)
+            read_row(image, y + REACH, lines, across)
             first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
             weight = bring_up(density, y, SUBSAMPLE, blood, held)
             for x0 in range(first // CHUNK * CHUNK, end if end > first else 0, CHUNK):
                 count = min(CHUNK, columns - x0)
-                gather(image[y, x0 : x0 + count], across, y, x0, apart, narrow)
-                for i in range(CHUNK):
-                    red, green, blue = calm_color(apart, narrow, i, unit)
-                    chunk[RED, i], chunk[GREEN, i], chunk[BLUE, i] = red, green, blue
-                    chunk[VALUE, i], chunk[LEAST_COLOR, i] = extremes(red, green, blue)
+                calm(lines, across, y, x0, unit, narrow, chunk)
                 _brighten(chunk, brightness)
                 _finish(
                     chunk, powers, pull, most_color,
@@ -95,6 +93,7 @@ def second_pass(
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _brighten(chunk: NDArray[np.float32], brightness: NDArray[np.float32]) -> None:
     """Vn of Eq 1 from VALUE, into TOTAL."""
+    wide_vectors()
     terms = unpacked(brightness)
     for i in range(CHUNK):
         log = brief_log2(chunk[VALUE, i])
@@ -118,6 +117,7 @@ def _finish(
 
     ABSORPTION in twentieths is whole, so powers of one exponential serve for three.
     """
+    wide_vectors()
     terms = unpacked(powers)
     taken = -LOG2_E / TWENTY * strength
     for i in range(CHUNK):

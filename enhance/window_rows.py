@@ -8,6 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from enhance.wide_vectors import wide_vectors
+
 NARROW: Final = 1
 """Pixels on each side, counted in full, of a window that is added up."""
 EDGE: Final = NARROW + 1
@@ -20,6 +22,7 @@ def accumulate(sums: NDArray[np.float64], whole: int, running: NDArray[np.float6
 
     Four at a time: each step waits for one addition instead of four.
     """
+    wide_vectors()
     columns = len(sums)
     running[: whole + 2] = 0.0
     out = running[whole + 2 :]
@@ -48,6 +51,7 @@ def mean_of(
     tall: float,
     out: NDArray[np.float32],
 ) -> None:
+    wide_vectors()
     inner, last, outer = running[1:], running[2 * whole + 2 :], running[2 * whole + 3 :]
     for x in range(len(out)):
         total = (1.0 - part) * (last[x] - inner[x]) + part * (outer[x] - running[x])
@@ -74,6 +78,7 @@ def describe(
     mean: NDArray[np.float32],
 ) -> None:
     """Of V in a row of windows."""
+    wide_vectors()
     inner, last, outer = running_first[1:], running_first[2 * whole + 2 :], running_first[2 * whole + 3 :]
     inner_2, last_2 = running_second[1:], running_second[2 * whole + 2 :]
     outer_2 = running_second[2 * whole + 3 :]
@@ -94,6 +99,7 @@ def mean_narrow(
     out: NDArray[np.float32],
 ) -> None:
     """As `mean_of`, of a window with NARROW whole pixels on each side."""
+    wide_vectors()
     left, near, middle, far, right = sums, sums[1:], sums[2:], sums[3:], sums[4:]
     for x in range(len(out)):
         total = (near[x] + middle[x] + far[x]) + part * (left[x] + right[x])
@@ -111,6 +117,7 @@ def describe_narrow(
     mean: NDArray[np.float32],
 ) -> None:
     """As `describe`, of a window with NARROW whole pixels on each side."""
+    wide_vectors()
     left, near, here, far, right = first, first[1:], first[2:], first[3:], first[4:]
     left_2, near_2, here_2, far_2, right_2 = second, second[1:], second[2:], second[3:], second[4:]
     for x in range(len(mean)):
