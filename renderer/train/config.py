@@ -23,6 +23,7 @@ Part = Literal[
     "tiles",
     "unseen",
     "hidden",
+    "beside_tools",
     "surround",
     "tools",
     "poses",
@@ -108,7 +109,7 @@ class TrainConfig:
     """Degree of the spherical harmonics for view-dependent colour; auto: as the clip needs."""
     render_mode: RenderMode = "default"
     """How splats narrower than a pixel are rendered, see RenderMode; a run is rendered as it was trained."""
-    keep: Annotated[tuple[Part, ...], Len(0, 13)] = ()
+    keep: Annotated[tuple[Part, ...], Len(0, 14)] = ()
     """Parts to keep although the clip does not need them, to measure what they cost."""
     leave_out: Annotated[
         tuple[Literal["deformation", "color_curves", "tracks", "poses"], ...], Len(0, 4)

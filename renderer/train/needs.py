@@ -85,10 +85,17 @@ def decide(
         followed=followed,
         has_depth="depth" in config.keep or any(frame.depth_mask.any() for frame in frames),
         has_masks="masks" in config.keep or not all(frame.tissue_mask.all() for frame in frames),
-        tight_masks=clip.camera_is_fixed and config.method in OWN and outlines.are_tight(frames),
+        tight_masks=_tight_masks(clip, frames, config),
     )
     counted = followed is not None or n_controls is not None or not _tracks_count(config, moves)
     return replace(needs, omitted=tuple(_omitted(clip, frames, config, needs, measured, counted=counted)))
+
+
+def _tight_masks(clip: Clip, frames: Sequence[Frame], config: TrainConfig) -> bool:
+    """Whether other frames of one camera show what is in part of the colour of tools."""
+    if "beside_tools" in config.keep or config.method not in OWN or not clip.camera_is_fixed:
+        return False
+    return outlines.are_tight(frames)
 
 
 def _begins_from_tracks(config: TrainConfig, moves: bool) -> bool:

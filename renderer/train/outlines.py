@@ -56,7 +56,7 @@ def told(frames: Sequence[Frame]) -> Omission:
     before = sum(np.count_nonzero(frame.tissue_mask) for frame in frames)
     kept = sum(np.count_nonzero(without_mixed(frame, apart).tissue_mask) for frame in frames)
     saves = f"{1 - kept / before:.1%} of the tissue"
-    return Omission("tissue beside tools", "it has part of their colour", saves, None)
+    return Omission("tissue beside tools", "it has part of their colour", saves, "beside_tools")
 
 
 def are_tight(frames: Sequence[Frame]) -> bool:

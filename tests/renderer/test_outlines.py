@@ -13,7 +13,7 @@ from renderer.camera import Camera
 from renderer.clip import Clip, Frame
 from renderer.rasterize.cpu import render
 from renderer.train import outlines
-from renderer.train.config import TrainConfig
+from renderer.train.config import Part, TrainConfig
 from renderer.train.frames import away_from_tools
 from renderer.train.outlines import MIXED, are_tight, seen_apart, without_mixed
 from tests.renderer.sheet import finished, moving_sheet
@@ -81,13 +81,15 @@ def with_tool(clip: Clip) -> Clip:
     return replace(clip, read_frame=read_frame, read_image=lambda index: read_frame(index).image)
 
 
-@pytest.mark.parametrize(("mixed", "ghost"), [(MIXED, False), (0.0, True)])
-def test_no_outline_of_a_tool_is_left(monkeypatch: pytest.MonkeyPatch, mixed: float, ghost: bool) -> None:
-    monkeypatch.setattr(outlines, "MIXED", mixed)
+@pytest.mark.parametrize(("keep", "ghost"), [((), False), (("beside_tools",), True)])
+def test_no_outline_of_a_tool_is_left(
+    monkeypatch: pytest.MonkeyPatch, keep: tuple[Part, ...], ghost: bool
+) -> None:
+    """But where what is beside it is kept."""
     monkeypatch.setattr(outlines, "TIGHT", 0.0)  # The sheet is as motley as a tool is grey.
     bare = moving_sheet(shift=0.0)
     clip = with_tool(bare)
-    model, _ = finished(clip, TrainConfig(iterations=200, n_gaussians=600))
+    model, _ = finished(clip, TrainConfig(iterations=200, n_gaussians=600, keep=keep))
     shares, near = [], partial(render, near=1.0)
     for index in (4, 5, 8):
         seen, truth = clip.read_frame(index), bare.read_frame(index).image / 255

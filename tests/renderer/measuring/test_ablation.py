@@ -19,7 +19,7 @@ def test_a_part_that_is_kept_in_weighs_more_and_is_not_left_out(tmp_path: Path) 
     frames = [clip.read_frame(index) for index in split(clip, CONFIG)[0]]
     left_out = decide(clip, frames, CONFIG).omitted
     assert "harmonics" in [omission.part for omission in left_out]
-    assert [omission.what for omission in left_out if omission.part is None] == ["tissue beside tools"]
+    assert None not in [omission.part for omission in left_out]
     without, kept = ablation(clip, [CONFIG, replace(CONFIG, keep=("harmonics",))], timed_steps=12)
     assert "harmonics" in {each.part for each in without.omitted} - {each.part for each in kept.omitted}
     assert kept.megabytes > without.megabytes
