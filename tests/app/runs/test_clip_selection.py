@@ -147,7 +147,7 @@ def test_a_run_goes_on_with_its_own_part_only(clip_path: Path, tmp_path: Path, v
 @pytest.mark.parametrize(
     ("flags", "said"),
     [
-        (("--frames", "8:2"), "such as 7 or 10:59, got '8:2'"),
+        (("--frames", "8:2"), "such as 7 10:59 or 7,10:59, got '8:2'"),
         (("--frames", "0:10"), "0 to 9"),
         (("--frames", "3-5"), "--frames"),
         (("--text-box", -1, -1, 99, 99), "64x48"),
