@@ -36,8 +36,7 @@ def locked(run: Path) -> Iterator[None]:
     try:
         lock.acquire()
     except Timeout as error:
-        who = f", {other}" if (other := holder(run)) else ""
-        raise UserError(f"the run is being trained by another process{who}: {run}") from error
+        raise _held(run, holder(run)) from error
     try:
         # What killed processes were writing: nobody else writes here now.
         for partial in _partial_files(run):
@@ -52,6 +51,17 @@ def locked(run: Path) -> Iterator[None]:
         with suppress(PermissionError):
             (run / LOCK).unlink(missing_ok=True)
         lock.release()
+
+
+def require_free(run: Path) -> None:
+    """Raises UserError: by its file, another process trains the run; `locked` alone makes sure of it."""
+    if (other := holder(run)) not in (None, os.getpid()):
+        raise _held(run, other)
+
+
+def _held(run: Path, process: int | None) -> UserError:
+    who = f", {process}" if process else ""
+    return UserError(f"the run is being trained by another process{who}: {run}")
 
 
 def _partial_files(run: Path) -> list[Path]:

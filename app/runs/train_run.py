@@ -43,7 +43,7 @@ from app.runs.run_folder import (
     RunFolder,
     RunRecord,
 )
-from app.runs.run_lock import locked
+from app.runs.run_lock import locked, require_free
 from app.runs.structuring import structured
 from app.runs.tool_masks import FOLDER, ToolMasks, keep
 from app.runs.trained_clip import input_clip
@@ -293,6 +293,8 @@ def _check_vacancy(request: TrainRequest, run: RunFolder) -> None:
         raise UserError(f"{run.path} already holds {state} run: {hint}")
     if not run.is_run:
         run.require_vacant()
+    elif not run.is_finished:
+        require_free(run.path)
     there = nearest_folder(run.path)
     try:
         # Rights alone do not tell: the superuser has all, also where nothing can be made.

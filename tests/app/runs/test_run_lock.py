@@ -15,7 +15,7 @@ import pytest
 
 from app.errors import UserError
 from app.runs.run_folder import RunFolder
-from app.runs.run_lock import NAME, holder, locked
+from app.runs.run_lock import NAME, holder, locked, require_free
 from renderer.leftovers import machine
 from tests.app.fake_steps import model_of
 
@@ -32,6 +32,7 @@ with locked(Path(sys.argv[1])):
 def test_a_run_is_held_only_while_it_is_trained(tmp_path: Path) -> None:
     assert holder(tmp_path) is None
     with locked(tmp_path):
+        require_free(tmp_path)  # From this process itself.
         assert holder(tmp_path) == psutil.Process().pid
         with pytest.raises(UserError, match="another process"), locked(tmp_path):
             pass
@@ -48,6 +49,8 @@ def test_a_killed_process_holds_nothing(tmp_path: Path) -> None:
     )
     assert process.stdout is not None
     assert process.stdout.readline() == b"held\n"
+    with pytest.raises(UserError, match=f"trained by another process, {process.pid}: "):
+        require_free(tmp_path)
     assert holder(tmp_path) == process.pid
     process.send_signal(signal.SIGKILL)
     process.wait()
