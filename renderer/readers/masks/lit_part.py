@@ -17,8 +17,10 @@ DARK = 25
 """Of 255: the noise of a surround stays below, after a median."""
 LEAST = 0.01
 """Of the picture: smaller dark corners are shadow."""
-_RIM = 1 / 200
-"""Of the picture's width: the bright ring at the edge of the lens, which is no tissue."""
+_RIM = 1 / 120
+"""Of the picture's width: the bright ring at the edge of the lens, which stays where a camera moves."""
+_SURROUND_RIM = 1 / 200
+"""Of the picture's width: blur at the edge of a dark surround."""
 
 
 def lit_field(images: Sequence[ByteImage]) -> BoolImage:
@@ -31,7 +33,7 @@ def lit_field(images: Sequence[ByteImage]) -> BoolImage:
     if outlines:
         cv2.drawContours(field, [max(outlines, key=cv2.contourArea)], -1, (1,), cv2.FILLED)
     # Beyond the picture the field goes on: it has no rim there.
-    return np.asarray(cv2.erode(field, _rim(lit.shape[1])) > 0)
+    return np.asarray(cv2.erode(field, _square(lit.shape[1] * _RIM)) > 0)
 
 
 def beyond_surround(images: Sequence[ByteImage]) -> BoolImage:
@@ -42,12 +44,12 @@ def beyond_surround(images: Sequence[ByteImage]) -> BoolImage:
     at_border = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
     large = facts[at_border, cv2.CC_STAT_AREA] >= LEAST * dark.size
     outside = np.isin(labels, at_border[large & (at_border > 0)]).astype(np.uint8)
-    inside = np.asarray(cv2.dilate(outside, _rim(dark.shape[1])) == 0)
+    inside = np.asarray(cv2.dilate(outside, _square(dark.shape[1] * _SURROUND_RIM)) == 0)
     return inside if inside.any() else np.ones_like(inside)
 
 
-def _rim(width: int) -> ByteImage:
-    side = 2 * round(width * _RIM) + 1
+def _square(reach: float) -> ByteImage:
+    side = 2 * round(reach) + 1
     return np.ones((side, side), np.uint8)
 
 
