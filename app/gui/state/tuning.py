@@ -59,6 +59,11 @@ class Tuning:
         return self.look is not None and (self.look.request.grid, self.look.request.setting) == wanted
 
     @property
+    def flows(self) -> bool:
+        """Rows are as long as there is room: no two parameters give them their length."""
+        return bool(self.sort) or self.grid is None or len(self.grid.settings[0].places) < 2
+
+    @property
     def in_order(self) -> tuple[Setting, ...]:
         """The settings as shown: those not yet tried keep their places at the end of a ranking."""
         settings = self.grid.settings if self.grid is not None else ()

@@ -11,6 +11,7 @@ from imgui_bundle import ImVec4, imgui
 from app.gui.actions import actions, tuning_actions
 from app.gui.panels import tuning as panel
 from app.gui.panels.tuning import draw_tuning
+from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
 from app.gui.state.tags import Tag
 from app.gui.style import labels, theme
@@ -93,3 +94,15 @@ def test_upright_frames_and_what_is_below_them_are_in_sight(
     for _ in range(3):
         ui.frame(draw)
     assert below[-1] == 0
+
+
+def test_values_of_one_parameter_fill_rows_as_long_as_there_is_room(
+    ui: Ui, state: AppState, channels: Channels
+) -> None:
+    state.picture.view = PictureView(pixel_aspect=0.2)  # Upright: narrow tiles.
+    state.tuning.choices = (Choice("d_factor", 0.0, 2.0, 4), Choice(""))
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    for _ in range(3):
+        ui.frame(lambda: draw_tuning(state, Shown()))
+    assert state.tuning.columns >= 4
