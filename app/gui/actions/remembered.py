@@ -12,8 +12,8 @@ from app.gui.work.presets import BUILT_IN
 
 
 def begin(state: AppState) -> None:
-    """As the last window left it, the method with its standard parameters: what was turned far up for one
-    clip surprises nobody at the next.
+    """As the last window left it, the method with its standard parameters and without differences: what was
+    turned far up for one clip surprises nobody at the next, nor an image that is hardly to be recognised.
 
     At the very first start it is Vessel: vessels become clearer on every kind of picture that it was tried
     on, where the paper's method makes them fainter on some.
@@ -21,7 +21,8 @@ def begin(state: AppState) -> None:
     known, chosen = state.settings, state.enhancement
     chosen.params = next(look for look in BUILT_IN.values() if preset_of(look) == known.method)
     chosen.scope, chosen.pixels = known.scope, known.pixels
-    state.comparing.chosen = replace(state.comparing.chosen, mode=known.mode)
+    mode = "side by side" if known.mode == "difference" else known.mode
+    state.comparing.chosen = replace(state.comparing.chosen, mode=mode)
     chosen.past = [state.chosen]
 
 

@@ -49,6 +49,11 @@ def test_method_statistics_pixels_and_comparison_come_back(begun: AppState) -> N
     assert chosen.past == [later.chosen]
 
 
+def test_no_window_opens_with_differences(begun: AppState) -> None:
+    comparing.choose_mode(begun, "difference")
+    assert next_start(begun).comparing.chosen.mode == "side by side"
+
+
 def test_parameters_start_at_the_standard_of_their_method(begun: AppState) -> None:
     actions.set_params(begun, VesselParams(strength=4.0))
     assert next_start(begun).enhancement.params == VesselParams()
