@@ -29,7 +29,7 @@ from renderer.json_files import read_json
 BUILT_IN: Final[Mapping[str, EnhancementSettings]] = MappingProxyType(
     {
         "Vessels": VesselParams(),
-        "Gentle": VesselParams(strength=1.0, lift=0.25),
+        "Gentle": VesselParams(strength=1.0, lift=0.12, gamma=0.975, d_factor=0.85, most_color=1.2),
         "Paper": EnhanceParams(),
         "Paper, colour 0.50": EnhanceParams(d_factor=1.0),
         "Paper, colour 0.67 (3D)": RECONSTRUCTION_PARAMS,

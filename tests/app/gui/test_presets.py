@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from app.gui.actions import actions, history_actions, preset_actions
@@ -17,8 +19,10 @@ from app.gui.work.presets import (
     save_presets,
 )
 from app.runs.train_run import RECONSTRUCTION_PARAMS
-from enhance import EnhanceParams
+from enhance import EnhanceParams, enhance_vessels, vessel_contrast
 from enhance.vessel import VesselParams
+from renderer.clip import ByteImage
+from renderer.phantom import Phantom, PhantomParams
 from tests.app.gui.settling import keep_all
 
 OWN = {"mine": EnhanceParams(z=0.25, p=(0.5, 1.0, 1.5)), "ours, stronger": VesselParams(strength=3.5)}
@@ -52,6 +56,30 @@ def test_one_of_a_reserved_name_gets_a_free_one(tmp_path: Path) -> None:
     found, trouble = load_presets(path)
     assert (found, trouble) == (dict(zip(names, looks, strict=True)), "")
     assert merged_presets(path, found, found) == found
+
+
+def test_gentle_lies_between_the_original_and_vessels() -> None:
+    view = Phantom(PhantomParams(n_frames=1, width=320, height=256)).view(0)
+    original, vessels = view.frame.image, view.vessel_mask
+    shown = [original] + [enhanced(original, name) for name in ("Gentle", "Vessels")]
+    for measure in (brightness, color, partial(vessel_contrast, vessel_mask=vessels)):
+        least, middle, most = map(measure, shown)
+        assert 0.2 < (middle - least) / (most - least) < 0.8, measure
+
+
+def enhanced(image: ByteImage, name: str) -> ByteImage:
+    params = BUILT_IN[name]
+    assert isinstance(params, VesselParams)
+    return np.asarray(enhance_vessels(image, params).image, np.uint8)
+
+
+def brightness(image: ByteImage) -> float:
+    return float(image.max(-1).mean())
+
+
+def color(image: ByteImage) -> float:
+    most = image.max(-1).astype(float)
+    return float((1 - image.min(-1) / np.maximum(most, 1)).mean())
 
 
 def test_the_built_in_ones_are_the_paper_s_and_ours() -> None:
