@@ -24,6 +24,7 @@ from app.gui.actions import (
     queue_actions,
     recovering,
     remembered,
+    window_actions,
 )
 from app.gui.commands.command import Section, WindowServices
 from app.gui.commands.commands import sections
@@ -139,7 +140,7 @@ class Window:
         self._keyboard = Keyboard()
         self._canvas: Canvas | None = None
         self._worn: tuple[Theme, int] | None = None
-        self._size = (0, 0)
+        self._size, self._upright = (0, 0), False
         self._dropped: list[str] = []
         self._has_signal: Callable[[], bool] = lambda: False
         """Whoever sends one cannot be asked: what is unsaved is offered at the next start."""
@@ -290,11 +291,16 @@ class Window:
         size = dockings.window_size(first=self._worn is None)
         if (size, chosen) != (self._size, self._worn):
             dockings.arrange(params, size, chosen[1])
-        self._size = size
+        # What fills the screen for a while turns nothing.
+        upright = self._upright if window_actions.is_reduced(self.state) else dockings.is_upright(size)
+        if self._worn is not None and upright != self._upright:
+            dockings.restore_all()
+        self._size, self._upright = size, upright
         if self._worn == chosen:
             return
         before = self._worn or chosen
-        if dockings.is_low(size, before[1]) != dockings.is_low(size, chosen[1]):
+        was_low, low = (dockings.is_low(size, text) for _, text in (before, chosen))
+        if was_low != low or (upright and before[1] != chosen[1]):
             dockings.restore_all()
         elif self._worn is not None:
             # What is kept of the layout already has the width for the text at the start.

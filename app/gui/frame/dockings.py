@@ -23,9 +23,13 @@ SIDE = 20.8
 SIDE_OF_TABS = 24.0
 """The same where all of them are tabs beside each other, whose titles are whole."""
 LEAST, MOST = 0.2, 0.45
-"""Share of the window's width that they have at least and at most."""
+"""Share of the window's width, or height, that they have at least and at most."""
+HIGH = 31.0
+"""Lines of text that they are high where they are below the images."""
 LOW = 40.0
 """Lines of text that a window needs for panels below each other."""
+UPRIGHT = 1.2
+"""Height over width of a window from which on they are below the images, which they would make narrow."""
 BELOW = dict.fromkeys(("3D view", "Log", "Notes"), ("Below", "MainDockSpace")) | dict.fromkeys(
     ("Reconstruction", "Runs", "Cameras"), ("SideBelow", "Side")
 )
@@ -77,6 +81,10 @@ def is_low(size: tuple[int, int], text_percent: int) -> bool:
     return size[1] < LOW * _line(text_percent)
 
 
+def is_upright(size: tuple[int, int]) -> bool:
+    return size[1] > UPRIGHT * size[0]
+
+
 def _line(text_percent: int) -> float:
     """Pixels of a line of text."""
     return theme.FONT_SIZE * text_percent / 100 * hello_imgui.dpi_window_size_factor()
@@ -106,11 +114,14 @@ def follow_content(state: AppState) -> None:
 def arrange(params: hello_imgui.RunnerParams, size: tuple[int, int], text_percent: int) -> None:
     """Where panels are at first and after a reset; in a low window those below join those above, as tabs.
     Stills have the enhancement over all of the side: what reconstructs is behind it."""
-    low, line = is_low(size, text_percent), _line(text_percent) / max(size[0], 1)
+    low, upright, line = is_low(size, text_percent), is_upright(size), _line(text_percent)
+    # Below the images two are beside each other where both are as wide as at the side.
+    narrow = 2 * SIDE * line > size[0] if upright else low
     for docking in _all_dockings(params):
-        tabs = {"MainDockSpace": low, "Side": low or docking.layout_name == LAYOUTS["stills"]}
-        side = line * (SIDE_OF_TABS if tabs["Side"] else SIDE)
-        docking.docking_splits = splits(min(max(side, LEAST), MOST), tabs)
+        tabs = {"MainDockSpace": low, "Side": narrow or docking.layout_name == LAYOUTS["stills"]}
+        lines = HIGH if upright else SIDE_OF_TABS if tabs["Side"] else SIDE
+        share = min(max(lines * line / max(size[upright], 1), LEAST), MOST)
+        docking.docking_splits = splits(share, tabs, upright=upright)
         for panel in docking.dockable_windows:
             if panel.label in BELOW:
                 below, above = BELOW[panel.label]
@@ -121,12 +132,14 @@ def _all_dockings(params: hello_imgui.RunnerParams) -> tuple[hello_imgui.Docking
     return params.docking_params, *params.alternative_docking_layouts
 
 
-def splits(side: float, tabs: Mapping[str, bool]) -> list[hello_imgui.DockingSplit]:
+def splits(side: float, tabs: Mapping[str, bool], *, upright: bool) -> list[hello_imgui.DockingSplit]:
     """How the window is divided at first: pictures, below them the 3D view, two panels at the side, which has
-    that share of the width; where there are `tabs`, nothing is below."""
-    split, down = hello_imgui.DockingSplit, imgui.Dir.down
-    column = split("MainDockSpace", "Side", imgui.Dir.right, side)
-    below = split("Side", "SideBelow", down, 0.46), split("MainDockSpace", "Below", down, 0.52)
+    that share of the width, or in an `upright` window below all, of the height; where there are `tabs`, they
+    are not divided."""
+    split, right, down = hello_imgui.DockingSplit, imgui.Dir.right, imgui.Dir.down
+    column = split("MainDockSpace", "Side", down if upright else right, side)
+    both = split("Side", "SideBelow", right, 0.5) if upright else split("Side", "SideBelow", down, 0.46)
+    below = both, split("MainDockSpace", "Below", down, 0.52)
     return [column, *(one for one in below if not tabs[one.initial_dock])]
 
 

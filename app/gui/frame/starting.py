@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import glcontext  # type: ignore[import-untyped]
 import glfw
@@ -17,6 +18,8 @@ from app.gui.frame.title import NAME
 from app.gui.work import kept_layout
 
 SIZE = (1280, 720)
+ON_UPRIGHT = 0.9
+"""Of an upright screen, in both directions."""
 LEAST = (800, 480)
 """Below which images have no room beside the panels."""
 
@@ -53,11 +56,24 @@ def configure(layout: Path) -> None:
     io.config_windows_move_from_title_bar_only = True
 
 
-def _density() -> float:
-    """Of the first screen, as the runner counts it; 1 where there is none, or the system counts for it."""
+def _first_screen() -> Any:
+    """None where there is none, or the system itself sees to its density."""
     if sys.platform == "darwin" or not glfw.init() or not glfw.get_monitors():
-        return 1.0
-    return float(glfw.get_monitor_content_scale(glfw.get_primary_monitor())[0])
+        return None
+    return glfw.get_primary_monitor()
+
+
+def _density() -> float:
+    """Of the first screen, as the runner counts it."""
+    screen = _first_screen()
+    return 1.0 if screen is None else float(glfw.get_monitor_content_scale(screen)[0])
+
+
+def _first_size() -> tuple[int, int]:
+    """Of a window that none was before."""
+    screen = _first_screen()
+    *_, width, height = (0, 0, 1, 0) if screen is None else glfw.get_monitor_workarea(screen)
+    return SIZE if width > height else (round(ON_UPRIGHT * width), round(ON_UPRIGHT * height))
 
 
 def _short(folder: Path) -> Path:
@@ -77,7 +93,7 @@ def runner(layout_file: Path, *, readable: bool) -> hello_imgui.RunnerParams:
         kept_layout.fit(layout_file, _density())
     params = hello_imgui.RunnerParams()
     params.app_window_params.window_title = NAME
-    params.app_window_params.window_geometry.size = SIZE
+    params.app_window_params.window_geometry.size = _first_size()
     params.app_window_params.restore_previous_geometry = True
     window = params.imgui_window_params
     window.default_imgui_window_type = hello_imgui.DefaultImGuiWindowType.provide_full_screen_dock_space

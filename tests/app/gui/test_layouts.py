@@ -13,7 +13,7 @@ import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 from imgui_bundle.immapp import testing
 
-from app.gui.actions import actions, arriving
+from app.gui.actions import actions, arriving, presenting
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
@@ -182,6 +182,43 @@ def test_what_is_below_keeps_its_share_when_the_window_grows_before_and_while_it
         assert smaller < first - 0.1
         grow(1000)
         assert share() == pytest.approx(smaller, abs=0.01)
+        state.window.closing = "agreed"
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_in_an_upright_window_panels_are_below_the_images(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        def shape(width: int, height: int) -> None:
+            glfw.set_window_size(glfw_utils.glfw_window_hello_imgui(), width, height)
+            wait(ctx, lambda: imgui.get_main_viewport().size.y == height, "the size")
+            ctx.yield_(6)
+
+        def is_below(lower: str, upper: str) -> bool:
+            below, above = (ctx.window_info(f"//{name}").window for name in (lower, upper))
+            return bool(below.pos.y >= above.pos.y + above.size.y)
+
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        shape(720, 1000)
+        images, side = (ctx.window_info(f"//{name}").window for name in ("Images", "Enhancement"))
+        assert images.size.x == imgui.get_main_viewport().size.x
+        assert is_below("Enhancement", "Images")
+        assert is_below("Reconstruction", "Images")
+        assert not is_below("Reconstruction", "Enhancement")
+        assert images.size.y > side.size.y
+        presenting.toggle(state)
+        ctx.yield_(6)
+        presenting.toggle(state)
+        ctx.yield_(6)
+        assert is_below("Enhancement", "Images")
+        shape(1280, 720)
+        assert not is_below("Enhancement", "Images")
+        assert is_below("Reconstruction", "Enhancement")
         state.window.closing = "agreed"
 
     driver.run(drive)

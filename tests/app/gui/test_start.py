@@ -11,6 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import glfw
 import pytest
 from imgui_bundle import hello_imgui, imgui, immapp
 
@@ -237,3 +238,17 @@ def test_windows_gets_the_folder_of_the_layout_in_english_letters(
     params = starting.runner(layout, readable=False)
     short = told if not user.isascii() and told else user
     assert params.ini_filename == str(Path("/users") / short / "window.ini")
+
+
+@pytest.mark.parametrize(
+    ("screen", "size"), [((1080, 1880), (972, 1692)), ((1920, 1080), starting.SIZE), (None, starting.SIZE)]
+)
+def test_the_first_window_of_an_upright_screen_is_upright(
+    screen: tuple[int, int] | None, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(glfw, "init", lambda: screen is not None)
+    monkeypatch.setattr(glfw, "get_monitors", lambda: [object()])
+    monkeypatch.setattr(glfw, "get_primary_monitor", lambda: None if screen is None else "the first")
+    monkeypatch.setattr(glfw, "get_monitor_workarea", lambda first: (0, 40, *(screen or ())))
+    params = starting.runner(Path("/nowhere/window.ini"), readable=False)
+    assert tuple(params.app_window_params.window_geometry.size) == size
