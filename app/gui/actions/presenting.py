@@ -53,7 +53,7 @@ def show(state: AppState, pane: PaneName) -> None:
     now, frame = state.presenting, state.window
     if now.pane is None:
         now.was_full_screen, now.labels, frame.full_screen = frame.full_screen, False, True
-    now.pane, now.labels_until = pane, frame.now + LABELS_SECONDS
+    now.pane, now.ending, now.labels_until = pane, None, frame.now + LABELS_SECONDS
 
 
 def step(state: AppState, by: int) -> None:
@@ -65,8 +65,14 @@ def step(state: AppState, by: int) -> None:
 
 def leave(state: AppState) -> None:
     """All panels again, and the window as large as before."""
-    if state.presenting.pane is not None:
-        state.presenting.pane, state.window.full_screen = None, state.presenting.was_full_screen
+    now = state.presenting
+    if now.pane is not None:
+        now.pane, now.ending, state.window.full_screen = None, now.pane, now.was_full_screen
+
+
+def end(state: AppState) -> None:
+    """The panels are there again."""
+    state.presenting.ending = None
 
 
 def follow(state: AppState) -> None:

@@ -32,6 +32,8 @@ class Screen:
         presents = state.presenting.pane is not None
         kept = () if presents else ALONE if state.window.bare else None
         self._bare.follow(kept, params.docking_params.dockable_windows)
+        if self._bare.is_over:
+            presenting.end(state)
         self._below.follow()
         self._full_screen.follow(glfw_utils.glfw_window_hello_imgui(), state.window.full_screen)
         self._show_bars(params, shown=not presents)

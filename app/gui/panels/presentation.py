@@ -32,8 +32,8 @@ def draw_presentation(
     state: AppState, textures: ShowsPictures, backdrop: ShowsPictures, viewport: Viewport
 ) -> None:
     """Nothing unless something is presented. In its first frame the runner still draws grounds of the panels,
-    over what lies behind them."""
-    name = state.presenting.pane
+    over what lies behind them, and in its last one it does again."""
+    name = state.presenting.pane or state.presenting.ending
     if name is None:
         return
     screen, style = imgui.get_main_viewport(), imgui.StyleVar_
@@ -46,7 +46,8 @@ def draw_presentation(
         imgui_ctx.begin("##presentation", None, FLAGS),
     ):
         _go_behind_dialogs()
-        shows = textures if imgui.is_window_appearing() else backdrop
+        over = imgui.is_window_appearing() or state.presenting.ending is not None
+        shows = textures if over else backdrop
         (area, below), labels = _divided(Area(screen.pos, screen.size)), presenting.has_labels(state)
         ground = imgui.get_color_u32(theme.SURROUND)
         imgui.get_window_draw_list().add_rect_filled(below.corner, below.end, ground)

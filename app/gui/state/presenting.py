@@ -13,6 +13,8 @@ class Presenting:
 
     pane: PaneName | None = None
     """Alone over the whole window; None: all panels are there."""
+    ending: PaneName | None = None
+    """Left, but still drawn: the panels that come back are there one frame later."""
     labels: bool = False
     """What it is stands over it, as long as one wants."""
     labels_until: float = 0.0

@@ -309,3 +309,24 @@ def test_the_whole_window_is_the_pane_and_then_as_before(places: Places) -> None
         assert len(hello_imgui.get_runner_params().callbacks.edges_toolbars) == 1
 
     driver.run(drive)
+
+
+@pytest.mark.display
+def test_no_frame_is_dark_when_it_ends(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state, screens = driver.state, list[ByteImage]()
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        presenting.show(state, "right")
+        ctx.yield_(6)
+        calls = hello_imgui.get_runner_params().callbacks
+        calls.before_swap = lambda: screens.append(read_window(starting.attach()))
+        presenting.leave(state)
+        ctx.yield_(8)
+        lit = [float(screen[: screen.shape[0] // 2].mean()) for screen in screens]
+        assert min(lit) > 0.7 * lit[-1]
+        assert state.presenting.ending is None
+
+    driver.run(drive)
