@@ -10,10 +10,10 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.gui.actions import about_actions, floating_windows
-from app.gui.panels.overlays import LONG_NOTICE
+from app.gui.panels.overlays import LONG_NOTICE, floating_below
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import beside, button, cell, em, floating, in_table, muted, note
+from app.gui.style.widgets import beside, button, cell, em, in_table, muted, note
 from app.gui.work.about import About
 
 WIDTH: Final = 40.0
@@ -33,7 +33,8 @@ def draw_about(state: AppState, copy: Callable[[str], None]) -> None:
     about = state.about.facts
     if not state.about.shown or about is None:
         return
-    with imgui_ctx.begin(TITLE, True, floating(WIDTH) | imgui.WindowFlags_.no_saved_settings) as window:
+    flags = floating_below(state, WIDTH) | imgui.WindowFlags_.no_saved_settings
+    with imgui_ctx.begin(TITLE, True, flags) as window:
         floating_windows.show(state.about, bool(window.opened))
         if not window:
             return

@@ -9,10 +9,11 @@ from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.files.legible import legible
 from app.gui.actions import actions, batch_actions, floating_windows
+from app.gui.panels.overlays import floating_below
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Kind
 from app.gui.style import theme
-from app.gui.style.widgets import FLAT, button, em, explain, floating, muted, note, row
+from app.gui.style.widgets import FLAT, button, em, explain, muted, note, row
 from app.gui.work.batching import Progressed
 
 TEXT = (
@@ -39,7 +40,7 @@ def draw_batches(state: AppState) -> None:
     batches = state.batches
     if not batches.shown:
         return
-    with imgui_ctx.begin("Enhance files and folders", True, floating(42)) as window:
+    with imgui_ctx.begin("Enhance files and folders", True, floating_below(state, 42)) as window:
         floating_windows.show(state.batches, bool(window.opened))
         if not window:
             return

@@ -17,6 +17,7 @@ from app.gui.actions.export_doubts import doubts
 from app.gui.actions.export_lacks import lacks
 from app.gui.actions.export_offers import DICOM, FORMATS, GROUPS, OFFERS, VIDEOS, Form, Offer
 from app.gui.actions.export_records import format_of
+from app.gui.panels.overlays import covered, floating_below
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.style import theme
@@ -29,7 +30,6 @@ from app.gui.style.widgets import (
     em,
     end_of,
     explain,
-    floating,
     mark_row,
     muted,
     note,
@@ -104,7 +104,7 @@ def draw_export(state: AppState) -> None:
     """A window of its own."""
     if not state.exports.shown:
         return
-    beside = floating(46)
+    beside = floating_below(state, 46)
     # Not in a picture of the window that is about to be taken.
     alpha = 0.0 if state.exports.settling else imgui.get_style().alpha
     with (
@@ -114,7 +114,7 @@ def draw_export(state: AppState) -> None:
         floating_windows.show(state.exports, bool(window.opened))
         if not window:
             return
-        height = _list_height()
+        height = _list_height(state)
         with imgui_ctx.begin_child("what", ImVec2(em(LIST), height), FLAT):
             _draw_list(state)
         imgui.same_line(0, em(1))
@@ -122,14 +122,16 @@ def draw_export(state: AppState) -> None:
             _draw_chosen(state)
 
 
-def _list_height() -> float:
+def _list_height(state: AppState) -> float:
     """As many lines as there are, or as there is room for."""
     style = imgui.get_style()
     lines = len(OFFERS) * (imgui.get_text_line_height() + style.item_spacing.y)
     heads = len(GROUPS) * (
         imgui.get_text_line_height() + 2 * style.separator_text_padding.y + style.item_spacing.y
     )
-    return min(lines + heads + em(0.5), imgui.get_main_viewport().work_size.y - em(7))
+    viewport = imgui.get_main_viewport()
+    room = viewport.work_size.y - em(7) - covered(state, viewport.work_pos.y)
+    return min(lines + heads + em(0.5), room)
 
 
 def _draw_list(state: AppState) -> None:

@@ -13,6 +13,7 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from app.files.legible import as_label
 from app.gui.actions import actions, export_actions, floating_windows, live_actions
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.overlays import floating_below
 from app.gui.state.app_state import AppState
 from app.gui.state.live import EYES, RATES, SIZES
 from app.gui.state.live_words import counts, delay_text, not_live, pace
@@ -23,7 +24,6 @@ from app.gui.style.widgets import (
     choose_row,
     em,
     explain,
-    floating,
     muted,
     note,
     row,
@@ -139,7 +139,8 @@ def draw_live_choice(state: AppState, textures: ShowsPictures) -> None:
     choice = state.live.choice
     if not choice.shown:
         return
-    with imgui_ctx.begin(TITLE, True, floating(WIDTH) | imgui.WindowFlags_.no_saved_settings) as window:
+    flags = floating_below(state, WIDTH) | imgui.WindowFlags_.no_saved_settings
+    with imgui_ctx.begin(TITLE, True, flags) as window:
         floating_windows.show(state.live.choice, bool(window.opened))
         if not window:
             return

@@ -16,7 +16,7 @@ from app.gui.commands.modes import MASKING_TEXT, PRESENTATION_TEXT, TILE_TEXT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.asking import close_question, question, take_enter
-from app.gui.style.widgets import button, cell, em, explain, in_line, in_table, muted, note, within
+from app.gui.style.widgets import button, cell, em, explain, floating, in_line, in_table, muted, note, within
 from app.gui.style.writing import text_area
 from app.gui.views.key_words import with_keys
 
@@ -113,6 +113,11 @@ def covered(state: AppState, top: float) -> float:
     if state.window.banner is None or banner is None:
         return 0.0
     return max(banner.pos.y + banner.size.y - top, 0.0)
+
+
+def floating_below(state: AppState, width: float) -> int:
+    """Flags of the next window, `width` text heights across: below the error, which is in front."""
+    return floating(width, covered(state, imgui.get_main_viewport().work_pos.y))
 
 
 def make_room(state: AppState) -> None:

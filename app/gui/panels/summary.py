@@ -11,11 +11,12 @@ from app.exports.exporting import UNTITLED
 from app.files.legible import legible, located
 from app.gui.actions import actions, export_actions, floating_windows, summary_actions
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.overlays import floating_below
 from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.state.summary import Item
 from app.gui.style import theme
-from app.gui.style.widgets import FLAT, Area, button, em, explain, floating, muted, note, row, shortened
+from app.gui.style.widgets import FLAT, Area, button, em, explain, muted, note, row, shortened
 from app.gui.style.writing import text_area
 
 TEXT = (
@@ -39,7 +40,7 @@ def draw_summary(state: AppState, textures: ShowsPictures) -> None:
     """A window of its own."""
     if not state.summary.shown:
         return
-    with imgui_ctx.begin("Case summary", True, floating(40)) as window:
+    with imgui_ctx.begin("Case summary", True, floating_below(state, 40)) as window:
         floating_windows.show(state.summary, bool(window.opened))
         if not window:
             return

@@ -339,13 +339,13 @@ def seconds(duration: float) -> str:
     return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
 
 
-def floating(width: float) -> int:
+def floating(width: float, taken: float) -> int:
     """Flags of the next window: `width` text heights across, in the middle at first, as high as its content
-    or as there is room."""
-    viewport = imgui.get_main_viewport()
-    imgui.set_next_window_pos(viewport.get_center(), imgui.Cond_.appearing, ImVec2(0.5, 0.5))
-    across = min(em(width), viewport.work_size.x)
-    imgui.set_next_window_size_constraints(ImVec2(across, 0), ImVec2(across, viewport.work_size.y - em(3)))
+    or as there is room; always below what is `taken` of the top, in pixels."""
+    viewport, when = imgui.get_main_viewport(), imgui.Cond_.always if taken else imgui.Cond_.appearing
+    imgui.set_next_window_pos(viewport.get_center() + ImVec2(0, taken / 2), when, ImVec2(0.5, 0.5))
+    across, down = min(em(width), viewport.work_size.x), viewport.work_size.y - em(3) - taken
+    imgui.set_next_window_size_constraints(ImVec2(across, 0), ImVec2(across, down))
     flags = imgui.WindowFlags_
     return int(flags.no_collapse | flags.no_docking | flags.always_auto_resize)
 

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from imgui_bundle import imgui
+from imgui_bundle import ImVec2, imgui
 
-from app.gui.actions import actions
+from app.gui.actions import actions, floating_windows
 from app.gui.commands.commands import sections
 from app.gui.panels import compare, overlays
+from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.style import widgets
 from tests.app.gui.conftest import outside
@@ -131,6 +132,23 @@ def test_an_error_hides_no_control_of_the_images(
             ui.frame(draw)
         banner = imgui.internal.find_window_by_name(overlays.BANNER)
         assert (tops[0] >= banner.pos.y + banner.size.y) == bool(sentence)
+
+
+def test_an_error_hides_nothing_of_what_floats(ui: Ui, opened: AppState) -> None:
+    """Also in a low window, which the list of what can be exported fills."""
+    ui.io.display_size = ImVec2(900, 480)
+    floating_windows.toggle(opened.exports)
+    actions.fail(opened, "expected an intact image, got a damaged one")
+
+    def draw() -> None:
+        overlays.draw_banner(opened)
+        draw_export(opened)
+
+    for _ in range(6):
+        ui.frame(draw)
+    banner, export = (imgui.internal.find_window_by_name(name) for name in (overlays.BANNER, "Export"))
+    assert export.pos.y >= banner.pos.y + banner.size.y
+    assert export.pos.y + export.size.y <= 480
 
 
 def test_notes_take_what_is_typed_after_their_panel_was_asked_for(ui: Ui, state: AppState) -> None:
