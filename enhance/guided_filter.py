@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance.pixel_block import copy_row
 from enhance.wide_vectors import wide_vectors
 from enhance.window_rows import (
     EDGE,
@@ -185,7 +186,8 @@ def _fit(
         for y in range(before, after):
             variance, mean = models[0, y - before], models[1, y - before]
             if stages[scale] == TAKE:
-                variance[:], mean[:] = kept[0, y], kept[1, y]
+                copy_row(kept[0, y], variance)
+                copy_row(kept[1, y], mean)
             else:
                 _move(low, True, y, y == before, reach, rest, first, second)
                 tall = 1.0 / _covered(y, rows, reach, rest)
@@ -196,7 +198,8 @@ def _fit(
                     accumulate(second, reach, running[1])
                     describe(running[0], running[1], reach, rest, shares, tall, variance, mean)
             if stages[scale] == KEEP and top <= y < bottom:
-                kept[0, y], kept[1, y] = variance, mean
+                copy_row(variance, kept[0, y])
+                copy_row(mean, kept[1, y])
             _solve(np.float32(eps[scale]), variance, mean)
         for y in range(top, bottom):
             tall = 1.0 / _covered(y, rows, reach, rest)

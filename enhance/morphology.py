@@ -13,7 +13,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from enhance.image import Float32Image
-from enhance.pixel_block import HALF
+from enhance.pixel_block import HALF, copy_row
 from enhance.rows import reflected
 from enhance.wide_vectors import wide_vectors
 
@@ -80,8 +80,7 @@ def _erode(
                 _read(plane[y, start:end], low, inverse, flip, row[start - x0 + radius :])
                 _count(row, y - top, reaches, narrow, least)
             for y in range(top, bottom):
-                for x in range(count):
-                    out[y, x0 + x] = least[y - top, x] ^ flip
+                _write(least[y - top], flip, out[y, x0 : x0 + count])
 
 
 @njit(parallel=True, nogil=True, cache=True, error_model="numpy")
@@ -118,6 +117,13 @@ def _read(line: NDArray[Any], low: np.float32, inverse: np.float32, flip: np.uin
 
 
 @njit(error_model="numpy")
+def _write(least: Levels, flip: np.uint16, out: Levels) -> None:
+    wide_vectors()
+    for x in range(len(out)):
+        out[x] = least[x] ^ flip
+
+
+@njit(error_model="numpy")
 def _count(
     row: Levels,
     at: int,
@@ -128,7 +134,7 @@ def _count(
     """Take a row into account; the disc is widest at its middle, so minima only widen towards it."""
     wide_vectors()
     radius = len(reaches) - 1
-    narrow[:] = row[radius : radius + TILE]
+    copy_row(row[radius:], narrow)
     done = 0
     for away in range(radius, -1, -1):
         while done < reaches[away]:

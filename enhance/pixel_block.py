@@ -74,8 +74,13 @@ def keep_within(first: int, end: int, x0: int, chunk: NDArray[np.float32]) -> No
 
 @njit(error_model="numpy")
 def copy_pixels(pixels: NDArray[Any], out: NDArray[Any]) -> None:
-    """(n, 3) pixels, both C-contiguous: a loop becomes vector code where an assignment of slices does not."""
+    """(n, 3) pixels, both C-contiguous."""
+    copy_row(pixels.reshape(-1), out.reshape(-1))
+
+
+@njit(error_model="numpy")
+def copy_row(source: NDArray[Any], target: NDArray[Any]) -> None:
+    """As many as `target` has: a loop becomes vector code where an assignment of slices does not."""
     wide_vectors()
-    source, target = pixels.reshape(-1), out.reshape(-1)
-    for i in range(len(source)):
+    for i in range(len(target)):
         target[i] = source[i]

@@ -37,6 +37,7 @@ from enhance.pixel_block import (
     VALUE,
     ZERO,
     copy_pixels,
+    copy_row,
     keep_within,
     load,
     load_keep,
@@ -108,7 +109,7 @@ def render(
                 for i in range(CHUNK):
                     chunk[VALUE, i] = chunk[MOST, i] * unit
                 if known:
-                    chunk[TOTAL, :count] = values[y, x0 : x0 + count]
+                    copy_row(values[y, x0:], chunk[TOTAL, :count])
                 else:
                     load_keep(keep, y, x0, count, chunk)
                     if first > x0 or end < x0 + count:
@@ -137,7 +138,7 @@ def render(
                                 chunk[TOTAL, i] += exp2(chunk[SLOPE, i] * chunk[LOG, i])
                     _mean(chunk, exponents)
                     if len(values) > 0:
-                        values[y, x0 : x0 + count] = chunk[TOTAL, :count]
+                        copy_row(chunk[TOTAL], values[y, x0 : x0 + count])
                 _recolor(chunk, pull, color, full)
                 if keep_black and _is_dark(chunk):
                     _fade(chunk, apart)

@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enhance.image import Float32Image
-from enhance.pixel_block import HALF, ONE, ZERO
+from enhance.pixel_block import HALF, ONE, ZERO, copy_row
 from enhance.wide_vectors import wide_vectors
 
 
@@ -40,7 +40,7 @@ def bring_up(
 def _widen(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
     """Bring a row up linearly, pixel centres aligned; the border repeats to the left and right."""
     if grid == 1:
-        line[: len(row)] = row
+        copy_row(row, line[: len(row)])
     elif grid == 2:
         _widen_by(row, 2, line)
     elif grid == 4:

@@ -23,7 +23,6 @@ from enhance.pixel_block import (
     LEAST,
     LEAST_COLOR,
     LEVELS,
-    LOG,
     ONE,
     PLANES,
     QUARTER,
@@ -75,10 +74,10 @@ def first_pass(
         across = np.zeros((ROWS, 3, width), sums.dtype)
         narrow = np.zeros((3, CHUNK), sums.dtype)
         chunk = np.zeros((PLANES, CHUNK), np.float32)
-        above, soft = np.empty(width, np.float32), np.empty((2, width), sums.dtype)
+        above = np.empty(width, np.float32)
+        reds, greens = np.empty(width, sums.dtype), np.empty(width, sums.dtype)
         levels = np.empty(CHUNK, np.uint16)
         counts = np.zeros((4, BINS + 1), np.int32)
-        blocks = np.empty((2, CHUNK), np.float32)
         totals = np.zeros(CHUNK)
         top, bottom = task * TASK, min((task + 1) * TASK, rows)
         for y in range(top - REACH, top + REACH):
@@ -97,18 +96,18 @@ def first_pass(
                     _tally(chunk, levels)
                     for i in range(count):
                         counts[i & 3, levels[i]] += np.int32(1)
+                low_x, end_x = x0 // SUBSAMPLE, (x0 + count + SUBSAMPLE - 1) // SUBSAMPLE
+                if y % SUBSAMPLE == 0:
+                    _begin(chunk[VALUE], narrow, above[x0:], reds[x0:], greens[x0:])
                 if y % SUBSAMPLE == SUBSAMPLE - 1 or y == rows - 1:
-                    alone = y % SUBSAMPLE == 0
-                    _shrink(chunk, alone, count, above[x0:], blocks[0])
-                    _absorb(narrow, alone, count, soft[:, x0:], unit, shading, blocks[1])
-                    low_x = x0 // SUBSAMPLE
-                    for i in range((count + SUBSAMPLE - 1) // SUBSAMPLE):
-                        bright[y // SUBSAMPLE, low_x + i] = blocks[0, i]
-                        absorbed[y // SUBSAMPLE, low_x + i] = blocks[1, i]
-                else:
-                    for i in range(CHUNK):
-                        above[x0 + i] = chunk[VALUE, i]
-                        soft[RED, x0 + i], soft[GREEN, x0 + i] = narrow[RED, i], narrow[GREEN, i]
+                    _add(narrow, reds[x0:], greens[x0:])
+                    if count % SUBSAMPLE != 0:
+                        after = x0 + count
+                        above[after], chunk[VALUE, count] = above[after - 1], chunk[VALUE, count - 1]
+                        reds[after], greens[after] = reds[after - 1], greens[after - 1]
+                    low_y = y // SUBSAMPLE
+                    _shrink(above[x0:], chunk[VALUE], bright[low_y, low_x:end_x])
+                    _absorb(reds[x0:], greens[x0:], unit, shading, absorbed[low_y, low_x:end_x])
             totals += chunk[TOTAL]
         add_up(task, counts, histograms)
         chroma[task] = totals.sum()
@@ -126,47 +125,52 @@ def _tally(chunk: NDArray[np.float32], levels: NDArray[np.uint16]) -> None:
         levels[i] = np.int32(level if chunk[KEEP, i] > ZERO else LEVELS + ONE)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def _shrink(
-    chunk: NDArray[np.float32],
-    alone: bool,
-    count: int,
+@njit(forceinline=True, error_model="numpy")
+def _begin(
+    value: NDArray[np.float32],
+    narrow: NDArray[Any],
     above: NDArray[np.float32],
-    means: NDArray[np.float32],
+    reds: NDArray[Any],
+    greens: NDArray[Any],
 ) -> None:
-    """Mean of V in each 2 x 2 block, from the row before, if there is one, and VALUE."""
+    """Keep V and the smoothed colours of the first row of blocks."""
+    wide_vectors()
     for i in range(CHUNK):
-        chunk[LOG, i] = chunk[VALUE, i] if alone else above[i]
-    if count % SUBSAMPLE != 0:
-        chunk[LOG, count], chunk[VALUE, count] = chunk[LOG, count - 1], chunk[VALUE, count - 1]
-    for i in range(CHUNK // SUBSAMPLE):
+        above[i] = value[i]
+        reds[i], greens[i] = narrow[RED, i], narrow[GREEN, i]
+
+
+@njit(forceinline=True, error_model="numpy")
+def _add(narrow: NDArray[Any], reds: NDArray[Any], greens: NDArray[Any]) -> None:
+    """The smoothed colours of the last row of blocks."""
+    wide_vectors()
+    for i in range(CHUNK):
+        reds[i] += narrow[RED, i]
+        greens[i] += narrow[GREEN, i]
+
+
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+def _shrink(above: NDArray[np.float32], value: NDArray[np.float32], means: NDArray[np.float32]) -> None:
+    """Mean of V in each 2 x 2 block of two rows."""
+    wide_vectors()
+    for i in range(len(means)):
         x = np.uint64(SUBSAMPLE * i)
-        a, b = chunk[LOG, x], chunk[LOG, x + NEXT]
-        c, d = chunk[VALUE, x], chunk[VALUE, x + NEXT]
-        means[i] = (a + b + c + d) * QUARTER
+        means[i] = (above[x] + above[x + NEXT] + value[x] + value[x + NEXT]) * QUARTER
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def _absorb(
-    narrow: NDArray[Any],
-    alone: bool,
-    count: int,
-    above: NDArray[Any],
+    reds: NDArray[Any],
+    greens: NDArray[Any],
     unit: np.float32,
     shading: np.float32,
     absorbed: NDArray[np.float32],
 ) -> None:
-    """What green lacks beside red in each 2 x 2 block, from the smoothed colours and those of the row before,
-    if there is one."""
+    """What green lacks beside red in each 2 x 2 block, from sums over two rows of the smoothed colours."""
     wide_vectors()
-    for color in range(2):
-        for i in range(CHUNK):
-            above[color, i] = narrow[color, i] + (narrow[color, i] if alone else above[color, i])
-        if count % SUBSAMPLE != 0:
-            above[color, count] = above[color, count - 1]
     scale = unit * SOFT * QUARTER
-    for i in range(CHUNK // SUBSAMPLE):
+    for i in range(len(absorbed)):
         x = np.uint64(SUBSAMPLE * i)
-        red = np.float32(above[RED, x] + above[RED, x + NEXT]) * scale
-        green = np.float32(above[GREEN, x] + above[GREEN, x + NEXT]) * scale
+        red = (np.float32(reds[x]) + np.float32(reds[x + NEXT])) * scale
+        green = (np.float32(greens[x]) + np.float32(greens[x + NEXT])) * scale
         absorbed[i] = LN_2 * (shading * brief_log2(red + FLOOR) - brief_log2(green + FLOOR))
