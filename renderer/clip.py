@@ -140,12 +140,22 @@ class SparsePoints:
     """(P, 3) RGB, where the file has them."""
 
 
+def numbered(index: int, count: int) -> int:
+    """The number of one of `count` frames, counted from their end where it is below 0, as in a list.
+
+    Raises IndexError: there is none.
+    """
+    if not -count <= index < count:
+        raise IndexError(f"expected a frame from 0 to {count - 1}, got {index}")
+    return index % count
+
+
 @dataclass(frozen=True, eq=False)
 class Clip:
     """A readable clip; frames are decoded on request, never all at once.
 
     `open_clip` opens one from files; one from arrays is made as below. Reading a damaged frame raises
-    ClipError.
+    ClipError, one that is not there IndexError.
 
     Example:
         >>> from pathlib import Path
@@ -260,7 +270,7 @@ class Clip:
 
     def _of(self, kept: range) -> Clip:
         def read_frame(index: int) -> Frame:
-            index = range(len(kept))[index]
+            index = numbered(index, len(kept))
             return replace(self.read_frame(kept[index]), index=index, time=index / len(kept))
 
         times, read_right = self.frame_times, self.read_right

@@ -223,7 +223,7 @@ def measure_picture(given: Given, original: Given | None, mask: Given | None) ->
     """All measures of one picture, by name. Raises UserError when the pictures cannot be compared."""
     image = _read(given)
     before = image if original is None else _read(original)
-    _check_size(image, before, given.path)
+    _check_size(image, before, "an image of its original's", given.path)
     shown = kept(image) & kept(before)
     tissue = field_of_view(before) & shown
     measured = {"image": given.origin} | _alone(image, tissue)
@@ -250,15 +250,15 @@ def _mask(given: Given, image: ArrayImage) -> BoolImage:
     stored = given.read()
     if stored.ndim not in (2, 3) or not stored.size:
         raise UserError(f"expected a vessel mask of shape (H, W), got {stored.shape}: {given.path}")
-    _check_size(stored, image, given.path)
+    _check_size(stored, image, "a vessel mask of its image's", given.path)
     has_noise = given.is_video or is_lossy(given.path)
     return marked_pixels(stored) if has_noise else np.asarray(levels(stored) > 0)
 
 
-def _check_size(image: ArrayImage, original: ArrayImage, path: Path) -> None:
-    if image.shape[:2] != original.shape[:2]:
-        sizes = [f"{shape[1]}x{shape[0]}" for shape in (original.shape, image.shape)]
-        raise UserError(f"expected an image of its original's size {sizes[0]}, got {sizes[1]}: {path}")
+def _check_size(image: ArrayImage, other: ArrayImage, wanted: str, path: Path) -> None:
+    if image.shape[:2] != other.shape[:2]:
+        sizes = [f"{shape[1]}x{shape[0]}" for shape in (other.shape, image.shape)]
+        raise UserError(f"expected {wanted} size {sizes[0]}, got {sizes[1]}: {path}")
 
 
 def _alone(image: ArrayImage, tissue: BoolImage) -> dict[str, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, TypeVar, cast, get_args, get_origin
@@ -63,7 +64,8 @@ def refuse(flags: argparse.Namespace, absent: Mapping[str, object], beside: str)
 def problem(error: ValidationError, flag_of: Mapping[str, str] | None = None) -> str:
     """The first thing wrong, in one line: which field or flag, what was expected, what came."""
     first = error.errors(include_url=False, include_context=False)[0]
-    wanted = first["msg"].replace("Input should be", "expected").replace("Value error, ", "")
+    wanted = first["msg"].replace("Value error, ", "").replace(" after validation", "")
+    wanted = re.sub(r"^\w+ should (be|have)", "expected", wanted)
     if not first["loc"]:
         return f"{error.title}: {wanted}"
     place = ".".join(str(part) for part in first["loc"])

@@ -10,7 +10,7 @@ from typing import Final
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, Made
 from app.enhancement.setting_words import worded
 from app.errors import UserError
-from app.files.atomic import together
+from app.files.atomic import together, told_as
 from app.files.dicom.choices import DEIDENTIFIED, DicomChoices
 from app.files.dicom.labels import may_tell
 from app.files.dicom.sources import sources_of
@@ -86,7 +86,8 @@ def write_dicom_film(
         records = list[EnhancedPicture]()
         timing = timing if choices.keep_identity else _silent(timing, notices)
         frames = _checked(pictures, records, timing, path)
-        written = yield from write_frames(video, frames, timing)
+        with told_as(path, video):
+            written = yield from write_frames(video, frames, timing)
         notices.extend(written.notices)
         made = EnhancedVideo(
             frames_per_second=timing.frames_per_second,

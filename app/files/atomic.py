@@ -37,7 +37,7 @@ def replaced(path: Path) -> Iterator[Path]:
     clear(target.parent)
     temporary = target.with_name(temporary_name(path.stem, path.suffix))
     try:
-        with _told_as(path, temporary):
+        with told_as(path, temporary):
             # A link that somebody has laid under this name is not followed.
             temporary.unlink(missing_ok=True)
             yield temporary
@@ -74,7 +74,7 @@ def filled(folder: Path) -> Iterator[Path]:
     except OSError as error:
         raise UserError(f"cannot write into the folder, {_reason(error)}: {folder}") from error
     try:
-        with _told_as(folder, staging):
+        with told_as(folder, staging):
             yield staging
             make_folder(folder)
             _commit(staging, folder)
@@ -120,7 +120,7 @@ def _sync(file: Path) -> None:
 
 
 @contextmanager
-def _told_as(place: Path, temporary: Path) -> Iterator[None]:
+def told_as(place: Path, temporary: Path) -> Iterator[None]:
     """Errors that name the temporary path, or a file in it, name what it stands for."""
     try:
         yield

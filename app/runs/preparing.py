@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
-from renderer.clip import Clip, ClipError, Frame
+from renderer.clip import Clip, ClipError, Frame, numbered
 from renderer.train.events import Preparing
 from renderer.train.frame_store import FrameStore
 from renderer.train.windows import Window
@@ -110,7 +110,7 @@ class ReadAhead:
         self._handing = True
 
     def _read(self, index: int) -> Frame:
-        index = range(len(self._source))[index]
+        index = numbered(index, len(self._source))
         if index not in self._places:
             return self._source.read_frame(index)
         if self._handing:

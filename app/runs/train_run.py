@@ -317,8 +317,6 @@ def _check_same(request: TrainRequest, record: RunRecord, whole: Clip) -> None:
         params = record.enhancement.params
         began |= {"preset": preset_of(params)} | vars(params)
         asked |= {"preset": preset_of(request.enhance_params)} | vars(request.enhance_params)
-    for parts in ("keep", "leave_out"):  # In any order, and however often.
-        began[parts], asked[parts] = (tuple(sorted(set(each[parts]))) for each in (began, asked))
     for found in ("field_of_view", "tools", "tool_masks"):
         if asked[found] is None:  # Nobody asks for it.
             del began[found]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.budget import OverBudget
-from renderer.clip import ByteImage, Clip, ClipError, Frame
+from renderer.clip import ByteImage, Clip, ClipError, Frame, numbered
 from renderer.depth.row_offset import (
     PAIRS,
     VARYING,
@@ -345,7 +345,7 @@ def _left_half(clip: Clip) -> Clip:
     said = (f"left out, not part of a stereo pair: {listed(strays)}",) if strays else ()
 
     def read_frame(index: int) -> Frame:
-        index = range(len(places))[index]
+        index = numbered(index, len(places))
         return replace(clip.read_frame(places[index]), index=index, time=index / len(places))
 
     return replace(

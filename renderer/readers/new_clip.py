@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.camera import Camera
-from renderer.clip import BoolImage, ByteImage, Clip, Frame
+from renderer.clip import BoolImage, ByteImage, Clip, Frame, numbered
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ def new_clip(
     """A clip by the name of its file or folder. `read_image` and `known` are of a frame by its number."""
 
     def read_frame(index: int) -> Frame:
-        index = range(len(cameras))[index]
+        index = numbered(index, len(cameras))
         camera, own = cameras[index], known(index)
         tissue = np.ones((camera.height, camera.width), bool) if own.tissue is None else own.tissue
         evaluation = tissue if own.evaluation is None else own.evaluation
@@ -52,7 +52,7 @@ def new_clip(
         format=format,
         cameras=cameras,
         read_frame=read_frame,
-        read_image=read_image,
+        read_image=lambda index: read_image(numbered(index, len(cameras))),
         labels=labels,
         has_depth=has_depth,
         unit=unit,

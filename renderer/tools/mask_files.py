@@ -13,7 +13,7 @@ import numpy as np
 from PIL import Image, PngImagePlugin
 
 from renderer.atomic_files import written_atomically
-from renderer.clip import BoolImage, Clip, ClipError, Frame, within
+from renderer.clip import BoolImage, Clip, ClipError, Frame, numbered, within
 from renderer.readers.clip_files import files_in
 from renderer.readers.image_files.pictures import NAMED, natural_key
 from renderer.readers.listing import listed
@@ -156,7 +156,7 @@ def with_tool_masks(clip: Clip, masks: Callable[[], MaskFiles]) -> Clip:
     are no masks, or its own cannot be read."""
 
     def read_frame(index: int) -> Frame:
-        index = range(len(clip))[index]
+        index = numbered(index, len(clip))
         frame = clip.read_frame(index)
         mask = masks().read(index, (frame.image.shape[1], frame.image.shape[0]))
         return frame if mask is None else replace(within(frame, ~mask), tools_are_known=True)

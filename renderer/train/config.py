@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Literal
 
-from annotated_types import Interval, Len
-from pydantic import ConfigDict
+from annotated_types import Interval
+from pydantic import AfterValidator, ConfigDict
 from pydantic.dataclasses import dataclass
 
 from renderer.splats import RenderMode
@@ -29,6 +29,9 @@ Part = Literal[
     "poses",
 ]
 """What a clip may not need; surround, tools and poses are decided on before training sees the frames."""
+
+EachOnce: Final = AfterValidator(lambda parts: tuple(sorted(set(parts))))
+"""However often and in whatever order parts are named, the same is asked for."""
 
 CHOSEN: Final = (
     "depth_weight, color_motion_rate and scale_rate were chosen on training frames of the pulling clip "
@@ -109,11 +112,9 @@ class TrainConfig:
     """Degree of the spherical harmonics for view-dependent colour; auto: as the clip needs."""
     render_mode: RenderMode = "default"
     """How splats narrower than a pixel are rendered, see RenderMode; a run is rendered as it was trained."""
-    keep: Annotated[tuple[Part, ...], Len(0, 14)] = ()
+    keep: Annotated[tuple[Part, ...], EachOnce] = ()
     """Parts to keep although the clip does not need them, to measure what they cost."""
-    leave_out: Annotated[
-        tuple[Literal["deformation", "color_curves", "tracks", "poses"], ...], Len(0, 4)
-    ] = ()
+    leave_out: Annotated[tuple[Literal["deformation", "color_curves", "tracks", "poses"], ...], EachOnce] = ()
     """Parts to leave out whatever the clip needs."""
     hold_out: bool = False
     """Hold every seventh training frame out, or the middle one of fewer than five, and evaluate on it, for

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import shutil
 import subprocess
+from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
@@ -14,6 +16,7 @@ from pydicom import dcmread
 from pydicom.encaps import get_frame
 
 from app.__main__ import main
+from app.enhancement import dicom_files
 from app.errors import UserError
 from app.exports.replay.recorded import recorded
 from app.files.dicom.writing import require_level
@@ -219,3 +222,17 @@ def test_another_reader_sees_the_same(made: Path, tmp_path: Path) -> None:
     subprocess.run(["dcmdump", "+W", str(tmp_path), str(made / "video.dcm")], check=True, capture_output=True)
     told = dcmread(made / "video.dcm")
     assert (tmp_path / "video.dcm.1.raw").read_bytes() == get_frame(told.PixelData, 0, number_of_frames=1)
+
+
+def test_a_full_disk_is_told_of_the_object(
+    made: Path, tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(place: Path, *_: object) -> Iterator[int]:
+        raise OSError(errno.ENOSPC, "No space left on device", str(place))
+        yield
+
+    monkeypatch.setattr(dicom_files, "write_frames", full)
+    done = vesselsplat("enhance", made / "film.dcm", tmp_path / "a.dcm")
+    assert (done.code, done.error.count("\n"), "film.mp4" in done.error) == (2, 1, False)
+    assert f"No space left on device: {tmp_path / 'a.dcm'}" in done.error
+    assert not any(tmp_path.iterdir())

@@ -168,6 +168,7 @@ def test_what_moves_can_be_left_out_all_the_same() -> None:
     assert not needs_of(moving, replace(SMALL, leave_out=("color_curves",))).recolors
     with pytest.raises(ValidationError, match="deformation either kept or left out"):
         TrainConfig(keep=("deformation",), leave_out=("deformation",))
+    assert TrainConfig(leave_out=("tracks", "poses") * 5) == TrainConfig(leave_out=("poses", "tracks"))
 
 
 @pytest.mark.parametrize("method", ["deform3dgs", "endogaussian"])

@@ -87,6 +87,12 @@ def save_sweep(state: AppState) -> None:
         path, text.encode(errors="surrogateescape"), "the sweep was not saved", announced=True
     )
     state.window.wishes += (request,)
+    kept_out = {
+        "the range of frames": state.source.part.trim,
+        "the calibration of the lens": state.source.options.calibration,
+    }
+    if lost := [name for name, value in kept_out.items() if value is not None]:
+        actions.say(state, f"{path.name} does not hold {' and '.join(lost)}: it tries frames without")
     actions.say(state, command("sweep", path, "--out", path.with_suffix("")))
 
 

@@ -44,7 +44,7 @@ class DicomVideo:
 
     def read(self, index: int) -> ByteImage:
         """(H, W, 3) RGB. Raises ClipError when the frame is damaged."""
-        stored = read_pixels(self._path, self.header, range(len(self))[index])
+        stored = read_pixels(self._path, self.header, index)
         byte = in_bytes(stored) if stored.dtype.itemsize > 1 else stored.astype(np.uint8)
         return np.repeat(byte[:, :, None], 3, axis=2) if byte.ndim == 2 else byte
 

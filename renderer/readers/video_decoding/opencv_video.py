@@ -68,7 +68,6 @@ class OpenCvVideo:
 
     def read(self, index: int) -> ByteImage:
         """(H, W, 3) RGB. Raises ClipError when the frame is damaged."""
-        index = range(len(self))[index]
         with self._lock:
             for approach in (self._step, self._seek, self._restart):
                 if approach(index) and self._grab_until(index):

@@ -104,7 +104,6 @@ class PyAvVideo:
 
     def read(self, index: int) -> ByteImage:
         """(H, W, 3) RGB, upright. Raises ClipError when the frame is damaged."""
-        index = range(len(self))[index]
         number, field = divmod(index, self._per_frame)
         DECODERS.use(self)
         with self._lock:

@@ -18,6 +18,7 @@ from app.sweeps.spec import all_settings, read_spec
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.lenses.calibration import Calibration, LensCalibration
 from tests.app.conftest import Cli
 
 CHOICES = {
@@ -56,6 +57,18 @@ def test_the_saved_sweep_runs_with_the_values_of_the_grid(
     dry = vesselsplat("sweep", path, "--out", out, "--dry-run")
     assert (dry.code, dry.error) == (0, "")
     assert f"{len(state.tuning.grid.settings)} jobs on 1 clip" in dry.out
+
+
+def test_what_a_sweep_has_no_room_for_is_told(state: AppState) -> None:
+    state.tuning.choices = CHOICES[EnhanceParams]
+    actions.set_params(state, EnhanceParams())
+    state.source.part = replace(state.source.part, trim=(1, 2))
+    state.source.options = ClipOptions(
+        calibration=Calibration(lens=LensCalibration(fx=50, fy=50, cx=32, cy=24))
+    )
+    tuning_actions.save_sweep(state)
+    told = "does not hold the range of frames and the calibration of the lens"
+    assert told in state.window.log[-2]
 
 
 def test_nothing_to_vary_is_said_and_nothing_is_written(state: AppState) -> None:

@@ -91,7 +91,7 @@ def test_one_picture_is_a_clip_of_one_frame(tmp_path):
     clip = open_image(tmp_path / "7.png")
     assert (len(clip), clip.format, clip.labels) == (1, "image", ("7.png",))
     np.testing.assert_array_equal(clip.read_frame(0).image, numbered_picture(0))
-    with pytest.raises(IndexError):
+    with pytest.raises(IndexError, match="expected a frame from 0 to 0, got 1"):
         clip.read_image(1)
 
 

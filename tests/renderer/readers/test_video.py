@@ -149,7 +149,7 @@ def test_of_a_cut_video_the_whole_frames_remain(tmp_path, decoder, name, code):
     # What OpenCV makes of the header may be no more than a guess, and Matroska tells a length alone.
     of_all = f" of {LENGTH}" if decoder == "PyAV" and name.endswith("avi") else ""
     assert f": {len(clip)}{of_all} frames are whole" in clip.notices[0]
-    with pytest.raises(IndexError):
+    with pytest.raises(IndexError, match=f"from 0 to {len(clip) - 1}, got {len(clip)}"):
         clip.read_image(len(clip))
 
 
