@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from renderer.clip import Clip, Frame
+from renderer.clip import BoolImage, Clip, Frame
 from renderer.deformation.spline import MIN_CONTROLS, controls_for, most_controls
 from renderer.harmonics import BANDS
 from renderer.train import outlines
@@ -50,8 +50,9 @@ class Needs:
     """There is depth to compare with."""
     has_masks: bool
     """Some pixel is not tissue."""
-    tight_masks: bool = False
-    """They end at the tools' outline: tissue beside it is not trained on where other frames show it."""
+    apart: BoolImage | None = None
+    """(H, W) where masks end at the tools' outline: what other frames show of the tissue beside it, which is
+    not trained on there."""
     followed: Followed | None = None
     """Where tissue was seen to go, to start from; None: nobody looked."""
     omitted: tuple[Omission, ...] = ()
@@ -85,17 +86,17 @@ def decide(
         followed=followed,
         has_depth="depth" in config.keep or any(frame.depth_mask.any() for frame in frames),
         has_masks="masks" in config.keep or not all(frame.tissue_mask.all() for frame in frames),
-        tight_masks=_tight_masks(clip, frames, config),
+        apart=_apart(clip, frames, config),
     )
     counted = followed is not None or n_controls is not None or not _tracks_count(config, moves)
     return replace(needs, omitted=tuple(_omitted(clip, frames, config, needs, measured, counted=counted)))
 
 
-def _tight_masks(clip: Clip, frames: Sequence[Frame], config: TrainConfig) -> bool:
-    """Whether other frames of one camera show what is in part of the colour of tools."""
+def _apart(clip: Clip, frames: Sequence[Frame], config: TrainConfig) -> BoolImage | None:
+    """What frames of one camera show of tissue that is in part of the colour of tools in others."""
     if "beside_tools" in config.keep or config.method not in OWN or not clip.camera_is_fixed:
-        return False
-    return outlines.are_tight(frames)
+        return None
+    return outlines.seen_apart(frames) if outlines.are_tight(frames) else None
 
 
 def _begins_from_tracks(config: TrainConfig, moves: bool) -> bool:
@@ -176,8 +177,8 @@ def _omitted(
         yield Omission(
             "tiles without tissue", "no tissue to compare with", f"{share:.0%} of the tiles", "tiles"
         )
-    if needs.tight_masks:
-        yield outlines.told(frames)
+    if needs.apart is not None:
+        yield outlines.told(frames, needs.apart)
 
 
 def _of_curves(clip: Clip, config: TrainConfig, needs: Needs, *, counted: bool) -> Iterator[Omission]:

@@ -43,16 +43,14 @@ MOST: Final = 16
 """Frames that are looked at."""
 
 
-def without_outlines(frames: FrameStore[Frame], folder: Path | None) -> FrameStore[Frame]:
+def without_outlines(frames: FrameStore[Frame], apart: BoolImage, folder: Path | None) -> FrameStore[Frame]:
     """The frames, of one camera that does not move, without tissue that is MIXED with tools where some frame
-    shows it apart from them. They are taken from their store."""
-    apart = seen_apart(frames)
+    shows it `apart` from them (H, W). They are taken from their store."""
     return FrameStore.of((without_mixed(frames.take(place), apart) for place in range(len(frames))), folder)
 
 
-def told(frames: Sequence[Frame]) -> Omission:
+def told(frames: Sequence[Frame], apart: BoolImage) -> Omission:
     """What that leaves out."""
-    apart = seen_apart(frames)
     before = sum(np.count_nonzero(frame.tissue_mask) for frame in frames)
     kept = sum(np.count_nonzero(without_mixed(frame, apart).tissue_mask) for frame in frames)
     saves = f"{1 - kept / before:.1%} of the tissue"

@@ -140,9 +140,9 @@ def _prepared(
     needs = decide(clip, frames, config, follow=follow, n_controls=known)
     recipe = recipe_for(config, needs)
     judged = clip.camera_is_fixed and recipe.losses.opacity > 0
-    if needs.tight_masks:
-        apart = without_outlines(frames, spilled)
-        seeds, frames = (apart if seeds is frames else seeds), apart
+    if needs.apart is not None:
+        bare = without_outlines(frames, needs.apart, spilled)
+        seeds, frames = (bare if seeds is frames else seeds), bare
     raw = recipe.initialize(seeds)
     model = TrainModel(raw, recipe.make_trainer(raw, seeds, size), recipe, size, pictures)
     seen = seen_by(frames) if judged else None
