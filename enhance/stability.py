@@ -16,6 +16,7 @@ from enhance import detail
 from enhance.field_tracker import FieldTracker
 from enhance.guided_filter import Grids, Window, WindowModels
 from enhance.image import AnyImage, ImageError, full_scale, read_picture
+from enhance.noise import chroma_noise_gain, noise_gain
 from enhance.params import EnhanceParams, PForm
 from enhance.pipeline import enhance
 from enhance.reference import enhance_reference, window_mean
@@ -323,6 +324,28 @@ def _within(
     return np.where(field[..., None], image, noise.integers(0, 5, image.shape, dtype=np.uint8))
 
 
+def _noise_gains(image: NDArray[np.uint8]) -> Iterator[Row]:
+    """Of noise that is known: scaled, beside what is clipped, and of colours below the rounding to 8 bits."""
+    hazard, half = "noise gains", image.shape[1] // 2
+    light = np.linspace(0, 0.2, image.shape[1])[:, None]
+    for name, gain in (("noise", noise_gain), ("chroma noise", chroma_noise_gain)):
+        scaled = 0.7 * (image / 255) + light
+        yield Row(
+            hazard, f"{name}, 0.7 times and lit otherwise", abs(gain(scaled, image) - 0.7), 1e-4, "of 1"
+        )
+        for case, level in (("white", 1), ("black", 0)):
+            scaled[:, half:] = level
+            yield Row(hazard, f"{name}, half {case}", abs(gain(scaled, image) - 0.7), 1e-4, "of 1")
+    rng = np.random.default_rng(11)
+    grey = rng.normal(120, 1.5, (240, 320))
+    red, blue = (cv2.resize(rng.normal(0, 0.8, (120, 160)), (320, 240)) for _ in range(2))
+    before, after = (
+        np.rint(np.stack((grey + k * red, grey, grey + k * blue), axis=2)).astype(np.uint8) for k in (1, 2)
+    )
+    error = abs(chroma_noise_gain(after, before) - 2)
+    yield Row(hazard, "chroma noise of 4:2:0 video, twice as large", error, 0.1, "of 2")
+
+
 def _refused(image: AnyImage, line: str) -> bool:
     """For that reason."""
     try:
@@ -357,5 +380,6 @@ PARTS: Final[dict[str, Callable[[NDArray[np.uint8]], Iterator[Row]]]] = {
     "black": _black,
     "types": _types,
     "fields": _fields,
+    "noise gains": _noise_gains,
 }
 """Rows by what they are of; `image` is ordinary tissue, (H, W, 3)."""

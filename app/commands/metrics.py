@@ -51,8 +51,10 @@ DEFINITIONS = {
     "vessel_cnr": "the same difference over the standard deviation of the ring",
     "color_difference": "CIEDE2000 between the mask and its ring, mean over blocks of 64 pixels; 1 is just "
     "noticeable",
-    "chroma_noise_gain": "as noise_gain, of R - G and B - G",
-    "noise_gain": "high-frequency noise over that of the original, where the original is flat",
+    "chroma_noise_gain": "as noise_gain, of R - G and B - G, averaged over blocks large enough for the "
+    "original's to exceed rounding",
+    "noise_gain": "high-frequency noise over that of the original, where the original is flat, without "
+    "clipped pixels",
     "blackened_share": "share of the vessel mask that is near-black and was not in the original",
     "luma_step": "mean step of the mean luma from image to image of one folder or video, in the order "
     "given, in grey levels",

@@ -173,7 +173,7 @@ def _write_summary(
         columns=columns,
         breaks_labels=True,
         measured_over="field of view",
-        noise_cut="by rank",
+        noise_cut="unclipped",
         undefined="none",
         settings=shown,
     )

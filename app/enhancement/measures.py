@@ -44,10 +44,12 @@ DEFINITIONS: Final[Mapping[str, str]] = MappingProxyType(
         "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold, "
         "over the field of view",
         "vessel_contrast": "Weber contrast in green of the original's strongest dark ridges against a ring",
-        "noise_gain": "high-frequency noise over that of the original, where the original is flat",
+        "noise_gain": "high-frequency noise over that of the original, where the original is flat, without "
+        "clipped pixels",
         "saturated_share": "share of the field of view whose largest channel is 250 of 255 or more",
         "color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 pixels",
-        "chroma_noise_gain": "as noise_gain, of the colours alone",
+        "chroma_noise_gain": "as noise_gain, of the colours alone, averaged over blocks large enough for the "
+        "original's to exceed rounding",
         "milliseconds": "for what this cell changes, after the cells computed before it",
     }
 )
@@ -58,6 +60,13 @@ DEFINITIONS_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 """Of those that are of the whole image, its black surround included, in files that ask for that."""
+NOISE_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "noise_gain": "high-frequency noise over that of the original, where the original is flat",
+        "chroma_noise_gain": "as noise_gain, of the colours alone",
+    }
+)
+"""Of the noise gains in files that ask for a cut of before."""
 LEAST: Final = 0.5
 """Of the colour difference (CIEDE2000, where 1 is just noticeable): less is nobody's loss."""
 
@@ -83,7 +92,7 @@ class Original:
         enhanced: ArrayImage,
         milliseconds: float = 0.0,
         measured_over: MeasuredOver = "field of view",
-        noise_cut: NoiseCut = "by rank",
+        noise_cut: NoiseCut = "unclipped",
     ) -> Measures:
         """Of a picture that was made of this one in that time. Raises ImageError."""
         pixels = self.view if measured_over == "field of view" else None

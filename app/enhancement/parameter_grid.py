@@ -146,7 +146,7 @@ def tried(
     tissue_mask: BoolImage | None = None,
     pixels: Pixels = "automatic",
     measured_over: MeasuredOver = "field of view",
-    noise_cut: NoiseCut = "by rank",
+    noise_cut: NoiseCut = "unclipped",
 ) -> Iterator[Cell]:
     """Enhance and measure, one after another, in the order in which least is computed twice.
 

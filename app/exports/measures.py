@@ -7,7 +7,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from app.enhancement.measures import DEFINITIONS, DEFINITIONS_BEFORE, MeasuredOver, Original
+from app.enhancement.measures import (
+    DEFINITIONS,
+    DEFINITIONS_BEFORE,
+    NOISE_BEFORE,
+    MeasuredOver,
+    Original,
+)
 from app.exports.panes import Made, PaneMaker
 from app.exports.records import MeasuresTable
 from app.exports.sizing import Sizing
@@ -25,7 +31,7 @@ def measures_at(
     maker: PaneMaker,
     made: Sequence[Made],
     measured_over: MeasuredOver = "field of view",
-    noise_cut: NoiseCut = "by rank",
+    noise_cut: NoiseCut = "unclipped",
 ) -> list[Row]:
     """Those of these names, of each pane's picture, `made` in its own size; NaN: it cannot be measured.
 
@@ -46,7 +52,11 @@ def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
 
 def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
     """The table at `path` as CSV, and beside it NAME.csv.json with the same, definitions and record."""
-    every = DEFINITIONS if record.measured_over == "field of view" else {**DEFINITIONS, **DEFINITIONS_BEFORE}
+    every = {
+        **DEFINITIONS,
+        **(DEFINITIONS_BEFORE if record.measured_over == "whole image" else {}),
+        **(NOISE_BEFORE if record.noise_cut != "unclipped" else {}),
+    }
     definitions = {name: text for name, text in every.items() if name in record.measures}
     with together(path) as place:
         write_bytes(place, csv_table(("frame", "label", "pane", *record.measures), rows))

@@ -213,51 +213,6 @@ def test_blackened_share_counts_vessel_pixels_that_turn_black() -> None:
     assert math.isnan(blackened_share(after, image, np.zeros((60, 60), bool)))
 
 
-@pytest.mark.parametrize("gain", [0.5, 1.0, 3.0])
-def test_noise_gain_is_the_ratio_of_the_noise(gain: float) -> None:
-    """Planes, a step and another brightness are no noise; what is masked or structured is not looked at."""
-    rng = np.random.default_rng(8)
-    noise = rng.normal(0, 0.01, (120, 120, 3))
-    x = np.linspace(0.4, 0.6, 120)[None, :, None] + np.zeros((120, 1, 3))
-    x[60:] += 0.1
-    after = 0.6 * x + 0.1 + gain * noise
-    assert noise_gain(after, x + noise) == pytest.approx(gain, rel=0.03)
-    mask = np.zeros((120, 120), bool)
-    mask[:50] = True
-    after[60:] += rng.normal(0, 0.2, (60, 120, 3)).clip(-0.1, 0.1)
-    assert noise_gain(after, x + noise, tissue_mask=mask) == pytest.approx(gain, rel=0.05)
-
-
-def test_ties_among_whole_grey_levels_do_not_move_noise_gains() -> None:
-    """Of an image of whole grey levels, many responses are the third quartile itself."""
-    noise = np.random.default_rng(4).normal(0, 1.2, (120, 120, 3))
-    image = (120 + noise).round() / 255
-    for scale in (0.9, 0.7, 0.5):
-        assert noise_gain(scale * image, image) == pytest.approx(scale, rel=1e-3)
-        assert chroma_noise_gain(scale * image, image) == pytest.approx(scale, rel=1e-3)
-    levels = [gain(0.7 * image, image, cut="by level") for gain in (noise_gain, chroma_noise_gain)]
-    assert levels != pytest.approx([0.7, 0.7], rel=0.02)
-
-
-def test_noise_is_cut_in_one_of_two_ways() -> None:
-    for gain in (noise_gain, chroma_noise_gain):
-        with pytest.raises(ImageError, match="expected cut to be 'by rank' or 'by level', got 'by_rank'"):
-            gain(vessels(), vessels(), cut="by_rank")  # type: ignore[arg-type]
-
-
-def test_noise_gain_is_undefined_without_noise_or_without_tissue() -> None:
-    flat = np.full((20, 20, 3), 0.5)
-    assert math.isnan(noise_gain(flat, flat))
-    assert math.isnan(noise_gain(vessels(), vessels(), tissue_mask=np.zeros((120, 150), bool)))
-    assert noise_gain(vessels(), vessels()) == 1
-    ramp = np.add.outer(np.linspace(0.2, 0.5, 48), np.linspace(0.1, 0.4, 64))[..., None].repeat(3, axis=2)
-    noisy = ramp + np.random.default_rng(2).normal(0, 1e-3, ramp.shape)
-    for gain in (noise_gain, chroma_noise_gain):
-        assert math.isnan(gain(noisy, ramp * (1.0, 0.9, 0.8)))  # Rounding of floats is no noise.
-    rounded = (ramp * 65535).round() / 65535
-    assert noise_gain(rounded, rounded) == 1
-
-
 def test_flicker_is_what_the_originals_do_not_have() -> None:
     frames = [np.full((4, 4), level, np.uint8) for level in (100, 110, 105)]
     assert flicker(frames, frames) == 0

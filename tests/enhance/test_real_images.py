@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from enhance import EnhanceParams, enhance, measure
 from enhance.metrics import saturated_share, vessel_contrast
+from enhance.noise import chroma_noise_gain
 from enhance.reference import enhance_reference
+from enhance.ridges import field_of_view
 
 DATA = Path(__file__).resolve().parents[2] / "../shared/data"
 FRAMES = {
@@ -55,6 +57,21 @@ def test_default_subsampling_costs_a_twentieth_of_a_grey_level(name: str) -> Non
     error = np.abs(full - half)
     assert error.mean() < 0.05
     assert np.quantile(error, 0.999) < 0.5
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_the_gain_of_chroma_noise_is_that_of_noise_that_is_added(name: str) -> None:
+    """Of half a grey level, in blocks of 4 pixels; the paper's method makes 1.2 to 3.3 times that."""
+    image, params = read(FRAMES[name]), EnhanceParams(d_factor=1.0)
+    before, tissue = image / 255, field_of_view(image)
+    rows, columns = image.shape[:2]
+    noise = np.random.default_rng(1).normal(0, 0.5 / 255, (rows // 4 + 1, columns // 4 + 1, 3))
+    more = np.clip(before + noise.repeat(4, axis=0).repeat(4, axis=1)[:rows, :columns], 0, 1)
+    after = enhance(before, params)
+    louder = enhance(more, params, statistics=after.statistics).image
+    added, made = ((a - b)[tissue] @ [1, -1, 0] for a, b in ((more, before), (louder, after.image)))
+    found = chroma_noise_gain(enhance(image, params).image, image, tissue_mask=tissue)
+    assert found == pytest.approx(made.std() / added.std(), rel=0.3)
 
 
 def test_clip_statistics_lie_among_those_of_its_frames() -> None:

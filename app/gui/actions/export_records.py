@@ -168,7 +168,7 @@ def _record(
             last_frame=last,
             measures=MEASURES,
             measured_over="field of view",
-            noise_cut="by rank",
+            noise_cut="unclipped",
         )
     return extended(PanesVideo, panes, first_frame=first, last_frame=last, frames_per_second=rate)
 

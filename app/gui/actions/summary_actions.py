@@ -40,7 +40,7 @@ def add_shown(state: AppState) -> None:
     if request is None:
         return
     if isinstance(request.record, PanesPicture) and request.record.panes:
-        request = replace(request, record=replace(request.record, measures=MEASURES, noise_cut="by rank"))
+        request = replace(request, record=replace(request.record, measures=MEASURES, noise_cut="unclipped"))
     state.summary.awaited += (request,)
     export_actions.ask_image(state, request)
 

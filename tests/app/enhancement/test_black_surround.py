@@ -77,7 +77,7 @@ def test_a_sheet_and_a_table_that_do_not_say_are_of_the_whole_image(
     assert call.code == 0, call.error
     sheet = tmp_path / "out" / "sheet.png"
     assert read_provenance(sheet)["measured_over"] == "field of view"
-    assert read_provenance(sheet)["noise_cut"] == "by rank"
+    assert read_provenance(sheet)["noise_cut"] == "unclipped"
     assert "identical" in vesselsplat("replay", sheet, "--source", paths[WIDE]).out
     facts = read_provenance(sheet)
     del facts["measured_over"]

@@ -5,17 +5,19 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
 from app.enhancement.records import EnhancedVideo
 from app.errors import UserError
-from app.exports.records import EXPORT, KINDS
+from app.exports.measures import write_measures
+from app.exports.records import EXPORT, KINDS, MeasuresTable
 from app.exports.replay.again import replay
 from app.exports.replay.recorded import recorded
 from app.files.image_files import read_image
 from app.files.provenance import SCHEMA, plain, strict_json, write_png
+from enhance.noise import NoiseCut
 from tests.app.exports.test_before import BEFORE, FILES, SOURCES
 
 HEAD = {"app", "version", "schema", "utc", "notice", "libraries"}
@@ -33,6 +35,15 @@ def test_all_that_files_of_before_say_is_kept(name: str) -> None:
     facts = {key: value for key, value in said(name).items() if key not in TABLE}
     now = EXPORT.validate_python(facts)
     assert_kept(facts, plain(now) | ({"pictures": plain(list(now.pictures))} if "pictures" in facts else {}))
+
+
+@pytest.mark.parametrize("cut", get_args(NoiseCut))
+def test_a_table_defines_noise_as_it_was_cut(cut: NoiseCut, tmp_path: Path) -> None:
+    path, names = tmp_path / "table.csv", ("noise_gain", "chroma_noise_gain")
+    write_measures(path, [], MeasuresTable(first_frame=0, last_frame=0, measures=names, noise_cut=cut))
+    defined = recorded(path)["definitions"]
+    assert ("clipped" in defined["noise_gain"]) is (cut == "unclipped")
+    assert ("blocks" in defined["chroma_noise_gain"]) is (cut == "unclipped")
 
 
 def test_a_video_says_of_each_frame_what_differs_from_the_first() -> None:

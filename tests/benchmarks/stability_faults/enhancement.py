@@ -226,4 +226,17 @@ def _filters() -> list[Fault]:
     ]
 
 
-FAULTS: tuple[Fault, ...] = (*_statistics(), *_jumps(), *_first_pass(), *_filters())
+def _noise_gains() -> list[Fault]:
+    def edit(kind: Kind, what: str, old: str, new: str) -> Fault:
+        return edit_of("noise gains", kind, what, "enhance.noise", old, new, "noise gains")
+
+    return [
+        edit("sign", "of green", "colors[..., ::2] - colors", "colors[..., ::2] + colors"),
+        edit("dropped", "what is clipped counts", "unclipped & (keep", "(unclipped | True) & (keep"),
+        edit("dropped", "blocks of pixels", 'SCALES if cut == "unclipped" else SCALES[:1]', "SCALES[:1]"),
+        edit("swapped", "before and after", "return after / before", "return before / after"),
+        edit("float16", "the mean", ".mean(dtype=np.float64)", ".mean(dtype=np.float16)"),
+    ]
+
+
+FAULTS: tuple[Fault, ...] = (*_statistics(), *_jumps(), *_first_pass(), *_filters(), *_noise_gains())
