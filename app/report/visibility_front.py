@@ -76,29 +76,34 @@ Seen = Mapping[Setting, Visibility]
 def seen(one: Sample) -> dict[Setting, Visibility]:
     """Every method at every amount, on one image."""
     before = _amounts(one.image, one)
-    return {setting: _visibility(image, one, before) for setting, image in results(one)}
+    return {setting: _visibility(image, whole, one, before) for setting, image, whole in results(one)}
 
 
-def results(one: Sample) -> Iterator[tuple[Setting, ByteImage]]:
-    """Every setting and its image; the original is one."""
+def results(one: Sample) -> Iterator[tuple[Setting, ByteImage, ByteImage]]:
+    """Every setting, its image, and what that was mixed from; the original is one."""
     enhancer = VesselEnhancer()
     enhancer.show(one.image, one.tissue)
     for strength in STRENGTHS:
-        result = enhancer.enhance(VesselParams(strength=strength)).image
-        yield Setting(VESSEL, f"strength {strength:g}", strength == DEFAULT), np.asarray(result)
+        result = np.asarray(enhancer.enhance(VesselParams(strength=strength)).image)
+        yield Setting(VESSEL, f"strength {strength:g}", strength == DEFAULT), result, result
     for name, method in methods().items():
         if name == ORIGINAL:
-            yield UNCHANGED, one.image
+            yield UNCHANGED, one.image, one.image
         elif name != VESSEL:
             whole = method(one.image, one.tissue)
             for share in SHARES:
-                yield Setting(name, f"{share:.0%}", share == 1), mixed(whole, one.image, share)
+                yield Setting(name, f"{share:.0%}", share == 1), mixed(whole, one.image, share), whole
 
 
 def mixed(result: ByteImage, original: ByteImage, share: float) -> ByteImage:
     """So much of the result, the rest of the original."""
     both = np.float32(share) * result + np.float32(1 - share) * original
     return np.rint(both).astype(np.uint8)
+
+
+def with_clipped(image: ByteImage, whole: ByteImage) -> ByteImage:
+    """What was mixed from `whole`, clipped where that is: no noise of it can be told there."""
+    return np.where((whole == 0) | (whole == 255), whole, image)
 
 
 def averaged(images: Sequence[Seen]) -> dict[Setting, Visibility]:
@@ -172,13 +177,13 @@ def _amounts(image: ByteImage, one: Sample) -> NDArray[np.float64]:
     )
 
 
-def _visibility(image: ByteImage, one: Sample, before: NDArray[np.float64]) -> Visibility:
+def _visibility(image: ByteImage, whole: ByteImage, one: Sample, before: NDArray[np.float64]) -> Visibility:
     # Vessels are meant to change, so halos are measured beside them.
     other = one.tissue & ~one.vessels
     gains = np.divide(_amounts(image, one), before, out=np.full(before.shape, np.nan), where=before > 0)
     contrast, thin, cnr, color = gains.tolist()
     return Visibility(
-        noise=noise_gain(image, one.image, tissue_mask=one.tissue),
+        noise=noise_gain(with_clipped(image, whole), one.image, tissue_mask=one.tissue),
         contrast=contrast,
         thin=thin,
         cnr=cnr,

@@ -114,10 +114,10 @@ def _method(bench: Bench, count: int) -> Iterator[str]:
         "they are the same for all methods."
     )
     yield (
-        "Weber contrast of vessels in green, and noise of flat tissue, both relative to the original: vessel "
-        f"at {len(STRENGTHS)} strengths, every other method blended with the original in {len(SHARES)} "
-        "shares, so that methods can be compared at the same noise. Geometric means over "
-        f"{count} {'image' if count == 1 else 'images'}. {vessels}"
+        "Weber contrast of vessels in green, and noise of flat tissue without clipped pixels, both relative "
+        f"to the original: vessel at {len(STRENGTHS)} strengths, every other method blended with the "
+        f"original in {len(SHARES)} shares, so that methods can be compared at the same noise. Geometric "
+        f"means over {count} {'image' if count == 1 else 'images'}. {vessels}"
     )
     yield (
         "A halo is how much darker an image is at 2 to 10 pixels from a specular highlight than at 10 to 20, "

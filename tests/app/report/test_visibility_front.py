@@ -91,6 +91,15 @@ def test_the_points_are_those_of_the_direct_computation() -> None:
     assert (gains["original", "unchanged"].noise, gains["original", "unchanged"].contrast) == (1, 1)
 
 
+def test_what_a_method_clips_makes_none_of_its_shares_quieter(monkeypatch: pytest.MonkeyPatch) -> None:
+    half = one().image.copy()
+    half[:, :80] = 255
+    few = {"original": methods()["original"], "half clipped": lambda image, tissue: half}
+    monkeypatch.setattr(visibility_front, "methods", lambda: few)
+    noise = {setting: each.noise for setting, each in seen(one()).items() if setting.method == "half clipped"}
+    assert list(noise.values()) == [1] * len(SHARES)
+
+
 def test_every_method_has_one_default() -> None:
     defaults = [setting.method for setting in found() if setting.is_default]
     assert sorted(defaults) == sorted(methods().keys() - {"original"})
