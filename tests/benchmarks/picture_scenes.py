@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +25,7 @@ from app.gui.frame import dockings
 from app.gui.session_file import Choice
 from app.runs.job import Failed
 from app.runs.run_folder import RunFolder
+from app.runs.train_run import TrainRequest
 from app.scenes.supersampling import FACTORS
 from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
@@ -83,6 +85,20 @@ def start(person: Person, model: Model) -> Iterator[str]:
     person.wait(lambda: person.state.about.facts is not None, "what the program is")
     yield "about"
     floating_windows.toggle(person.state.about)
+
+
+def overview(person: Person, model: Model) -> Iterator[str]:
+    """As the README shows it: assets/pictures/app.png."""
+    person.open(model.run)
+    person.choose("//Enhancement", "##preset", "Vessels")
+    person.wait(lambda: person.settled() and person.state.scene.view is not None, "the frames and the model")
+    person.ctx.window_focus("//Runs")
+    person.wait(lambda: person.state.runs.found is not None, "the runs")
+    person.ctx.mouse_move_to_pos(ImVec2(5, 715))
+    person.ctx.sleep_no_skip(1.0, 0.1)
+    yield "overview"
+    person.press(chord("Ctrl+Z"))
+    person.ctx.window_focus("//Reconstruction")
 
 
 def pictures(person: Person, model: Model) -> Iterator[str]:
@@ -197,6 +213,8 @@ def reconstruction(person: Person, model: Model) -> Iterator[str]:
     person.ctx.popup_close_all()
     person.ctx.window_focus("//Reconstruction")
     state.runs.queue = ()
+    assert isinstance(job.request, TrainRequest)
+    shutil.copytree(model.run, job.request.run_path, ignore=shutil.ignore_patterns("model.*"))
     job.inbox = [
         Warned("the depth of 3 frames is empty"),
         Failed("the training process was killed by SIGKILL"),
@@ -318,7 +336,7 @@ def windows(person: Person, model: Model) -> Iterator[str]:
     person.open(REPORT)
     yield "report"
     part = "Enhancement: error against run time"
-    for item in (part, f"Every knob##{part}0"):
+    for item in (part, f"Every parameter##{part}0"):
         person.ctx.item_open(f"//Report/{item}")
     person.ctx.scroll_to_bottom("//Report")
     yield "report table"
@@ -352,6 +370,6 @@ def splats(person: Person, model: Model) -> Iterator[str]:
 
 
 SCENES: tuple[Scene, ...] = (
-    start, pictures, enhancement, clip, tuning, reconstruction, view, cameras, editing, windows, tooltip,
-    splats,
+    start, overview, pictures, enhancement, clip, tuning, reconstruction, view, cameras, editing, windows,
+    tooltip, splats,
 )  # fmt: skip
