@@ -68,6 +68,7 @@ SWEEP_TEXT = (
 SIZE_STEP = 1.25
 LEAST_TILE = 6.0
 """Em across, unless made smaller."""
+UNBROKEN = "\N{NO-BREAK SPACE}"
 WORDS = 5
 """Lines below a tile, as far as they can be told before."""
 
@@ -268,8 +269,13 @@ def _draw_tile(state: AppState, textures: ShowsPictures, setting: Setting, size:
 def _draw_words(what: str, measured: str, size: ImVec2) -> None:
     """Below a tile, no wider than that."""
     with imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + size.x):
-        imgui.text_unformatted(what)
-        muted(measured)
+        imgui.text_unformatted(_whole_parts(what))
+        muted(_whole_parts(measured))
+
+
+def _whole_parts(text: str) -> str:
+    """Lines break between parts, not before a number."""
+    return " · ".join(part.replace(" ", UNBROKEN) for part in text.split(" · "))
 
 
 def _contrast(measures: Measures) -> str:

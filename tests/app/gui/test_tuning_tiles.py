@@ -106,3 +106,16 @@ def test_values_of_one_parameter_fill_rows_as_long_as_there_is_room(
     for _ in range(3):
         ui.frame(lambda: draw_tuning(state, Shown()))
     assert state.tuning.columns >= 4
+
+
+def test_no_line_below_a_tile_begins_with_the_number_of_the_line_before(
+    ui: Ui, state: AppState, channels: Channels, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(panel, "muted", said.append)
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+    ui.frame(lambda: draw_tuning(state, Shown()))
+    below = [text for text in said if "DV/BV" in text]
+    assert below
+    assert all(len(text.split(" ")) == 2 * len(text.split(" · ")) - 1 for text in below)
