@@ -144,6 +144,13 @@ def switch(on: bool, *, caution: bool = False) -> ImVec4:
     return now().caution if caution else now().lit
 
 
+def touched(color: ImVec4, share: float) -> ImVec4:
+    """A coloured button below the pointer: further from its words' colour, which stay as legible."""
+    far = 1.0 if now().mirrored else 0.0
+    red, green, blue = (value + share * (far - value) for value in (color.x, color.y, color.z))
+    return ImVec4(red, green, blue, color.w)
+
+
 def wear(theme: Theme, text_percent: int, density: float = 1.0) -> None:
     """Give window and plots this theme and size of text; between two frames. `density`: of the screen."""
     colors, style, plots = THEMES[theme], imgui.get_style(), implot.get_style()

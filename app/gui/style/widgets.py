@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -25,6 +26,9 @@ T = TypeVar("T")
 FLAT = imgui.ChildFlags_.nav_flattened
 """Of a part of a panel that scrolls by itself: keys lead to its controls as to all others."""
 EXPLAINED = imgui.HoveredFlags_.delay_normal | imgui.HoveredFlags_.allow_when_disabled
+
+STATES = ((imgui.Col_.button, 0.0), (imgui.Col_.button_hovered, 0.15), (imgui.Col_.button_active, 0.25))
+"""Of a button in a colour, which it keeps below the pointer: the share that it changes by."""
 
 
 @dataclass(frozen=True)
@@ -240,7 +244,10 @@ def button(
     a `reason` against it, which its tooltip says in place of `text`.
     """
     imgui.begin_disabled(bool(reason) or not enabled)
-    with imgui_ctx.push_style_color(imgui.Col_.button, color or theme.switch(False)):
+    grounds = [] if color is None else [(one, theme.touched(color, share)) for one, share in STATES]
+    with ExitStack() as colors:
+        for state, ground in grounds:
+            colors.enter_context(imgui_ctx.push_style_color(state, ground))
         size = ImVec2(em(width) if width >= 0 else width, 0)
         pressed = imgui.small_button(label) if small else imgui.button(label, size)
     imgui.end_disabled()
@@ -263,7 +270,7 @@ def toggle(
 ) -> None:
     """A button that says whether something is on, by its colour and by a bar; `caution`: and that it should
     be noticed."""
-    color = theme.switch(on, caution=caution)
+    color = theme.switch(on, caution=caution) if on else None
     button(label, action, text, enabled=enabled, reason=reason, color=color, width=width)
     if on:
         low, high, inset = imgui.get_item_rect_min(), imgui.get_item_rect_max(), em(0.3)

@@ -15,7 +15,7 @@ from app.gui.frame.dockings import MOST
 from app.gui.panels import enhancement, export
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import toggle
+from app.gui.style.widgets import button, toggle
 from app.gui.work.presets import BUILT_IN, preset_name
 from app.gui.work.settings import TEXT_PERCENTS, Places, Settings, Theme, load_settings
 from tests.app.gui.settling import keep_all
@@ -111,6 +111,28 @@ def test_what_is_on_says_so_by_more_than_its_color(ui: Ui) -> None:
     ui.frame(draw)
     off, on = drawn
     assert 0 < off < on
+
+
+@pytest.mark.parametrize("name", ["dark", "light"])
+def test_a_coloured_button_keeps_its_colour_below_the_pointer(
+    ui: Ui, name: Theme, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[ImVec4] = []
+    states = ("button_hovered", "button_active")
+
+    def drawn(label: str, size: ImVec2) -> bool:
+        seen.extend(ImVec4(*style(state)) for state in states)
+        return False
+
+    monkeypatch.setattr(imgui, "button", drawn)
+    theme.wear(name, 100)
+    worn = theme.now()
+    ui.frame(lambda: button("Reconstruct", color=worn.lit))
+    for color in seen:
+        assert 0 < abs(color.z - worn.lit.z) < 0.25
+        assert color.z - color.x > 0.5 * (worn.lit.z - worn.lit.x)
+        assert contrast(worn.text, color) > contrast(worn.text, worn.lit)
+    assert len(seen) == len(states)
 
 
 def test_the_chosen_line_of_a_list_has_a_bar(
