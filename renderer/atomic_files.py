@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final, ParamSpec
 
@@ -40,13 +40,12 @@ def written_atomically(path: Path) -> Iterator[Path]:
             os.fsync(file.fileno())
         rename(partial, target)
     except OSError as error:
-        partial.unlink(missing_ok=True)
         if error.filename in (None, str(partial)):
             error.filename = str(path)
         raise
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
+    finally:
+        with suppress(OSError):  # As of a disk that is read-only, which is told already.
+            partial.unlink()
 
 
 def followed(path: Path) -> Path:

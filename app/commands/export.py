@@ -170,7 +170,7 @@ def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment],
             report(done, moment.name)
     sys.stderr.writelines(f"{notice}\n" for notice in beyond)
     say_older(folder, [f"{moment.name}{suffix}" for moment in wanted])
-    of_each = "" if scene.split_by_time else f" of {len(scene.model)} Gaussians"
+    of_each = "" if scene.split_by_time else f" of {count(len(scene.model), 'Gaussian')}"
     sys.stdout.write(f"{folder}: {count(len(wanted), 'splat file')}{of_each}\n")
 
 

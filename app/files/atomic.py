@@ -8,7 +8,7 @@ import secrets
 import shutil
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from app.errors import UserError
@@ -44,7 +44,8 @@ def replaced(path: Path) -> Iterator[Path]:
             _sync(temporary)
             rename(temporary, target)
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # As of a disk that is read-only, which is told already.
+            temporary.unlink()
 
 
 def write_bytes(path: Path, content: bytes) -> None:

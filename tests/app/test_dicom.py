@@ -14,12 +14,13 @@ import pytest
 from PIL import Image
 from pydicom import dcmread
 from pydicom.encaps import get_frame
+from pydicom.tag import Tag, tag_in_exception
 
 from app.__main__ import main
 from app.enhancement import dicom_files
 from app.errors import UserError
 from app.exports.replay.recorded import recorded
-from app.files.dicom.writing import require_level
+from app.files.dicom.writing import quiet, require_level
 from app.files.image_files import read_image
 from app.gui.work.listing import thumbnail_of
 from renderer.readers.dicom import opening
@@ -189,8 +190,9 @@ def test_pixels_are_those_of_other_files_and_can_be_made_again(made: Path, vesse
         40,
     ]
     for name, source in (("still.dcm", "mueller.dcm"), ("video.dcm", "film.dcm")):
-        done = vesselsplat("replay", made / name, "--source", made / source, "--json")
-        assert (done.code, '"identical": true' in done.out) == (0, True), done.error + done.out
+        for place in (made / source, made):
+            done = vesselsplat("replay", made / name, "--source", place, "--json")
+            assert (done.code, '"identical": true' in done.out) == (0, True), done.error + done.out
 
 
 def test_what_dicom_has_no_room_for_is_refused(made: Path, tmp_path: Path, vesselsplat: Cli) -> None:
@@ -222,6 +224,12 @@ def test_another_reader_sees_the_same(made: Path, tmp_path: Path) -> None:
     subprocess.run(["dcmdump", "+W", str(tmp_path), str(made / "video.dcm")], check=True, capture_output=True)
     told = dcmread(made / "video.dcm")
     assert (tmp_path / "video.dcm.1.raw").read_bytes() == get_frame(told.PixelData, 0, number_of_frames=1)
+
+
+def test_a_full_disk_is_told_as_the_system_does() -> None:
+    """Not as pydicom does, with a traceback in its words."""
+    with pytest.raises(OSError, match=r"^.Errno 28. full$"), quiet(), tag_in_exception(Tag("PixelData")):
+        raise OSError(errno.ENOSPC, "full")
 
 
 def test_a_full_disk_is_told_of_the_object(

@@ -23,6 +23,7 @@ from app.scenes.view_request import FrameRequest
 from app.scenes.window_scene import scene_of_window
 from assets import phantom_path
 from renderer.clip import Clip
+from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_case, with_chosen_depth
 
@@ -130,7 +131,11 @@ class Found:
         """What is there under this name; a source that is given may have another one."""
         bare = PurePosixPath(name.replace("\\", "/")).name
         for path in self.given:
-            yield path / bare if bare and (path / bare).exists() else path
+            named = path / bare if bare and (path / bare).exists() else path
+            yield named
+            if named.is_dir():  # What a DICOM object of nobody names its source tells nothing.
+                ending = PurePosixPath(bare).suffix
+                yield from (each for each in files_in(named) if ending and each.suffix == ending)
         if not _is_bare(name):
             return
         for folder in (self.file.absolute().parent, Path.cwd(), phantom_path().parent):

@@ -69,7 +69,7 @@ def write_dicom_still(path: Path, image: ArrayImage, facts: dict[str, Any], deri
         named = f"{path.suffix} holds 8 bits a value, not {image.dtype}"
         raise UserError(f"{named}; name the output .png, .tiff or .npy: {path}")
     pixels = np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image)
-    with _quiet(), replaced(path) as place:
+    with quiet(), replaced(path) as place:
         made = derived.labels("still", facts)
         made.Rows, made.Columns = pixels.shape[:2]
         _of_bytes(made, 1 if pixels.ndim == 2 else 3, "MONOCHROME2" if pixels.ndim == 2 else "RGB")
@@ -105,7 +105,7 @@ def write_dicom_video(
     length, told = video.stat().st_size, read_video_header(video)
     if length > LARGEST:
         raise UserError(f"expected at most {LARGEST} bytes of video in DICOM, got {length}: {place}")
-    with _quiet(), video.open("rb") as content:
+    with quiet(), video.open("rb") as content:
         made = derived.labels("video", facts)
         made.file_meta.TransferSyntaxUID = UID(require_level(told.size, timing.frames_per_second, place))
         made.Columns, made.Rows = told.size
@@ -162,11 +162,15 @@ def _timed(made: Dataset, frames: int, timing: Timing) -> None:
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
-    """A source may break rules of its own, which are taken over with its identity."""
+def quiet() -> Iterator[None]:
+    """A source may break rules of its own, which are taken over with its identity. Raises OSError as the
+    system does: pydicom tells it as a text without its number."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        yield
+        try:
+            yield
+        except OSError as error:
+            raise (error if error.errno else error.__cause__ or error) from None
 
 
 def facts_in_dicom(path: Path) -> str | None:

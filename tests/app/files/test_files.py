@@ -9,7 +9,7 @@ import stat
 import sys
 import tempfile
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +33,7 @@ from app.files.atomic import filled, replaced, together, write_bytes
 from app.files.image_files import read_image, write_image
 from app.files.timing import Timing
 from app.files.video import write_video
+from renderer.atomic_files import written_atomically
 from renderer.leftovers import temporary_name
 from renderer.readers.image_files.pictures import read_rgb
 
@@ -261,6 +262,21 @@ def test_a_full_disk_is_told_of_the_file_that_was_asked_for(tmp_path: Path, kind
     ):
         raise kind(errno.ENOSPC, "No space left on device", f"file:{new}")
     assert told.value.filename == str(path)
+
+
+@pytest.mark.parametrize("write", [replaced, written_atomically])
+def test_a_read_only_disk_is_told_of_the_file_that_was_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, write: Callable[[Path], AbstractContextManager[Path]]
+) -> None:
+    """Where not even what is not there can be removed."""
+
+    def refused(path: Path, missing_ok: bool = False) -> None:
+        raise OSError(errno.EROFS, "Read-only file system", str(path))
+
+    monkeypatch.setattr(Path, "unlink", refused)
+    with pytest.raises(OSError, match="Read-only") as told, write(tmp_path / "a.png"):
+        pass
+    assert told.value.filename == str(tmp_path / "a.png")
 
 
 def test_a_link_at_the_target_is_followed(tmp_path: Path) -> None:
