@@ -68,7 +68,7 @@ class EnhanceParams:
     @model_validator(mode="after")
     def _one_p_a_scale(self) -> EnhanceParams:
         if isinstance(self.p, tuple) and len(self.p) != len(self.radii):
-            raise ValueError(f"p must be one number or one for each of {len(self.radii)} radii, got {self.p}")
+            raise ValueError(f"expected one p, or one for each of {len(self.radii)} radii, got {self.p}")
         return self
 
 

@@ -67,7 +67,7 @@ def problem(error: ValidationError, flag_of: Mapping[str, str] | None = None) ->
     wanted = first["msg"].replace("Value error, ", "").replace(" after validation", "")
     wanted = re.sub(r"^\w+ should (be|have)", "expected", wanted)
     if not first["loc"]:
-        return f"{error.title}: {wanted}"
+        return wanted if flag_of else f"{error.title}: {wanted}"
     place = ".".join(str(part) for part in first["loc"])
     shown = flag_of[str(first["loc"][0])] if flag_of else place
     if isinstance(first["input"], Path):  # What is wrong is said of its content.

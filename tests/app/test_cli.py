@@ -96,7 +96,7 @@ MISTAKES = [
     (["enhance", "{bad}/whole.png", "{out}.png", "--z", "7"], "--z"),
     (["enhance", "{bad}/whole.png", "{out}.png", "--z", "nan"], "--z"),
     (["enhance", "{bad}/whole.png", "{out}.png", "--radii", "4", "x"], "--radii"),
-    (["enhance", "{bad}/whole.png", "{out}.png", "--p", "1", "2"], "one for each of 3"),
+    (["enhance", "{bad}/whole.png", "{out}.png", "--p", "1", "2"], ": expected one p, or one for each of 3"),
     (["enhance", "{bad}/whole.png", "{out}.png", "--statistics", "none"], "--statistics"),
     (["enhance", "{bad}/whole.png", "{bad}/text.mp4/out.png"], "a file as a parent"),
     (["train", "{bad}/nothing", "--run", "{out}"], "nothing"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import struct
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
@@ -120,11 +121,12 @@ def _is_still(path: Path) -> bool:
 
 
 def _is_text(path: Path) -> bool:
-    """By its beginning: the tables of a stream, with which it begins, have zeros."""
+    """By its beginning: the tables of a stream, with which it begins, have zeros, as texts of UTF-16 have."""
     try:
         require_regular(path)
         with path.open("rb") as file:
-            return b"\0" not in file.read(4096)
+            start = file.read(4096)
+        return b"\0" not in start or start.startswith((BOM_UTF16_LE, BOM_UTF16_BE))
     except OSError:
         return False
 

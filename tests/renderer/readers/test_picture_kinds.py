@@ -129,5 +129,6 @@ def test_stills_and_texts_under_names_of_videos_do_not_move(tmp_path):
     dark.save(tmp_path / "logo.gif")
     dark.save(tmp_path / "film.gif", save_all=True, append_images=[bright])
     (tmp_path / "code.ts").write_text("const a = 1")
+    (tmp_path / "wide.ts").write_text("const a = 1", "utf-16")
     (tmp_path / "scope.ts").write_bytes(b"G@\x00\x10\x00" + bytes(183))
     assert [path.name for path in sorted(tmp_path.iterdir()) if moves(path)] == ["film.gif", "scope.ts"]
