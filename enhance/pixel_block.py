@@ -36,7 +36,8 @@ RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
 def load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) -> None:
-    """Colours, their largest and smallest, as they come; taken apart in their own, narrow type."""
+    """Colours apart in their own, narrow type, and of each pixel the largest and the smallest, MOST and
+    LEAST_COLOR, as they come."""
     wide_vectors()
     deinterleave(pixels, apart)
     for i in range(CHUNK):
@@ -45,7 +46,7 @@ def load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) 
         least = red if red < green else green
         apart[3, i] = most if most > blue else blue
         apart[4, i] = least if least < blue else blue
-    for plane in range(5):
+    for plane in (MOST, LEAST_COLOR):
         for i in range(CHUNK):
             chunk[plane, i] = np.float32(apart[plane, i])
 

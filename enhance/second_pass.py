@@ -139,7 +139,7 @@ def render(
                     _mean(chunk, exponents)
                     if len(values) > 0:
                         copy_row(chunk[TOTAL], values[y, x0 : x0 + count])
-                _recolor(chunk, pull, color, full)
+                _recolor(chunk, apart, pull, color, full)
                 if keep_black and _is_dark(chunk):
                     _fade(chunk, apart)
                 store(chunk, full, apart, out[y, x0 : x0 + count])
@@ -285,7 +285,9 @@ def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def _recolor(chunk: NDArray[np.float32], pull: np.float32, color: np.float32, full: np.float32) -> None:
+def _recolor(
+    chunk: NDArray[np.float32], apart: NDArray[Any], pull: np.float32, color: np.float32, full: np.float32
+) -> None:
     """Colours of V* and S* (Eqs 11, 12) with the old hue: c becomes V* (1 - S* (M - c) / D), one division."""
     wide_vectors()
     if pull >= ZERO:
@@ -305,9 +307,9 @@ def _recolor(chunk: NDArray[np.float32], pull: np.float32, color: np.float32, fu
     for i in range(CHUNK):
         value, most = chunk[TOTAL, i] * full, chunk[MOST, i]
         fall = value * chunk[SLOPE, i]
-        chunk[RED, i] = value - fall * (most - chunk[RED, i])
-        chunk[GREEN, i] = value - fall * (most - chunk[GREEN, i])
-        chunk[BLUE, i] = value - fall * (most - chunk[BLUE, i])
+        chunk[RED, i] = value - fall * (most - np.float32(apart[RED, i]))
+        chunk[GREEN, i] = value - fall * (most - np.float32(apart[GREEN, i]))
+        chunk[BLUE, i] = value - fall * (most - np.float32(apart[BLUE, i]))
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
