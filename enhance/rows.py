@@ -21,8 +21,6 @@ REACH: Final = 1
 """Pixels on either side that count."""
 ROWS: Final = 4
 """That are held, row y at place y % ROWS; a power of two that is at least 2 REACH + 1."""
-BESIDE: Final = 32
-"""Columns that are held beside the last chunk: those that count, and some that nobody does."""
 SOFT = np.float32(1 / 16)
 """One over the sum of the weights."""
 
@@ -34,8 +32,8 @@ def sums_of(image: NDArray[Any]) -> NDArray[Any]:
 
 @njit(forceinline=True, error_model="numpy")
 def held_width(columns: int) -> int:
-    """Of the rows that are held: whole chunks, and what is read beside the last."""
-    return (columns + CHUNK - 1) // CHUNK * CHUNK + BESIDE
+    """Of the rows that are held: whole chunks."""
+    return (columns + CHUNK - 1) // CHUNK * CHUNK
 
 
 @njit(forceinline=True, error_model="numpy")
@@ -53,18 +51,16 @@ def read_row(
     lines: NDArray[Any],  # (ROWS, 3, `held_width`), in and out: of the rows' colours apart
     across: NDArray[Any],  # (ROWS, 3, `held_width`), in and out
 ) -> None:
-    """Sums of three neighbours in row y, the middle one twice: those around column x are at place x + 1."""
+    """Sums of three neighbours in row y, the middle one twice."""
     columns = image.shape[1]
     line = lines[y % ROWS]
     deinterleave(image[reflected(y, image.shape[0])], line)
     for color in range(3):
         pixels, sums = line[color], across[y % ROWS, color]
-        _add_across(pixels, sums[2:], columns - 2)
+        _add_across(pixels, sums[1:], columns - 2)
         for x in (0, columns - 1):
             beside = pixels[reflected(x - 1, columns)] + pixels[reflected(x + 1, columns)]
-            sums[x + 1] = beside + pixels[x] + pixels[x]
-        sums[0] = sums[1 + reflected(-1, columns)]
-        sums[columns + 1] = sums[1 + reflected(columns, columns)]
+            sums[x] = beside + pixels[x] + pixels[x]
 
 
 @njit(error_model="numpy")
@@ -80,9 +76,9 @@ def add_down(across: NDArray[Any], y: int, color: int, x0: int, sums: NDArray[An
     """Weighted (1 2 1) of the rows around y: (CHUNK,) sums of the pixels from column x0 on."""
     wide_vectors()
     row, up, down = (
-        across[y % ROWS, color, x0 + 1 :],
-        across[(y - 1) % ROWS, color, x0 + 1 :],
-        across[(y + 1) % ROWS, color, x0 + 1 :],
+        across[y % ROWS, color, x0:],
+        across[(y - 1) % ROWS, color, x0:],
+        across[(y + 1) % ROWS, color, x0:],
     )
     for i in range(CHUNK):
         sums[i] = up[i] + down[i] + (row[i] + row[i])
