@@ -137,12 +137,14 @@ def _plain(array: AnyImage, name: str) -> AnyImage:
             f"expected {name} without a mask of its own, got a masked array; "
             "pass its .data, and what to leave out as tissue_mask"
         )
+    got = type(array).__name__
     try:
         array = np.asarray(array)
     except (RuntimeError, TypeError, ValueError) as error:
         # Of other libraries' tensors, and of ragged lists.
-        kind = type(array).__name__
-        raise ImageError(f"expected {name} that numpy can read, got {kind}: {error}") from error
+        raise ImageError(f"expected {name} that numpy can read, got {got}: {error}") from error
+    if array.dtype.kind in "OUSV":
+        raise ImageError(f"expected {name} as an array of numbers, got {got} of {array.dtype}")
     return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
 
 

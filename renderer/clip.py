@@ -145,9 +145,10 @@ def numbered(index: int, count: int) -> int:
 
     Raises IndexError: there is none.
     """
-    if not -count <= index < count:
-        raise IndexError(f"expected a frame from 0 to {count - 1}, got {index}")
-    return index % count
+    try:
+        return range(count)[index]
+    except IndexError:
+        raise IndexError(f"expected a frame from 0 to {count - 1}, got {index}") from None
 
 
 @dataclass(frozen=True, eq=False)

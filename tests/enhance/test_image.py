@@ -63,6 +63,8 @@ def changed(value: float) -> NDArray[np.float32]:
         (np.ma.masked_greater(GOOD, 0.4), "expected an image without a mask of its own"),
         (Tensor(), "expected an image that numpy can read, got Tensor"),
         ([[0.1, 0.2], [0.3]], "expected an image that numpy can read, got list"),
+        ("frame.png", "expected an image as an array of numbers, got str"),
+        (None, "expected an image as an array of numbers, got NoneType"),
     ],
 )
 def test_bad_images_are_refused_with_a_reason(image: NDArray[Any], says: str) -> None:

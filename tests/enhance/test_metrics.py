@@ -307,5 +307,5 @@ def test_the_saturated_share_is_of_the_pixels_of_the_mask() -> None:
 
 def test_a_mask_that_is_no_array_is_refused() -> None:
     nothing: Any = "x"
-    with pytest.raises(ImageError, match=r"expected a mask of shape \(20, 20\), bool or integers, got"):
+    with pytest.raises(ImageError, match="expected a mask as an array of numbers, got str of <U1"):
         vessel_cnr(np.zeros((20, 20, 3), np.uint8), nothing)
