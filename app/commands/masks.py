@@ -19,7 +19,7 @@ from app.files.provenance import provenance, strict_json
 from app.runs.making_masks import MaskReport, make_masks
 from renderer.clip import Clip
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.listing import listed
+from renderer.readers.listing import count, listed
 from renderer.sources import open_bare
 from renderer.tools.mask_files import NONE, MaskFiles, mask_names, masks_in, origin_of, own_masks
 from renderer.tools.onnx_model import VALUES, OnnxError, OnnxTools
@@ -137,7 +137,7 @@ def _keep_drawn(folder: Path, staging: Path, clip: Clip, by_hand: MaskFiles) -> 
 
 
 def _said(told: MaskReport, weak: Sequence[str], *, learned: bool) -> str:
-    parts = [f"{told.done} masks, tools in {told.with_tools}, {told.share:.0%} of the pixels"]
+    parts = [f"{count(told.done, 'mask')}, tools in {told.with_tools}, {told.share:.0%} of the pixels"]
     if told.given:
         parts.append(f"{told.given} by hand, the others {'learned from them' if learned else 'by the model'}")
     if told.held_out is not None:

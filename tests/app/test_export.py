@@ -102,6 +102,12 @@ def test_no_degree_loses_colours_by_direction(tmp_path: Path, vesselsplat: Cli) 
     assert "--ply" in call.error
 
 
+def test_one_gaussian_is_told_as_one(tmp_path: Path, vesselsplat: Cli) -> None:
+    (tmp_path / "a.ply").write_bytes(ply_bytes(gaussians(1)))
+    call = vesselsplat("export", tmp_path / "a.ply", "--ply", tmp_path / "out")
+    assert call.out.endswith(": 1 splat file of 1 Gaussian\n")
+
+
 def test_a_file_of_splats_is_drawn_from_where_all_are_seen(
     runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
 ) -> None:

@@ -49,3 +49,8 @@ def test_a_mask_that_is_given_counts_before_one_in_the_folder(frames: Path, tmp_
     write_mask(given / path.name, ~drawn, "by hand")
     assert main(["masks", str(frames), "--out", str(out), "--given", str(given)]) == 0
     assert read_nonzero(path, SIZE).all()
+
+
+def test_one_mask_is_told_as_one(frames: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["masks", str(frames / "f_0.png"), "--out", str(tmp_path / "out")]) == 0
+    assert ": 1 mask, tools in " in capsys.readouterr().out
