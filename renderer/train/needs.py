@@ -178,7 +178,7 @@ def _omitted(
             "tiles without tissue", "no tissue to compare with", f"{share:.0%} of the tiles", "tiles"
         )
     if needs.apart is not None:
-        yield outlines.told(frames, needs.apart)
+        yield from outlines.told(frames, needs.apart)
 
 
 def _of_curves(clip: Clip, config: TrainConfig, needs: Needs, *, counted: bool) -> Iterator[Omission]:

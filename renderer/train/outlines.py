@@ -13,7 +13,7 @@ without, 20.8 where what some frame shows stays opaque behind tools (`TrainFrame
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -49,12 +49,13 @@ def without_outlines(frames: FrameStore[Frame], apart: BoolImage, folder: Path |
     return FrameStore.of((without_mixed(frames.take(place), apart) for place in range(len(frames))), folder)
 
 
-def told(frames: Sequence[Frame], apart: BoolImage) -> Omission:
-    """What that leaves out."""
+def told(frames: Sequence[Frame], apart: BoolImage) -> Iterator[Omission]:
+    """What that leaves out, if anything: beside what no frame uncovers, as a dark surround, all is kept."""
     before = sum(np.count_nonzero(frame.tissue_mask) for frame in frames)
     kept = sum(np.count_nonzero(without_mixed(frame, apart).tissue_mask) for frame in frames)
-    saves = f"{1 - kept / before:.1%} of the tissue"
-    return Omission("tissue beside tools", "it has part of their colour", saves, "beside_tools")
+    if kept < before:
+        saves = f"{1 - kept / before:.1%} of the tissue"
+        yield Omission("tissue beside tools", "it has part of their colour", saves, "beside_tools")
 
 
 def are_tight(frames: Sequence[Frame]) -> bool:

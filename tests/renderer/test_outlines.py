@@ -61,7 +61,9 @@ def test_a_mask_is_tight_where_color_steps_at_its_edge(margin: int, tight: bool)
     image[:, 54:74] = STEEL
     mask = np.ones(shape, bool)
     mask[:, 54 - margin : 74 + margin] = False
-    assert are_tight([Frame(0, 0.0, image, camera, mask, mask)]) == tight
+    frame = Frame(0, 0.0, image, camera, mask, mask)
+    assert are_tight([frame]) == tight
+    assert not list(outlines.told([frame], seen_apart([frame])))  # No other one shows what it hides.
     assert not are_tight([Frame(0, 0.0, image, camera, np.ones(shape, bool), mask)])
 
 
