@@ -52,7 +52,9 @@ def read_cameras(path: Path) -> tuple[NamedCamera, ...]:
             return _of_colmap(path)
         return _of_json(read_json(path), path.stem)
     except OSError as error:
-        raise CameraFileError(f"expected a camera file, got {error.strerror}: {path}") from error
+        raise CameraFileError(
+            f"expected a camera file, got {error.strerror}: {error.filename or path}"
+        ) from error
     except (ValueError, LookupError, TypeError, ArithmeticError, AttributeError) as error:
         text = _told(error)
         said = text if text.startswith("expected") else f"expected a camera or several, got {text}"
