@@ -42,21 +42,24 @@ def _draw_unsaved(state: AppState) -> None:
         said = f"{legible(kept.path.name)} has changed since it was saved."
     else:
         title, save = "Unsaved case", "Save session…"
-        said = f"The notes and {_collected(state)} are not saved in a session yet."
+        said = f"Not saved in a session yet: {case_in_words(state)}."
     if reply := ask(title, (said,), (save, "Discard", "Stay")):
         session_actions.answer(state, "save" if reply == save else reply.lower())
 
 
-def _collected(state: AppState) -> str:
-    images = len(state.summary.items)
-    return f"{images} image{'s' * (images != 1)} of the case summary" if images else "the case summary"
+def case_in_words(state: AppState) -> str:
+    """What there is of notes and images."""
+    summary, images = state.summary, len(state.summary.items)
+    said = ["the notes"] if state.session.notes or summary.notes else []
+    said += [f"{images} image{'s' * (images != 1)} of the case summary"] if images else []
+    return " and ".join(said) or "the case summary"
 
 
 def _draw_new_case(state: AppState) -> None:
     """Before notes and case summary begin anew."""
     if not state.session.asks_new_case:
         return
-    said = f"This clears the notes and {_collected(state)} from the window. Saved files stay."
+    said = f"This clears {case_in_words(state)} from the window. Saved files stay."
     if reply := ask("Begin a new case?", (said,), ("Begin", "Keep")):
         session_actions.answer_new_case(state, agreed=reply == "Begin")
 

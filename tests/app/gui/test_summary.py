@@ -23,6 +23,7 @@ from app.files.provenance import read_provenance
 from app.files.stepping import run_to_end
 from app.gui.actions import actions, floating_windows, leaving, session_actions, summary_actions
 from app.gui.commands.keys import chord
+from app.gui.frame.quitting import case_in_words
 from app.gui.panels.summary import draw_summary
 from app.gui.session_file import MOST_ITEMS, mended_session, write_session
 from app.gui.state.app_state import AppState
@@ -199,3 +200,12 @@ def test_the_panel_opens_by_its_key_is_drawn_and_left(ui: Ui, run: Exporter, tex
     assert imgui.get_io().want_capture_mouse is not None
     assert leaving.leave_innermost(state)
     assert not state.summary.shown
+
+
+def test_what_is_lost_names_no_notes_where_there_are_none(state: AppState) -> None:
+    assert case_in_words(state) == "the case summary"
+    state.summary.items = (Item(Path("a.png")),)
+    assert case_in_words(state) == "1 image of the case summary"
+    state.session.notes = "left ureter?"
+    state.summary.items *= 2
+    assert case_in_words(state) == "the notes and 2 images of the case summary"
