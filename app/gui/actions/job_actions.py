@@ -68,6 +68,7 @@ def start_reconstruction(state: AppState) -> None:
     """Make what is chosen, in another process: at once, or when its turn comes."""
     if state.source.clip is None:
         return
+    state.runs.asked = True
     chosen = state.runs.reconstruction.input
     inputs: tuple[Input, ...] = ("original", "enhanced") if chosen == "both in turn" else (chosen,)
     enqueue(state, tuple(Waiting(state.source.clip, _request(state, each)) for each in inputs))
@@ -217,3 +218,9 @@ def why_not_reconstruct(state: AppState) -> str:
         return depth_actions.READING
     why = depth_actions.why_no_depth(state)
     return f"Choose Depth first. {why}" if why and clip.has_one_size else why
+
+
+def refuse(state: AppState) -> None:
+    """Say so, where it can be chosen."""
+    announce(state, why_not_reconstruct(state))
+    state.runs.asked = True

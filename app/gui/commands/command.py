@@ -46,8 +46,8 @@ class Command:
     """A held key counts again."""
     synonyms: tuple[str, ...] = ()
     """Other words that people look for it by, which the palette finds."""
-    lacks: Callable[[AppState], str] | None = None
-    """What is missing where it does not apply, in a sentence: said when its keys are pressed."""
+    refuse: Act | None = None
+    """What its keys do where it does not apply: they say what is missing."""
 
     @property
     def about(self) -> str:

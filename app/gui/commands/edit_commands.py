@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from app.gui.actions import edit_actions
+from app.gui.actions import actions, edit_actions
 from app.gui.commands.command import Command, Section, has_model, menu
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import Tool
@@ -18,7 +18,7 @@ def edit_sections() -> tuple[Section, ...]:
     """All but the first need edit mode."""
     mode = (
         Command("Edit mode", edit_actions.toggle, ("Ctrl+E",), "edit the reconstruction, or stop editing",
-                applies=has_model, lacks=edit_actions.why_not_edit, ticked=_active,
+                applies=has_model, refuse=_refuse, ticked=_active,
                 synonyms=("clean", "remove", "gaussians", "floaters", "crop")),
     )  # fmt: skip
     select = (
@@ -63,3 +63,7 @@ def _can_undo(state: AppState) -> bool:
 
 def _can_redo(state: AppState) -> bool:
     return state.editing.active and bool(state.editing.history.future)
+
+
+def _refuse(state: AppState) -> None:
+    actions.announce(state, edit_actions.why_not_edit(state))

@@ -12,7 +12,7 @@ def job_sections() -> tuple[Section, ...]:
         Command("Reconstruct", job_actions.start_reconstruction, ("Ctrl+R",),
                 text="reconstruct with the current settings: now, or after those in the queue",
                 applies=lambda s: not job_actions.why_not_reconstruct(s),
-                lacks=job_actions.why_not_reconstruct,
+                refuse=job_actions.refuse,
                 synonyms=("train", "3d", "gaussian", "splat", "model", "run", "start")),
         Command("Pause reconstruction", job_actions.toggle_pause, ("Ctrl+P",),
                 text="pause or resume training", ticked=lambda s: s.runs.reconstruction.can_resume,

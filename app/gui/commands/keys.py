@@ -109,8 +109,8 @@ class Keyboard:
         for command in pressed if acts else [one for one in pressed if one.while_typing]:
             if command.applies(state):
                 command.act(state)
-            elif command.lacks is not None:
-                actions.announce(state, command.lacks(state))
+            elif command.refuse is not None:
+                command.refuse(state)
         for code, act in modal.items():
             if _is_pressed(code, True):
                 act(state)
@@ -146,7 +146,7 @@ def _pressed(state: AppState, sections: Iterable[Section], modal: Keys, walks: b
         and code not in modal
         and not (flies and code in FLIGHT)
         and not (walks and code & ~MODIFIERS in CLAIMED + PAGES)
-        and (command.applies(state) or command.lacks is not None)
+        and (command.applies(state) or command.refuse is not None)
     ]
 
 

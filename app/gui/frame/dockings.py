@@ -218,6 +218,10 @@ def follow(state: AppState) -> None:
         panel(name).focus_window_at_next_frame = not is_in_front
         if is_in_front:
             laid_out.came(state.source)
+    if state.runs.asked:
+        window = _window("Reconstruction")
+        panel("Reconstruction").focus_window_at_next_frame = window is not None and window.hidden
+        laid_out.came(state.runs)
     if state.reports.asked:
         # Once in front, it is as the View menu says.
         panel(REPORT).is_visible = panel(REPORT).focus_window_at_next_frame = True

@@ -152,6 +152,8 @@ class Runs:
     """Reconstructions to be made after the present one, the next one first."""
     starts: bool = False
     """A person has asked for the next one: it starts with the next frame, where none is under way."""
+    asked: bool = False
+    """The panel that reconstructs is to come to the front."""
     wakings: int = 0
     """How often a person has said that some of an earlier session are to be made."""
     model_wish: ModelRequest | None = None

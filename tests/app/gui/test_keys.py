@@ -82,6 +82,7 @@ def test_a_key_that_cannot_do_its_work_says_what_is_missing(ui: Ui, places: Plac
     ui.press(draw, imgui.Key.mod_ctrl, imgui.Key.r)
     assert state.window.toast is not None
     assert state.window.toast.message == job_actions.why_not_reconstruct(state)
+    assert state.runs.asked
     assert not state.runs.starts
 
 

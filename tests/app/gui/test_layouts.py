@@ -222,3 +222,20 @@ def test_in_an_upright_window_panels_are_below_the_images(places: Places) -> Non
         state.window.closing = "agreed"
 
     driver.run(drive)
+
+
+@pytest.mark.display
+def test_ctrl_r_shows_where_depth_is_chosen(places: Places, still: Path) -> None:
+    """Of stills the panel is behind the enhancement."""
+    driver = Driver(places, Settings(acknowledged=True), [])
+    actions.open_path(driver.state, still)
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(driver.state), "the image")
+        ctx.yield_(6)
+        assert in_front(ctx) == {"Images", "Enhancement"}
+        ctx.key_press(chord("Ctrl+R"))
+        ctx.yield_(4)
+        assert in_front(ctx) == {"Images", "Reconstruction"}
+
+    driver.run(drive)
