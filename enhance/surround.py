@@ -30,22 +30,33 @@ def inside(images: Iterable[AnyImage]) -> BoolImage:
     Raises:
         ImageError: an image that cannot be used, images of two sizes, or none.
     """
-    kernel = np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)
-    kept = np.asarray(cv2.dilate(_surround(_mostly_dark(images)), kernel) == 0)
-    return kept if kept.any() else np.ones_like(kept)
-
-
-def _mostly_dark(images: Iterable[AnyImage]) -> NDArray[np.uint8]:
-    """(H, W) 1 where more than half of the images are dark."""
-    votes, count = np.zeros((0, 0), np.int32), 0
+    dark = DarkVotes()
     for image in images:
+        dark.add(image)
+    return dark.inside()
+
+
+class DarkVotes:
+    """In how many images of one size each pixel is dark, one image after another."""
+
+    def __init__(self) -> None:
+        self._votes, self._count = np.zeros((0, 0), np.int32), 0
+
+    def add(self, image: AnyImage) -> None:
+        """Raises ImageError: it cannot be used, or is of another size."""
         dark = cv2.medianBlur(_levels(image), 5) < 255 * BLACK
-        if count and votes.shape != dark.shape:
-            raise ImageError(f"expected images of one size, got {votes.shape} and {dark.shape}")
-        votes, count = votes + dark if count else dark.astype(np.int32), count + 1
-    if count == 0:
-        raise ImageError("expected at least one image, got none")
-    return (2 * votes > count).astype(np.uint8)
+        if self._count and self._votes.shape != dark.shape:
+            raise ImageError(f"expected images of one size, got {self._votes.shape} and {dark.shape}")
+        self._votes = self._votes + dark if self._count else dark.astype(np.int32)
+        self._count += 1
+
+    def inside(self) -> BoolImage:
+        """As the function of that name. Raises ImageError: no image was added."""
+        if self._count == 0:
+            raise ImageError("expected at least one image, got none")
+        dark = (2 * self._votes > self._count).astype(np.uint8)
+        kept = np.asarray(cv2.dilate(_surround(dark), np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)) == 0)
+        return kept if kept.any() else np.ones_like(kept)
 
 
 def _surround(dark: NDArray[np.uint8]) -> NDArray[np.uint8]:

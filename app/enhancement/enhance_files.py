@@ -30,7 +30,7 @@ from app.files.timing import Timing
 from app.files.video import write_frames
 from enhance import ImageError, Statistics
 from enhance.image import BoolImage, full_scale, read_picture
-from enhance.surround import inside
+from enhance.surround import DarkVotes, inside
 from enhance.vessel import VesselParams
 from renderer.clip import ClipError
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -179,13 +179,17 @@ def _read(series: Series, index: int) -> ArrayImage:
     return image
 
 
-def _tissue(series: Series, setting: Setting) -> Tissue:
-    """One mask for all pictures."""
+def _tissue(series: Series, setting: Setting) -> Generator[None, None, Tissue]:
+    """One mask for all pictures. Yields after each that is looked at."""
     if setting.pixels != "tissue":
         return lambda image: None
     _, first = next(_pictures(series, []))
-    size, spread = first.shape[:2], _pictures(series, [], series.spread(POOLED_FRAMES))
-    steady = inside(image for _, image in spread if image.shape[:2] == size)
+    size, dark = first.shape[:2], DarkVotes()
+    for _, image in _pictures(series, [], series.spread(POOLED_FRAMES)):
+        if image.shape[:2] == size:
+            dark.add(image)
+        yield
+    steady = dark.inside()
     return lambda image: steady if image.shape[:2] == size else inside([image])
 
 
@@ -202,7 +206,7 @@ def pooled_statistics(series: Series, setting: Setting, watch: Watch = unwatched
     measured = series.spread(POOLED_FRAMES)
     names = [series.names[index] for index in measured]
     try:
-        tissue = _tissue(series, setting)
+        tissue = yield from _tissue(series, setting)
         yield
         with closing(watch("measure", names, _pictures(series, [], measured))) as read:
             for _, image in read:

@@ -12,9 +12,11 @@ import cv2
 import numpy as np
 import pytest
 
+from app.enhancement.enhance_files import Setting, pooled_statistics
 from app.enhancement.parameter_grid import axis, settings, tried
 from app.exports.records import MeasuresTable
 from app.files.image_files import read_image
+from app.files.image_series import Series
 from app.files.provenance import read_provenance, write_png
 from app.report.visibility import COLUMNS, measured, sample
 from enhance import EnhanceParams
@@ -132,3 +134,19 @@ def test_metrics_leave_out_what_is_transparent(tmp_path: Path, vesselsplat: Cli)
     ]
     assert means[0] == means[1]
     assert means[0]["psnr"] is None  # Infinite: what is seen is the same.
+
+
+def test_the_search_for_the_surround_can_be_stopped_after_each_image() -> None:
+    """Cancelled in the window, or by Ctrl+C."""
+    image, read = framed(WIDE), list[int]()
+
+    def reading(index: int) -> ByteImage:
+        read.append(index)
+        return image
+
+    names = tuple(map(str, range(8)))
+    series = Series(names, tuple(map(Path, names)), reading, is_video=True)
+    steps = pooled_statistics(series, Setting("paper", EnhanceParams(), pixels="tissue"))
+    counts = [len(read) for _ in steps]
+    assert len(counts) > 2 * len(series)
+    assert max(np.diff([0, *counts])) <= 2
