@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Generator
 from dataclasses import replace
 from functools import partial
-from typing import Final
 
 from app.runs.dark_surround import lit_part
+from app.runs.lens_notice import lens_notice
 from app.runs.posing import Posed, through_found
 from app.runs.preparing import told_meanwhile
 from renderer.camera import Camera
@@ -23,12 +23,6 @@ from renderer.train.events import Preparing
 FOLLOWING, PLACING = "following features", "finding camera and shape from motion"
 DOUBTFUL = 0.05
 """Share of a point's depth by which it may be off before that is said. On a sinus 3 %, on a fetoscopy 7 %."""
-UNBENT: Final = (
-    "the lens is treated as free of distortion: where it bends straight lines, shapes along the view and the "
-    "path of the camera may be off by some percent, and a field of view that is estimated by more "
-    "(--calibration undistorts the images)"
-)
-"""As tests/benchmarks/lens_distortion.py measures it."""
 DIGITS = 2
 """Of positions in run.json, in scene units of which the tissue is a hundred away."""
 
@@ -62,7 +56,7 @@ def structured(
         *through.notices,
         *_doubts(found, moves),
         *(() if is_known else (_focal(clip.cameras[0], found),)),
-        *((UNBENT,) if is_assumed else ()),
+        *((lens_notice(clip, found.distortion),) if is_assumed else ()),
     )
     return replace(
         through,

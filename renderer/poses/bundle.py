@@ -14,8 +14,9 @@ from itertools import pairwise
 import numpy as np
 
 from renderer.camera import Camera, FloatArray, IntArray
-from renderer.poses.resection import residuals, robust, trust
-from renderer.poses.rigid_motion import Seen, lens_slopes, local, motion_slopes, moved, slopes, zoomed
+from renderer.poses.radial import bent, bent_slopes
+from renderer.poses.resection import robust, trust
+from renderer.poses.rigid_motion import Seen, local, motion_slopes, moved, projected, zoomed
 
 _ROUNDS = 15
 _ENOUGH = 1e-5
@@ -53,10 +54,15 @@ class Bundle:
     """N observations."""
     focal: FocalGuess | None = None
     """Where the focal length of `lens` is sought, too."""
+    k1: float = 0.0
+    """Radial distortion of the lens, see radial.py."""
+    k1_spread: float | None = None
+    """Where that is sought, too: the standard deviation of it before anything is seen, about 0."""
 
 
-def adjusted(bundle: Bundle, rounds: int = _ROUNDS) -> Bundle:
-    """Levenberg and Marquardt's method on the robust cost; never a higher one than that of `bundle`.
+def adjusted(bundle: Bundle, rounds: int = _ROUNDS, enough: float = _ENOUGH) -> Bundle:
+    """Levenberg and Marquardt's method on the robust cost; never a higher one than that of `bundle`. A
+    gain of less than `enough` of it ends the search.
 
     Where no view measures depth, the scale is free, and that of `bundle` is kept to first order.
     """
@@ -73,7 +79,7 @@ def adjusted(bundle: Bundle, rounds: int = _ROUNDS) -> Bundle:
             if damping > 1e4:
                 break
             continue
-        is_done = cost - lower < _ENOUGH * cost
+        is_done = cost - lower < enough * cost
         bundle, left, cost, damping = other, there, lower, max(damping / 10, 1e-8)
         if is_done:
             break
@@ -82,7 +88,28 @@ def adjusted(bundle: Bundle, rounds: int = _ROUNDS) -> Bundle:
 
 def misfit(bundle: Bundle) -> FloatArray:
     """(N, 3) in standard deviations."""
-    return residuals(bundle.lens, _places(bundle), bundle.seen)
+    expected = bent(bundle.lens, projected(bundle.lens, _places(bundle)), bundle.k1)
+    return np.asarray((bundle.seen.measured - expected) * bundle.seen.weights)
+
+
+def k1_pulls(bundle: Bundle) -> FloatArray:
+    """(N, 3) by how much k1 of a bundle that is adjusted changes where a measure changes by its standard
+    deviation, and all else that is sought follows."""
+    left = misfit(bundle)
+    stiffness, _, backs = _reduced(bundle, left, _groups(bundle), 0.0)
+    free = _free(bundle)
+    step = np.zeros(len(stiffness))
+    step[free] = np.linalg.solve(stiffness[np.ix_(free, free)], np.eye(len(stiffness))[free, -1])
+    along = np.zeros_like(bundle.points)
+    for back in backs:
+        along[back.points] = -np.einsum("ljk,k->lj", back.coupling, step[back.columns])
+    poses = bundle.poses[bundle.views]
+    places = _places(bundle)
+    by_place, by_lens = bent_slopes(bundle.lens, places, bundle.k1)
+    shifts = np.einsum("nij,nj->ni", motion_slopes(places), step[:-2].reshape(-1, 6)[bundle.views])
+    shifts += np.einsum("nij,nj->ni", poses[:, :3, :3], along[bundle.seen_points])
+    change = np.einsum("nij,nj->ni", by_place, shifts) + by_lens @ step[-2:]
+    return np.asarray(change * bundle.seen.weights * trust((left**2).sum(axis=1))[:, None])
 
 
 def _places(bundle: Bundle) -> FloatArray:
@@ -91,12 +118,13 @@ def _places(bundle: Bundle) -> FloatArray:
 
 def _cost(bundle: Bundle, left: FloatArray) -> float:
     of_focal = 0.0 if bundle.focal is None else bundle.focal.off(bundle.lens) ** 2
-    return float(robust((left**2).sum(axis=1)).sum()) + of_focal
+    of_k1 = 0.0 if bundle.k1_spread is None else (bundle.k1 / bundle.k1_spread) ** 2
+    return float(robust((left**2).sum(axis=1)).sum()) + of_focal + of_k1
 
 
 def _free(bundle: Bundle) -> IntArray:
-    """Of the 6 K + 1 unknowns of the poses and the focal length, those that are sought; poses of views that
-    see nothing are not."""
+    """Of the 6 K + 2 unknowns of the poses, the focal length and k1, those that are sought; poses of views
+    that see nothing are not."""
     count = len(bundle.poses)
     blind = np.bincount(bundle.views, minlength=count) == 0
     held = [*range(6), *(6 * np.flatnonzero(blind)[:, None] + np.arange(6)).ravel()]
@@ -107,7 +135,9 @@ def _free(bundle: Bundle) -> IntArray:
         held.append(6 * far + 3 + int(np.argmax(np.abs(toward))))
     if bundle.focal is None:
         held.append(6 * count)
-    return np.setdiff1d(np.arange(6 * count + 1), held)
+    if bundle.k1_spread is None:
+        held.append(6 * count + 1)
+    return np.setdiff1d(np.arange(6 * count + 2), held)
 
 
 def _groups(bundle: Bundle) -> list[IntArray]:
@@ -123,20 +153,31 @@ def _groups(bundle: Bundle) -> list[IntArray]:
 def _stepped(
     bundle: Bundle, left: FloatArray, groups: list[IntArray], free: IntArray, damping: float
 ) -> Bundle:
-    unknowns = 6 * len(bundle.poses) + 1
-    stiffness, against = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
-    backs = [_eliminate(bundle, left, group, damping, stiffness, against) for group in groups]
-    if bundle.focal is not None:
-        stiffness[-1, -1] += bundle.focal.spread**-2
-        against[-1] += bundle.focal.off(bundle.lens) / bundle.focal.spread
-    step = np.zeros(unknowns)
+    stiffness, against, backs = _reduced(bundle, left, groups, damping)
+    step = np.zeros(len(against))
     step[free] = np.linalg.solve(stiffness[np.ix_(free, free)], against[free])
     points = bundle.points.copy()
     for back in backs:
         points[back.points] += back.offset - np.einsum("ljk,k->lj", back.coupling, step[back.columns])
-    poses = [moved(pose, each) for pose, each in zip(bundle.poses, step[:-1].reshape(-1, 6), strict=True)]
-    lens = bundle.lens if bundle.focal is None else zoomed(bundle.lens, step[-1])
-    return replace(bundle, lens=lens, poses=np.stack(poses), points=points)
+    poses = [moved(pose, each) for pose, each in zip(bundle.poses, step[:-2].reshape(-1, 6), strict=True)]
+    lens = bundle.lens if bundle.focal is None else zoomed(bundle.lens, step[-2])
+    return replace(bundle, lens=lens, poses=np.stack(poses), points=points, k1=bundle.k1 + float(step[-1]))
+
+
+def _reduced(
+    bundle: Bundle, left: FloatArray, groups: list[IntArray], damping: float
+) -> tuple[FloatArray, FloatArray, list[_Back]]:
+    """The equations of poses and lens, (6 K + 2, 6 K + 2) and (6 K + 2,), and how the points follow."""
+    unknowns = 6 * len(bundle.poses) + 2
+    stiffness, against = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
+    backs = [_eliminate(bundle, left, group, damping, stiffness, against) for group in groups]
+    if bundle.focal is not None:
+        stiffness[-2, -2] += bundle.focal.spread**-2
+        against[-2] += bundle.focal.off(bundle.lens) / bundle.focal.spread
+    if bundle.k1_spread is not None:
+        stiffness[-1, -1] += bundle.k1_spread**-2
+        against[-1] -= bundle.k1 / bundle.k1_spread**2
+    return stiffness, against, backs
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,11 +186,11 @@ class _Back:
 
     points: IntArray
     columns: IntArray
-    """(6 M + 1,) of the M poses and the focal length."""
+    """(6 M + 2,) of the M poses, the focal length and k1."""
     offset: FloatArray
     """(P, 3)."""
     coupling: FloatArray
-    """(P, 3, 6 M + 1)."""
+    """(P, 3, 6 M + 2)."""
 
 
 def _eliminate(
@@ -160,18 +201,17 @@ def _eliminate(
     stiffness: FloatArray,
     against: FloatArray,
 ) -> _Back:
-    """Adds what one group says of poses and focal length to the equations (6 K + 1, 6 K + 1) and (6 K + 1,),
-    its points eliminated."""
+    """Adds what one group says of poses and lens to the equations (6 K + 2, 6 K + 2) and (6 K + 2,), its
+    points eliminated."""
     points, of_point = np.unique(bundle.seen_points[group], return_inverse=True)
     views, of_view = np.unique(bundle.views[group], return_inverse=True)
     places = local(bundle.poses[bundle.views[group]], bundle.points[bundle.seen_points[group]])
     share = np.sqrt(trust((left[group] ** 2).sum(axis=1)))[:, None]
     weights = bundle.seen.weights[group] * share
     apart = left[group] * share
-    change = slopes(bundle.lens, places) * weights[:, :, None]
+    change, by_lens = (each * weights[:, :, None] for each in bent_slopes(bundle.lens, places, bundle.k1))
     by_pose = change @ motion_slopes(places)
     by_point = change @ bundle.poses[bundle.views[group]][:, :3, :3]
-    by_lens = lens_slopes(bundle.lens, places) * weights
 
     of_points = _summed(by_point.swapaxes(1, 2) @ by_point, of_point, len(points))
     pull = _summed(_along(by_point, apart), of_point, len(points))
@@ -182,14 +222,14 @@ def _eliminate(
     pairs = of_point * len(views) + of_view
     across = _summed(by_point.swapaxes(1, 2) @ by_pose, pairs, len(points) * len(views))
     of_poses = across.reshape(len(points), len(views), 3, 6).swapaxes(1, 2).reshape(len(points), 3, -1)
-    of_lens = _summed(_along(by_point, by_lens), of_point, len(points))
-    coupling = np.concatenate([of_poses, of_lens[:, :, None]], axis=2)
+    of_lens = _summed(by_point.swapaxes(1, 2) @ by_lens, of_point, len(points))
+    coupling = np.concatenate([of_poses, of_lens], axis=2)
     solved = inverse @ coupling
     offset = np.einsum("ljk,lk->lj", inverse, pull)
 
-    columns = np.r_[(6 * views[:, None] + np.arange(6)).ravel(), 6 * len(bundle.poses)]
+    columns = np.r_[(6 * views[:, None] + np.arange(6)).ravel(), 6 * len(bundle.poses) + np.arange(2)]
     own = _summed(by_pose.swapaxes(1, 2) @ by_pose, of_view, len(views))
-    beside = _summed(_along(by_pose, by_lens), of_view, len(views))
+    beside = _summed(by_pose.swapaxes(1, 2) @ by_lens, of_view, len(views)).reshape(-1, 2)
     own_diagonal = np.einsum("mjj->mj", own)
     own_diagonal *= 1 + damping
     own_diagonal += 1e-9
@@ -198,12 +238,12 @@ def _eliminate(
     for place in range(len(views)):
         here = slice(6 * place, 6 * place + 6)
         block[here, here] += own[place]
-    block[-1, :-1] += beside.ravel()
-    block[:-1, -1] += beside.ravel()
-    block[-1, -1] += (1 + damping) * (by_lens**2).sum()
+    block[-2:, :-2] += beside.T
+    block[:-2, -2:] += beside
+    block[-2:, -2:] += np.einsum("nji,njk->ik", by_lens, by_lens) * (1 + damping * np.eye(2))
     stiffness[np.ix_(columns, columns)] += block
     turned = _summed(_along(by_pose, apart), of_view, len(views))
-    said = np.r_[turned.ravel(), (by_lens * apart).sum()]
+    said = np.r_[turned.ravel(), _along(by_lens, apart).sum(axis=0)]
     against[columns] += said - np.einsum("ljk,lj->k", coupling, offset)
     return _Back(points, columns, offset, solved)
 

@@ -14,6 +14,7 @@ import numpy as np
 from renderer.camera import Camera, FloatArray
 from renderer.clip import Clip, SparsePoints
 from renderer.poses.bundle import FocalGuess
+from renderer.poses.distortion import Distortion, distortion_of
 from renderer.poses.growing import SEEN_BY, Growing
 from renderer.poses.lost_frame import LostFrame
 from renderer.poses.outlying_points import outlying
@@ -60,6 +61,8 @@ class FoundStructure:
     """See Solved."""
     focal_left: float = 0.0
     """See Solved."""
+    distortion: Distortion | None = None
+    """That the motion shows, where the focal length is not known either; poses and points are without it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +105,8 @@ def structure_of(
     each_lost = {each.frame: each for each in (*features.lost, *found.lost)}
     lost = [each_lost[frame] for frame in sorted(each_lost)]
     poses = found_poses(clip, found.done, 1.0, lost)
-    return FoundStructure(poses, SparsePoints(found.points), found.depth_error, found.focal_left)
+    bending = None if focal is None else distortion_of(found.done, features.parts, focal)
+    return FoundStructure(poses, SparsePoints(found.points), found.depth_error, found.focal_left, bending)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,13 +1,14 @@
 """What a lens that bends straight lines costs poses from motion, and whether the motion tells how much.
 
-python -m tests.benchmarks.lens_distortion [--frames N] [--seed N] [--k1 K1 ...]
+python -m tests.benchmarks.lens_distortion [--frames N] [--seed N] [--k1 K1 ...] [--tissue NAME ...]
 
-Features on the phantom's tissue at rest, off by 0.15 px, are seen through a lens of which nothing is known,
-on a full circle of the camera and on a third of one, which goes one way; the field of view is sought from a
-guess of 60 degrees. Paths are laid over each other with one scale; depths are those of points in each frame,
-with one scale for all. `told`: k1 of OpenCV's model with which most of what is seen fits, sought from poses
-and points that know of none, and the share by which it lowers the robust cost. `then`: the same measures from
-features that are straightened by it.
+Features on the phantom's tissue, off by 0.15 px, are seen through a lens of which nothing is known, on a full
+circle of the camera and on a third of one, which goes one way; the field of view is sought from a guess of 60
+degrees. The tissue rests, is pulled in a third of the view, or all of it breathes, see camera_poses.py. Paths
+are laid over each other with one scale; depths are those of points in each frame, with one scale for all.
+`told`: k1, its standard deviation, the focal length that belongs to it, the share of the features that agree
+with one body, and whether it may be used. `then`: the same measures from features that are straightened by
+it, where it may.
 """
 
 from __future__ import annotations
@@ -16,15 +17,17 @@ import argparse
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
 from renderer.camera import BoolArray, Camera, FloatArray
 from renderer.phantom import Phantom
-from renderer.poses.bundle import Bundle, FocalGuess, adjusted, misfit
+from renderer.poses.bundle import FocalGuess
+from renderer.poses.distortion import Distortion, distortion_of
 from renderer.poses.from_motion import FOCAL_SPREAD, Solved, focused
-from renderer.poses.resection import robust
-from renderer.poses.rigid_motion import Seen, local
+from renderer.poses.radial import bent, straightened
+from renderer.poses.rigid_motion import local, projected
 from renderer.poses.tracks import Sight, Tracked
 from tests.benchmarks.camera_poses import errors, phantom
 
@@ -32,6 +35,7 @@ SIZE = 320, 256
 FOCAL = 1.0
 """By the width: 53 degrees across."""
 DISTORTIONS = 0.0, -0.1, -0.2, -0.3
+TISSUES = "rest", "pull", "all"
 ROUNDS = 1, 3
 """The camera goes around once in as many times the frames."""
 GUESS = 60.0
@@ -39,10 +43,6 @@ GUESS = 60.0
 SHOWN, KEYED, LASTING = 300, 4, 16.0
 """Features of a frame, frames between keyframes, and how many a feature is followed through in the mean."""
 NOISE, BORDER = 0.15, 8.0  # px
-APART, MOST, SEEN_BY = 4, 24, 3
-"""Frames between views by which k1 is sought, how many views, and how many of them see a point at least."""
-STEP, FARTHEST, TURNS, ADJUSTED = 0.05, 0.15, 3, 10
-"""Of that search: a parabola through three costs at `STEP` from each other, and how far one turn goes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +59,13 @@ def footage(scene: Phantom, lens: Camera, k1: float, frames: int, seed: int) -> 
     """Each feature is followed from one keyframe on until it is lost, or out of view."""
     rng = np.random.default_rng(seed)
     where = rng.uniform(-1, 1, (9 * SHOWN, 2)) * np.array(SIZE) * 70 / lens.fx
-    points = scene.surface.evaluate(where[:, 0], where[:, 1], 0.0)[0]
-    track, until, count = np.full(len(points), -1), np.zeros(len(points)), 0
+    track, until, count = np.full(len(where), -1), np.zeros(len(where)), 0
     sights, depths, cameras = list[Sight](), list[FloatArray](), list[Camera]()
     for frame in range(frames):
+        points = scene.surface.evaluate(where[:, 0], where[:, 1], frame / frames)[0]
         camera = lens.moved(scene.camera(frame).camera_from_world)
         there = local(camera.camera_from_world, points)
-        places, inside = bent(lens, there, k1)
+        places, inside = through(lens, there, k1)
         track[~inside | (frame > until)] = -1
         if frame % KEYED == 0:
             free = rng.permutation(np.flatnonzero(inside & (track < 0)))[: SHOWN - int((track >= 0).sum())]
@@ -82,83 +82,43 @@ def footage(scene: Phantom, lens: Camera, k1: float, frames: int, seed: int) -> 
     )
 
 
-def bent(lens: Camera, places: FloatArray, k1: float) -> tuple[FloatArray, BoolArray]:
+def through(lens: Camera, places: FloatArray, k1: float) -> tuple[FloatArray, BoolArray]:
     """(N, 2) px of points (N, 3) in camera axes, and (N,) whether they are in view."""
-    slants = places[:, :2] / places[:, 2:]
-    squares = (slants**2).sum(axis=1)
-    seen = slants * (1 + k1 * squares)[:, None] * (lens.fx, lens.fy) + (lens.cx, lens.cy)
+    squares = ((places[:, :2] / places[:, 2:]) ** 2).sum(axis=1)
+    seen = bent(lens, projected(lens, places), k1)[:, :2]
     inside = ((seen > BORDER) & (seen < np.array(SIZE) - BORDER)).all(axis=1)
     return seen, inside & (1 + 3 * k1 * squares > 0)
 
 
-def straightened(lens: Camera, places: FloatArray, k1: float) -> tuple[FloatArray, FloatArray]:
-    """Where a pinhole camera sees what is seen at (N, 2) px, and (N,) how much shorter lengths are there."""
-    there = seen = (places - (lens.cx, lens.cy)) / (lens.fx, lens.fy)
-    for _ in range(40):
-        there = seen / np.maximum(1 + k1 * (there**2).sum(axis=1), 0.3)[:, None]
-    squares = (there**2).sum(axis=1)
-    area = np.maximum((1 + k1 * squares) * (1 + 3 * k1 * squares), 1e-3)
-    return there * (lens.fx, lens.fy) + (lens.cx, lens.cy), np.sqrt(area)
-
-
-def told(found: Solved, focal: FocalGuess) -> tuple[float, float]:
-    """k1 in units of the focal length that was found, and the share of the cost that it takes away."""
-    bundle, noise = _bundle(found, focal), found.done.noise.pixel
-    best, before = 0.0, _cost(bundle, 0.0, noise)
-    for _ in range(TURNS):
-        less, here, more = (_cost(bundle, best + step, noise) for step in (-STEP, 0.0, STEP))
-        curve, slope = less - 2 * here + more, (more - less) / 2
-        lowest = -slope / curve * STEP if curve > 0 else -np.sign(slope) * FARTHEST
-        step = float(np.clip(lowest, -FARTHEST, FARTHEST))
-        best += step
-        if abs(step) < STEP / 4:
-            break
-    return best, 1 - _cost(bundle, best, noise) / before
-
-
-def _bundle(found: Solved, focal: FocalGuess) -> Bundle:
-    views, points = found.done.views[::APART][:MOST], found.done.points
-    ids = np.concatenate([view.ids for view in views])
-    places = np.concatenate([view.seen.measured for view in views])
-    of = np.repeat(np.arange(len(views)), [len(view.ids) for view in views])
-    often = np.bincount(ids, minlength=len(points))[ids] >= SEEN_BY
-    kept, seen_points = np.unique(ids[often], return_inverse=True)
-    return Bundle(
-        lens=found.done.lens, poses=np.stack([view.pose for view in views]), points=points[kept],
-        views=of[often], seen_points=seen_points, seen=Seen(places[often], np.zeros((int(often.sum()), 3))),
-        focal=focal,
-    )  # fmt: skip
-
-
-def _cost(bundle: Bundle, k1: float, noise: float) -> float:
-    """Of the best poses and points for what is straightened by `k1`, in px as they are seen."""
-    measured, weights = bundle.seen.measured.copy(), np.zeros_like(bundle.seen.weights)
-    measured[:, :2], shorter = straightened(bundle.lens, measured[:, :2], k1)
-    weights[:, :2] = (shorter / noise)[:, None]
-    best = adjusted(replace(bundle, seen=Seen(measured, weights)), ADJUSTED)
-    return float(robust((misfit(best) ** 2).sum(axis=1)).sum())
-
-
-def lines(around: int, k1: float, frames: int, seed: int) -> Iterator[str]:
+def lines(tissue: str, around: int, k1: float, frames: int, seed: int) -> Iterator[str]:
     focal = FOCAL * SIZE[0]
     lens = Camera(focal, focal, SIZE[0] / 2, SIZE[1] / 2, *SIZE)
-    truth = footage(phantom("rest", around * frames, seed), lens, k1, frames, seed)
+    truth = footage(phantom(tissue, around * frames, seed), lens, k1, frames, seed)
     guess = Camera.from_fov(GUESS, *SIZE)
     unknown = FocalGuess(guess.fx, FOCAL_SPREAD)
     found = focused(guess, [truth.tracked], unknown, lambda done, total: None)
-    yield f"1/{around} of a circle, k1 {k1}: {measures(found, truth)}"
+    yield f"{tissue}, 1/{around} of a circle, k1 {k1}: {measures(found, truth)}"
     began = time.process_time()
-    best, gain = told(found, unknown)
+    told = distortion_of(found.done, [truth.tracked], unknown)
+    if told is None:
+        return
     seconds = time.process_time() - began
-    scaled = best * (lens.fx / found.done.lens.fx) ** 2
-    yield f"  told: k1 {scaled:.3f}, cost lower by {gain:.1%}, {seconds:.1f} s of one core"
-    straight = tuple(
-        replace(sight, places=straightened(found.done.lens, sight.places, best)[0])
-        for sight in truth.tracked.sights
+    longer, usable = told.lens.fx / lens.fx, "may" if told.is_certain else "may not"
+    yield (
+        f"  told: k1 {told.k1:.3f} +- {told.deviation:.3f}, focal length {longer:.3f} as long, "
+        f"{told.rigid:.0%} agree, {usable} be used, {seconds:.1f} s of one core"
     )
-    again = replace(truth, tracked=replace(truth.tracked, sights=straight))
-    then = focused(guess, [again.tracked], unknown, lambda done, total: None)
-    yield f"  then: {measures(then, again)}"
+    if told.is_certain:
+        again = straight(truth, told)
+        then = focused(told.lens, [again.tracked], unknown, lambda done, total: None)
+        yield f"  then: {measures(then, again)}"
+
+
+def straight(seen: Footage, told: Distortion) -> Footage:
+    sights = tuple(
+        replace(sight, places=straightened(told.lens, sight.places, told.k1)) for sight in seen.tracked.sights
+    )
+    return replace(seen, tracked=replace(seen.tracked, sights=sights))
 
 
 def measures(found: Solved, truth: Footage) -> str:
@@ -189,11 +149,11 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=40)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--k1", type=float, nargs="+", default=DISTORTIONS)
+    parser.add_argument("--tissue", nargs="+", default=TISSUES)
     flags = parser.parse_args()
-    for around in ROUNDS:
-        for k1 in flags.k1:
-            for line in lines(around, k1, flags.frames, flags.seed):
-                print(line, flush=True)
+    for tissue, around, k1 in product(flags.tissue, ROUNDS, flags.k1):
+        for line in lines(tissue, around, k1, flags.frames, flags.seed):
+            print(line, flush=True)
 
 
 if __name__ == "__main__":
