@@ -6,12 +6,19 @@ training each curve f is replaced by the curve g that minimises
 
     sum over training frames t of v(t) (g(t) - f(t))^2
     + SLACK * sum over k of (1 - min(s_k, s_(k-1)))^2 (g_k - g_(k-1))^2
-    + REST * sum over k of (1 - s_k)^2 g_k^2, of colours alone
+    + REST * sum over k of (1 - s_k)^2 (g_k - r)^2, of colours alone
 
 with v the share to which frame t saw the Gaussian and s_k that of the frames near control value k, so that a
-curve stays what it is wherever it was seen. At rest, where it is 0, a Gaussian has the colour that it was
-made with, that of a pixel of some frame: noise that few looks left does not last. Places have no such pull,
-which would bring what has left the view, or lies behind other tissue, back into sight.
+curve stays what it is wherever it was seen. At rest a Gaussian has the colour that it was made with, that of
+a pixel of some frame (r = 0): noise that few looks left does not last. Places have no such pull, which would
+bring what has left the view, or lies behind other tissue, back into sight.
+
+Where that pixel lay in a highlight, so would the Gaussian for good, wherever its tissue moves to while no
+frame shows it; but what shines is the light's and not the tissue's. So r takes it to within GLARE of the
+median of its neighbours. On training frames of pulling that were held out (1200 steps, seed 0): 8.25 pixels
+of specks a frame without, 0.38 with it, 38.867 and 38.876 dB, 38.75 and 38.74 of what is seldom seen; as many
+specks with a GLARE of 0.04, and 38.73 dB of the latter. With the mean of the colours that frames saw in place
+of that of one pixel there are 25, and with a REST of 0.03, 0.04 dB of all are lost.
 
 Pixels beside a tool are in part of its colour, and what is hidden was last seen there: a curve of colour that
 they hold shows a ghost of the tool. For colours, pixels within EDGE of the mask count BESIDE as much in v.
@@ -38,9 +45,11 @@ from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import Rasterizer
+from renderer.raw_gaussians import RawGaussians
 from renderer.splats import RenderMode
 from renderer.train.events import Omission
 from renderer.train.frames import TrainFrame, away_from_tools
+from renderer.train.neighbours import nearest_others
 
 SLACK = 0.01
 REST = 0.01
@@ -50,6 +59,10 @@ BESIDE = 0.01
 """Of what others count; not nothing, for what is never seen elsewhere."""
 SEEN = np.float32(0.5)
 """Blending weight over all supervised pixels by which a frame saw a Gaussian to one half."""
+AROUND = 31
+"""Neighbours whose colours tell what lies about a Gaussian: more than a highlight takes."""
+GLARE = np.float32(0.08)
+"""By which, of 1, its colour at rest differs from theirs at most: two that differ to both sides are close."""
 _RIDGE = 1e-9
 """Of curves that no frame saw: they rest."""
 _BAND = 4
@@ -78,10 +91,11 @@ def smooth_occluded_motion(
     share = float(np.mean(normal[:, :, 0] < _HIDDEN * whole))
     if share == 0:
         return gaussians, ()
+    resting = _steps_from_glare(gaussians.raw, motion)
     still = replace(
         motion,
         position_controls=_at_rest(motion.position_controls, normal, whole),
-        color_controls=_at_rest(motion.color_controls, normal_colors, whole, REST),
+        color_controls=_at_rest(motion.color_controls - resting, normal_colors, whole, REST) + resting,
         opacity_controls=_at_rest(motion.opacity_controls, normal, whole),
         node_controls=_at_rest(motion.node_controls, normal_nodes, whole),
     )
@@ -97,6 +111,16 @@ def _at_rest(
     if out.size:
         _solve(normal, whole, SLACK, rest, out)
     return out
+
+
+def _steps_from_glare(raw: RawGaussians, motion: SplineMotion) -> NDArray[np.float32]:
+    """(N, 1, 3) from colours that Gaussians were made with to those at rest; none without curves."""
+    count = len(motion.color_controls)
+    if not count:
+        return np.zeros((0, 1, 3), np.float32)
+    _, others = nearest_others(raw.means, AROUND)
+    around = np.median(raw.colors[others], axis=1) if count > 1 else raw.colors
+    return (np.clip(raw.colors, around - GLARE, around + GLARE) - raw.colors)[:, None]
 
 
 def _seen_of_nodes(motion: SplineMotion, seen: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -15,7 +15,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from renderer.train import hidden as hidden_tissue
 from renderer.train.frames import TrainFrame, train_frame
-from renderer.train.hidden import EDGE, REST, SLACK, _seen_shares, smooth_occluded_motion
+from renderer.train.hidden import EDGE, GLARE, REST, SLACK, _seen_shares, smooth_occluded_motion
 from tests.renderer.splines import without_nodes
 
 CONTROLS, COUNT, SIDE = 9, 12, 32
@@ -31,7 +31,7 @@ def gaussians(rng: np.random.Generator) -> DynamicGaussians:
         quats=np.tile(np.float32([1, 0, 0, 0]), (COUNT, 1)),
         log_scales=np.full((COUNT, 3), np.log(0.2), np.float32),
         opacity_logits=np.full(COUNT, 2.0, np.float32),
-        colors=rng.uniform(0.2, 0.8, (COUNT, 3)).astype(np.float32),
+        colors=rng.uniform(0.45, 0.5, (COUNT, 3)).astype(np.float32),
         harmonics=np.zeros((COUNT, 0, 3), np.float32),
     )
     positions = np.zeros((COUNT, CONTROLS, 3), np.float32)
@@ -90,6 +90,30 @@ def test_curves_rest_while_tissue_is_hidden() -> None:
     assert np.abs(values(still, 1.0))[hidden].max() < 0.1 * wandered
     seen = slice(0, COUNT // 2 - 3)  # Farther than EDGE from the mask.
     np.testing.assert_allclose(values(still, 1.0)[seen], values(model, 1.0)[seen], atol=0.05 * wandered)
+
+
+@pytest.mark.parametrize("glare", [0.95, 0.05])
+def test_what_glares_rests_near_the_colours_about_it_and_stays_where_it_is_seen(glare: float) -> None:
+    plain, shown = gaussians(np.random.default_rng(1)), frames(hidden_after=0.5, first_column=SIDE // 2)
+    colors, at = plain.raw.colors.copy(), [1, COUNT - 2]
+    colors[at] = glare
+    model = replace(plain, raw=replace(plain.raw, colors=colors))
+    still, _ = smooth_occluded_motion(model, shown, near=0.1)
+    seen, rested = still.at(1.0).colors[at]
+    around = np.median(np.delete(colors, at[1], axis=0), axis=0)
+    assert np.abs(rested - around).max() < 2 * GLARE < np.abs(model.at(1.0).colors[at[1]] - around).max()
+    np.testing.assert_allclose(seen, model.at(1.0).colors[at[0]], atol=0.02)
+
+
+def test_tissue_of_one_colour_in_time_and_a_single_gaussian_rest() -> None:
+    model, shown = gaussians(np.random.default_rng(1)), frames(hidden_after=0.5, first_column=SIDE // 2)
+    assert isinstance(model.motion, SplineMotion)
+    of_places = replace(
+        model, motion=replace(model.motion, color_controls=np.zeros((0, CONTROLS, 3), np.float32))
+    )
+    for each in (of_places, model.rows(np.array([COUNT - 1]))):
+        still, _ = smooth_occluded_motion(each, shown, near=0.1)
+        np.testing.assert_array_equal(still.raw.colors, each.raw.colors)
 
 
 def test_places_stay_where_they_were_last_seen() -> None:

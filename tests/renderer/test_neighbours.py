@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from renderer.train.neighbours import neighbour_distances
+from renderer.train.neighbours import nearest_others, neighbour_distances
 
 
 def by_all_pairs(points: NDArray[np.float32], wanted: int) -> NDArray[np.float64]:
@@ -37,3 +37,14 @@ def test_few_points_have_the_neighbours_that_there_are(count: int) -> None:
     points = np.random.default_rng(2).uniform(size=(count, 3)).astype(np.float32)
     expected = by_all_pairs(points, count - 1) if count > 1 else np.zeros(count)
     assert np.allclose(neighbour_distances(points), expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize(("count", "wanted"), [(200, 31), (5, 31), (1, 31), (0, 31)])
+def test_the_nearest_are_those_of_all_pairs_in_order(count: int, wanted: int) -> None:
+    points = np.random.default_rng(3).normal(size=(count, 3)).astype(np.float32)
+    squares, others = nearest_others(points, wanted)
+    exact = ((points[:, None].astype(np.float64) - points[None]) ** 2).sum(axis=2)
+    np.fill_diagonal(exact, np.inf)
+    expected = np.argsort(exact, axis=1)[:, : max(min(wanted, count - 1), 0)]
+    np.testing.assert_array_equal(others, expected)
+    np.testing.assert_allclose(squares, np.take_along_axis(exact, expected, axis=1), rtol=1e-5)
