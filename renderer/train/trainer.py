@@ -30,7 +30,7 @@ from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frame_store import FrameStore, nearest_folder
 from renderer.train.frames import TrainFrame, halved, seen_by, train_frame, unseen_beyond, within_reach
 from renderer.train.gaps import EVERY as LOOKED_AT
-from renderer.train.gaps import closed_gaps
+from renderer.train.gaps import ROUNDS, closed_gaps
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.guards import LossWatch, Trouble
 from renderer.train.held_out import HeldOut, evaluated
@@ -161,7 +161,7 @@ def _prepared(
     if bends and unseen is not None and unseen.any():
         after[FADING] = SMOOTHED * len(fit)
     if SMOOTHING in after and needs.has_masks and unseen is not None:
-        after[CLOSING] = RENDERED * len(fit) / LOOKED_AT
+        after[CLOSING] = RENDERED * ROUNDS * len(fit) / LOOKED_AT
     after[MEASURING] = RENDERED * len(measured)
     training = _Training(clip, config, recipe, folder, identity, pool, size, unseen, measured, after)
     return training, model, needs, checkpoint

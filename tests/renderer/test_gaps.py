@@ -14,8 +14,9 @@ from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import Float32Array
+from renderer.train import gaps
 from renderer.train.frames import TrainFrame, train_frame
-from renderer.train.gaps import COVERED, closed_gaps
+from renderer.train.gaps import APART, COVERED, _clearest, closed_gaps
 from tests.renderer.splines import without_nodes
 
 CONTROLS, WIDTH, HEIGHT = 12, 64, 48
@@ -71,11 +72,14 @@ def open_pixels(model: DynamicGaussians) -> NDArray[np.bool_]:
     return alpha(model, OPENED)[WITHIN] < COVERED
 
 
-def test_what_opened_while_it_was_hidden_is_closed_in_the_colour_of_what_is_beside() -> None:
-    before = sheet()
+@pytest.mark.parametrize(("apart", "left"), [(5.0, 0.1), (30.0, 0.3)])
+def test_what_opened_while_it_was_hidden_is_closed_in_the_colour_of_what_is_beside(
+    apart: float, left: float
+) -> None:
+    before = sheet(apart)
     after = closed_gaps(before, frames(), NEAR)
     assert open_pixels(before).sum() > 50
-    assert open_pixels(after).sum() < 0.1 * open_pixels(before).sum()
+    assert open_pixels(after).sum() < left * open_pixels(before).sum()
     drawn = render(after.at(OPENED), CAMERA, near=NEAR)
     np.testing.assert_allclose(drawn.image, drawn.alpha[..., None] * np.full(3, 0.5), atol=1e-5)
 
@@ -88,11 +92,25 @@ def test_what_is_visible_stays_as_it_was_trained() -> None:
     assert np.abs(alpha(after, LATER) - alpha(before, LATER)).max() < 0.005
 
 
-@pytest.mark.parametrize("apart", [0.0, 30.0])
-def test_tissue_without_gaps_stays_and_what_is_too_wide_to_be_one_is_not_filled(apart: float) -> None:
-    before = sheet(apart)
-    assert (alpha(before, OPENED)[MIDDLE] < 0.001).any() == (apart > 0)
-    assert closed_gaps(before, frames(), NEAR) is before
+def test_tissue_without_gaps_stays() -> None:
+    assert closed_gaps(before := sheet(0.0), frames(), NEAR) is before
+
+
+def test_what_is_too_far_from_all_tissue_is_not_filled(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = sheet(30.0)
+    assert (alpha(before, OPENED)[MIDDLE] < 0.001).any()
+    monkeypatch.setattr(gaps, "WIDEST", 8.0)
+    after = closed_gaps(before, frames(), NEAR)
+    middle = slice(18, 30), slice(45, 48)  # Farther than that from both sides.
+    np.testing.assert_array_equal(alpha(after, OPENED)[middle] < COVERED, True)
+
+
+def test_of_many_pixels_that_are_as_clear_few_get_a_copy() -> None:
+    clear = np.zeros((20, 25), np.float32)
+    found = np.argwhere(_clearest(clear, clear == 0))
+    assert len(found) == 20
+    apart = np.abs(found[:, None] - found).max(axis=2)
+    assert apart[apart > 0].min() == APART
 
 
 def test_a_gap_that_frames_show_is_as_they_show_it() -> None:
