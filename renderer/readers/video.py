@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from renderer.clip import ByteImage, Clip, ClipError
+from renderer.clip import ByteImage, Clip, ClipError, numbered
 from renderer.pyav_presence import has_pyav, why_not_pyav
 from renderer.readers.clip_options import DEFAULTS, ClipOptions, StereoLayout
 from renderer.readers.dicom.header import holds_stream
@@ -72,7 +72,7 @@ def open_video(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     said += squeezed(size, layout, video.pixel_aspect)
     return replace(
         left,
-        read_right=lambda index: _eye(video.read(index), layout, 1),
+        read_right=lambda index: _eye(video.read(numbered(index, len(video))), layout, 1),
         notices=(*left.notices, said),
     )
 

@@ -54,6 +54,7 @@ def test_depth_is_that_of_the_scene(tmp_path, monkeypatch, moments, layout: Ster
     assert np.abs(second.read_right(0).astype(int) - moments[1].right.image).mean() < 2
     truth = moments[1]
     frame = clip.read_frame(1)
+    np.testing.assert_array_equal(clip.read_frame(-1).depth, frame.depth)
     assert frame.depth is not None
     assert np.abs(frame.image.astype(int) - truth.left.image).mean() < 2
     known = truth.seen & (frame.depth > 0)
