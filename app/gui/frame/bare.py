@@ -40,7 +40,12 @@ class Bare:
     @property
     def is_over(self) -> bool:
         """All panels are there, in front those that were."""
-        return self._kept is None and not self._returned
+        return self._kept is None and self.has_returned
+
+    @property
+    def has_returned(self) -> bool:
+        """Of the panels that came back, those are in front that were."""
+        return not self._returned
 
     def _stays(self, panel: hello_imgui.DockableWindow) -> bool:
         return self._kept is None or panel.label in self._kept

@@ -32,7 +32,7 @@ class Screen:
         presents = state.presenting.pane is not None
         kept = () if presents else ALONE if state.window.bare else None
         self._bare.follow(kept, params.docking_params.dockable_windows)
-        if self._bare.is_over:
+        if not presents and self._bare.has_returned:
             presenting.end(state)
         self._below.follow()
         self._full_screen.follow(glfw_utils.glfw_window_hello_imgui(), state.window.full_screen)

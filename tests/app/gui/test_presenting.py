@@ -330,3 +330,23 @@ def test_no_frame_is_dark_when_it_ends(places: Places) -> None:
         assert state.presenting.ending is None
 
     driver.run(drive)
+
+
+@pytest.mark.display
+def test_it_ends_in_a_window_without_panels_too(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True), [])
+    state = driver.state
+    actions.open_path(state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: is_settled(state), "the phantom")
+        state.window.bare = True
+        ctx.yield_(6)
+        presenting.show(state, "right")
+        ctx.yield_(6)
+        presenting.leave(state)
+        ctx.yield_(6)
+        assert state.presenting.ending is None
+        state.window.closing = "agreed"
+
+    driver.run(drive)
