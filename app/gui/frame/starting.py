@@ -73,7 +73,8 @@ def _first_size() -> tuple[int, int]:
     """Of a window that none was before."""
     screen = _first_screen()
     *_, width, height = (0, 0, 1, 0) if screen is None else glfw.get_monitor_workarea(screen)
-    return SIZE if width > height else (round(ON_UPRIGHT * width), round(ON_UPRIGHT * height))
+    share = ON_UPRIGHT / _density()  # The runner makes the window larger for a dense screen.
+    return SIZE if width > height else (round(share * width), round(share * height))
 
 
 def _short(folder: Path) -> Path:

@@ -240,15 +240,19 @@ def test_windows_gets_the_folder_of_the_layout_in_english_letters(
     assert params.ini_filename == str(Path("/users") / short / "window.ini")
 
 
+@pytest.mark.parametrize("density", [1.0, 1.5])
 @pytest.mark.parametrize(
     ("screen", "size"), [((1080, 1880), (972, 1692)), ((1920, 1080), starting.SIZE), (None, starting.SIZE)]
 )
 def test_the_first_window_of_an_upright_screen_is_upright(
-    screen: tuple[int, int] | None, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+    screen: tuple[int, int] | None, size: tuple[int, int], density: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """The runner makes what it is given larger on a dense screen."""
     monkeypatch.setattr(glfw, "init", lambda: screen is not None)
     monkeypatch.setattr(glfw, "get_monitors", lambda: [object()])
     monkeypatch.setattr(glfw, "get_primary_monitor", lambda: None if screen is None else "the first")
-    monkeypatch.setattr(glfw, "get_monitor_workarea", lambda first: (0, 40, *(screen or ())))
+    area = tuple(round(density * side) for side in screen or ())
+    monkeypatch.setattr(glfw, "get_monitor_workarea", lambda first: (0, 40, *area))
+    monkeypatch.setattr(glfw, "get_monitor_content_scale", lambda first: (density, density))
     params = starting.runner(Path("/nowhere/window.ini"), readable=False)
     assert tuple(params.app_window_params.window_geometry.size) == size
