@@ -140,7 +140,7 @@ class Window:
         self._keyboard = Keyboard()
         self._canvas: Canvas | None = None
         self._worn: tuple[Theme, int] | None = None
-        self._size, self._upright = (0, 0), False
+        self._size, self._upright, self._filled = (0, 0), False, (0, 0)
         self._dropped: list[str] = []
         self._has_signal: Callable[[], bool] = lambda: False
         """Whoever sends one cannot be asked: what is unsaved is offered at the next start."""
@@ -291,11 +291,13 @@ class Window:
         size = dockings.window_size(first=self._worn is None)
         if (size, chosen) != (self._size, self._worn):
             dockings.arrange(params, size, chosen[1])
-        # What fills the screen for a while turns nothing.
-        upright = self._upright if window_actions.is_reduced(self.state) else dockings.is_upright(size)
+        # What fills the screen for a while turns nothing, also while it is not yet as small as before.
+        lasts = size == self._filled or self.state.window.full_screen
+        stays = lasts or window_actions.is_reduced(self.state)
+        upright = self._upright if stays else dockings.is_upright(size)
         if self._worn is not None and upright != self._upright:
             dockings.restore_all()
-        self._size, self._upright = size, upright
+        self._size, self._upright, self._filled = size, upright, size if lasts else (0, 0)
         if self._worn == chosen:
             return
         before = self._worn or chosen

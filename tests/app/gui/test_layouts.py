@@ -188,7 +188,9 @@ def test_what_is_below_keeps_its_share_when_the_window_grows_before_and_while_it
 
 
 @pytest.mark.display
-def test_in_an_upright_window_panels_are_below_the_images(places: Places) -> None:
+def test_in_an_upright_window_panels_are_below_the_images(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
     state = driver.state
     actions.open_path(state, phantom_path())
@@ -211,10 +213,14 @@ def test_in_an_upright_window_panels_are_below_the_images(places: Places) -> Non
         assert is_below("Reconstruction", "Images")
         assert not is_below("Reconstruction", "Enhancement")
         assert images.size.y > side.size.y
-        presenting.toggle(state)
-        ctx.yield_(6)
-        presenting.toggle(state)
-        ctx.yield_(6)
+        with monkeypatch.context() as patch:
+            resets = list[str]()
+            patch.setattr(dockings, "restore_all", lambda: resets.append("all panels"))
+            presenting.toggle(state)
+            ctx.yield_(6)
+            presenting.toggle(state)
+            ctx.yield_(6)
+        assert resets == []
         assert is_below("Enhancement", "Images")
         shape(1280, 720)
         assert not is_below("Enhancement", "Images")
