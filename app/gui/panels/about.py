@@ -33,7 +33,7 @@ def draw_about(state: AppState, copy: Callable[[str], None]) -> None:
     about = state.about.facts
     if not state.about.shown or about is None:
         return
-    flags = floating_below(state, WIDTH) | imgui.WindowFlags_.no_saved_settings
+    flags = floating_below(state, TITLE, WIDTH) | imgui.WindowFlags_.no_saved_settings
     with imgui_ctx.begin(TITLE, True, flags) as window:
         floating_windows.show(state.about, bool(window.opened))
         if not window:

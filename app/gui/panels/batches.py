@@ -16,6 +16,7 @@ from app.gui.style import theme
 from app.gui.style.widgets import FLAT, button, em, explain, muted, note, row
 from app.gui.work.batching import Progressed
 
+TITLE = "Enhance files and folders"
 TEXT = (
     "Enhances every image and video in the list, subfolders included, with the current settings into "
     "a new folder of the same structure. The originals are not changed."
@@ -40,7 +41,7 @@ def draw_batches(state: AppState) -> None:
     batches = state.batches
     if not batches.shown:
         return
-    with imgui_ctx.begin("Enhance files and folders", True, floating_below(state, 42)) as window:
+    with imgui_ctx.begin(TITLE, True, floating_below(state, TITLE, 42)) as window:
         floating_windows.show(state.batches, bool(window.opened))
         if not window:
             return

@@ -41,6 +41,7 @@ OTHER_WIDTH, OTHER_SIZE = Sizing(width=1024), (1024, 1024)
 SCALES = {Sizing(scale): f"{scale}×" for scale in (1, 2, 3, 4)} | {OTHER_WIDTH: "Width…"}
 SCALE_TEXT = "File pixels per image pixel along each axis, or a width in pixels to resample to."
 SIZES = ((1280, 720), (1920, 1080), (2560, 1440), (3840, 2160))
+TITLE = "Export"
 VIEW_SIZES: dict[tuple[int, int] | None, str] = {
     None: "As shown", **{size: f"{size[0]} × {size[1]}" for size in SIZES}, OTHER_SIZE: "Other…"
 }  # fmt: skip
@@ -104,12 +105,12 @@ def draw_export(state: AppState) -> None:
     """A window of its own."""
     if not state.exports.shown:
         return
-    beside = floating_below(state, 46)
+    beside = floating_below(state, TITLE, 46)
     # Not in a picture of the window that is about to be taken.
     alpha = 0.0 if state.exports.settling else imgui.get_style().alpha
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.alpha, alpha),
-        imgui_ctx.begin("Export", True, beside) as window,
+        imgui_ctx.begin(TITLE, True, beside) as window,
     ):
         floating_windows.show(state.exports, bool(window.opened))
         if not window:

@@ -139,7 +139,7 @@ def draw_live_choice(state: AppState, textures: ShowsPictures) -> None:
     choice = state.live.choice
     if not choice.shown:
         return
-    flags = floating_below(state, WIDTH) | imgui.WindowFlags_.no_saved_settings
+    flags = floating_below(state, TITLE, WIDTH) | imgui.WindowFlags_.no_saved_settings
     with imgui_ctx.begin(TITLE, True, flags) as window:
         floating_windows.show(state.live.choice, bool(window.opened))
         if not window:

@@ -108,16 +108,16 @@ def _middle() -> tuple[ImVec2, float]:
 
 
 def covered(state: AppState, top: float) -> float:
-    """Pixels from `top`, on the screen, down to the end of the error, as last drawn."""
+    """Pixels from `top`, on the screen, down to the end of the error, as last shown."""
     banner: imgui.internal.Window | None = imgui.internal.find_window_by_name(BANNER)
-    if state.window.banner is None or banner is None:
+    if state.window.banner is None or banner is None or banner.hidden:
         return 0.0
     return max(banner.pos.y + banner.size.y - top, 0.0)
 
 
-def floating_below(state: AppState, width: float) -> int:
+def floating_below(state: AppState, title: str, width: float) -> int:
     """Flags of the next window, `width` text heights across: below the error, which is in front."""
-    return floating(width, covered(state, imgui.get_main_viewport().work_pos.y))
+    return floating(title, width, covered(state, imgui.get_main_viewport().work_pos.y))
 
 
 def make_room(state: AppState) -> None:

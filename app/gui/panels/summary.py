@@ -23,6 +23,7 @@ TEXT = (
     "Images on one page with their settings, measures and your notes, to print or to send. Any browser "
     "opens it, and saves it as PDF when printing."
 )
+TITLE = "Case summary"
 TITLE_TEXT = "The heading of the page, and the name of its file. Write no patient's name on what you send."
 NOTES_TEXT = "Above the images. Kept with the session."
 SHOWN_TEXT = "Save what is shown now as an image, and add it."
@@ -40,7 +41,7 @@ def draw_summary(state: AppState, textures: ShowsPictures) -> None:
     """A window of its own."""
     if not state.summary.shown:
         return
-    with imgui_ctx.begin("Case summary", True, floating_below(state, 40)) as window:
+    with imgui_ctx.begin(TITLE, True, floating_below(state, TITLE, 40)) as window:
         floating_windows.show(state.summary, bool(window.opened))
         if not window:
             return

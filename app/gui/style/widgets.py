@@ -346,15 +346,26 @@ def seconds(duration: float) -> str:
     return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
 
 
-def floating(width: float, taken: float) -> int:
+def floating(title: str, width: float, taken: float) -> int:
     """Flags of the next window: `width` text heights across, in the middle at first, as high as its content
     or as there is room; always below what is `taken` of the top, in pixels."""
-    viewport, when = imgui.get_main_viewport(), imgui.Cond_.always if taken else imgui.Cond_.appearing
-    imgui.set_next_window_pos(viewport.get_center() + ImVec2(0, taken / 2), when, ImVec2(0.5, 0.5))
+    viewport, when = imgui.get_main_viewport(), imgui.Cond_
+    top, shown = viewport.work_pos.y + taken, _as_shown(title)
+    if taken and shown is not None and shown.pos.y < top:
+        imgui.set_next_window_pos(ImVec2(shown.pos.x, top), when.always)
+    else:
+        middle = viewport.get_center() + ImVec2(0, taken / 2)
+        imgui.set_next_window_pos(middle, when.appearing, ImVec2(0.5, 0.5))
     across, down = min(em(width), viewport.work_size.x), viewport.work_size.y - em(3) - taken
     imgui.set_next_window_size_constraints(ImVec2(across, 0), ImVec2(across, down))
     flags = imgui.WindowFlags_
     return int(flags.no_collapse | flags.no_docking | flags.always_auto_resize)
+
+
+def _as_shown(title: str) -> imgui.internal.Window | None:
+    """None before it is in its place."""
+    window: imgui.internal.Window | None = imgui.internal.find_window_by_name(title)
+    return window if window is not None and window.was_active and not window.hidden else None
 
 
 def dragged() -> ImVec2:

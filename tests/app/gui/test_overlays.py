@@ -151,6 +151,37 @@ def test_an_error_hides_nothing_of_what_floats(ui: Ui, opened: AppState) -> None
     assert export.pos.y + export.size.y <= 480
 
 
+def test_an_error_moves_only_what_it_covers(ui: Ui, opened: AppState) -> None:
+    floating_windows.toggle(opened.exports)
+
+    def draw() -> None:
+        overlays.draw_banner(opened)
+        draw_export(opened)
+
+    def place() -> tuple[float, float]:
+        for _ in range(6):
+            ui.frame(draw)
+        export = imgui.internal.find_window_by_name("Export")
+        return export.pos.x, export.pos.y
+
+    def moved(by: float) -> tuple[float, float]:
+        x, y = place()
+        ui.drag(draw, (x + 300, y + 5), (x + 300 + by, y + 5 + by))
+        return place()
+
+    before = place()
+    there = moved(60)
+    assert there != before
+    actions.fail(opened, "expected an intact image, got a damaged one")
+    assert place() == there
+    assert moved(20) == (there[0] + 20, there[1] + 20)
+    above = moved(-200)
+    banner = imgui.internal.find_window_by_name(overlays.BANNER)
+    assert above == (there[0] - 180, banner.pos.y + banner.size.y)
+    actions.dismiss(opened)
+    assert place() == above
+
+
 def test_notes_take_what_is_typed_after_their_panel_was_asked_for(ui: Ui, state: AppState) -> None:
     shown = {"Notes": False}
     services = outside(toggle_panel=lambda name: shown.update({name: True}), panel_shown=lambda name: True)
