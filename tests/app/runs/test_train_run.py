@@ -252,6 +252,11 @@ def test_what_is_forced_back_is_not_left_out_and_can_be_resumed(
     left_out = {each["what"] for each in json.loads(call.out)["omitted"]}
     assert not {"harmonics", "tiles without tissue"} & left_out
     assert RunFolder(tmp_path / "run").model().raw.harmonics.shape[1] == 15
+    # Records of before hold the parts as they were named.
+    record = tmp_path / "run" / "run.json"
+    told = json.loads(record.read_text())
+    told["config"]["keep"] = ["tiles", "harmonics", "tiles"]
+    record.write_text(json.dumps(told))
     for kept in (("harmonics", "tiles"), ("tiles", "harmonics", "tiles")):
         again = vesselsplat("train", clip_path, *flags, "--keep", *kept, "--json", "--resume")
         assert again.code == 0, again.error
