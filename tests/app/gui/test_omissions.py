@@ -89,7 +89,7 @@ def test_what_is_kept_reaches_the_job_as_from_the_command_line_and_is_undone(
     state: AppState, clip_path: Path
 ) -> None:
     state.source.clip = open_clip(clip_path)
-    both: tuple[Part, ...] = ("tiles", "harmonics")
+    both: tuple[Part, ...] = ("harmonics", "tiles")
     for part in both:
         job_actions.keep_part(state, part, kept=True)
         job_actions.keep_part(state, part, kept=True)

@@ -30,7 +30,7 @@ def test_what_a_run_goes_without_is_a_series_of_its_own() -> None:
     points = diagrams(runs, DEFAULT)[0].points
     assert [(point.series, point.setting) for point in points] == [
         ("vesselsplat", "1000 steps"), ("vesselsplat without tracks", "1000 steps"),
-        ("vesselsplat without tracks and color curves", "250 steps"),
+        ("vesselsplat without color curves and tracks", "250 steps"),
     ]  # fmt: skip
 
 
