@@ -270,6 +270,9 @@ class Clip:
         return self._of(range(first, last + 1))
 
     def _of(self, kept: range) -> Clip:
+        def place(index: int) -> int:
+            return kept[numbered(index, len(kept))]
+
         def read_frame(index: int) -> Frame:
             index = numbered(index, len(kept))
             return replace(self.read_frame(kept[index]), index=index, time=index / len(kept))
@@ -280,12 +283,12 @@ class Clip:
             self,
             cameras=self.cameras[taken],
             read_frame=read_frame,
-            read_image=lambda index: self.read_image(kept[index]),
+            read_image=lambda index: self.read_image(place(index)),
             labels=self.labels[taken],
             frames_per_second=self._rate_of(kept),
             passed_over=frozenset(kept.index(index) for index in self.passed_over if index in kept),
             frame_times=times and tuple(time - times[kept.start] for time in times[taken]),
-            read_right=read_right and (lambda index: read_right(kept[index])),
+            read_right=read_right and (lambda index: read_right(place(index))),
         )
 
     def _rate_of(self, kept: range) -> float | None:

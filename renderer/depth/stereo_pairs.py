@@ -353,7 +353,7 @@ def _left_half(clip: Clip) -> Clip:
         cameras=tuple(clip.cameras[place] for place in places),
         labels=tuple(clip.labels[place] for place in places),
         read_frame=read_frame,
-        read_image=lambda index: clip.read_image(places[index]),
+        read_image=lambda index: clip.read_image(places[numbered(index, len(places))]),
         notices=(*clip.notices, *said),
     )
 

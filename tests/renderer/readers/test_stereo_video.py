@@ -52,6 +52,9 @@ def test_depth_is_that_of_the_scene(tmp_path, monkeypatch, moments, layout: Ster
     second = clip.every(1).between(1, 1)
     assert second.read_right is not None
     assert np.abs(second.read_right(0).astype(int) - moments[1].right.image).mean() < 2
+    for read in (second.read_frame, second.read_image, second.read_right):
+        with pytest.raises(IndexError, match="expected a frame from 0 to 0, got 1"):
+            read(1)
     truth = moments[1]
     frame = clip.read_frame(1)
     np.testing.assert_array_equal(clip.read_frame(-1).depth, frame.depth)
