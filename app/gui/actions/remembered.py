@@ -13,7 +13,7 @@ from app.gui.work.presets import BUILT_IN
 
 def begin(state: AppState) -> None:
     """As the last window left it, the method with its standard parameters and without differences: what was
-    turned far up for one clip surprises nobody at the next, nor an image that is hardly to be recognised.
+    turned far up for one clip surprises nobody at the next, nor does an image that one hardly recognises.
 
     At the very first start it is Vessel: vessels become clearer on every kind of picture that it was tried
     on, where the paper's method makes them fainter on some.
