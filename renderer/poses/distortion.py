@@ -18,7 +18,7 @@ from renderer.poses.resection import FEWEST
 from renderer.poses.settling import Settled
 from renderer.poses.tracks import Sight, Tracked
 from renderer.poses.triangulation import triangulated
-from renderer.poses.views import View
+from renderer.poses.views import View, bundle_of
 
 CERTAIN: Final = 3.0
 """Standard deviations that k1 is away from none at least."""
@@ -94,15 +94,13 @@ def _looked_at(views: Sequence[View]) -> Sequence[View]:
 
 
 def _bundle(done: Settled, views: Sequence[View], focal: FocalGuess) -> Bundle:
-    ids = np.concatenate([view.ids for view in views])
-    places = np.concatenate([view.seen.measured[:, :2] for view in views])
-    of = np.repeat(np.arange(len(views)), [len(view.ids) for view in views])
-    often = np.bincount(ids, minlength=len(done.points))[ids] >= SEEN_BY
-    kept, seen_points = np.unique(ids[often], return_inverse=True)
-    return Bundle(
-        lens=done.lens, poses=np.stack([view.pose for view in views]), points=done.points[kept],
-        views=of[often], seen_points=seen_points, seen=seen_at(places[often], done.noise.pixel),
-        focal=focal, k1_spread=_SPREAD,
+    """Of points that SEEN_BY of the views show, by where they are seen alone."""
+    whole = bundle_of(done.lens, views, done.points, focal)
+    often = np.bincount(whole.seen_points)[whole.seen_points] >= SEEN_BY
+    kept, seen_points = np.unique(whole.seen_points[often], return_inverse=True)
+    return replace(
+        whole, points=done.points[kept], views=whole.views[often], seen_points=seen_points,
+        seen=seen_at(whole.seen.measured[often, :2], done.noise.pixel), k1_spread=_SPREAD,
     )  # fmt: skip
 
 

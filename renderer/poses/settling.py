@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from renderer.camera import Camera, FloatArray, IntArray
-from renderer.poses.bundle import Bundle, adjusted
+from renderer.poses.bundle import adjusted
 from renderer.poses.resection import resected, trust
 from renderer.poses.rigid_motion import Seen, local, projected
-from renderer.poses.views import DEPTH_NOISE, Rough, View
+from renderer.poses.views import DEPTH_NOISE, Rough, View, bundle_of
 
 _PASSES = 4
 _WITHOUT_DEPTH = 2
@@ -137,7 +137,8 @@ def _settled(
     weighing = noise.beside(slack * noise.pixel if first is None else first, lens)
     for _ in range(passes):
         views = tuple(_weighed(lens, points, view, weighing, steady) for view in views)
-        bundle = adjusted(_bundle(rough, lens, views, points))
+        keys = [views[place] for place in rough.keys]
+        bundle = adjusted(bundle_of(lens, keys, points, rough.focal))
         starts = _carried(rough.keys, views, bundle.poses)
         lens, points = bundle.lens, bundle.points
         views = tuple(_again(lens, points, *each) for each in zip(views, starts, strict=True))
@@ -149,20 +150,6 @@ def _settled(
 def apart(lens: Camera, points: FloatArray, view: View) -> FloatArray:
     """(N, 3) measured minus expected: px, px, inverse depth; meaningless where that is not measured."""
     return np.asarray(view.seen.measured - projected(lens, local(view.pose, points[view.ids])))
-
-
-def _bundle(rough: Rough, lens: Camera, views: tuple[View, ...], points: FloatArray) -> Bundle:
-    keys = [views[place] for place in rough.keys]
-    measured, weights = ([getattr(view.seen, name) for view in keys] for name in ("measured", "weights"))
-    return Bundle(
-        lens=lens,
-        poses=np.stack([view.pose for view in keys]),
-        points=points,
-        views=np.repeat(np.arange(len(keys)), [len(view.ids) for view in keys]),
-        seen_points=np.concatenate([view.ids for view in keys]),
-        seen=Seen(np.concatenate(measured), np.concatenate(weights)),
-        focal=rough.focal,
-    )
 
 
 def _judged(

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from renderer.camera import Camera, FloatArray, IntArray
 from renderer.clip import BoolImage
-from renderer.poses.bundle import FocalGuess
+from renderer.poses.bundle import Bundle, FocalGuess
 from renderer.poses.rigid_motion import Seen
 
 PIXEL_NOISE: Final = 0.5
@@ -43,3 +46,17 @@ class Rough:
     """(L, 3) in world coordinates."""
     focal: FocalGuess | None = None
     """Where the focal length of `lens` is sought, too."""
+
+
+def bundle_of(lens: Camera, views: Sequence[View], points: FloatArray, focal: FocalGuess | None) -> Bundle:
+    """All that the views show of the points (L, 3)."""
+    measured, weights = ([getattr(view.seen, name) for view in views] for name in ("measured", "weights"))
+    return Bundle(
+        lens=lens,
+        poses=np.stack([view.pose for view in views]),
+        points=points,
+        views=np.repeat(np.arange(len(views)), [len(view.ids) for view in views]),
+        seen_points=np.concatenate([view.ids for view in views]),
+        seen=Seen(np.concatenate(measured), np.concatenate(weights)),
+        focal=focal,
+    )

@@ -44,8 +44,8 @@ def tracks(k1, seed=0, kind="solid", step=STEP, pulled=lambda frame: 0.0):
     return Tracked(tuple(sights), tuple(range(0, FRAMES, 3)), COUNT)
 
 
-def told(tracked, lens=LENS) -> Distortion | None:
-    found = focused(lens, [tracked], GUESS, lambda *_: None)
+def told(tracked) -> Distortion | None:
+    found = focused(LENS, [tracked], GUESS, lambda *_: None)
     return distortion_of(found.done, [tracked], GUESS)
 
 
