@@ -17,8 +17,9 @@ DARK = 25
 """Of 255: the noise of a surround stays below, after a median."""
 LEAST = 0.01
 """Of the picture: smaller dark corners are shadow."""
-_RIM = 1 / 120
-"""Of the picture's width: the bright ring at the edge of the lens, which stays where a camera moves."""
+RIM = 1 / 120
+"""Of the picture's width: the bright ring, reflections and blur at the edge of the lens, which stay where a
+camera moves. On training frames of a sinus, PSNR rises up to there: 36.5 dB with all of it, 37.4 without."""
 _SURROUND_RIM = 1 / 200
 """Of the picture's width: blur at the edge of a dark surround."""
 
@@ -33,7 +34,7 @@ def lit_field(images: Sequence[ByteImage]) -> BoolImage:
     if outlines:
         cv2.drawContours(field, [max(outlines, key=cv2.contourArea)], -1, (1,), cv2.FILLED)
     # Beyond the picture the field goes on: it has no rim there.
-    return np.asarray(cv2.erode(field, _square(lit.shape[1] * _RIM)) > 0)
+    return np.asarray(cv2.erode(field, _square(lit.shape[1] * RIM)) > 0)
 
 
 def beyond_surround(images: Sequence[ByteImage]) -> BoolImage:
