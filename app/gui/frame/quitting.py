@@ -10,6 +10,7 @@ from app.gui.actions import closing, session_actions
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.style.asking import ask
+from renderer.readers.listing import count
 
 
 def ask_before_quitting(state: AppState) -> None:
@@ -49,9 +50,9 @@ def _draw_unsaved(state: AppState) -> None:
 
 def case_in_words(state: AppState) -> str:
     """What there is of notes and images."""
-    summary, images = state.summary, len(state.summary.items)
+    summary = state.summary
     said = ["the notes"] if state.session.notes or summary.notes else []
-    said += [f"{images} image{'s' * (images != 1)} of the case summary"] if images else []
+    said += [f"{count(len(summary.items), 'image')} of the case summary"] if summary.items else []
     return " and ".join(said) or "the case summary"
 
 

@@ -71,8 +71,9 @@ def _density() -> float:
 
 def _first_size() -> tuple[int, int]:
     """Of a window that none was before."""
-    screen = _first_screen()
-    *_, width, height = (0, 0, 1, 0) if screen is None else glfw.get_monitor_workarea(screen)
+    if (screen := _first_screen()) is None:
+        return SIZE
+    *_, width, height = glfw.get_monitor_workarea(screen)
     share = ON_UPRIGHT / _density()  # The runner makes the window larger for a dense screen.
     return SIZE if width > height else (round(share * width), round(share * height))
 

@@ -137,10 +137,8 @@ def now() -> Colors:
     return LIGHT if imgui.get_style().color_(imgui.Col_.window_bg).x > 0.5 else DARK
 
 
-def switch(on: bool, *, caution: bool = False) -> ImVec4:
-    """A button's colour that says whether something is on; `caution`: and that it should be noticed."""
-    if not on:
-        return now().shade(0.25)
+def switched_on(*, caution: bool) -> ImVec4:
+    """A button's colour that says that something is on; `caution`: and that it should be noticed."""
     return now().caution if caution else now().lit
 
 

@@ -270,7 +270,7 @@ def toggle(
 ) -> None:
     """A button that says whether something is on, by its colour and by a bar; `caution`: and that it should
     be noticed."""
-    color = theme.switch(on, caution=caution) if on else None
+    color = theme.switched_on(caution=caution) if on else None
     button(label, action, text, enabled=enabled, reason=reason, color=color, width=width)
     if on:
         low, high, inset = imgui.get_item_rect_min(), imgui.get_item_rect_max(), em(0.3)
