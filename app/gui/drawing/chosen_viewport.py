@@ -43,20 +43,25 @@ class ChosenViewport:
         return processor_picture(state, self._textures)
 
     def _compare(self, state: AppState) -> None:
-        """Once, between two frames of the window, as long as one picture takes."""
+        """Once, between two frames of the window, as long as one picture takes.
+
+        Of a training there is a picture, with a model of its own, a second: none is kept.
+        """
         view = state.scene.view
-        if view is None or view.request.kind != "color" or any(view is one for one in self._views):
+        if view is None or view.request.kind != "color" or view.request.scene.live:
+            return
+        if any(view is one for one in self._views):
             return
         self._views.append(view)
-        if len(self._views) < VIEWS or view.request.scene.live:
+        if len(self._views) < VIEWS:
             return
-        self._compares = False
+        views, self._views, self._compares = self._views, [], False
         try:
             card = self._graphics.milliseconds(view.request)
         except FAILURES as error:
             self._give_up(state, error)
             return
-        alike = [one for one in self._views if one.request.reduced == view.request.reduced]
+        alike = [one for one in views if one.request.reduced == view.request.reduced]
         own = min(one.milliseconds for one in alike)
         state.scene.processor_draws = own <= card
         faster = "the numba rasteriser" if state.scene.processor_draws else "OpenGL"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from dataclasses import replace
 
 import moderngl
@@ -82,6 +84,24 @@ def test_previews_of_a_training_decide_nothing(
     look_around(looking, viewport, 50.0, 2 * VIEWS)
     assert looking.scene.processor_draws
     assert not looking.window.log
+    viewport.release()
+
+
+@pytest.mark.parametrize("live", [True, False])
+def test_nothing_of_a_model_stays_that_is_no_longer_shown(
+    ctx: moderngl.Context, looking: AppState, monkeypatch: pytest.MonkeyPatch, live: bool
+) -> None:
+    """Each preview of a training is a model of its own, of ten megabytes and more."""
+    monkeypatch.setattr(chosen_viewport, "is_software", lambda _: True)
+    monkeypatch.setattr(GraphicsViewport, "milliseconds", lambda *_: 1000.0)
+    viewport, gone = ChosenViewport(ctx, Textures(ctx), looking), []
+    for _ in range(2 * VIEWS):
+        assert looking.scene.model is not None
+        looking.scene.model = replace(looking.scene.model, live=live)
+        gone.append(weakref.ref(looking.scene.model))
+        look_around(looking, viewport, 50.0, 1)
+    gc.collect()
+    assert [model() is None for model in gone] == [True] * (2 * VIEWS - 1) + [False]
     viewport.release()
 
 
