@@ -129,6 +129,36 @@ class Camera:
         return self.world_from_camera[:3, 3]
 
     @property
+    def sides(self) -> FloatArray:
+        """(4, 4) planes through the centre and the four sides of the image, in world coordinates: a point is
+        in view where `sides @ (x, y, z, 1)`, its distances to them, are all at least 0."""
+        inwards = np.array(
+            [
+                [self.fx, 0.0, self.cx],
+                [-self.fx, 0.0, self.width - self.cx],
+                [0.0, self.fy, self.cy],
+                [0.0, -self.fy, self.height - self.cy],
+            ]
+        )
+        inwards /= np.linalg.norm(inwards, axis=1, keepdims=True)
+        return inwards @ self.camera_from_world[:3]
+
+    def sees_only(self, other: Camera) -> bool:
+        """Whether it has the other's pose, and nothing in view that the other has not."""
+        if not np.array_equal(self.camera_from_world, other.camera_from_world):
+            return False
+        (left, top, right, bottom), outer = self._slopes, other._slopes
+        return left >= outer[0] and top >= outer[1] and right <= outer[2] and bottom <= outer[3]
+
+    @property
+    def _slopes(self) -> tuple[float, float, float, float]:
+        """x/z, y/z of the first corner of the image, and of the last; to 1 in 10^9, which resizing loses."""
+        ends = (-self.cx / self.fx, -self.cy / self.fy)
+        far = ((self.width - self.cx) / self.fx, (self.height - self.cy) / self.fy)
+        left, top, right, bottom = (round(slope, 9) for slope in (*ends, *far))
+        return left, top, right, bottom
+
+    @property
     def field_of_view(self) -> float:
         """Horizontal, in degrees."""
         return math.degrees(math.atan(self.cx / self.fx) + math.atan((self.width - self.cx) / self.fx))

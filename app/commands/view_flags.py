@@ -29,6 +29,11 @@ def add_flag(parser: argparse.ArgumentParser) -> None:
         "(default grey)",
     )
     parser.add_argument(
+        "--beyond-frame",
+        action="store_true",
+        help="also draw what lies beyond the frames of a camera at rest, which none of them shows",
+    )
+    parser.add_argument(
         "--view",
         choices=EXPLAINED,
         default="color",
@@ -53,7 +58,8 @@ def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment])
         reference = None if clip is None or moment.frame is None else FrameRequest(clip, moment.frame)
         near = near_plane(scene.model, moment.camera)
         view = ViewRequest(scene, moment.time, moment.camera, near_plane=near, supersampling=finer)
-        view = replace(view, background=BACKGROUNDS[flags.background])
+        background = BACKGROUNDS[flags.background]
+        view = replace(view, background=background, beyond_frame=flags.beyond_frame)
         views.append(view.of_kind(flags.view, reference))
     return views
 

@@ -203,6 +203,6 @@ def _reshaped(asked: Sequence[Moment], wanted: Sequence[Moment]) -> Iterator[str
             where = "beside" if new.width * old.height > old.width * new.height else "above and below"
             yield (
                 f"--size {new.width} {new.height} has another shape than {old.width} {old.height}: "
-                f"nothing is stretched, and more of the scene is seen {where} the camera's view"
+                f"nothing is stretched, and what lies {where} the camera's view is in the image"
             )
             return

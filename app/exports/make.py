@@ -232,7 +232,9 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
     about = f"Reconstruction of {record.trained_on}" if record.trained_on else "Reconstruction"
     about = ", ".join(filter(None, (about, far_off(record, scene.unit))))
     poses = scene.cameras if record.moves else ()
-    write_bytes(target, browser_page(windows, record, scene.mode, about=about, poses=poses))
+    within = None if record.beyond_frame else scene.camera_at_rest
+    page = browser_page(windows, record, scene.mode, about=about, poses=poses, within=within)
+    write_bytes(target, page)
 
 
 def _view_video(record: ViewVideo, sources: Sources, target: Path) -> Steps:
@@ -275,6 +277,7 @@ def _seen(record: DrawnRecord, moment: MomentRecord, scene: Scene) -> ViewReques
         frame_share=record.frame_share or 0.0,
         scale=record.scale,
         background=record.background or BLACK,
+        beyond_frame=record.beyond_frame,
         near_plane=record.near if moment.near is None else moment.near,
         caption=record.caption,
     )

@@ -127,6 +127,7 @@ def _look() -> None:
         surface_point(splats, camera, (camera.width // 2, camera.height // 2), near, mode)
     for shape in get_args(Shape):
         draw_on_cpu(splats, camera, near, shape=shape)
+    draw_on_cpu(splats, camera.moved(camera.camera_from_world @ SIDEWAYS), near, within=camera)
     for cameras in ((camera,), (camera, camera.moved(camera.camera_from_world @ SIDEWAYS))):
         render_mesh(surface_of(model, cameras, near).at(0.2), camera, near)
     sight = Sight.of(Trail(model, (0.0, 0.5)), camera, 0.5, near)

@@ -18,10 +18,17 @@ ON_CPU = "numba on the CPU"
 
 
 class Draw(Protocol):
-    """Splats, camera, near plane (in scene units), render mode and shape to a picture over black."""
+    """Splats, camera, near plane (in scene units), render mode and shape to a picture over black; soft splats
+    end at the sides of the image of `within`."""
 
     def __call__(
-        self, splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = ...
+        self,
+        splats: Splats,
+        camera: Camera,
+        near: float,
+        mode: RenderMode,
+        shape: Shape = ...,
+        within: Camera | None = ...,
     ) -> Rendered: ...
 
 
@@ -47,12 +54,17 @@ def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, 
 
 
 def draw_on_cpu(
-    splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
+    splats: Splats,
+    camera: Camera,
+    near: float,
+    mode: RenderMode = "default",
+    shape: Shape = "soft",
+    within: Camera | None = None,
 ) -> Rendered:
     # Numba's kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.rasterize.cpu import render
     from renderer.rasterize.solids import render_solids
 
     if shape == "soft":
-        return render(splats, camera, near=near, mode=mode)
+        return render(splats, camera, near=near, mode=mode, within=within)
     return render_solids(splats, camera, shape, near=near)

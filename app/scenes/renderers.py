@@ -28,7 +28,12 @@ def drawer(renderer: Renderer) -> Drawer:
 
 
 def _reference(
-    splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft"
+    splats: Splats,
+    camera: Camera,
+    near: float,
+    mode: RenderMode,
+    shape: Shape = "soft",
+    within: Camera | None = None,
 ) -> Rendered:
     if shape != "soft":
         raise UserError(f"--with: expected cpu or gl for {shape}s, got reference")
@@ -47,6 +52,7 @@ def _reference(
             camera,
             near=near,
             mode=mode,
+            within=within,
         )
     layers = (rendered.image, rendered.alpha, rendered.depth)
     return Rendered(*(layer.numpy().astype(np.float32) for layer in layers))
@@ -65,10 +71,15 @@ def _gl() -> Drawer:
     offscreen = Offscreen(context)
 
     def draw(
-        splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft"
+        splats: Splats,
+        camera: Camera,
+        near: float,
+        mode: RenderMode,
+        shape: Shape = "soft",
+        within: Camera | None = None,
     ) -> Rendered:
         try:
-            return offscreen.layers(splats, camera, near, mode, shape)
+            return offscreen.layers(splats, camera, near, mode, shape, within)
         except Error as error:
             size = f"{camera.width}x{camera.height}"
             raise UserError(f"OpenGL cannot render {size} here ({error}): choose a smaller --size") from error

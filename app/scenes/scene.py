@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Final
 
@@ -70,6 +71,12 @@ class Scene:
     """Its cameras were worked out in training: the clip itself has one for all frames."""
     saved_edits: Edits | None = None
     """What was saved of edits of `model`, which is without them."""
+
+    @cached_property
+    def camera_at_rest(self) -> Camera | None:
+        """Of a run whose camera does not move, that camera; None: it moves, or there is none."""
+        first = self.cameras[0]
+        return first if self.is_of_run and all(camera == first for camera in self.cameras) else None
 
     @property
     def near(self) -> float:

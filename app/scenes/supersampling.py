@@ -22,10 +22,15 @@ def supersampled(draw: Draw, factor: int) -> Draw:
         return draw
 
     def drawing(
-        splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft"
+        splats: Splats,
+        camera: Camera,
+        near: float,
+        mode: RenderMode,
+        shape: Shape = "soft",
+        within: Camera | None = None,
     ) -> Rendered:
         fine = camera.resized(factor * camera.width, factor * camera.height)
-        return averaged(draw(splats, fine, near, mode, shape), factor)
+        return averaged(draw(splats, fine, near, mode, shape, within), factor)
 
     return drawing
 

@@ -123,7 +123,12 @@ def drawing_surface(scene: Scene, time: float) -> Draw:
     mesh = surface_at(scene, time)
 
     def draw(
-        splats: Splats, camera: Camera, near: float, mode: RenderMode, shape: Shape = "soft"
+        splats: Splats,
+        camera: Camera,
+        near: float,
+        mode: RenderMode,
+        shape: Shape = "soft",
+        within: Camera | None = None,
     ) -> Rendered:
         from renderer.surface.triangles import render_mesh
 

@@ -79,6 +79,8 @@ class ViewRequest:
     """Of its values; None: that which holds those of this picture."""
     background: Background = GREY
     """Where nothing was observed."""
+    beyond_frame: bool = False
+    """Drawn with what lies beyond the frames of a camera at rest, which none of them shows."""
     near_plane: float | None = None
     """In scene units; None: that of the scene."""
     caption: str | None = None
@@ -111,6 +113,12 @@ class ViewRequest:
         return self.scene.near if self.near_plane is None else self.near_plane
 
     @property
+    def within(self) -> Camera | None:
+        """The camera beyond whose image nothing is drawn; None: that changes nothing, or is not wanted."""
+        camera = None if self.beyond_frame else self.scene.camera_at_rest
+        return None if camera is None or self.camera.sees_only(camera) else camera
+
+    @property
     def frame(self) -> int:
         """Of the scene's frames the nearest."""
         return self.scene.frame_at(self.time)
@@ -133,7 +141,7 @@ class ViewRequest:
             draw = drawing_surface(self.scene, self.time)
         splats = splats_for(self.kind, self.scene.model, self.time)
         fine = supersampled(draw, self.supersampling)
-        return fine(splats, self.camera, self.near, self.scene.mode, SHAPES[self.kind])
+        return fine(splats, self.camera, self.near, self.scene.mode, SHAPES[self.kind], self.within)
 
     def composed(self, drawn: Rendered) -> Composed:
         """The picture that is asked for, of its splats drawn in their shape. Raises ClipError."""
@@ -181,6 +189,7 @@ def drawn_record(view: ViewRequest, renderer: str) -> DrawnRecord:
         iteration=view.scene.iteration,
         near=view.near,
         background=view.background,
+        beyond_frame=view.beyond_frame,
         renderer=renderer,
         supersampling=view.supersampling,
         view=view.kind,

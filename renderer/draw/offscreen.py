@@ -26,8 +26,10 @@ class Offscreen:
         near: float,
         mode: RenderMode = "default",
         shape: Shape = "soft",
+        within: Camera | None = None,
     ) -> Rendered:
-        """Colour, alpha and depth in float32, from one upload and one sort.
+        """Colour, alpha and depth in float32, from one upload and one sort; soft splats end at the sides of
+        the image of `within`.
 
         Raises:
             ValueError: as `SplatView.upload`.
@@ -36,7 +38,7 @@ class Offscreen:
             self.release()
             self._view, self._near = SplatView(self._ctx, precision="float", near=near), near
         self._view.upload(splats, mode)
-        return read_layers(self._view, camera, shape)
+        return read_layers(self._view, camera, shape, within=within)
 
     def release(self) -> None:
         """Give the OpenGL objects back; the next picture makes them anew."""
@@ -51,11 +53,14 @@ def read_layers(
     shape: Shape = "soft",
     *,
     paint: Paint = "color",
+    within: Camera | None = None,
     with_depth: bool = True,
 ) -> Rendered:
     """What a view holds, over black. Depth is a second drawing: 0 without `with_depth`."""
-    color = view.read_color(camera, shape, paint)
-    depth = view.read_depth(camera, shape) if with_depth else np.zeros(color.shape[:2], np.float32)
+    color = view.read_color(camera, shape, paint, within)
+    depth = np.zeros(color.shape[:2], np.float32)
+    if with_depth:
+        depth = view.read_depth(camera, shape, within)
     return Rendered(np.ascontiguousarray(color[..., :3]), color[..., 3].copy(), depth)
 
 

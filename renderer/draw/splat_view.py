@@ -156,33 +156,39 @@ class SplatView:
         *,
         background: Rgb = (0.0, 0.0, 0.0),
         lines: Rgb | None = None,
+        within: Camera | None = None,
     ) -> None:
         """Fill the framebuffer's viewport with the view of `camera`, resampled to its size, alpha 1.
 
         The image is stored as OpenGL stores images, bottom row first; background is RGB, and so are the
-        lines of the hatching over it, if any.
+        lines of the hatching over it, if any. What lies beyond the image of `within` is not drawn.
         """
         with self._state.preserved():
             pivot = self._mean_color if self._precision == "half" else _NO_PIVOT
-            target = self._accumulate(_fitted(camera, framebuffer), self._precision, pivot=pivot)
+            target = self._accumulate(
+                _fitted(camera, framebuffer), self._precision, pivot=pivot, within=within
+            )
             self._resolve(target, framebuffer, background, lines or background, pivot)
 
-    def read_color(self, camera: Camera, shape: Shape = "soft", paint: Paint = "color") -> Float32Array:
-        """The splats without a background (H, W, 4): premultiplied RGB and alpha, top row first."""
+    def read_color(
+        self, camera: Camera, shape: Shape = "soft", paint: Paint = "color", within: Camera | None = None
+    ) -> Float32Array:
+        """The splats without a background (H, W, 4): premultiplied RGB and alpha, top row first. Soft ones
+        end at the sides of the image of `within`."""
         with self._state.preserved():
-            return self._read(camera, shape, paint)
+            return self._read(camera, shape, paint, within)
 
-    def read_depth(self, camera: Camera, shape: Shape = "soft") -> Float32Array:
+    def read_depth(self, camera: Camera, shape: Shape = "soft", within: Camera | None = None) -> Float32Array:
         """Expected depth (H, W) along +z in scene units, 0 where nothing is seen; top row first."""
         with self._state.preserved():
-            sums = self._read(camera, shape, "depth")
+            sums = self._read(camera, shape, "depth", within)
         depth = np.zeros((camera.height, camera.width), dtype=np.float32)
         np.divide(sums[..., 0], sums[..., 3], out=depth, where=sums[..., 3] > 0)
         return depth
 
-    def _read(self, camera: Camera, shape: Shape, paint: Paint) -> Float32Array:
+    def _read(self, camera: Camera, shape: Shape, paint: Paint, within: Camera | None) -> Float32Array:
         """Sums of the paint, and alpha."""
-        target = self._accumulate(camera, "float", shape, paint)
+        target = self._accumulate(camera, "float", shape, paint, within=within)
         raw = target.framebuffer.read(components=4, dtype="f4")
         sums = np.frombuffer(raw, dtype=np.float32).reshape(camera.height, camera.width, 4).copy()
         np.subtract(1, sums[..., 3], out=sums[..., 3])
@@ -205,6 +211,7 @@ class SplatView:
         shape: Shape = "soft",
         paint: Paint = "color",
         pivot: Rgb = _NO_PIVOT,
+        within: Camera | None = None,
     ) -> _Target:
         """Blend the splats, their paint from `pivot` times alpha, into the owned target."""
         target = self._target((camera.width, camera.height), precision)
@@ -221,6 +228,9 @@ class SplatView:
         self._program["compensated"] = self._mode == "mip"
         self._program["body"] = _BODIES[shape]
         self._program["widest"], self._program["faintest"] = self._cut.widest, self._cut.faintest
+        self._program["bounded"] = within is not None
+        if within is not None:
+            self._program["sides"] = [tuple(side) for side in within.sides.tolist()]
         self._storage.use()
         if self._visible:
             self._storage.quads.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._visible)

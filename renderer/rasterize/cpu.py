@@ -39,6 +39,7 @@ from renderer.rasterize.tiles import (
     blend_backward,
     reduce_sums,
 )
+from renderer.rasterize.within import Bounds
 from renderer.splats import Float32Array, RenderMode, Splats, require_drawable
 
 Floats = NDArray[np.floating]
@@ -122,12 +123,37 @@ class Rasterizer:
         Raises:
             ValueError: `near` that is not above 0, an unknown `mode`, or `tile_wanted` of another shape.
         """
-        require_drawable(near, mode)
         wanted = self._all_tiles if tile_wanted is None else tile_wanted
         _require_shape("tile_wanted", wanted, self._all_tiles.shape)
+        self.wanted = wanted
+        self._place(splats, camera, near, mode)
+        return self.blend_records()
+
+    def draw(
+        self, splats: Splats, camera: Camera, near: float, mode: RenderMode, within: Camera | None
+    ) -> None:
+        """Blend into `planes` what lies within the sides of an image; there is no way back to gradients.
+
+        Raises:
+            ValueError: as `forward`.
+        """
+        self._place(splats, camera, near, mode)
+        bounds = None if within is None else Bounds(splats, camera, within, self.visible)
+        self._bin()
+        tiles = self._tile_order
+        if bounds is not None:
+            is_cut = bounds.tiles(self._tile_starts, self._entry_splats)[tiles]
+            bounds.blend(
+                self.records, self._tile_starts, tiles[is_cut], self._entry_splats, self.columns, self.planes
+            )
+            tiles = tiles[~is_cut]
+        self._blend(tiles)
+
+    def _place(self, splats: Splats, camera: Camera, near: float, mode: RenderMode) -> None:
+        """Fill the records."""
+        require_drawable(near, mode)
         if len(self.visible) != len(splats):
             self._reserve_splats(len(splats))
-        self.wanted = wanted
         self._view, self._center = camera_vector(camera, near), camera.position
         self._compensated = mode == "mip"
         colors = splats.seen_from(self._center).colors
@@ -135,7 +161,6 @@ class Rasterizer:
             splats.means, splats.quats, splats.scales, splats.opacities, colors,
             self._view, self._compensated, self.records, self.visible,
         )  # fmt: skip
-        return self.blend_records()
 
     @property
     def reaches_wanted(self) -> BoolArray:
@@ -145,6 +170,12 @@ class Rasterizer:
 
     def blend_records(self) -> int:
         """Sort, bin and blend the records as they stand."""
+        entries = self._bin()
+        self._blend(self._tile_order)
+        return entries
+
+    def _bin(self) -> int:
+        """The list of every tile, front to back. Returns how many entries they have."""
         find_rectangles(self.records, self.visible, self.rows, self.columns, self._rectangles)
         entries = count_entries(self._rectangles, self.wanted, self._slot_starts, self._tile_starts)
         if entries > len(self._entry_splats):
@@ -155,11 +186,13 @@ class Rasterizer:
             self._entry_splats, self._slot_entries,
         )  # fmt: skip
         self._tile_order = balanced_order(self._tile_starts, get_num_threads())
+        return entries
+
+    def _blend(self, tiles: NDArray[np.int32]) -> None:
         blend(
-            self.records, self._tile_starts, self._tile_order, self._entry_splats, self.columns,
+            self.records, self._tile_starts, tiles, self._entry_splats, self.columns,
             self.planes, self._tile_ends,
         )  # fmt: skip
-        return entries
 
     def backward_sums(self) -> None:
         """From `adjoint` to the gradient sums of each splat; `visible` then says which have any."""
@@ -261,11 +294,13 @@ def render(
     *,
     near: float = NEAR,
     mode: RenderMode = "default",
+    within: Camera | None = None,
 ) -> Rendered:
     """Draw `splats` as `camera` sees them over `background` (RGB in [0, 1]); z <= near is left out.
 
     Gaussians are projected and blended front to back (Eqs 13-16; Kerbl et al., 3D Gaussian Splatting, ACM
     TOG 42(4), 2023), in float32. `near` in scene units; `mode` "mip" compensates for the low-pass filter.
+    What lies beyond the sides of the image of `within` is not drawn.
 
     Raises:
         ValueError: `near` that is not above 0, an unknown `mode`, or a background that is not three numbers.
@@ -290,5 +325,5 @@ def render(
         got = f"{type(splats).__name__} and {type(camera).__name__}"
         raise TypeError(f"expected Splats and a Camera, got {got}")
     rasterizer = Rasterizer(camera.width, camera.height)
-    rasterizer.forward(splats, camera, near, mode=mode)
+    rasterizer.draw(splats, camera, near, mode, within)
     return rasterizer.rendered(camera.width, camera.height, background)

@@ -16,6 +16,7 @@ import torch
 from torch import Tensor
 
 from renderer.camera import Camera
+from renderer.rasterize.crossings import crossings
 from renderer.splats import RenderMode
 
 LOW_PASS = 0.3
@@ -75,6 +76,7 @@ def rasterize_reference(
     *,
     near: float = 0.01,
     mode: RenderMode = "default",
+    within: Camera | None = None,
 ) -> Rendered:
     """Render N splats in float64, differentiable by autograd in the first five arguments.
 
@@ -83,7 +85,7 @@ def rasterize_reference(
     `near` is in scene units; splats with z <= near are dropped. The splats are blended by camera
     depth, ties by row: alpha = min(0.99, o exp(-d' conic d / 2)), none below 1/255, and none once the
     transmittance is below 1e-4. The cut-offs and the sort carry no gradient. `mode` "mip" makes up for the
-    low-pass filter, see RenderMode.
+    low-pass filter, see RenderMode. Splats end at the sides of the image of `within`.
 
     Raises:
         ValueError: shapes that do not agree.
@@ -101,7 +103,8 @@ def rasterize_reference(
     opaque = opacities.double()[front]
     if mode == "mip":
         opaque = opaque * (projected.sharp_determinants / projected.determinants).sqrt()
-    splats = _Sorted(projected, opaque, colors.double()[front], _reach(projected, opaque))
+    lines = None if within is None else _crossings(means, quats, scales, front, camera, within)
+    splats = _Sorted(projected, opaque, colors.double()[front], _reach(projected, opaque), lines)
     everything = torch.arange(len(front), device=means.device)
     return splats.picture(_Window(0, 0, camera.width, camera.height), everything, behind)
 
@@ -123,6 +126,14 @@ def project(means: Tensor, quats: Tensor, scales: Tensor, camera: Camera, *, nea
     sharp = (minors**2).sum(1)
     determinants = sharp + LOW_PASS * (factor**2).sum((1, 2)) + LOW_PASS**2
     return Projected(order, centers, z, factor @ factor.mT + low_pass, determinants, sharp)
+
+
+def _crossings(
+    means: Tensor, quats: Tensor, scales: Tensor, rows: Tensor, camera: Camera, within: Camera
+) -> Tensor:
+    """(rows, 4, 3) where splats cross the sides of an image, without a gradient: see within.py."""
+    centers, turns, sizes = (value.detach()[rows].double().cpu().numpy() for value in (means, quats, scales))
+    return torch.from_numpy(crossings(centers, turns, sizes, camera, within)).to(means.device)
 
 
 def rotations(quats: Tensor) -> Tensor:
@@ -189,6 +200,8 @@ class _Sorted:
     opacities: Tensor
     colors: Tensor
     reach: Tensor
+    lines: Tensor | None
+    """(M, 4, 3) where they cross the sides of an image that bounds them."""
 
     def picture(self, window: _Window, rows: Tensor, background: Tensor) -> Rendered:
         """Of the splats `rows`, in their order; in halves where the window has too many entries."""
@@ -201,7 +214,8 @@ class _Sorted:
             parts = [[getattr(half, item.name) for half in halves] for item in fields(Rendered)]
             return Rendered(*(torch.cat(pair, side) for pair in parts))
         chosen = self.projected.among(rows)
-        return blend(chosen, self.opacities[rows], self.colors[rows], down, across, background)
+        lines = None if self.lines is None else self.lines[rows]
+        return blend(chosen, self.opacities[rows], self.colors[rows], down, across, background, lines)
 
     def _misses(self, rows: Tensor, down: Tensor, across: Tensor) -> Tensor:
         """(rows,) whether alpha is below the cut-off at all these pixels; a broken splat misses none."""
@@ -226,10 +240,12 @@ def blend(
     rows: Tensor,
     columns: Tensor,
     background: Tensor,
+    lines: Tensor | None = None,
 ) -> Rendered:
     """Eq 16, literally, over the pixels at `rows` (H,) x `columns` (W,), by which every splat is looked at.
 
-    `opacities` (M,) and `colors` (M, 3) are those of `projected`, nearest first; `background` (3,).
+    `opacities` (M,) and `colors` (M, 3) are those of `projected`, nearest first; `background` (3,); `lines`
+    (M, 4, 3) where they are cut off, see within.py.
     """
     dx = columns[None, :, None] - projected.centers[:, 0]
     dy = rows[:, None, None] - projected.centers[:, 1]
@@ -238,6 +254,9 @@ def blend(
     shear = projected.covariances[:, 0, 1] / variance
     distance = dx**2 / variance + (dy - shear * dx) ** 2 * (variance / projected.determinants)
     alphas = (opacities * torch.exp(-0.5 * distance)).clamp(max=ALPHA_MAX)
+    if lines is not None:
+        distances = lines[..., 0] + dx[..., None] * lines[..., 1] + dy[..., None] * lines[..., 2]
+        alphas = alphas * (distances.amin(-1) + 0.5).clamp(0.0, 1.0)
     alphas = torch.where(alphas >= ALPHA_CUT, alphas, 0.0)
     clear = torch.ones_like(alphas[..., :1])
     transmittance = torch.cumprod(torch.cat([clear, 1 - alphas[..., :-1]], dim=2), dim=2)[

@@ -176,7 +176,7 @@ def _blend_tile(
                         state[PLANE_GREEN, block, lane] += weight * green
                         state[PLANE_BLUE, block, lane] += weight * blue
                         state[PLANE_DEPTH, block, lane] += weight * depth
-        if _stopped(state):
+        if stopped(state):
             end = begin + count
             break
     for plane in range(PLANES):
@@ -214,7 +214,7 @@ def blend(
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def _stopped(state: NDArray[np.float32]) -> bool:
+def stopped(state: NDArray[np.float32]) -> bool:
     for block in range(BLOCKS):
         for lane in range(LANES):
             if state[LEFT, block, lane] >= STOP:

@@ -13,12 +13,16 @@ import pytest
 
 from app.errors import UserError
 from app.evaluation.evaluate import open_evaluation
+from app.exports.replay.again import replay
 from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
 from app.scenes.cpu_rendering import draw_on_cpu, over
+from app.scenes.free_camera import FreeView
 from app.scenes.renderers import Renderer, drawer
+from app.scenes.scene import open_scene
+from app.scenes.view_request import ViewRequest
 from renderer.camera import Camera
 from renderer.draw.offscreen import render_offscreen
 from renderer.draw.splat_view import Precision
@@ -126,6 +130,41 @@ def test_render_takes_another_camera_and_size(
     path = tmp_path / "out" / "frame-000003.png"
     assert cv2.imread(str(path)).shape == (24, 32, 3)
     assert read_provenance(path)["camera"] == camera.resized(32, 24).to_json()
+
+
+@pytest.mark.parametrize("renderer", ["cpu", "reference", pytest.param("gl", marks=pytest.mark.gl)])
+def test_seen_from_beside_it_ends_where_the_frames_do(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, renderer: Renderer
+) -> None:
+    run, file = runs["original"], tmp_path / "camera.json"
+    own = RunFolder(run).record().cameras[0]
+    far = FreeView.of(own).flown(0, 0, -2 * open_scene(run).distance).camera
+    file.write_text(json.dumps(far.to_json()))
+    seen = {}
+    for flags in ((), ("--beyond-frame",)):
+        out = tmp_path / str(len(flags))
+        given = ("--frames", 3, "--camera", file, "--with", renderer, *flags)
+        assert vesselsplat("render", run, "--out", out, *given).code == 0
+        image = out / "frame-000003.png"
+        assert read_provenance(image)["beyond_frame"] == bool(flags)
+        assert replay(image, (run,), tmp_path / "again.png").difference.is_none
+        (tmp_path / "again.png").unlink()
+        seen[bool(flags)] = cv2.imread(str(image)).astype(int)
+    differ = (np.abs(seen[False] - seen[True]) > 2).any(axis=2)
+    grey = (np.array(GREY)[::-1] * 255).round()
+    off = {beyond: np.abs(image - grey).sum(axis=2)[differ] for beyond, image in seen.items()}
+    assert (off[False] == 0).mean() > 0.3
+    assert (off[False] < off[True]).mean() > 0.9
+
+
+def test_a_camera_that_moves_has_no_one_frame_to_end_at(runs: dict[str, Path]) -> None:
+    scene = open_scene(runs["original"])
+    aside = FreeView.of(scene.cameras[0]).flown(0, 0, -scene.distance).camera
+    assert ViewRequest(scene, 0.0, aside).within == scene.cameras[0]
+    assert ViewRequest(scene, 0.0, aside, beyond_frame=True).within is None
+    assert ViewRequest.of_frame(scene, 2).within is None
+    moves = replace(scene, cameras=(aside, *scene.cameras[1:]))
+    assert ViewRequest(moves, 0.0, aside).within is None
 
 
 @pytest.mark.parametrize(("size", "where"), [((96, 24), "beside"), ((24, 48), "above and below")])

@@ -21,7 +21,9 @@ MOST_VALUES: Final = 4096 * 2048
 """Of a kind, over all Gaussians and moments: what a texture of every browser holds."""
 
 
-def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> BrowserModel:
+def browser_model(
+    scene: Scene, camera: Camera, frames_per_second: float, *, beyond_frame: bool = False
+) -> BrowserModel:
     """All of its time, as `camera` sees it first; one of the clip's moves as the clip's does. Raises
     UserError: a splat file per moment."""
     scene.require_same_tissue()
@@ -34,6 +36,7 @@ def browser_model(scene: Scene, camera: Camera, frames_per_second: float) -> Bro
         camera=camera,
         moves=camera in scene.cameras and any(one != camera for one in scene.cameras),
         near=scene.near,
+        beyond_frame=beyond_frame,
         tolerance=tolerance,
         rounding=ROUNDING * tolerance,
         clip_frames=frames,

@@ -47,6 +47,7 @@ def browser_page(
     *,
     about: str,
     poses: Sequence[Camera] = (),
+    within: Camera | None = None,
 ) -> bytes:
     """The HTML of a record; the same bytes for the same model and record.
 
@@ -54,6 +55,7 @@ def browser_page(
         windows: in the order of time.
         about: what the model is a reconstruction of.
         poses: of each frame, with which the page's camera goes; none: it stays.
+        within: a camera beyond the sides of whose image nothing is drawn.
 
     Raises:
         UserError: more than a browser can open.
@@ -69,6 +71,8 @@ def browser_page(
     }
     if record.start:
         scene["start"] = record.start
+    if within is not None:
+        scene["sides"] = within.sides.tolist()
     if poses:
         scene["poses"] = [np.asarray(one.camera_from_world)[:3].tolist() for one in poses]
     content = base64.b64encode(gzip.compress(b"".join(parts_of_content), LEVEL, mtime=0)).decode()

@@ -11,8 +11,10 @@ uniform int start[10], first[10], moments[10]; uniform bool exact[10]; uniform v
 uniform int split; uniform float fades[2];
 uniform mat3 turn; uniform vec3 shift;
 uniform vec4 lens; uniform vec4 limits; uniform vec2 size; uniform float near; uniform bool antialiased;
+// Planes beyond which nothing is drawn, in the camera's coordinates.
+uniform bool bounded; uniform vec4 sides[4];
 in uint splat;
-out vec2 place; out vec4 color;
+out vec2 place; out vec4 color, inside;
 int later, own;
 vec4 at(usampler2D values, int name) {
   vec4 sum = vec4(0.0);
@@ -26,7 +28,7 @@ vec4 at(usampler2D values, int name) {
   return low[which] + sum * span[which];
 }
 void main() {
-  gl_Position = vec4(2.0, 2.0, 2.0, 1.0); place = vec2(0.0); color = vec4(0.0);
+  gl_Position = vec4(2.0, 2.0, 2.0, 1.0); place = vec2(0.0); color = vec4(0.0); inside = vec4(1e6);
   later = int(splat) < split ? 0 : 1;
   own = int(splat) - later * split;
   vec3 local = turn * at(means, 0).xyz + shift;
@@ -43,11 +45,9 @@ void main() {
   vec3 across = lens.x / local.z * (vec3(axes[0].x, axes[1].x, axes[2].x) - slope.x * vec3(axes[0].z, axes[1].z, axes[2].z));
   vec3 down = lens.y / local.z * (vec3(axes[0].y, axes[1].y, axes[2].y) - slope.y * vec3(axes[0].z, axes[1].z, axes[2].z));
   float xx = dot(across, across) + 0.3, yy = dot(down, down) + 0.3, xy = dot(across, down);
-  if (antialiased) {
-    vec3 minors = cross(across, down);
-    float sharp = dot(minors, minors);
-    opacity *= sqrt(sharp / (sharp + 0.3 * (xx + yy - 0.3)));
-  }
+  vec3 minors = cross(across, down);
+  float sharp = dot(minors, minors), determinant = sharp + 0.3 * (xx + yy - 0.3);
+  if (antialiased) opacity *= sqrt(sharp / determinant);
   if (opacity < 1.0 / 255.0) return;
   float middle = 0.5 * (xx + yy), apart = length(vec2(0.5 * (xx - yy), xy));
   float longer = middle + apart, shorter = max(middle - apart, 0.3);
@@ -56,15 +56,24 @@ void main() {
   place = corner * sqrt(2.0 * log(255.0 * opacity));
   vec2 centre = lens.xy * local.xy / local.z + lens.zw;
   vec2 pixel = centre + place.x * sqrt(longer) * axis + place.y * sqrt(shorter) * vec2(-axis.y, axis.x);
+  // Pixels to the line where each plane cuts it: of the likeliest point behind a pixel.
+  for (int side = 0; bounded && side < 4; side++) {
+    vec3 normal = sides[side].xyz;
+    vec2 along = vec2(dot(across, normal * axes), dot(down, normal * axes));
+    vec2 slope = vec2(yy * along.x - xy * along.y, xx * along.y - xy * along.x) / determinant;
+    float distance = dot(normal, local) + sides[side].w + dot(slope, pixel - centre);
+    inside[side] = clamp(distance / max(length(slope), 1e-20), -1e6, 1e6);
+  }
   gl_Position = vec4(pixel.x / size.x * 2.0 - 1.0, 1.0 - pixel.y / size.y * 2.0, 0.0, 1.0);
   color = vec4(at(colors, 1).xyz, opacity);
 }`;
 
 const FRAGMENT = `#version 300 es
 precision highp float;
-in vec2 place; in vec4 color; out vec4 seen;
+in vec2 place; in vec4 color, inside; out vec4 seen;
 void main() {
-  float alpha = min(color.a * exp(-0.5 * dot(place, place)), 0.99);
+  float within = min(min(inside.x, inside.y), min(inside.z, inside.w)) + 0.5;
+  float alpha = min(color.a * exp(-0.5 * dot(place, place)), 0.99) * clamp(within, 0.0, 1.0);
   if (alpha < 1.0 / 255.0) discard;
   seen = vec4(color.rgb * alpha, alpha);
 }`;

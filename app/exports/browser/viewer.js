@@ -231,6 +231,11 @@ class Viewer {
     gl.uniform2fv(at("size"), [width, height]);
     gl.uniform1f(at("near"), scene.near);
     gl.uniform1i(at("antialiased"), scene.antialiased ? 1 : 0);
+    gl.uniform1i(at("bounded"), scene.sides ? 1 : 0);
+    if (scene.sides) gl.uniform4fv(at("sides"), scene.sides.flatMap((side) => {
+      const normal = turned(turn, side.slice(0, 3));
+      return [...normal, side[3] - normal.reduce((sum, value, i) => sum + value * shift[i], 0)];
+    }));
     gl.uniformMatrix3fv(at("turn"), true, turn);
     gl.uniform3fv(at("shift"), shift);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);

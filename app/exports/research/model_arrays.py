@@ -176,5 +176,7 @@ def _write_window(
 
 
 def _depth(scene: Scene, moment: MomentRecord, drawer: Drawer) -> Float32Array:
-    drawn = drawer.drawn(ViewRequest(scene, moment.time, moment.camera, near_plane=moment.near))
+    """Of all Gaussians, which are beside it in the archive."""
+    view = ViewRequest(scene, moment.time, moment.camera, near_plane=moment.near, beyond_frame=True)
+    drawn = drawer.drawn(view)
     return np.where(drawn.alpha > SOLID, drawn.depth, np.float32(0))

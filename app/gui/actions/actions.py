@@ -71,6 +71,11 @@ def choose_background(state: AppState, name: BackgroundName) -> None:
     use_settings(state, replace(state.settings, background=name))
 
 
+def toggle_beyond_frame(state: AppState) -> None:
+    """Reconstructions with what lies beyond the frames of a camera at rest, or without."""
+    use_settings(state, replace(state.settings, beyond_frame=not state.settings.beyond_frame))
+
+
 def resize_text(state: AppState, steps: int) -> None:
     """Larger or smaller by so many steps; 0 for the size as it is at first."""
     use_settings(state, state.settings.resized(steps) if steps else replace(state.settings, text_percent=100))

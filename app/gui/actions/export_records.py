@@ -119,7 +119,8 @@ def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exporte
         return extended(ModelArrays, model.record, renderer=ON_CPU, moments=_frames(model))
     speed = model.frames_per_second or FRAMES_PER_SECOND
     if what == "page for browsers":
-        return browser_model(model, model.cameras[0], speed)
+        beyond = state.settings.beyond_frame
+        return browser_model(model, model.cameras[0], speed, beyond_frame=beyond)
     if what == "splats through time":
         return extended(MovingSplats, model.record, seconds=len(model.cameras) / speed)
     if what == "surface through time":

@@ -38,7 +38,11 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
                 synonyms=("reset", "panels", "windows", "arrange", "dock")),
     )  # fmt: skip
     others = menu("View", panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
-    unobserved = Section("View", backgrounds, "Where nothing was observed")
+    beyond = Command("Beyond the frame", actions.toggle_beyond_frame,
+                     text="also draw what lies beyond the frames of a camera at rest: none shows it",
+                     applies=has_model, ticked=lambda s: s.settings.beyond_frame,
+                     synonyms=("edge", "border", "outside", "crop", "fluff"))  # fmt: skip
+    unobserved = Section("View", (*backgrounds, beyond), "Where nothing was observed")
     return Section("View", whole), second_section(), others[0], unobserved, *others[1:]
 
 

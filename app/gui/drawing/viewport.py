@@ -110,7 +110,9 @@ class GraphicsViewport:
         if request.kind != "color" or request.background == "smooth":
             paint, with_depth = _paint(request.kind, keyframes), request.kind in WITH_DEPTH
             shape = SHAPES[request.kind]
-            drawn = read_layers(splats, request.camera, shape, paint=paint, with_depth=with_depth)
+            drawn = read_layers(
+                splats, request.camera, shape, paint=paint, within=request.within, with_depth=with_depth
+            )
             self._composed = request.composed(drawn)
         else:
             self._composed = None
@@ -120,7 +122,7 @@ class GraphicsViewport:
                 self._target = self._ctx.framebuffer([self._texture])
             lines = LINES if request.background == "hatched" else None
             ground = GREY if request.background == "hatched" else request.background
-            splats.draw(request.camera, self._target, background=ground, lines=lines)
+            splats.draw(request.camera, self._target, background=ground, lines=lines, within=request.within)
         if (error := self._ctx.error) != "GL_NO_ERROR":
             raise moderngl.Error(error)
         self._drawn = request

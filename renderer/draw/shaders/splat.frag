@@ -11,6 +11,7 @@ flat in vec2 center;
 flat in vec3 shape;
 flat in vec4 paint;
 flat in vec2 solid;
+in vec4 inside;
 
 out vec4 premultiplied;
 
@@ -24,7 +25,8 @@ void main() {
         premultiplied = vec4(paint.rgb * (1.0 - solid.y * share * share) - pivot, 1.0);
         return;
     }
-    float alpha = min(ALPHA_MAX, paint.a * exp(-0.5 * distance));
+    float nearest = min(min(inside.x, inside.y), min(inside.z, inside.w));
+    float alpha = min(ALPHA_MAX, paint.a * exp(-0.5 * distance)) * clamp(nearest + 0.5, 0.0, 1.0);
     if (alpha < faintest) discard;
     premultiplied = vec4((paint.rgb - pivot) * alpha, alpha);
 }

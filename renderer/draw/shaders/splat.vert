@@ -6,6 +6,8 @@ const float LOW_PASS = 0.3;      // px^2
 const float MARGIN = 0.02;       // px; covers the snapping of corners to the sub-pixel grid
 const float LARGEST = 1e12;      // scene units; flat over any picture, and its square still a float
 
+const float LEAST_SLOPE = 1e-20, FAR = 1e6;     // scene units a px; px
+
 const int ELLIPSOID = 1, POINT = 2;
 const float ELLIPSOID_REACH = 1.5;     // standard deviations
 const float LEAST_OPACITY = 0.1;       // of ellipsoids
@@ -34,6 +36,8 @@ uniform vec2 size;               // width height
 uniform int painted;             // 0: in the splat's colour
 uniform int body;                // 0: soft
 uniform bool compensated;        // opacity makes up for the low-pass
+uniform bool bounded;            // by four planes, beyond which nothing is drawn
+uniform vec4 sides[4];           // of the planes: normal inwards, distance of the origin
 
 in uint splat;
 
@@ -41,6 +45,7 @@ flat out vec2 center;            // px
 flat out vec3 shape;             // of the covariance (a b; b c): b / a, 1 / a, a / determinant
 flat out vec4 paint;             // rgb, opacity
 flat out vec2 solid;             // squared standard deviations to the edge of a body, 0: none; darker at it
+out vec4 inside;   // px to where the splat crosses each plane; see bounds.py
 
 // What time adds to a texel of the splat in `slot`.
 vec4 offset(sampler2DArray offsets, int slot) {
@@ -77,6 +82,15 @@ mat3 rotation_from(vec4 quat) {
         1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y),
         2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x),
         2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y));
+}
+
+// Distance in px, at `offset` from the centre, to the line where a splat crosses a plane: of the likeliest point
+// behind a pixel, which is linear in the offset. `axes` are the splat's half axes along the plane's normal.
+float to_side(float distance, vec3 axes, vec3 first, vec3 second, vec2 offset) {
+    vec2 along = vec2(dot(first, axes), dot(second, axes));
+    float sheared = along.y - shape.x * along.x;
+    vec2 slope = vec2(along.x * shape.y - shape.x * sheared * shape.z, sheared * shape.z);
+    return clamp((distance + dot(slope, offset)) / max(length(slope), LEAST_SLOPE), -FAR, FAR);
 }
 
 // Half axes of the ellipse of `reach` standard deviations of (a b; b c), longest first.
@@ -159,6 +173,15 @@ void main() {
         position = (0.5 * corner + 0.5) * size;                  // dwarfs the picture: all of it
     } else {
         position = center + half_axes(a, b, c, a * remainder, reach) * corner;
+    }
+    inside = vec4(FAR);
+    if (bounded) {
+        mat3 axes = rotation_from(quat);
+        for (int side = 0; side < 4; ++side) {
+            vec3 normal = sides[side].xyz;
+            float distance = dot(normal, mean_opacity.xyz) + sides[side].w;
+            inside[side] = to_side(distance, (normal * axes) * scales, first, second, position - center);
+        }
     }
     gl_Position = vec4(2.0 * position / size - 1.0, 0.0, 1.0);
 }

@@ -74,6 +74,24 @@ def test_what_stands_where_nothing_was_observed_is_exported_and_comes_again(
     assert (tuple(said) if isinstance(said, list) else said) == BACKGROUNDS[name]
 
 
+def test_what_lies_beyond_the_frame_is_shown_on_demand_and_comes_again(run: Exporter) -> None:
+    state, run_path = run.state, run.state.runs.reconstruction.run_path
+    assert run_path is not None
+    assert state.scene.model is not None
+    back = -2 * state.scene.model.distance
+    state.scene.viewer.free = FreeView.of(state.scene.model.camera_at(0.3)).flown(0, 0, back)
+    images = []
+    for beyond in (False, True):
+        assert state.settings.beyond_frame == beyond
+        run.turn()
+        image = run.made("3D view")
+        assert read_provenance(image)["views"][0]["beyond_frame"] == beyond
+        assert same(image, run_path)
+        images.append(read_image(image))
+        actions.toggle_beyond_frame(state)
+    assert not np.array_equal(*images)
+
+
 def test_two_3d_views_stand_beside_each_other_and_come_again(run: Exporter, runs: dict[str, Path]) -> None:
     second_actions.open_second(run.state, runs["enhanced"])
     run.turn()

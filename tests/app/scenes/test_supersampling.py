@@ -22,7 +22,12 @@ def test_a_drawing_is_averaged_before_it_is_clipped() -> None:
     """A drawer whose picture is known: values above 1 count in full, pixels lie where they are."""
 
     def ramp(
-        splats: Splats, camera: Camera, near: float, mode: RenderMode = "default", shape: Shape = "soft"
+        splats: Splats,
+        camera: Camera,
+        near: float,
+        mode: RenderMode = "default",
+        shape: Shape = "soft",
+        within: Camera | None = None,
     ) -> Rendered:
         x = (np.arange(camera.width, dtype=np.float32) + 0.5) / camera.width * 3
         image = np.broadcast_to(x[None, :, None], (camera.height, camera.width, 3)).copy()
