@@ -77,8 +77,12 @@ def toggle_beyond_frame(state: AppState) -> None:
 
 
 def resize_text(state: AppState, steps: int) -> None:
-    """Larger or smaller by so many steps; 0 for the size as it is at first."""
-    use_settings(state, state.settings.resized(steps) if steps else replace(state.settings, text_percent=100))
+    """Larger or smaller by so many steps."""
+    use_settings(state, state.settings.resized(steps))
+
+
+def choose_text_size(state: AppState, percent: int) -> None:
+    use_settings(state, replace(state.settings, text_percent=percent))
 
 
 def remember_recent(state: AppState, remember: bool) -> None:

@@ -50,11 +50,11 @@ def _text(found: Found) -> str:
 
 
 def _fit(found: Found, wanted: list[str]) -> int:
-    """How well the words name it: all of its name counts most, then what begins a word of it, then a whole
-    synonym, then the beginning of one."""
+    """How well the words name it: all of its name counts most, then a word of it, then a synonym, then what
+    begins a word of it, then what begins a synonym."""
     names, synonyms = found.name.casefold().rstrip("….").split(), found.command.synonyms
     return (WHOLE_NAME if names == wanted else 0) + sum(
-        (4 if _begins(word, names) else 0) + (3 if word in synonyms else 1 if _begins(word, synonyms) else 0)
+        max((4 * (word in names), 3 * (word in synonyms), 2 * _begins(word, names), _begins(word, synonyms)))
         for word in wanted
     )
 

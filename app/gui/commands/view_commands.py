@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from app.gui.actions import actions, notes_actions, path_actions, window_actions
-from app.gui.commands.command import Command, Section, WindowServices, has_model, menu
+from app.gui.commands.command import Asks, Command, Section, WindowServices, has_model, menu
 from app.gui.commands.presenting_commands import presenting_commands, second_section
 from app.gui.state.app_state import AppState
 from app.gui.work.settings import TEXT_PERCENTS, Theme
@@ -37,13 +37,22 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
                 text="all panels back to their standard places",
                 synonyms=("reset", "panels", "windows", "arrange", "dock")),
     )  # fmt: skip
-    others = menu("View", panels, path, (_theme("dark"), _theme("light")), TEXT_SIZE, layout)
     beyond = Command("Beyond the frame", actions.toggle_beyond_frame,
                      text="also draw what lies beyond the frames of a camera at rest: none shows it",
                      applies=has_model, ticked=lambda s: s.settings.beyond_frame,
                      synonyms=("edge", "border", "outside", "crop", "fluff"))  # fmt: skip
+    others = menu("View", panels, path, (_theme("dark"), _theme("light")), layout)
     unobserved = Section("View", (*backgrounds, beyond), "Where nothing was observed")
-    return Section("View", whole), second_section(), others[0], unobserved, *others[1:]
+    text_size = Section("View", _text_size(), "Text size")
+    return (
+        Section("View", whole),
+        second_section(),
+        others[0],
+        unobserved,
+        *others[1:-1],
+        text_size,
+        others[-1],
+    )
 
 
 def _panel(name: str, text: str, outside: WindowServices) -> Command:
@@ -71,14 +80,23 @@ def _theme(theme: Theme) -> Command:
                    synonyms=words)  # fmt: skip
 
 
-TEXT_SIZE = (
-    Command("Larger text", partial(actions.resize_text, steps=1), ("Ctrl+plus", "Ctrl+keypad plus"),
-            applies=lambda s: s.settings.text_percent < TEXT_PERCENTS[-1],
-            synonyms=("font", "size", "scale", "bigger", "zoom", "in", "interface")),
-    Command("Smaller text", partial(actions.resize_text, steps=-1), ("Ctrl+minus", "Ctrl+keypad minus"),
-            applies=lambda s: s.settings.text_percent > TEXT_PERCENTS[0],
-            synonyms=("font", "size", "scale", "interface")),
-    Command("Standard text size", partial(actions.resize_text, steps=0), ("Ctrl+0",),
-            applies=lambda s: s.settings.text_percent != 100,
-            synonyms=("font", "scale", "reset", "interface")),
-)  # fmt: skip
+def _text_size() -> tuple[Command, ...]:
+    words = ("font", "size", "scale", "letters", "interface")
+    steps = (
+        Command("Larger text", partial(actions.resize_text, steps=1), ("Ctrl+plus", "Ctrl+keypad plus"),
+                applies=lambda s: s.settings.text_percent < TEXT_PERCENTS[-1],
+                synonyms=(*words, "bigger", "zoom", "in")),
+        Command("Smaller text", partial(actions.resize_text, steps=-1), ("Ctrl+minus", "Ctrl+keypad minus"),
+                applies=lambda s: s.settings.text_percent > TEXT_PERCENTS[0], synonyms=words),
+    )  # fmt: skip
+    sizes = (
+        Command(f"Text at {percent} %", partial(actions.choose_text_size, percent=percent),
+                ("Ctrl+0",) if percent == 100 else (), ticked=_has_text_size(percent),
+                synonyms=(*words, f"{percent}%"))
+        for percent in TEXT_PERCENTS
+    )  # fmt: skip
+    return *steps, *sizes
+
+
+def _has_text_size(percent: int) -> Asks:
+    return lambda state: state.settings.text_percent == percent

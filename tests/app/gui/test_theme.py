@@ -243,7 +243,7 @@ def test_theme_and_size_are_kept(state: AppState) -> None:
     keep_all(state)
     kept = load_settings(state.places.settings_file)
     assert kept == state.settings == Settings(acknowledged=True, theme="light", text_percent=150)
-    actions.resize_text(state, 0)
+    actions.choose_text_size(state, 100)
     keep_all(state)
     assert load_settings(state.places.settings_file).text_percent == 100
 

@@ -163,7 +163,7 @@ class Attacked:
             path_actions.save_view, lambda state: actions.seek_view(state, 0.9), actions.toggle_link,
             lambda state: dockings.toggle("Notes"), lambda state: dockings.toggle("Log"),
             camera_actions.toggle_snap, lambda state: actions.step(state, 1), tuning_actions.toggle_tuning,
-            lambda state: actions.resize_text(state, 1 if number % 4 else 0), edit_actions.toggle,
+            lambda state: actions.choose_text_size(state, 110 if number % 4 else 100), edit_actions.toggle,
             lambda state: actions.choose_theme(state, "light" if number % 2 else "dark"),
         ]  # fmt: skip
         return [lambda state: None, *(every[(number + step) % len(every)] for step in (0, 5, 11))]
