@@ -301,12 +301,11 @@ class Window:
         if self._worn == chosen:
             return
         before = self._worn or chosen
-        was_low, low = (dockings.is_low(size, text) for _, text in (before, chosen))
-        if was_low != low or (upright and before[1] != chosen[1]):
+        if dockings.tabs(size, before[1]) != dockings.tabs(size, chosen[1]):
             dockings.restore_all()
         elif self._worn is not None:
             # What is kept of the layout already has the width for the text at the start.
-            dockings.widen(self._worn[1], chosen[1])
+            dockings.widen(self._worn[1], chosen[1], upright=upright)
         # What is there in the first frame is scaled by the runner, after it.
         density = 1.0 if self._worn is None else hello_imgui.dpi_window_size_factor()
         self._worn = chosen

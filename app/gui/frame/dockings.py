@@ -76,9 +76,11 @@ def window_size(*, first: bool) -> tuple[int, int]:
     return min(round(factor * width), most.width), min(round(factor * height), most.height)
 
 
-def is_low(size: tuple[int, int], text_percent: int) -> bool:
-    """Whether a window of so many pixels has too few lines of this text for panels below each other."""
-    return size[1] < LOW * _line(text_percent)
+def tabs(size: tuple[int, int], text_percent: int) -> dict[str, bool]:
+    """Which parts of a window of so many pixels are not divided at first: too few lines of this text."""
+    low, line = size[1] < LOW * _line(text_percent), _line(text_percent)
+    # Below the images two are beside each other where both are as wide as at the side.
+    return {"MainDockSpace": low, "Side": 2 * SIDE * line > size[0] if is_upright(size) else low}
 
 
 def is_upright(size: tuple[int, int]) -> bool:
@@ -114,18 +116,17 @@ def follow_content(state: AppState) -> None:
 def arrange(params: hello_imgui.RunnerParams, size: tuple[int, int], text_percent: int) -> None:
     """Where panels are at first and after a reset; in a low window those below join those above, as tabs.
     Stills have the enhancement over all of the side: what reconstructs is behind it."""
-    low, upright, line = is_low(size, text_percent), is_upright(size), _line(text_percent)
-    # Below the images two are beside each other where both are as wide as at the side.
-    narrow = 2 * SIDE * line > size[0] if upright else low
+    upright = is_upright(size)
     for docking in _all_dockings(params):
-        tabs = {"MainDockSpace": low, "Side": narrow or docking.layout_name == LAYOUTS["stills"]}
-        lines = HIGH if upright else SIDE_OF_TABS if tabs["Side"] else SIDE
-        share = min(max(lines * line / max(size[upright], 1), LEAST), MOST)
-        docking.docking_splits = splits(share, tabs, upright=upright)
+        whole = tabs(size, text_percent)
+        whole["Side"] |= docking.layout_name == LAYOUTS["stills"]
+        lines = HIGH if upright else SIDE_OF_TABS if whole["Side"] else SIDE
+        share = min(max(lines * _line(text_percent) / max(size[upright], 1), LEAST), MOST)
+        docking.docking_splits = splits(share, whole, upright=upright)
         for panel in docking.dockable_windows:
             if panel.label in BELOW:
                 below, above = BELOW[panel.label]
-                panel.dock_space_name = above if tabs[above] else below
+                panel.dock_space_name = above if whole[above] else below
 
 
 def _all_dockings(params: hello_imgui.RunnerParams) -> tuple[hello_imgui.DockingParams, ...]:
@@ -143,22 +144,26 @@ def splits(side: float, tabs: Mapping[str, bool], *, upright: bool) -> list[hell
     return [column, *(one for one in below if not tabs[one.initial_dock])]
 
 
-def widen(before: int, now: int) -> None:
-    """The panels at the side, as text of another percentage needs them: controls keep their proportions."""
-    column, most = _column("Enhancement"), MOST * imgui.get_main_viewport().size.x
+def widen(before: int, now: int, *, upright: bool) -> None:
+    """The panels at the side, or below all, as text of another percentage needs them: controls keep their
+    proportions."""
+    axis = imgui.internal.Axis.y if upright else imgui.internal.Axis.x
+    column = _divided("Enhancement", axis)
     if column is not None:
-        # Where there was no room to grow, the width tells nothing of how wide they are at another size.
-        least = SIDE * _line(now) if now < before and column.size.x > most - 1 else 0.0
-        width = min(max(now / before * column.size.x, least), most)
-        imgui.internal.dock_builder_set_node_size(column.id_, ImVec2(width, column.size.y))
+        most = MOST * imgui.get_main_viewport().size[axis]
+        # Where there was no room to grow, the size tells nothing of how large they are with other text.
+        is_full = now < before and column.size[axis] > most - 1
+        least = (HIGH if upright else SIDE) * _line(now) if is_full else 0.0
+        size = ImVec2(column.size.x, column.size.y)
+        size[axis] = min(max(now / before * column.size[axis], least), most)
+        imgui.internal.dock_builder_set_node_size(column.id_, size)
 
 
-def _column(name: str) -> Node | None:
-    """Where the panel is docked, with what is above and below it; None where it has no neighbour."""
+def _divided(name: str, axis: imgui.internal.Axis) -> Node | None:
+    """Where the panel is docked, with what shares its side of a division along the axis; None without one."""
     node = _node_of(_window(name))
-    above = _parent_of(node)
-    if above is not None and above.split_axis == imgui.internal.Axis.y:
-        node, above = above, _parent_of(above)
+    while (above := _parent_of(node)) is not None and above.split_axis != axis:
+        node = above
     return None if above is None else node
 
 

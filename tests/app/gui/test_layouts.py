@@ -220,6 +220,10 @@ def test_in_an_upright_window_panels_are_below_the_images(
             ctx.yield_(6)
             presenting.toggle(state)
             ctx.yield_(6)
+            before = side.size.y
+            ctx.key_press(chord("Ctrl+minus"))  # To 90 %.
+            ctx.yield_(6)
+            assert side.size.y == pytest.approx(0.9 * before, rel=0.03)
         assert resets == []
         assert is_below("Enhancement", "Images")
         shape(1280, 720)
