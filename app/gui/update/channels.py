@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Any, Final, Generic, Literal
 
 import assets
@@ -40,7 +40,7 @@ from app.gui.state.panes import difference_request
 from app.gui.state.window import Wish
 from app.gui.update import taking, wishes
 from app.gui.update.patience import Patience
-from app.gui.update.taking import told
+from app.gui.update.taking import noted, told
 from app.gui.views.comparison import SIDES
 from app.gui.work.about import read_about
 from app.gui.work.background import Answer, Channel, Failure, NewestChannel, Request, SteppedChannel
@@ -90,14 +90,6 @@ Server = Literal["first", "second", "apart"]
 """The first worker, with numba, which pictures wait for; the second, for work without numba that no picture
 waits for; or a thread of its own for each request: what opens files, without numba, may never end."""
 SECOND: Final = "second"
-NO_STRIP = "the clip's thumbnails cannot be shown"
-NO_TINT = "what is left out of this frame cannot be shown"
-NO_MODELS = "what can be seen in a second view cannot be told"
-NO_NEIGHBOURS = "the images beside this one cannot be listed"
-NO_MASKS = "tool masks cannot be listed"
-NO_MASK = "the tools of this frame cannot be shown"
-NO_WAYS = "where depth can come from cannot be told"
-NO_THUMBNAILS = "presets cannot be previewed"
 
 
 @dataclass(frozen=True)
@@ -129,156 +121,155 @@ class Row(Generic[Request, Answer]):
 
 
 class Channels:
-    """The kinds of background work, by name; `rows` says when each is asked for, and who takes what it makes.
+    """The kinds of background work: each with when it is asked for, and who takes what it makes.
 
     The pictures have rules of their own for that: see `update`.
     """
 
+    # fmt: off
     def __init__(self) -> None:
+        self.rows: list[Row[Any, Any]] = []
+        """In the order in which answers are taken and wishes are asked for."""
         self.pictures = Channel(PictureMaker().make)
         self.original: Pictures | None = None
         """Of a frame whose enhanced partner is not there yet."""
-        self.opening = NewestChannel(open_path)
-        self.second_opening = NewestChannel(open_path)
-        self.clips = NewestChannel(take_up)
-        self.ways, self.depths = NewestChannel(find_ways), NewestChannel(read_depth)
-        self.neighbours = NewestChannel(find_neighbours)
-        self.models, self.left = Channel(run_model), Channel(left_of)
-        self.picks, self.selecting = Channel(pick), Channel(Selector().select)
-        self.frames = Channel(read_frame)
+        row = self._row
+        self.opening = row(NewestChannel(open_path), taking.take_opened, lambda s: s.source.opening, "apart",
+                           patience=Patience(_still_waiting))
+        self.second_opening = row(NewestChannel(open_path), second_actions.take_second,
+                                  lambda s: s.scene.second.opening, "apart",
+                                  patience=Patience(_still_waiting))
+        self.clips = row(NewestChannel(take_up), queue_actions.take_clip, wishes.clip_wish, "apart",
+                         forgets=False, patience=Patience(_waits_for_clip, can_stop=False))
+        self.ways = row(NewestChannel(find_ways),
+                        noted("where depth can come from cannot be told", depth_actions.take_ways),
+                        wishes.ways_wish, "apart")
+        self.neighbours = row(NewestChannel(find_neighbours),
+                              noted("the images beside this one cannot be listed", taking.take_neighbours),
+                              wishes.neighbours_wish, "apart")
+        self.depths = row(NewestChannel(read_depth), depth_actions.take_depth, lambda s: s.source.depth_wish,
+                          "apart")
         others = OtherMaker()  # What one side remembers serves the other.
-        self.others = {side: Channel(others.make) for side in SIDES}
-        self.difference = Channel(heat_map)
-        self.view, self.second = Channel(draw_view), Channel(draw_view)
-        self.bakes, self.second_bakes = Channel(bake), Channel(bake)
-        self.scales = Channel(find_scale)
-        self.statistics = SteppedChannel(ClipMeasurer().measure)
-        self.thumbnails = Channel(make_thumbnails)
-        self.saving = Channel(export, depth=2 * export_actions.MOST_SAVING)
-        self.cells = Channel(CellMaker().make)
-        self.sessions, self.autosaves = Channel(write, depth=4), Channel(write)
-        self.exports = SteppedChannel(export)
+        self.others = {side: row(Channel(others.make), partial(taking.take_other, side),
+                                 partial(wishes.side_wish, side=side), forgets=False) for side in SIDES}
+        self.kept = row(Channel(keep), noted("the queue cannot be saved", taking.take_nothing),
+                        wishes.queue_wish, SECOND)
+        self.layouts = row(Channel(seal_anew), taking.take_nothing, wishes.layout_wish, SECOND, forgets=False)
+        self.bakes = row(Channel(bake), taking.take_baked, lambda s: wishes.bake_wish(s, s.scene))
+        self.second_bakes = row(Channel(bake), taking.take_second_baked,
+                                lambda s: wishes.bake_wish(s, s.scene.second))
+        self.scales = row(Channel(find_scale),
+                          noted("the view has no scale for the whole clip", taking.take_scale),
+                          wishes.scale_wish, forgets=False)
+        self.models = row(Channel(run_model),
+                          told("the reconstruction cannot be shown", job_actions.take_model),
+                          job_actions.model_wish)
+        self.left = row(Channel(left_of), told("what the run has left cannot be told", run_actions.take_left),
+                        lambda s: s.runs.reconstruction.ended)
+        self.picks = row(Channel(pick), told("the point cannot be located", camera_actions.take_point),
+                         lambda s: s.scene.viewer.pick)
+        self.selecting = row(Channel(Selector().select), edit_actions.take_selected, lambda s: s.editing.wish)
+        self.frames = row(Channel(read_frame), told("the frame cannot be read", taking.take_frame),
+                          lambda s: s.frame_request)
+        self.omissions = row(Channel(look),
+                             told("what will be left out cannot be determined", taking.take_omissions),
+                             lambda s: s.omissions_request, SECOND)
+        self.masks_there = row(Channel(look_for_masks),
+                               noted("tool masks cannot be listed", masking_actions.take_there),
+                               masking_actions.there_wish, SECOND)
+        self.frame_masks = row(NewestChannel(read_frame_mask),
+                               told("the tools of this frame cannot be shown", masking_actions.take_mask),
+                               masking_actions.mask_wish, "apart")
+        self.grows = row(NewestChannel(grow), masking_actions.take_grown, lambda s: s.masking.growing,
+                         "apart")
+        self.made_masks = row(SteppedChannel(make_all), masking_actions.take_made, lambda s: s.masking.making,
+                              SECOND)
+        self.kept_masks = row(Channel(keep_mask, depth=256), masking_actions.take_kept, server=SECOND)
+        self.runs = row(Channel(RunFinder().find), run_actions.take_found, lambda s: s.runs_request, SECOND)
+        self.beside = row(Channel(find_models),
+                          noted("what can be seen in a second view cannot be told",
+                                second_actions.take_models),
+                          wishes.models_wish, SECOND)
+        self.view = row(Channel(draw_view), taking.take_view, wishes.view_wish)
+        self.second = row(Channel(draw_view), taking.take_second, wishes.second_wish)
+        self.cells = row(Channel(CellMaker().make), tuning_actions.take_cell, wishes.cell_wish)
+        self.edits = row(Channel(keep_edits), edit_actions.take_saved, lambda s: s.editing.saving, SECOND)
+        self.difference = row(Channel(heat_map),
+                              told("the difference cannot be shown", taking.take_difference),
+                              difference_request)
+        self.measures = row(Channel(Measurer().measure),
+                            noted("the frame cannot be measured", taking.take_measured), wishes.measure_wish,
+                            SECOND, forgets=False)
+        self.run_measures = row(SteppedChannel(measure_run), taking.take_run_measures,
+                                wishes.run_measures_wish, forgets=False)
+        self.statistics = row(SteppedChannel(ClipMeasurer().measure), taking.take_statistics,
+                              wishes.statistics_wish)
+        self.thumbnails = row(Channel(make_thumbnails),
+                              noted("presets cannot be previewed", preset_actions.take_thumbnails),
+                              wishes.thumbnails_wish, forgets=False)
+        self.strip = row(Channel(make_strip),
+                         noted("the clip's thumbnails cannot be shown", taking.take_strip), wishes.strip_wish,
+                         SECOND, forgets=False)
+        self.left_out = row(Channel(left_out),
+                            noted("what is left out of this frame cannot be shown", taking.take_left_out),
+                            wishes.left_out_wish, SECOND, forgets=False)
+        self.recents = row(Channel(find_recents), noted("recent files cannot be shown", taking.take_recents),
+                           wishes.recents_wish, "apart", forgets=False)
+        self.job_images = row(Channel(read_swept_image), sweep_actions.take_image, lambda s: s.reports.job,
+                              "apart")
+        self.welcome = row(Channel(read_welcome),
+                           noted("the first page cannot be shown", taking.take_welcome),
+                           lambda s: assets.welcome_path() if s.is_empty else None, SECOND, forgets=False)
+        self.guide = row(Channel(read_guide), told("the guide cannot be shown", guide_actions.take_guide),
+                         lambda s: assets.guide_path() if s.guide.shown else None, SECOND, forgets=False)
+        self.about = row(Channel(read_about), told("the versions cannot be listed", about_actions.take_about),
+                         lambda s: s.scene.drawn_by if s.about.shown else None, SECOND, forgets=False)
+        self.clearing = row(Channel(clear_places), taking.take_nothing, lambda s: s.places, SECOND)
+        self.clearing_results = row(Channel(clear_results), taking.take_nothing, wishes.results_wish, "apart")
+        self.saving = row(Channel(export, depth=2 * export_actions.MOST_SAVING), summary_actions.take_saved)
+        self.summary_pictures = row(NewestChannel(thumbnail_of), summary_actions.take_thumbnail,
+                                    summary_actions.thumbnail_wish, "apart")
+        self.sessions = row(Channel(write, depth=4), session_actions.take_written, server=SECOND)
+        self.autosaves = row(Channel(write), session_actions.take_written, server=SECOND)
+        self.exports = row(SteppedChannel(export), export_actions.take_step, lambda s: s.exports.under_way)
         # So deep, a failure leaves the step before it, which tells what is whole.
-        self.batches = SteppedChannel(batch, depth=2)
-        self.strip, self.left_out = Channel(make_strip), Channel(left_out)
-        self.measures = Channel(Measurer().measure)
-        self.omissions = Channel(look)
-        self.masks_there, self.frame_masks = Channel(look_for_masks), NewestChannel(read_frame_mask)
-        self.grows, self.made_masks = NewestChannel(grow), SteppedChannel(make_all)
-        self.kept_masks = Channel(keep_mask, depth=256)
-        self.run_measures = SteppedChannel(measure_run)
-        self.runs, self.beside = Channel(RunFinder().find), Channel(find_models)
-        self.changes, self.footprints = Channel(change_run, depth=8), Channel(measure_folder)
-        self.files = Channel(write_file, depth=256)
-        self.settings, self.known = Channel(SettingsKeeper().keep, depth=64), Channel(keep_clip, depth=256)
-        self.presets = Channel(keep_presets, depth=64)
-        self.edits = Channel(keep_edits)
-        self.kept, self.layouts = Channel(keep), Channel(seal_anew)
-        self.recents, self.job_images = Channel(find_recents), Channel(read_swept_image)
-        self.welcome, self.guide = Channel(read_welcome), Channel(read_guide)
-        self.about = Channel(read_about)
-        self.listing, self.small_files = NewestChannel(list_folder), NewestChannel(thumbnail_of)
-        self.summary_pictures = NewestChannel(thumbnail_of)
-        self.names, self.encoders = NewestChannel(name_of), Channel(encoder_of)
-        self.reveals = Channel(reveal, depth=4)
-        self.devices = NewestChannel(find_devices)
-        self.clearing, self.clearing_results = Channel(clear_places), Channel(clear_results)
+        self.batches = row(SteppedChannel(batch, depth=2), batch_actions.take_progress,
+                           lambda s: s.batches.under_way)
+        self.listing = row(NewestChannel(list_folder), browse_actions.take_listing, browse_actions.list_wish,
+                           "apart")
+        self.small_files = row(NewestChannel(thumbnail_of), browse_actions.take_thumbnail,
+                               browse_actions.thumbnail_wish, "apart")
+        self.names = row(NewestChannel(name_of), export_actions.take_name, export_actions.name_wish, "apart")
+        self.encoders = row(Channel(encoder_of), export_actions.take_encoder, export_actions.encoder_wish,
+                            "apart", forgets=False)
+        self.devices = row(NewestChannel(find_devices), live_actions.take_devices, live_actions.devices_wish,
+                           "apart")
+        self.reveals = row(Channel(reveal, depth=4), export_actions.take_revealed, server="apart")
+        self.changes = row(Channel(change_run, depth=8), changing_runs.take_changed, server=SECOND)
+        self.footprints = row(Channel(measure_folder),
+                              told("the folder cannot be measured", changing_runs.take_footprint),
+                              changing_runs.footprint_wish, SECOND)
+        self.files = row(Channel(write_file, depth=256), taking.take_written, server=SECOND)
+        self.settings = row(Channel(SettingsKeeper().keep, depth=64),
+                            noted("settings cannot be saved", actions.take_settings), server=SECOND)
+        self.known = row(Channel(keep_clip, depth=256),
+                         noted("the clip's settings cannot be saved", taking.take_nothing), server=SECOND)
+        self.presets = row(Channel(keep_presets, depth=64), preset_actions.take_kept, server=SECOND)
+    # fmt: on
 
-    @cached_property
-    def rows(self) -> Sequence[Row[Any, Any]]:
-        """In the order in which answers are taken and wishes are asked for."""
-        return (
-            Row(self.opening, taking.take_opened, lambda s: s.source.opening, "apart",
-                patience=Patience(_still_waiting)),
-            Row(self.second_opening, second_actions.take_second, lambda s: s.scene.second.opening, "apart",
-                patience=Patience(_still_waiting)),
-            Row(self.clips, queue_actions.take_clip, wishes.clip_wish, "apart", forgets=False,
-                patience=Patience(_waits_for_clip, can_stop=False)),
-            Row(self.ways, told(NO_WAYS, depth_actions.take_ways, actions.say),
-                wishes.ways_wish, "apart"),
-            Row(self.neighbours, told(NO_NEIGHBOURS, taking.take_neighbours, actions.say),
-                wishes.neighbours_wish, "apart"),
-            Row(self.depths, depth_actions.take_depth, lambda s: s.source.depth_wish, "apart"),
-            *(Row(channel, partial(taking.take_other, side), partial(wishes.side_wish, side=side),
-                  forgets=False) for side, channel in self.others.items()),
-            Row(self.kept, told("the queue cannot be saved", taking.take_nothing, actions.say),
-                wishes.queue_wish, SECOND),
-            Row(self.layouts, taking.take_nothing, wishes.layout_wish, SECOND, forgets=False),
-            Row(self.bakes, taking.take_baked, lambda s: wishes.bake_wish(s, s.scene)),
-            Row(self.second_bakes, taking.take_second_baked, lambda s: wishes.bake_wish(s, s.scene.second)),
-            Row(self.scales, told("the view has no scale for the whole clip", taking.take_scale, actions.say),
-                wishes.scale_wish, forgets=False),
-            Row(self.models, told("the reconstruction cannot be shown", job_actions.take_model),
-                job_actions.model_wish),
-            Row(self.left, told("what the run has left cannot be told", run_actions.take_left),
-                lambda s: s.runs.reconstruction.ended),
-            Row(self.picks, told("the point cannot be located", camera_actions.take_point),
-                lambda s: s.scene.viewer.pick),
-            Row(self.selecting, edit_actions.take_selected, lambda s: s.editing.wish),
-            Row(self.frames, told("the frame cannot be read", taking.take_frame), lambda s: s.frame_request),
-            Row(self.omissions, told("what will be left out cannot be determined", taking.take_omissions),
-                lambda s: s.omissions_request, SECOND),
-            Row(self.masks_there, told(NO_MASKS, masking_actions.take_there, actions.say),
-                masking_actions.there_wish, SECOND),
-            Row(self.frame_masks, told(NO_MASK, masking_actions.take_mask), masking_actions.mask_wish,
-                "apart"),
-            Row(self.grows, masking_actions.take_grown, lambda s: s.masking.growing, "apart"),
-            Row(self.made_masks, masking_actions.take_made, lambda s: s.masking.making, SECOND),
-            Row(self.kept_masks, masking_actions.take_kept, server=SECOND),
-            Row(self.runs, run_actions.take_found, lambda s: s.runs_request, SECOND),
-            Row(self.beside, told(NO_MODELS, second_actions.take_models, actions.say), wishes.models_wish,
-                SECOND),
-            Row(self.view, taking.take_view, wishes.view_wish),
-            Row(self.second, taking.take_second, wishes.second_wish),
-            Row(self.cells, tuning_actions.take_cell, wishes.cell_wish),
-            Row(self.edits, edit_actions.take_saved, lambda s: s.editing.saving, SECOND),
-            Row(self.difference, told("the difference cannot be shown", taking.take_difference),
-                difference_request),
-            Row(self.measures, told("the frame cannot be measured", taking.take_measured, actions.say),
-                wishes.measure_wish, SECOND, forgets=False),
-            Row(self.run_measures, taking.take_run_measures, wishes.run_measures_wish, forgets=False),
-            Row(self.statistics, taking.take_statistics, wishes.statistics_wish),
-            Row(self.thumbnails, told(NO_THUMBNAILS, preset_actions.take_thumbnails, actions.say),
-                wishes.thumbnails_wish, forgets=False),
-            Row(self.strip, told(NO_STRIP, taking.take_strip, actions.say), wishes.strip_wish, SECOND,
-                forgets=False),
-            Row(self.left_out, told(NO_TINT, taking.take_left_out, actions.say), wishes.left_out_wish,
-                SECOND, forgets=False),
-            Row(self.recents, told("recent files cannot be shown", taking.take_recents, actions.say),
-                wishes.recents_wish, "apart", forgets=False),
-            Row(self.job_images, sweep_actions.take_image, lambda s: s.reports.job, "apart"),
-            Row(self.welcome, told("the first page cannot be shown", taking.take_welcome, actions.say),
-                lambda s: assets.welcome_path() if s.is_empty else None, SECOND, forgets=False),
-            Row(self.guide, told("the guide cannot be shown", guide_actions.take_guide),
-                lambda s: assets.guide_path() if s.guide.shown else None, SECOND, forgets=False),
-            Row(self.about, told("the versions cannot be listed", about_actions.take_about),
-                lambda s: s.scene.drawn_by if s.about.shown else None, SECOND, forgets=False),
-            Row(self.clearing, taking.take_nothing, lambda s: s.places, SECOND),
-            Row(self.clearing_results, taking.take_nothing, wishes.results_wish, "apart"),
-            Row(self.saving, summary_actions.take_saved),
-            Row(self.summary_pictures, summary_actions.take_thumbnail, summary_actions.thumbnail_wish,
-                "apart"),
-            Row(self.sessions, session_actions.take_written, server=SECOND),
-            Row(self.autosaves, session_actions.take_written, server=SECOND),
-            Row(self.exports, export_actions.take_step, lambda s: s.exports.under_way),
-            Row(self.batches, batch_actions.take_progress, lambda s: s.batches.under_way),
-            Row(self.listing, browse_actions.take_listing, browse_actions.list_wish, "apart"),
-            Row(self.small_files, browse_actions.take_thumbnail, browse_actions.thumbnail_wish, "apart"),
-            Row(self.names, export_actions.take_name, export_actions.name_wish, "apart"),
-            Row(self.encoders, export_actions.take_encoder, export_actions.encoder_wish, "apart",
-                forgets=False),
-            Row(self.devices, live_actions.take_devices, live_actions.devices_wish, "apart"),
-            Row(self.reveals, export_actions.take_revealed, server="apart"),
-            Row(self.changes, changing_runs.take_changed, server=SECOND),
-            Row(self.footprints, told("the folder cannot be measured", changing_runs.take_footprint),
-                changing_runs.footprint_wish, SECOND),
-            Row(self.files, taking.take_written, server=SECOND),
-            Row(self.settings, told("settings cannot be saved", actions.take_settings, actions.say),
-                server=SECOND),
-            Row(self.known, told("the clip's settings cannot be saved", taking.take_nothing, actions.say),
-                server=SECOND),
-            Row(self.presets, preset_actions.take_kept, server=SECOND),
-        )  # fmt: skip
+    def _row(
+        self,
+        channel: Channel[Request, Answer],
+        take: Callable[[AppState, Request, Answer | Failure], None],
+        wish: Callable[[AppState], Request | None] | None = None,
+        server: Server = "first",
+        *,
+        forgets: bool = True,
+        patience: Patience | None = None,
+    ) -> Channel[Request, Answer]:
+        """One kind of work: see Row."""
+        self.rows.append(Row(channel, take, wish, server, forgets, patience))
+        return channel
 
     def of(self, server: Server) -> Sequence[Channel[Any, Any]]:
         """What it serves, in turn."""

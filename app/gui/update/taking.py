@@ -58,6 +58,11 @@ def told(
     return either
 
 
+def noted(trouble: str, take: Callable[[AppState, Request, Answer], None]) -> Take[Request, Answer]:
+    """As `told`, but a failure is a line of the log alone."""
+    return told(trouble, take, actions.say)
+
+
 def take_omissions(state: AppState, request: OmissionsRequest, omissions: Omissions) -> None:
     state.runs.omissions = omissions
 

@@ -154,7 +154,7 @@ def test_pictures_are_served_meanwhile_and_cancel_keeps_what_is_whole(places: Pl
     assert person.state.picture.pictures is not None
     assert person.state.picture.pictures.request == person.state.picture_request
     assert person.state.batches.under_way is not None
-    person.channels.batches.cancel()
+    person.channels.batches.want(None)
     batch_actions.cancelled(person.state)
     person.turn(2)
     assert person.state.batches.written == output
@@ -172,7 +172,7 @@ def test_a_folder_is_named_only_with_something_in_it(places: Places, case: Path)
         if now is not None and now.failed:
             break
     assert person.state.batches.under_way is not None
-    person.channels.batches.cancel()
+    person.channels.batches.want(None)
     batch_actions.cancelled(person.state)
     person.turn(2)
     assert not output.exists()
@@ -187,7 +187,7 @@ def test_a_batch_that_is_cancelled_at_once_leaves_no_folder(places: Places, case
         if output.exists():
             break
     assert output.is_dir()
-    person.channels.batches.cancel()
+    person.channels.batches.want(None)
     batch_actions.cancelled(person.state)
     person.turn(2)
     assert not output.exists()

@@ -24,7 +24,6 @@ from app.gui.state.panes import Pane, difference_pane, other_request, pane, pixe
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.views.comparison import SIDES, Comparison
-from app.gui.work.background import Channel
 from app.scenes.scene import Scene
 from enhance import EnhanceParams, enhance, measure
 from enhance.baselines import clahe
@@ -164,11 +163,12 @@ def test_playing_waits_for_both_panes(state: AppState, channels: Channels) -> No
     assert state.timeline.frame_index == 2
 
 
-def test_a_failing_source_is_told_once(state: AppState, channels: Channels) -> None:
-    def fails(request: OtherRequest) -> None:
+def test_a_failing_source_is_told_once(state: AppState, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(maker: OtherMaker, request: OtherRequest) -> None:
         raise ValueError("no such thing")
 
-    channels.others["right"] = Channel(fails)  # type: ignore[arg-type]
+    monkeypatch.setattr(OtherMaker, "make", fails)
+    channels = Channels()
     comparing.choose_source(state, "right", "clahe")
     settle(state, channels)
     assert state.window.banner is not None

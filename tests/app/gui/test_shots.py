@@ -218,7 +218,7 @@ def test_sliders_are_served_while_a_video_is_made_and_cancel_leaves_nothing(run:
     assert run.state.picture.pictures is not None
     assert run.state.picture.pictures.request == run.state.picture_request
     assert run.state.exports.under_way is exporting
-    run.channels.exports.cancel()
+    run.channels.exports.want(None)
     export_actions.cancelled(run.state)
     path = run.made("left pane")  # Asked for before the worker has heard of the end.
     assert sorted(run.state.places.pictures.iterdir()) == [path]

@@ -182,9 +182,11 @@ def wait(until: Callable[[], bool], what: str) -> None:
         time.sleep(0.005)
 
 
-def test_an_opening_that_hangs_stops_no_other(hanging: Hanging, places: Places) -> None:
+def test_an_opening_that_hangs_stops_no_other(
+    hanging: Hanging, places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.gui.update.channels.open_path", hanging.open)
     state, channels = AppState(places, Settings(acknowledged=True)), Channels()
-    channels.opening = NewestChannel(hanging.open)
     apart = Apart(channels.opening, lambda: None)
     actions.open_path(state, Path("/mnt/gone"))
     update(state, channels, 0.0)
@@ -231,12 +233,12 @@ def test_a_late_answer_never_takes_the_place_of_the_awaited_one(hanging: Hanging
 
 
 def test_what_was_said_goes_when_the_answer_comes_or_is_given_up(
-    hanging: Hanging, places: Places, ui: Ui
+    hanging: Hanging, places: Places, ui: Ui, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("app.gui.update.channels.open_path", hanging.open)
     for given_up in (True, False):
         hanging.let_go.clear()
         state, channels = AppState(places, Settings(acknowledged=True)), Channels()
-        channels.opening = NewestChannel(hanging.open)
         apart = Apart(channels.opening, lambda: None)
         actions.open_path(state, Path("/mnt/gone"))
         for now in (0.0, LONG + 1):
