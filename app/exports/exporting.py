@@ -17,14 +17,12 @@ from app.errors import UserError
 from app.exports.camera_set import CameraSet, form_of, write_cameras
 from app.exports.make import make
 from app.exports.records import (
-    BrowserModel,
     CaseSummary,
-    MeasuresTable,
+    Export,
     ModelArrays,
     MovingSplats,
     PanesPicture,
     PanesRecord,
-    PanesVideo,
     SpanRecord,
     Splats,
     SummaryPicture,
@@ -44,7 +42,7 @@ from renderer.clip import ByteImage, Clip
 
 
 @dataclass(frozen=True)
-class SplatFolder:
+class MomentFiles:
     """A folder with a model or its surface at several moments, a file each."""
 
     files: tuple[tuple[str, Splats | SurfaceMesh], ...]
@@ -113,22 +111,8 @@ class Enhanced:
         return next(found, self.frame)
 
 
-Exported = (
-    PanesPicture
-    | PanesVideo
-    | MeasuresTable
-    | ViewVideo
-    | Splats
-    | BrowserModel
-    | SurfaceMesh
-    | MovingSplats
-    | ModelArrays
-    | SplatFolder
-    | Summary
-    | CameraSet
-    | Tracks
-    | Enhanced
-)
+Exported = Export | MomentFiles | Summary | CameraSet | Enhanced
+"""The record of a file, or what becomes one, or several, as it is written."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +137,7 @@ class ExportRequest:
             return len(self.record.moments)
         if isinstance(self.record, Enhanced):
             return self.record.count if self.record.frame is None else 1
-        if isinstance(self.record, SplatFolder):
+        if isinstance(self.record, MomentFiles):
             return len(self.record.files)
         if isinstance(self.record, SurfaceMesh | MovingSplats) and self.sources.model is not None:
             return len(self.sources.model.cameras)
@@ -173,7 +157,7 @@ def export(request: ExportRequest) -> Iterator[Step]:
     """Raises OSError, UserError, ClipError or ImageError; what it had begun to write vanishes."""
     if not request.suffix:
         path = request.folder / free_name(request.folder, request.stem)
-        yield from _made_folder(request, path)
+        yield from _made(request, path)
     else:
         with filled(request.folder) as staging:
             yield from _made(request, staging / f"{request.stem}{request.suffix}")
@@ -181,20 +165,8 @@ def export(request: ExportRequest) -> Iterator[Step]:
     yield Step(request.steps, path)
 
 
-def _made_folder(request: ExportRequest, path: Path) -> Iterator[Step]:
-    """Of several files, whole or not at all."""
-    record = request.record
-    if isinstance(record, CameraSet):
-        write_cameras(path, record, form_of(request.suffix))
-        return
-    assert isinstance(record, SplatFolder)
-    with filled(path) as staging:
-        for done, (name, one) in enumerate(record.files, start=1):
-            run_to_end(make(one, request.sources, staging / name))
-            yield Step(done)
-
-
 def _made(request: ExportRequest, target: Path) -> Iterator[Step]:
+    """The file at `target`, or the folder: whole or not at all."""
     record, clip = request.record, request.sources.own
     if isinstance(record, CameraSet):
         write_cameras(target, record, form_of(request.suffix))
@@ -202,11 +174,15 @@ def _made(request: ExportRequest, target: Path) -> Iterator[Step]:
     if isinstance(record, Enhanced):
         yield from map(Step, record.written(target))
         return
-    assert not isinstance(record, SplatFolder)
-    if isinstance(record, Summary):
-        yield from map_steps(make(record.record(), request.sources, target), Step)
+    if isinstance(record, MomentFiles):
+        with filled(target) as staging:
+            for done, (name, one) in enumerate(record.files, start=1):
+                run_to_end(make(one, request.sources, staging / name))
+                yield Step(done)
         return
-    if isinstance(record, PanesRecord) and record.panes and clip is not None:
+    if isinstance(record, Summary):
+        record = record.record()
+    elif isinstance(record, PanesRecord) and record.panes and clip is not None:
         record = replace(record, source=_source(_kept(clip, request.folder)))
     if request.screen is not None and isinstance(record, PanesPicture):
         write_image(target, request.screen, record.signed, record.quality)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.settable import ENHANCED
 from app.exports.browser.of_scene import browser_model
-from app.exports.exporting import Enhanced, Exported, ExportRequest, SplatFolder
+from app.exports.exporting import Enhanced, Exported, ExportRequest, MomentFiles
 from app.exports.make import Views
 from app.exports.meshes.of_scene import surface_mesh
 from app.exports.panes import pane_record
@@ -114,7 +114,7 @@ def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exporte
         return splats(model.frame_at(state.time), state.time)
     if what == "splats of all frames":
         frames = range(len(model.cameras))
-        return SplatFolder(tuple((f"frame-{at:06d}{suffix}", splats(at, model.time(at))) for at in frames))
+        return MomentFiles(tuple((f"frame-{at:06d}{suffix}", splats(at, model.time(at))) for at in frames))
     if what == "arrays of all frames":
         return extended(ModelArrays, model.record, renderer=ON_CPU, moments=_frames(model))
     speed = model.frames_per_second or FRAMES_PER_SECOND
@@ -127,7 +127,7 @@ def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exporte
         return surface_mesh(model, speed)
     if what == "surface of all frames":
         times = enumerate(map(model.time, range(len(model.cameras))))
-        return SplatFolder(
+        return MomentFiles(
             tuple((f"frame-{at:06d}{suffix}", surface_mesh(model, speed, at, time)) for at, time in times)
         )
     if what == "tracks of the measured points":
