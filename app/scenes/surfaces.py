@@ -48,17 +48,12 @@ def surface(scene: Scene, fineness: Fineness = AS_IT_COMES) -> Follower:
         UserError: there is none, it cannot be simplified here, or its Gaussians are others at other times.
     """
     scene.require_one_model()
-    return window_surface(scene, 0.0, fineness)
-
-
-def window_surface(scene: Scene, time: float, fineness: Fineness = AS_IT_COMES) -> Follower:
-    """Of the window that shows most at a time in [0, 1], by the clock of that window. Raises UserError: there
-    is none, it cannot be simplified here, or nothing says what moves where."""
-    return surface_of_window(scene, window_at(scene.model, time), fineness)
+    return surface_of_window(scene, window_at(scene.model, 0.0), fineness)
 
 
 def surface_of_window(scene: Scene, window: ModelWindow, fineness: Fineness) -> Follower:
-    """The same of a window of the scene's model. Raises UserError as `window_surface`."""
+    """The same of a window of the scene's model, by the clock of that window. Raises UserError: there is
+    none, it cannot be simplified here, or nothing says what moves where."""
     follower = _follower(scene, fineness, window)
     if not len(follower.mesh.faces):
         raise UserError(_missing(scene, window))
@@ -66,8 +61,10 @@ def surface_of_window(scene: Scene, window: ModelWindow, fineness: Fineness) -> 
 
 
 def moment_of_surface(scene: Scene, time: float, fineness: Fineness) -> Mesh:
-    """The same at that time. Raises UserError as `window_surface`."""
-    return window_surface(scene, time, fineness).at(window_at(scene.model, time).local(time))
+    """Of the window that shows most at a time in [0, 1], at that time. Raises UserError as
+    `surface_of_window`."""
+    window = window_at(scene.model, time)
+    return surface_of_window(scene, window, fineness).at(window.local(time))
 
 
 def surface_at(scene: Scene, time: float) -> Mesh:
