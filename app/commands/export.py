@@ -5,11 +5,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
-from typing import Final
 
 from app.commands import (
     camera_export,
@@ -43,21 +40,9 @@ from app.scenes.view_request import ViewRequest, drawn_record
 from renderer.harmonics import BANDS
 from renderer.readers.listing import count
 
-SPLATS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "ply": "one numbered splat file per frame, as viewers play them",
-        "spz": "the same as SPZ 3, a third as large or less: sizes to 3 %%; a JSON file beside each",
-        "spz4": "the same as SPZ 4, for newer programs, a little smaller",
-        "sog": "the same as SOG, for PlayCanvas and SuperSplat: 8 bits a value; a JSON file beside each",
-        "compressed_ply": "the same as PLY of 16 bytes per Gaussian, for PlayCanvas and SuperSplat",
-        "glb": "the same as glTF, in metres, by its extension KHR_gaussian_splatting",
-    }
-)
-"""What is said of each folder of splat files."""
-
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    for name, text in SPLATS.items():
+    for name, (_, text) in export_limits.FOLDERS.items():
         parser.add_argument(export_limits.flag(name), type=Path, metavar="DIR", help=text)
     parser.add_argument(
         "--usd",
@@ -98,12 +83,6 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def run(flags: argparse.Namespace) -> None:
-    if not any(export_limits.outputs(flags)):
-        raise UserError(
-            "expected what to export: --ply DIR, --compressed-ply DIR, --spz DIR, --spz4 DIR, --sog DIR, "
-            "--glb DIR, --usd FILE, --4dgs FILE, --mesh FILE.glb|DIR, --video FILE, --html FILE, --npz FILE, "
-            "--tracks FILE or --cameras FILE"
-        )
     export_limits.check(flags)
     if flags.video and not ending_of(flags.video):
         endings = ", ".join(CODECS)
@@ -125,7 +104,7 @@ def run(flags: argparse.Namespace) -> None:
     speed = _speed(flags, scene, wanted)
     mesh_export.require(flags, scene, wanted)
     research_export.write(flags, scene, wanted, pen)
-    for name, ending in export_limits.FOLDERS.items():
+    for name, (ending, _) in export_limits.FOLDERS.items():
         if (folder := getattr(flags, name)) is not None:
             _write_splats(folder, ending, scene, wanted, flags.sh_degree)
     if flags.video:

@@ -18,11 +18,26 @@ from app.scenes.scene import Scene
 from renderer.readers.listing import listed
 from renderer.surface.fineness import VERTICES
 
-FOLDERS: Final[Mapping[str, str]] = MappingProxyType(
-    {"ply": ".ply", "spz": ".spz", "sog": ".sog", "glb": ".glb"}
-    | {"compressed_ply": COMPRESSED, "spz4": ".v4.spz"}
+FOLDERS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
+    {
+        "ply": (".ply", "one numbered splat file per frame, as viewers play them"),
+        "spz": (
+            ".spz",
+            "the same as SPZ 3, a third as large or less: sizes to 3 %%; a JSON file beside each",
+        ),
+        "spz4": (".v4.spz", "the same as SPZ 4, for newer programs, a little smaller"),
+        "sog": (
+            ".sog",
+            "the same as SOG, for PlayCanvas and SuperSplat: 8 bits a value; a JSON file beside each",
+        ),
+        "compressed_ply": (
+            COMPRESSED,
+            "the same as PLY of 16 bytes per Gaussian, for PlayCanvas and SuperSplat",
+        ),
+        "glb": (".glb", "the same as glTF, in metres, by its extension KHR_gaussian_splatting"),
+    }
 )
-"""How the splat files in each end."""
+"""How the splat files in each end, and what is said of it."""
 FILES: Final = ("usd", "fourdgs", "mesh", "video", "html", "npz", "tracks", "cameras")
 WHOLE: Final = ("usd", "fourdgs", "html")
 """Hold all of the clip, as does a mesh in one file."""
@@ -59,8 +74,12 @@ def outputs(flags: argparse.Namespace) -> Iterator[tuple[str, Path]]:
 
 
 def check(flags: argparse.Namespace) -> None:
-    """Raises UserError: a file whose name is of another format, or a flag without effect."""
+    """Raises UserError: nothing is asked for, a file whose name is of another format, or a flag without
+    effect."""
     asked = dict(outputs(flags))
+    if not asked:
+        *most, last = (*(f"{flag(one)} DIR" for one in FOLDERS), *(f"{flag(one)} FILE" for one in FILES))
+        raise UserError(f"expected what to export: {', '.join(most)} or {last}")
     for name, suffix in SUFFIXES.items():
         if name in asked and asked[name].suffix.lower() != suffix:
             kind = f"an {suffix}" if suffix == ".html" else f"a {suffix}"
