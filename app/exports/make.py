@@ -19,7 +19,6 @@ from app.exports.browser.of_scene import far_off, page_windows
 from app.exports.browser.page import browser_page
 from app.exports.measures import Row, measures_at, rows_at, write_measures
 from app.exports.meshes.writing import write_surface
-from app.exports.page import Panel, sheet
 from app.exports.panes import PaneMaker, arranged
 from app.exports.records import (
     BrowserModel,
@@ -41,6 +40,7 @@ from app.exports.records import (
 )
 from app.exports.research.model_arrays import write_model_arrays
 from app.exports.research.tracks import write_tracks
+from app.exports.sheet import Panel, sheet
 from app.exports.sizing import Sizing
 from app.exports.sources import Sources
 from app.exports.splats.writing import write_moment, write_moving

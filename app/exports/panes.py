@@ -21,8 +21,8 @@ from app.exports.comparison_images import (
     heat_map,
     heat_scale,
 )
-from app.exports.page import Panel, describe
 from app.exports.records import Arrangement, PaneRecord, PanesRecord
+from app.exports.sheet import Panel, describe
 from app.exports.sizing import Sizing
 from app.exports.sources import Sources
 from app.scenes.backgrounds import Background

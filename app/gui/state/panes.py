@@ -11,7 +11,7 @@ from app.enhancement.frame_enhancer import Pictures
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings, preset_of
 from app.enhancement.settable import ENHANCED, ORIGINAL, RENDER, Mode
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
-from app.exports.page import describe
+from app.exports.sheet import describe
 from app.files.legible import grouped, legible, named
 from app.gui.state.app_state import AppState
 from app.gui.state.live_words import live_tags

@@ -14,9 +14,9 @@ from app.enhancement.methods import Params
 from app.enhancement.settable import ENHANCED, RENDER
 from app.enhancement.setting_words import in_letters, worded
 from app.exports.exporting import Step, export
-from app.exports.page import Panel, describe, sheet
 from app.exports.panes import PaneMaker, pane_record
 from app.exports.records import FrameRecord, PanesPicture, Words
+from app.exports.sheet import Panel, describe, sheet
 from app.exports.sources import Opened
 from app.files.provenance import digest, read_provenance, write_png
 from app.files.records import Source

@@ -12,7 +12,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
-from app.exports.page import Panel, sheet
+from app.exports.sheet import Panel, sheet
 from app.files.legible import as_label, legible
 from app.gui.actions import actions, browse_actions
 from app.gui.commands import recent_commands

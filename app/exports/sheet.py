@@ -1,4 +1,4 @@
-"""Images for a report on one page: side by side at full resolution, captions above, the notice below."""
+"""A sheet for reports: images side by side at full resolution, captions above, the notice below."""
 
 from __future__ import annotations
 
