@@ -19,7 +19,7 @@ from app.evaluation.mean import mean_of_finite
 from app.files.provenance import plain
 from app.runs.memory import peak_memory_mb
 from app.runs.processor import load_average
-from app.runs.run_edits import LeftOut, read_edits
+from app.runs.run_edits import RecordedEdits, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.trained_clip import input_clip, run_clip
 from app.runs.wall_clock import STEPS, WALL
@@ -233,7 +233,7 @@ def open_evaluation(run_path: Path, weights: Path | None = None, *, edited: bool
     facts = {"measured": edited} if run.edits_path.is_file() else None
     if edited and (edits := read_edits(run, len(model))) is not None:
         model, facts = edits.applied(model), {"measured": True}
-        facts |= {} if edits.is_empty else plain(LeftOut.of(edits))
+        facts |= {} if edits.is_empty else plain(RecordedEdits.of(edits))
     clip = run_clip(record)
     return Evaluation(run, record, clip, input_clip(clip, record), model, find_lpips(weights), facts)
 

@@ -113,7 +113,7 @@ def packed(edits: Edits) -> tuple[str, str]:
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
-class LeftOut(Record):
+class RecordedEdits(Record):
     """What an export says of the edits of its model."""
 
     gaussians: int = 0
@@ -124,7 +124,7 @@ class LeftOut(Record):
     hidden: str
 
     @classmethod
-    def of(cls, edits: Edits) -> LeftOut:
+    def of(cls, edits: Edits) -> RecordedEdits:
         deleted, hidden = packed(edits)
         counts = {"n_deleted": len(edits.deleted), "n_hidden": len(edits.hidden)}
         return cls(gaussians=edits.count, **counts, deleted=deleted, hidden=hidden)

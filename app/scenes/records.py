@@ -14,7 +14,7 @@ from app.enhancement.setting_words import worded
 from app.files.provenance import plain, repeatable
 from app.files.records import LENIENT, Record, Source, Told
 from app.runs.clip_selection import ClipPart
-from app.runs.run_edits import LeftOut
+from app.runs.run_edits import RecordedEdits
 from app.runs.run_folder import Enhancement, Input
 from app.scenes.backgrounds import Background
 from app.scenes.view_kinds import Scale, ViewKind
@@ -61,7 +61,7 @@ class SceneRecord(Record):
     render_mode: Annotated[RenderMode | None, Told] = None
     """Of a file of splats."""
     notices: Annotated[tuple[str, ...] | None, Told] = None
-    edits: LeftOut | None = None
+    edits: RecordedEdits | None = None
     window: Annotated[int, Interval(ge=1)] | None = None
     """Of a model in windows the one that it is, counted from 1; None: all of them."""
 

@@ -11,7 +11,7 @@ from app.errors import UserError
 from app.files.provenance import digest
 from app.files.records import Source
 from app.runs.clip_selection import WHOLE, ClipPart
-from app.runs.run_edits import LeftOut, read_edits
+from app.runs.run_edits import RecordedEdits, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.scenes.records import ClipSource, RunSource, SceneRecord
 from app.scenes.view_kinds import SCENE_UNITS
@@ -196,7 +196,7 @@ class Scene:
         """What is left of it; its record says so."""
         if edits.is_empty:
             return self
-        record = replace(self.record, edits=LeftOut.of(edits))
+        record = replace(self.record, edits=RecordedEdits.of(edits))
         return replace(self, model=edits.applied(self.model), record=record)
 
 
