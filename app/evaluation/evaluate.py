@@ -30,7 +30,7 @@ from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, Frame, Split
 from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
-from renderer.measuring.closeness import closeness
+from renderer.measuring.closeness import Closeness, closeness
 from renderer.measuring.tissue_seen import SELDOM, seldom_seen
 from renderer.metrics import OPAQUE, depth_abs_rel, depth_coverage, depth_rmse
 from renderer.near_plane import near_plane
@@ -85,7 +85,7 @@ Numbers = dict[str, float]
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrameMeasures:
+class FrameMeasures(Closeness):
     """One frame; NaN where a measure is undefined, None where it was not taken."""
 
     index: int
@@ -93,13 +93,6 @@ class FrameMeasures:
     time: float
     evaluated_share: float
     """Of the pixels, 0 to 1."""
-    psnr: float
-    psnr_masked: float
-    psnr_tissue: float
-    psnr_seldom: float
-    """NaN also where the camera moves."""
-    coverage: float
-    ssim: float
     lpips: float | None
     depth_rmse_mm: float | None
     """None also where the clip has no millimetres."""
