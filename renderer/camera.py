@@ -143,9 +143,12 @@ class Camera:
         inwards /= np.linalg.norm(inwards, axis=1, keepdims=True)
         return inwards @ self.camera_from_world[:3]
 
+    def has_pose_of(self, other: Camera) -> bool:
+        return np.array_equal(self.camera_from_world, other.camera_from_world)
+
     def sees_only(self, other: Camera) -> bool:
         """Whether it has the other's pose, and nothing in view that the other has not."""
-        if not np.array_equal(self.camera_from_world, other.camera_from_world):
+        if not self.has_pose_of(other):
             return False
         (left, top, right, bottom), outer = self._slopes, other._slopes
         return left >= outer[0] and top >= outer[1] and right <= outer[2] and bottom <= outer[3]

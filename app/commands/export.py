@@ -110,7 +110,7 @@ def run(flags: argparse.Namespace) -> None:
     if flags.video:
         _write_video(flags.video, views, pen, wanted, speed)
     if flags.html:
-        _write_page(flags.html, scene, wanted, speed, beyond=flags.beyond_frame)
+        _write_page(flags.html, scene, wanted, speed, beyond=flags.unobserved)
     for path in moving:
         _write_moving(path, scene, speed)
     if flags.mesh:
@@ -167,7 +167,7 @@ def _write_moving(path: Path, scene: Scene, speed: float) -> None:
 
 def _write_page(path: Path, scene: Scene, wanted: list[Moment], speed: float, *, beyond: bool) -> None:
     """As the camera of the first moment sees it."""
-    record = browser_model(scene, wanted[0].camera, speed, beyond_frame=beyond)
+    record = browser_model(scene, wanted[0].camera, speed, unobserved=beyond)
     run_to_end(make(record, Opened(model=scene), path))
     if scene.model.raw.harmonics.shape[1]:
         sys.stderr.write(f"colours by direction are left out of the page: {path}\n")

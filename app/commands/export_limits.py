@@ -53,7 +53,7 @@ HEEDED: Final[Mapping[str, tuple[object, tuple[str, ...]]]] = MappingProxyType(
         "sh_degree": (None, tuple(FOLDERS)),
         "supersampling": (1, ("video",)),
         "background": ("grey", ("video",)),
-        "beyond_frame": (False, ("video", "html")),
+        "unobserved": (False, ("video", "html")),
         "view": ("color", ("video",)),
         "mesh_format": ("ply", ("mesh",)),
         "vertices": (VERTICES, ("mesh",)),

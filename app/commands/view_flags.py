@@ -29,9 +29,9 @@ def add_flag(parser: argparse.ArgumentParser) -> None:
         "(default grey)",
     )
     parser.add_argument(
-        "--beyond-frame",
+        "--unobserved",
         action="store_true",
-        help="also draw what lies beyond the frames of a camera at rest, which none of them shows",
+        help="also draw what no frame shows: behind tissue in all, or beyond those of a camera at rest",
     )
     parser.add_argument(
         "--view",
@@ -59,7 +59,7 @@ def asked_for(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment])
         near = near_plane(scene.model, moment.camera)
         view = ViewRequest(scene, moment.time, moment.camera, near_plane=near, supersampling=finer)
         background = BACKGROUNDS[flags.background]
-        view = replace(view, background=background, beyond_frame=flags.beyond_frame)
+        view = replace(view, background=background, unobserved=flags.unobserved)
         views.append(view.of_kind(flags.view, reference))
     return views
 

@@ -231,9 +231,10 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
     record = replace(record, error=max(errors, default=None))
     about = f"Reconstruction of {record.trained_on}" if record.trained_on else "Reconstruction"
     about = ", ".join(filter(None, (about, far_off(record, scene.unit))))
-    poses = scene.cameras if record.moves else ()
-    within = None if record.beyond_frame else scene.camera_at_rest
-    page = browser_page(windows, record, scene.mode, about=about, poses=poses, within=within)
+    within, shown = (None, None) if record.unobserved else (scene.camera_at_rest, scene.shown)
+    page = browser_page(
+        windows, record, scene.mode, about=about, cameras=scene.cameras, within=within, shown=shown
+    )
     write_bytes(target, page)
 
 
@@ -277,7 +278,7 @@ def _seen(record: DrawnRecord, moment: MomentRecord, scene: Scene) -> ViewReques
         frame_share=record.frame_share or 0.0,
         scale=record.scale,
         background=record.background or BLACK,
-        beyond_frame=record.beyond_frame,
+        unobserved=record.unobserved,
         near_plane=record.near if moment.near is None else moment.near,
         caption=record.caption,
     )

@@ -101,8 +101,8 @@ class BrowserModel(SceneRecord):
     """The page's camera goes as the clip's does."""
     near: float
     """In scene units, before which nothing is drawn."""
-    beyond_frame: bool = True
-    """With what lies beyond the frames of a camera at rest, as always before 0.7.0."""
+    unobserved: bool = True
+    """With what no frame shows, as always before 0.7.0."""
     tolerance: Annotated[float, Interval(ge=0)] | None = None
     """In scene units, to which positions of a motion that is no spline are sampled, as far as the page may
     grow; None: at 48 moments, as before 0.2.0."""

@@ -104,8 +104,8 @@ class DrawnRecord(SceneRecord):
     """In scene units; None: the near plane of the scene."""
     background: Background | None = BLACK
     """Where nothing was observed; None: alpha says where."""
-    beyond_frame: bool = True
-    """With what lies beyond the frames of a camera at rest, as always before 0.7.0."""
+    unobserved: bool = True
+    """With what no frame shows, as always before 0.7.0."""
     renderer: str
     supersampling: Annotated[int, Interval(ge=1, le=16)] = 1
     view: ViewKind = "color"

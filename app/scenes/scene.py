@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +16,7 @@ from app.runs.run_edits import RecordedEdits, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.scenes.records import ClipSource, RunSource, SceneRecord
 from app.scenes.view_kinds import SCENE_UNITS
-from renderer.camera import Camera
+from renderer.camera import BoolArray, Camera
 from renderer.clip import Clip
 from renderer.deformation.frame_by_frame import FrameByFrame
 from renderer.deformation.motion import Still
@@ -24,6 +25,7 @@ from renderer.editing.edits import Edits
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import NEAR_SHARE, middle_distance
+from renderer.shown import looks
 from renderer.splat_files import SplatFileError, is_named_as_splats, read_splats, whole
 from renderer.splat_series import read_series, series_files
 from renderer.splats import RenderMode
@@ -77,6 +79,33 @@ class Scene:
         """Of a run whose camera does not move, that camera; None: it moves, or there is none."""
         first = self.cameras[0]
         return first if self.is_of_run and all(camera == first for camera in self.cameras) else None
+
+    @cached_property
+    def shown(self) -> BoolArray | None:
+        """(N,) Gaussians whose centre some frame shows, see renderer/shown.py; takes a second at first. None:
+        not known, of a file, of a preview, or of Gaussians that are others at other times."""
+        if not self.tells_shown:
+            return None
+        *_, found = looks(self.model, self.cameras, self.near, self.mode)
+        return found
+
+    @property
+    def tells_shown(self) -> bool:
+        return self.is_of_run and not (self.live or self.split_by_time)
+
+    @property
+    def shown_so_far(self) -> BoolArray | None:
+        """The same, where that has been worked out."""
+        known: BoolArray | None = self.__dict__.get("shown")
+        return known
+
+    def find_shown(self) -> Iterator[None]:
+        """Work it out, a frame at a time."""
+        found = None
+        for latest in looks(self.model, self.cameras, self.near, self.mode):
+            found = latest
+            yield
+        self.__dict__["shown"] = found
 
     @property
     def near(self) -> float:

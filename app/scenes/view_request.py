@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from app.files.records import extended
 from app.scenes.backgrounds import Background
 from app.scenes.cpu_rendering import Draw
@@ -30,6 +32,7 @@ from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip
 from renderer.evenly import evenly
 from renderer.rasterize.rendered import Rendered
+from renderer.splats import Splats
 from renderer.unobserved import GREY
 
 
@@ -79,8 +82,9 @@ class ViewRequest:
     """Of its values; None: that which holds those of this picture."""
     background: Background = GREY
     """Where nothing was observed."""
-    beyond_frame: bool = False
-    """Drawn with what lies beyond the frames of a camera at rest, which none of them shows."""
+    unobserved: bool = False
+    """Drawn with what no frame shows: what lies beyond those of a camera at rest, and Gaussians behind tissue
+    in all of them."""
     near_plane: float | None = None
     """In scene units; None: that of the scene."""
     caption: str | None = None
@@ -115,8 +119,22 @@ class ViewRequest:
     @property
     def within(self) -> Camera | None:
         """The camera beyond whose image nothing is drawn; None: that changes nothing, or is not wanted."""
-        camera = None if self.beyond_frame else self.scene.camera_at_rest
+        camera = None if self.unobserved else self.scene.camera_at_rest
         return None if camera is None or self.camera.sees_only(camera) else camera
+
+    @property
+    def leaves_out(self) -> bool:
+        """Gaussians that no frame shows: from where the endoscope was, their rims are part of the image."""
+        is_free = not self.camera.has_pose_of(self.scene.camera_at(self.time))
+        return is_free and not self.unobserved and SHAPES[self.kind] == "soft"
+
+    @property
+    def splats(self) -> Splats:
+        """Of its kind and time, those that are not drawn with an opacity of 0."""
+        splats = splats_for(self.kind, self.scene.model, self.time)
+        if not self.leaves_out or self.scene.shown is None:
+            return splats
+        return replace(splats, opacities=np.where(self.scene.shown, splats.opacities, np.float32(0)))
 
     @property
     def frame(self) -> int:
@@ -139,9 +157,8 @@ class ViewRequest:
         """The splats of its kind, as the scene was trained to be drawn."""
         if self.kind == "surface":
             draw = drawing_surface(self.scene, self.time)
-        splats = splats_for(self.kind, self.scene.model, self.time)
         fine = supersampled(draw, self.supersampling)
-        return fine(splats, self.camera, self.near, self.scene.mode, SHAPES[self.kind], self.within)
+        return fine(self.splats, self.camera, self.near, self.scene.mode, SHAPES[self.kind], self.within)
 
     def composed(self, drawn: Rendered) -> Composed:
         """The picture that is asked for, of its splats drawn in their shape. Raises ClipError."""
@@ -189,7 +206,7 @@ def drawn_record(view: ViewRequest, renderer: str) -> DrawnRecord:
         iteration=view.scene.iteration,
         near=view.near,
         background=view.background,
-        beyond_frame=view.beyond_frame,
+        unobserved=view.unobserved,
         renderer=renderer,
         supersampling=view.supersampling,
         view=view.kind,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from renderer.camera import Camera
+from renderer.camera import BoolArray, Camera
 from renderer.draw.splat_view import Paint, Precision, SplatView
 from renderer.rasterize.rendered import Rendered
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
@@ -54,13 +54,14 @@ def read_layers(
     *,
     paint: Paint = "color",
     within: Camera | None = None,
+    shown: BoolArray | None = None,
     with_depth: bool = True,
 ) -> Rendered:
     """What a view holds, over black. Depth is a second drawing: 0 without `with_depth`."""
-    color = view.read_color(camera, shape, paint, within)
+    color = view.read_color(camera, shape, paint, within, shown)
     depth = np.zeros(color.shape[:2], np.float32)
     if with_depth:
-        depth = view.read_depth(camera, shape, within)
+        depth = view.read_depth(camera, shape, within, shown)
     return Rendered(np.ascontiguousarray(color[..., :3]), color[..., 3].copy(), depth)
 
 

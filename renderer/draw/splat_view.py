@@ -14,7 +14,7 @@ from typing import Literal, get_args
 import moderngl
 import numpy as np
 
-from renderer.camera import Camera, FloatArray
+from renderer.camera import BoolArray, Camera, FloatArray
 from renderer.draw.context import is_software
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.sorting import DepthKeys, depth_order
@@ -113,6 +113,7 @@ class SplatView:
         self._mean_color = _NO_PIVOT
         self._mode: RenderMode = "default"
         self._sorted_along: FloatArray | None = None
+        self._sorted_shown: BoolArray | None = None
         self._visible = 0
 
     def upload(self, splats: Splats, mode: RenderMode = "default") -> None:
@@ -157,38 +158,58 @@ class SplatView:
         background: Rgb = (0.0, 0.0, 0.0),
         lines: Rgb | None = None,
         within: Camera | None = None,
+        shown: BoolArray | None = None,
     ) -> None:
         """Fill the framebuffer's viewport with the view of `camera`, resampled to its size, alpha 1.
 
         The image is stored as OpenGL stores images, bottom row first; background is RGB, and so are the
-        lines of the hatching over it, if any. What lies beyond the image of `within` is not drawn.
+        lines of the hatching over it, if any. What lies beyond the image of `within` is not drawn,
+        nor are splats that are not `shown` (N,).
         """
         with self._state.preserved():
             pivot = self._mean_color if self._precision == "half" else _NO_PIVOT
             target = self._accumulate(
-                _fitted(camera, framebuffer), self._precision, pivot=pivot, within=within
+                _fitted(camera, framebuffer), self._precision, pivot=pivot, within=within, shown=shown
             )
             self._resolve(target, framebuffer, background, lines or background, pivot)
 
     def read_color(
-        self, camera: Camera, shape: Shape = "soft", paint: Paint = "color", within: Camera | None = None
+        self,
+        camera: Camera,
+        shape: Shape = "soft",
+        paint: Paint = "color",
+        within: Camera | None = None,
+        shown: BoolArray | None = None,
     ) -> Float32Array:
         """The splats without a background (H, W, 4): premultiplied RGB and alpha, top row first. Soft ones
-        end at the sides of the image of `within`."""
+        end at the sides of the image of `within`; those that are not `shown` (N,) are not drawn."""
         with self._state.preserved():
-            return self._read(camera, shape, paint, within)
+            return self._read(camera, shape, paint, within, shown)
 
-    def read_depth(self, camera: Camera, shape: Shape = "soft", within: Camera | None = None) -> Float32Array:
+    def read_depth(
+        self,
+        camera: Camera,
+        shape: Shape = "soft",
+        within: Camera | None = None,
+        shown: BoolArray | None = None,
+    ) -> Float32Array:
         """Expected depth (H, W) along +z in scene units, 0 where nothing is seen; top row first."""
         with self._state.preserved():
-            sums = self._read(camera, shape, "depth", within)
+            sums = self._read(camera, shape, "depth", within, shown)
         depth = np.zeros((camera.height, camera.width), dtype=np.float32)
         np.divide(sums[..., 0], sums[..., 3], out=depth, where=sums[..., 3] > 0)
         return depth
 
-    def _read(self, camera: Camera, shape: Shape, paint: Paint, within: Camera | None) -> Float32Array:
+    def _read(
+        self,
+        camera: Camera,
+        shape: Shape,
+        paint: Paint,
+        within: Camera | None,
+        shown: BoolArray | None,
+    ) -> Float32Array:
         """Sums of the paint, and alpha."""
-        target = self._accumulate(camera, "float", shape, paint, within=within)
+        target = self._accumulate(camera, "float", shape, paint, within=within, shown=shown)
         raw = target.framebuffer.read(components=4, dtype="f4")
         sums = np.frombuffer(raw, dtype=np.float32).reshape(camera.height, camera.width, 4).copy()
         np.subtract(1, sums[..., 3], out=sums[..., 3])
@@ -212,6 +233,7 @@ class SplatView:
         paint: Paint = "color",
         pivot: Rgb = _NO_PIVOT,
         within: Camera | None = None,
+        shown: BoolArray | None = None,
     ) -> _Target:
         """Blend the splats, their paint from `pivot` times alpha, into the owned target."""
         target = self._target((camera.width, camera.height), precision)
@@ -219,7 +241,7 @@ class SplatView:
         target.framebuffer.clear(alpha=1.0)
         if self._storage is None:
             return target
-        self._sort(camera, self._storage)
+        self._sort(camera, shown, self._storage)
         self._ctx.enable_only(moderngl.BLEND)
         self._ctx.blend_equation = moderngl.FUNC_ADD, moderngl.FUNC_ADD
         self._ctx.blend_func = _OVER  # type: ignore[assignment]
@@ -236,14 +258,16 @@ class SplatView:
             self._storage.quads.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._visible)
         return target
 
-    def _sort(self, camera: Camera, storage: Storage) -> None:
+    def _sort(self, camera: Camera, shown: BoolArray | None, storage: Storage) -> None:
         """Write the indices of the visible splats, farthest first."""
         axis = camera.camera_from_world[2]
-        if self._sorted_along is not None and np.array_equal(self._sorted_along, axis):
+        is_same = self._sorted_along is not None and np.array_equal(self._sorted_along, axis)
+        if is_same and shown is self._sorted_shown:
             return
-        self._sorted_along = axis
+        self._sorted_along, self._sorted_shown = axis, shown
         depths = self._keyframes.depths(axis, self._time)
-        visible = np.flatnonzero((depths > self._near) & self._keyframes.drawable).astype(np.uint32)
+        drawable = self._keyframes.drawable if shown is None else self._keyframes.drawable & shown
+        visible = np.flatnonzero((depths > self._near) & drawable).astype(np.uint32)
         self._visible = len(visible)
         storage.write_order(visible[depth_order(depths[visible], self._keys)][::-1])
 

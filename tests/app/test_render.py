@@ -141,12 +141,12 @@ def test_seen_from_beside_it_ends_where_the_frames_do(
     far = FreeView.of(own).flown(0, 0, -2 * open_scene(run).distance).camera
     file.write_text(json.dumps(far.to_json()))
     seen = {}
-    for flags in ((), ("--beyond-frame",)):
+    for flags in ((), ("--unobserved",)):
         out = tmp_path / str(len(flags))
         given = ("--frames", 3, "--camera", file, "--with", renderer, *flags)
         assert vesselsplat("render", run, "--out", out, *given).code == 0
         image = out / "frame-000003.png"
-        assert read_provenance(image)["beyond_frame"] == bool(flags)
+        assert read_provenance(image)["unobserved"] == bool(flags)
         assert replay(image, (run,), tmp_path / "again.png").difference.is_none
         (tmp_path / "again.png").unlink()
         seen[bool(flags)] = cv2.imread(str(image)).astype(int)
@@ -161,10 +161,30 @@ def test_a_camera_that_moves_has_no_one_frame_to_end_at(runs: dict[str, Path]) -
     scene = open_scene(runs["original"])
     aside = FreeView.of(scene.cameras[0]).flown(0, 0, -scene.distance).camera
     assert ViewRequest(scene, 0.0, aside).within == scene.cameras[0]
-    assert ViewRequest(scene, 0.0, aside, beyond_frame=True).within is None
+    assert ViewRequest(scene, 0.0, aside, unobserved=True).within is None
     assert ViewRequest.of_frame(scene, 2).within is None
     moves = replace(scene, cameras=(aside, *scene.cameras[1:]))
     assert ViewRequest(moves, 0.0, aside).within is None
+
+
+def test_gaussians_behind_tissue_are_left_out_where_the_endoscope_never_was(runs: dict[str, Path]) -> None:
+    scene = open_scene(runs["original"])
+    aside = ViewRequest(scene, 0.0, FreeView.of(scene.cameras[0]).flown(0, 0, -scene.distance).camera)
+    assert scene.shown_so_far is None
+    for _ in scene.find_shown():
+        pass
+    known = scene.shown_so_far
+    assert known is not None
+    assert known is scene.shown
+    assert np.array_equal(known, replace(scene).shown)
+    assert 0.5 < known.mean() < 1
+    every = scene.model.at(0.0).opacities
+    assert np.array_equal(aside.splats.opacities, np.where(known, every, 0))
+    own = ViewRequest.of_frame(scene, 0)
+    for other in (own, replace(own, camera=own.camera.fitted(200, 50)), replace(aside, unobserved=True)):
+        assert np.array_equal(other.splats.opacities, every)
+    assert not aside.of_kind("points").leaves_out
+    assert replace(scene, live=True).shown is None
 
 
 @pytest.mark.parametrize(("size", "where"), [((96, 24), "beside"), ((24, 48), "above and below")])

@@ -22,7 +22,7 @@ MOST_VALUES: Final = 4096 * 2048
 
 
 def browser_model(
-    scene: Scene, camera: Camera, frames_per_second: float, *, beyond_frame: bool = False
+    scene: Scene, camera: Camera, frames_per_second: float, *, unobserved: bool = False
 ) -> BrowserModel:
     """All of its time, as `camera` sees it first; one of the clip's moves as the clip's does. Raises
     UserError: a splat file per moment."""
@@ -36,7 +36,7 @@ def browser_model(
         camera=camera,
         moves=camera in scene.cameras and any(one != camera for one in scene.cameras),
         near=scene.near,
-        beyond_frame=beyond_frame,
+        unobserved=unobserved,
         tolerance=tolerance,
         rounding=ROUNDING * tolerance,
         clip_frames=frames,

@@ -18,7 +18,7 @@ from app.exports.browser.tracks import Tracks
 from app.exports.html_file import facts_in, filled_in, found, in_script
 from app.exports.records import BrowserModel
 from app.files.provenance import NOTICE
-from renderer.camera import Camera
+from renderer.camera import BoolArray, Camera
 from renderer.json_files import parsed
 from renderer.splats import RenderMode
 
@@ -46,16 +46,18 @@ def browser_page(
     mode: RenderMode,
     *,
     about: str,
-    poses: Sequence[Camera] = (),
+    cameras: Sequence[Camera] = (),
     within: Camera | None = None,
+    shown: BoolArray | None = None,
 ) -> bytes:
     """The HTML of a record; the same bytes for the same model and record.
 
     Args:
         windows: in the order of time.
         about: what the model is a reconstruction of.
-        poses: of each frame, with which the page's camera goes; none: it stays.
+        cameras: of each frame; with them the page's camera goes where the record says so.
         within: a camera beyond the sides of whose image nothing is drawn.
+        shown: (N,) Gaussians of the one window that are drawn from elsewhere, too; None: all.
 
     Raises:
         UserError: more than a browser can open.
@@ -71,10 +73,13 @@ def browser_page(
     }
     if record.start:
         scene["start"] = record.start
+    if shown is not None:
+        scene["hidden"] = np.flatnonzero(~shown).tolist()
+        scene["free"] = not any(record.camera.has_pose_of(one) for one in cameras)
     if within is not None:
         scene["sides"] = within.sides.tolist()
-    if poses:
-        scene["poses"] = [np.asarray(one.camera_from_world)[:3].tolist() for one in poses]
+    if record.moves:
+        scene["poses"] = [np.asarray(one.camera_from_world)[:3].tolist() for one in cameras]
     content = base64.b64encode(gzip.compress(b"".join(parts_of_content), LEVEL, mtime=0)).decode()
     if len(content) > LONGEST:
         raise UserError(

@@ -6,6 +6,9 @@ const canvas = document.getElementById("canvas");
 const NAMES = ["means", "colors", "quats", "log_scales", "opacity_logits"], GROUND = 64 / 255;
 const windows = scene.windows.map((one) => ({ ...one, tracks: NAMES.map((name) => one.tracks.find((track) => track.name === name)) }));
 
+// Gaussians that no frame shows, drawn only from where the clip's camera is.
+const hidden = new Set(scene.hidden);
+
 function fail(text) {
   const message = document.getElementById("message");
   message.textContent = text;
@@ -171,6 +174,7 @@ class Viewer {
   // Those before the camera, far to near, of those as far the last first, as CPU and OpenGL draw; how many there are.
   sort(there) {
     const { turn, shift } = this.camera, axis = turn.slice(6, 9);
+    const isFree = scene.free || this.added.shift.some((value) => value !== 0) || this.added.turn.some((value, i) => value !== (i % 4 ? 0 : 1));
     let count = 0, seen = 0;
     for (const one of there) {
       const track = one.tracks[0], [first, weights] = taps(track.moments, one), means = one.means;
@@ -183,7 +187,7 @@ class Viewer {
           const at = 3 * (n * track.moments + first + tap);
           z += weights[tap] * (factors[0] * means[at] + factors[1] * means[at + 1] + factors[2] * means[at + 2]);
         }
-        if (z > scene.near) this.order[seen++] = count;
+        if (z > scene.near && !(isFree && hidden.has(count))) this.order[seen++] = count;
         this.depths[count++] = z;
       }
     }

@@ -177,6 +177,6 @@ def _write_window(
 
 def _depth(scene: Scene, moment: MomentRecord, drawer: Drawer) -> Float32Array:
     """Of all Gaussians, which are beside it in the archive."""
-    view = ViewRequest(scene, moment.time, moment.camera, near_plane=moment.near, beyond_frame=True)
+    view = ViewRequest(scene, moment.time, moment.camera, near_plane=moment.near, unobserved=True)
     drawn = drawer.drawn(view)
     return np.where(drawn.alpha > SOLID, drawn.depth, np.float32(0))

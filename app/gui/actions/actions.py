@@ -71,9 +71,9 @@ def choose_background(state: AppState, name: BackgroundName) -> None:
     use_settings(state, replace(state.settings, background=name))
 
 
-def toggle_beyond_frame(state: AppState) -> None:
-    """Reconstructions with what lies beyond the frames of a camera at rest, or without."""
-    use_settings(state, replace(state.settings, beyond_frame=not state.settings.beyond_frame))
+def toggle_unobserved(state: AppState) -> None:
+    """Reconstructions with what no frame shows, or without."""
+    use_settings(state, replace(state.settings, unobserved=not state.settings.unobserved))
 
 
 def resize_text(state: AppState, steps: int) -> None:

@@ -119,8 +119,8 @@ def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exporte
         return extended(ModelArrays, model.record, renderer=ON_CPU, moments=_frames(model))
     speed = model.frames_per_second or FRAMES_PER_SECOND
     if what == "page for browsers":
-        beyond = state.settings.beyond_frame
-        return browser_model(model, model.cameras[0], speed, beyond_frame=beyond)
+        beyond = state.settings.unobserved
+        return browser_model(model, model.cameras[0], speed, unobserved=beyond)
     if what == "splats through time":
         return extended(MovingSplats, model.record, seconds=len(model.cameras) / speed)
     if what == "surface through time":

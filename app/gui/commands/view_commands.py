@@ -37,12 +37,12 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
                 text="all panels back to their standard places",
                 synonyms=("reset", "panels", "windows", "arrange", "dock")),
     )  # fmt: skip
-    beyond = Command("Beyond the frame", actions.toggle_beyond_frame,
-                     text="also draw what lies beyond the frames of a camera at rest: none shows it",
-                     applies=has_model, ticked=lambda s: s.settings.beyond_frame,
-                     synonyms=("edge", "border", "outside", "crop", "fluff"))  # fmt: skip
+    unseen = Command("Unobserved parts", actions.toggle_unobserved,
+                     text="also draw what no frame shows, behind tissue or beyond the frames",
+                     applies=has_model, ticked=lambda s: s.settings.unobserved,
+                     synonyms=("edge", "border", "outside", "beyond", "hidden", "behind"))  # fmt: skip
     others = menu("View", panels, path, (_theme("dark"), _theme("light")), layout)
-    unobserved = Section("View", (*backgrounds, beyond), "Where nothing was observed")
+    unobserved = Section("View", (*backgrounds, unseen), "Where nothing was observed")
     text_size = Section("View", _text_size(), "Text size")
     return (
         Section("View", whole),

@@ -15,6 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.scene import Viewed
 from app.scenes.view_kinds import SHAPES, Composed, Scale, ViewKind, splats_for
 from app.scenes.view_request import ViewRequest
+from renderer.camera import BoolArray
 from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.offscreen import read_layers
@@ -77,12 +78,16 @@ class GraphicsViewport:
         self._uploaded: object = None
         """The keyframes, or the model and the time, that are on the card."""
         self._drawn: ViewRequest | None = None
+        self._shown: BoolArray | None = None
+        """Of `_drawn`, what is not left out of it."""
 
     def show(self, state: AppState) -> OnScreen | None:
         request = self._watch.request(state)
         if request is None:
             return None
-        if request != self._drawn:
+        shown = request.scene.shown_so_far if request.leaves_out else None
+        if request != self._drawn or shown is not self._shown:
+            self._shown = shown
             self._draw(request, self._watch.viewed(state).keyframes_of(request.scene))
         if self._composed is not None:
             texture = self._textures.whole(self._watch.slot, self._composed.image)
@@ -111,7 +116,13 @@ class GraphicsViewport:
             paint, with_depth = _paint(request.kind, keyframes), request.kind in WITH_DEPTH
             shape = SHAPES[request.kind]
             drawn = read_layers(
-                splats, request.camera, shape, paint=paint, within=request.within, with_depth=with_depth
+                splats,
+                request.camera,
+                shape,
+                paint=paint,
+                within=request.within,
+                shown=self._shown,
+                with_depth=with_depth,
             )
             self._composed = request.composed(drawn)
         else:
@@ -122,7 +133,14 @@ class GraphicsViewport:
                 self._target = self._ctx.framebuffer([self._texture])
             lines = LINES if request.background == "hatched" else None
             ground = GREY if request.background == "hatched" else request.background
-            splats.draw(request.camera, self._target, background=ground, lines=lines, within=request.within)
+            splats.draw(
+                request.camera,
+                self._target,
+                background=ground,
+                lines=lines,
+                within=request.within,
+                shown=self._shown,
+            )
         if (error := self._ctx.error) != "GL_NO_ERROR":
             raise moderngl.Error(error)
         self._drawn = request

@@ -348,7 +348,7 @@ class AppState:
 
     def over_background(self, view: ViewRequest) -> ViewRequest:
         """With what is chosen for where nothing was observed."""
-        return replace(view, background=self.background, beyond_frame=self.settings.beyond_frame)
+        return replace(view, background=self.background, unobserved=self.settings.unobserved)
 
     @property
     def background(self) -> Background:

@@ -84,6 +84,7 @@ from app.gui.work.tidying import clear_places, clear_results
 from app.gui.work.tuning import CellMaker
 from app.gui.work.writing import SessionRequest, WriteRequest, keep, write, write_file
 from app.scenes.drawer import draw_view
+from app.scenes.scene import Scene
 from app.scenes.view_request import read_frame
 
 Server = Literal["first", "second", "apart"]
@@ -158,6 +159,10 @@ class Channels:
         self.bakes = row(Channel(bake), taking.take_baked, lambda s: wishes.bake_wish(s, s.scene))
         self.second_bakes = row(Channel(bake), taking.take_second_baked,
                                 lambda s: wishes.bake_wish(s, s.scene.second))
+        self.shown = row(SteppedChannel(Scene.find_shown), taking.take_nothing,
+                         lambda s: wishes.shown_wish(s, s.scene))
+        self.second_shown = row(SteppedChannel(Scene.find_shown), taking.take_nothing,
+                                lambda s: wishes.shown_wish(s, s.scene.second))
         self.scales = row(Channel(find_scale),
                           noted("the view has no scale for the whole clip", taking.take_scale),
                           wishes.scale_wish, forgets=False)

@@ -166,6 +166,14 @@ def bake_wish(state: AppState, viewed: Viewed) -> BakeRequest | None:
     return BakeRequest(shown, baked.baker, baked.request.part + 1) if baked.keyframes is None else None
 
 
+def shown_wish(state: AppState, viewed: Viewed) -> Scene | None:
+    """Of what a 3D view shows, which Gaussians the frames show: before it is seen from elsewhere."""
+    model = viewed.model
+    if model is None or not model.tells_shown or state.lacks("3D view") or not at_rest(state):
+        return None
+    return model if model.shown_so_far is None else None
+
+
 def run_measures_wish(state: AppState) -> RunMeasuresRequest | None:
     """Of the run that is shown, while its measures are on screen and not known."""
     wanted, known = state.run_measures_request, state.runs.measures

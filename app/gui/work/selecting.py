@@ -70,8 +70,7 @@ def surface(view: ViewRequest, pixel: tuple[int, int]) -> SurfacePoint | None:
     # Its kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.picking import SurfacePoint, surface_point
 
-    splats = view.scene.model.at(view.time)
-    found = surface_point(splats, view.camera, pixel, view.near, mode=view.scene.mode)
+    found = surface_point(view.splats, view.camera, pixel, view.near, mode=view.scene.mode)
     if view.kind != "surface":
         return found
     # What is seen there is the mesh; how well its depth is known, the Gaussians tell.

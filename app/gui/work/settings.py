@@ -111,8 +111,8 @@ class Settings:
     second_full_screen: bool = False
     background: BackgroundName = "grey"
     """Of reconstructions, where nothing was observed."""
-    beyond_frame: StrictBool = False
-    """Reconstructions are drawn with what lies beyond the frames of a camera at rest."""
+    unobserved: StrictBool = False
+    """Reconstructions are drawn with what no frame shows."""
     folders: Annotated[dict[Name, PathText], at_most(MOST_FOLDERS)] = field(default_factory=dict)
     """Where a person was last, by purpose of the dialog."""
 

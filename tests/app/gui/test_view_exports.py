@@ -82,13 +82,13 @@ def test_what_lies_beyond_the_frame_is_shown_on_demand_and_comes_again(run: Expo
     state.scene.viewer.free = FreeView.of(state.scene.model.camera_at(0.3)).flown(0, 0, back)
     images = []
     for beyond in (False, True):
-        assert state.settings.beyond_frame == beyond
+        assert state.settings.unobserved == beyond
         run.turn()
         image = run.made("3D view")
-        assert read_provenance(image)["views"][0]["beyond_frame"] == beyond
+        assert read_provenance(image)["views"][0]["unobserved"] == beyond
         assert same(image, run_path)
         images.append(read_image(image))
-        actions.toggle_beyond_frame(state)
+        actions.toggle_unobserved(state)
     assert not np.array_equal(*images)
 
 

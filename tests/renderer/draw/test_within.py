@@ -134,6 +134,21 @@ def test_lines_are_those_of_the_likeliest_point_behind_a_pixel() -> None:
     assert np.allclose(fit[:, 0], lines[:, 0], rtol=0.05, atol=0.3)
 
 
+@pytest.mark.gl
+def test_what_is_not_shown_is_not_drawn_until_it_is(ctx: moderngl.Context) -> None:
+    splats = random_splats(200, CLIP, 8)
+    some = np.arange(200) % 3 > 0
+    view = SplatView(ctx, precision="float")
+    view.upload(splats)
+    whole = view.read_color(CLIP)
+    part = view.read_color(CLIP, shown=some)
+    left = replace(splats, opacities=np.where(some, splats.opacities, np.float32(0)))
+    assert np.abs(part[..., :3] - render(left, CLIP).image).max() < 2e-3
+    assert np.abs(part - whole).max() > 0.1
+    assert np.array_equal(view.read_color(CLIP), whole)
+    view.release()
+
+
 def test_splats_whose_margin_is_beyond_one_are_not_crossed() -> None:
     splats = random_splats(2000, ASIDE, 6, sigma=(1.0, 20.0))
     margin = margins(splats, CLIP)
