@@ -9,16 +9,15 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError
-from renderer.evenly import evenly, evenly_floored
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-from renderer.readers.data_sets.endonerf_masks import unmarked
 from renderer.readers.data_sets.endonerf_poses import POSES
 from renderer.readers.geometry.depth_maps import DepthMap, plausible, read_map
 from renderer.readers.geometry.number_tables import read_table
 from renderer.readers.image_files.pictures import common_size, read_rgb
+from renderer.readers.masks.mask_checks import judged_nonzero
 from renderer.readers.masks.nonzero_masks import read_nonzero
-from renderer.readers.masks.tool_masks import SAMPLES, Sample, is_lossy, refuse_inverted
+from renderer.readers.masks.tool_masks import Sample
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.numbered_files import beside, numbered, strays
 
@@ -65,14 +64,11 @@ def open_hamlyn(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         raise ClipError(f"expected images wider than {LEFT_COLUMNS} px, got {width}x{height}: {path}")
     camera = _camera(path / INTRINSICS, width, height)
     reader = _Reader(tuple(images.values()), masks, depth, camera, options.mask_polarity == "tissue")
-    if masks and options.mask_polarity == "auto":
-        samples = [reader.sample(place) for place in evenly_floored(range(len(images)), SAMPLES)]
-        refuse_inverted(samples, "tool", path / _MASKS)
     parts = ["images", *([_MASKS] if masks else []), *([folder] if folder else [])]
     said = [stray for part in parts for stray in strays(images, path / part)]
     if not depth:
         said.append("no gt_depth/ and no depth/: no measured depth")
-    said += unmarked(evenly(list(filter(is_lossy, masks)), SAMPLES), labels=1)
+    said += judged_nonzero(masks, "tool", reader.sample, options)
     if not masks:
         said.append("no gt_masks/: every pixel is treated as tissue")
     clip = new_clip(

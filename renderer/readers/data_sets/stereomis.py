@@ -10,17 +10,16 @@ import numpy as np
 
 from renderer.camera import FloatArray
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError
-from renderer.evenly import evenly, evenly_floored
 from renderer.readers.clip_files import ClipFiles, numbered_pictures, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
-from renderer.readers.data_sets.endonerf_masks import unmarked
 from renderer.readers.geometry.number_tables import read_table
 from renderer.readers.geometry.poses import pose_matrix
 from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb
 from renderer.readers.lenses.rectification import read_rectified
 from renderer.readers.listing import listed
+from renderer.readers.masks.mask_checks import judged_nonzero
 from renderer.readers.masks.nonzero_masks import read_nonzero, require_shapes
-from renderer.readers.masks.tool_masks import SAMPLES, Sample, is_lossy, refuse_inverted
+from renderer.readers.masks.tool_masks import Sample
 from renderer.readers.new_clip import Known, new_clip
 from renderer.readers.numbered_files import numbered
 
@@ -67,9 +66,7 @@ def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
     reader = _Reader(
         ordered, tuple(masks[number] for number in kept if masks), size, options.mask_polarity != "tool"
     )
-    if masks and options.mask_polarity == "auto":
-        samples = [reader.sample(place) for place in evenly_floored(range(len(kept)), SAMPLES)]
-        refuse_inverted(samples, "tissue", path / "masks")
+    said = judged_nonzero(reader.masks, "tissue", reader.sample, options)
     clip = new_clip(
         path,
         "stereomis",
@@ -78,10 +75,7 @@ def open_stereomis(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
         read_image=reader.image,
         known=reader.known,
         unit="mm",
-        notices=(
-            *_notices(images, kept, bool(masks), bool(poses)),
-            *unmarked(evenly(list(filter(is_lossy, reader.masks)), SAMPLES), labels=1),
-        ),
+        notices=(*_notices(images, kept, bool(masks), bool(poses)), *said),
     )
     return replace(clip, baseline=rectified.baseline)
 

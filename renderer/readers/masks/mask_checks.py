@@ -1,8 +1,8 @@
-"""What the masks of an EndoNeRF folder mean: labels or levels, tools or tissue, and what is said of them."""
+"""What a few masks of a clip tell of all: labels or levels, tools or tissue, and what is said of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final
@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import ClipError
-from renderer.evenly import evenly_floored
+from renderer.evenly import evenly, evenly_floored
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.image_files.pictures import read_stored
 from renderer.readers.masks.tool_masks import (
     DARK,
+    SAMPLES,
+    Marked,
     Sample,
     highest_label,
     is_lossy,
@@ -58,6 +60,17 @@ def unmarked(masks: Sequence[Path], labels: int) -> list[str]:
     some = sum(np.count_nonzero(mask) > _NOISE * mask.size for mask in dark)
     there = f"{some} of {len(seen)} frames looked at"
     return [f"{said} alone in {there} and marks nothing there: above {DARK} it would"] if some else []
+
+
+def judged_nonzero(
+    masks: Sequence[Path], marked: Marked, sample: Callable[[int], Sample], options: ClipOptions
+) -> list[str]:
+    """What is worth saying of masks, one a frame or none, that mark `marked` and are read by `read_nonzero`.
+    Raises ClipError: they look inverted, and nothing says how they are meant."""
+    if masks and options.mask_polarity == "auto":
+        looked_at = evenly_floored(range(len(masks)), SAMPLES)
+        refuse_inverted([sample(index) for index in looked_at], marked, masks[0].parent)
+    return unmarked(evenly(list(filter(is_lossy, masks)), SAMPLES), labels=1)
 
 
 def judged(masks: Path, samples: Sequence[Sample], options: ClipOptions) -> list[str]:
