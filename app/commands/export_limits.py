@@ -21,6 +21,10 @@ from renderer.surface.fineness import VERTICES
 FOLDERS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {
         "ply": (".ply", "one numbered splat file per frame, as viewers play them"),
+        "compressed_ply": (
+            COMPRESSED,
+            "the same as PLY of 16 bytes per Gaussian, for PlayCanvas and SuperSplat",
+        ),
         "spz": (
             ".spz",
             "the same as SPZ 3, a third as large or less: sizes to 3 %%; a JSON file beside each",
@@ -29,10 +33,6 @@ FOLDERS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
         "sog": (
             ".sog",
             "the same as SOG, for PlayCanvas and SuperSplat: 8 bits a value; a JSON file beside each",
-        ),
-        "compressed_ply": (
-            COMPRESSED,
-            "the same as PLY of 16 bytes per Gaussian, for PlayCanvas and SuperSplat",
         ),
         "glb": (".glb", "the same as glTF, in metres, by its extension KHR_gaussian_splatting"),
     }
@@ -78,7 +78,8 @@ def check(flags: argparse.Namespace) -> None:
     effect."""
     asked = dict(outputs(flags))
     if not asked:
-        *most, last = (*(f"{flag(one)} DIR" for one in FOLDERS), *(f"{flag(one)} FILE" for one in FILES))
+        files = (f"{flag(one)} {'FILE|DIR' if one in ('mesh', 'cameras') else 'FILE'}" for one in FILES)
+        *most, last = (*(f"{flag(one)} DIR" for one in FOLDERS), *files)
         raise UserError(f"expected what to export: {', '.join(most)} or {last}")
     for name, suffix in SUFFIXES.items():
         if name in asked and asked[name].suffix.lower() != suffix:
