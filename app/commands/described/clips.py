@@ -148,7 +148,7 @@ def _facts(path: Path, clip: Clip) -> Iterator[Fact]:
     yield _numbers(clip)
     yield Fact("size", f"{clip.size[0]}x{clip.size[1]}", list(clip.size))
     yield _depth(clip, frames)
-    yield _masks(clip, frames)
+    yield _masks(frames)
     yield _camera(clip)
     yield Fact("unit", clip.unit)
     yield Fact("held out", count(len(clip.test_indices), "frame"), len(clip.test_indices))
@@ -219,7 +219,7 @@ def _depth(clip: Clip, frames: Sequence[Frame]) -> Fact:
     return Fact("depth", told + seen, {"origin": origin, "share": share})
 
 
-def _masks(clip: Clip, frames: Sequence[Frame]) -> Fact:
+def _masks(frames: Sequence[Frame]) -> Fact:
     share = _share([frame.tissue_mask for frame in frames])
     if share is None:
         return Fact("masks", "not checked", {"tissue_share": None})

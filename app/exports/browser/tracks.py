@@ -137,18 +137,18 @@ def tracks_of(
 
 def _of_spline(raw: RawGaussians, motion: SplineMotion) -> tuple[Float32Array, ...]:
     """Curves of Gaussians and of their nodes are sums of the same basis, so their control values add up."""
-    means = _lifted(raw.means, motion.position_controls, motion.n_controls)
+    means = _lifted(raw.means, motion.position_controls)
     if len(motion.node_indices):
         shared = motion.node_controls[motion.node_indices]
         if means.shape[1] == 1:
             means = np.repeat(means, motion.n_controls, axis=1)
         means = means + np.einsum("nj,njkc->nkc", motion.node_weights, shared, dtype=np.float64)
-    colors = _lifted(raw.colors, motion.color_controls, motion.n_controls)
-    logits = _lifted(raw.opacity_logits[:, None], motion.opacity_controls, motion.n_controls)
+    colors = _lifted(raw.colors, motion.color_controls)
+    logits = _lifted(raw.opacity_logits[:, None], motion.opacity_controls)
     return means, colors, unit_quats(raw.quats)[:, None], raw.log_scales[:, None], logits
 
 
-def _lifted(base: Float32Array, controls: Float32Array, count: int) -> Float32Array:
+def _lifted(base: Float32Array, controls: Float32Array) -> Float32Array:
     """The weights of a spline sum to 1, so what does not move is added to each control value."""
     return base[:, None] + controls if len(controls) else base[:, None]
 

@@ -39,7 +39,7 @@ def open_source(address: LiveAddress, wish: Wish) -> Source:
     if address.kind == "stream":
         from app.live.sources.stream import StreamSource
 
-        return StreamSource(address.where, address.name, wish)
+        return StreamSource(address.where, address.name)
     from app.live.sources.device import DeviceSource
 
     return DeviceSource(address.where, address.name, wish)

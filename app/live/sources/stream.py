@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.errors import UserError
-from app.live.sources.source import Arrived, SourceLost, Wish
+from app.live.sources.source import Arrived, SourceLost
 from renderer.clip import ByteImage
 from renderer.pyav_presence import has_pyav, why_not_pyav
 from renderer.readers.video_decoding.video_shape import (
@@ -46,7 +46,7 @@ QUICK = {
 class StreamSource:
     """Decodes every frame, as later ones build on it; only those that are looked at become RGB."""
 
-    def __init__(self, address: str, name: str, wish: Wish) -> None:
+    def __init__(self, address: str, name: str) -> None:
         """Raises SourceLost: nothing answers there; UserError: it is of no kind that FFmpeg knows."""
         if not has_pyav():
             raise UserError(f"expected PyAV for a stream: {why_not_pyav() or 'it is not installed'}")

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from app.errors import UserError
-from app.live.sources.source import SourceLost, Wish
+from app.live.sources.source import SourceLost
 from app.live.sources.stream import StreamSource, rgb
 from renderer.sources import open_clip
 from tests.app.live.painted import painted
@@ -56,7 +56,7 @@ class Camera:
 def test_frames_come_as_they_are_sent_and_silence_is_a_loss() -> None:
     port = free_port(socket.SOCK_DGRAM)
     camera = Camera(port)
-    source = StreamSource(f"udp://127.0.0.1:{port}", "camera", Wish())
+    source = StreamSource(f"udp://127.0.0.1:{port}", "camera")
     start, levels = time.perf_counter(), set[int]()
     while time.perf_counter() - start < 2.5 and len(levels) < len(LEVELS):
         arrived = source.read()
@@ -90,9 +90,9 @@ def test_a_turned_frame_stands_as_in_its_file(tmp_path: Path) -> None:
 def test_what_does_not_answer_says_so_without_its_address() -> None:
     port = free_port(socket.SOCK_DGRAM)
     with pytest.raises(SourceLost, match=r"nothing can be received from a camera \(connection refused\)"):
-        StreamSource(f"rtsp://user:word@127.0.0.1:{port}/x", "a camera", Wish())
+        StreamSource(f"rtsp://user:word@127.0.0.1:{port}/x", "a camera")
 
 
 def test_a_kind_of_stream_that_cannot_be_received_is_refused() -> None:
     with pytest.raises(UserError, match="which srt is not"):
-        StreamSource("srt://127.0.0.1:9", "a camera", Wish())
+        StreamSource("srt://127.0.0.1:9", "a camera")
