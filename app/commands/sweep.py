@@ -23,7 +23,7 @@ from app.sweeps.engines.opening import open_engine
 from app.sweeps.jobs import JobFolder
 from app.sweeps.keeping import not_kept, to_render
 from app.sweeps.page import sweep_page
-from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
+from app.sweeps.plan import Plan, estimate, planned, read_sweep, state, write_sweep
 from app.sweeps.sections import best, differences, over_all
 from app.sweeps.spec import read_spec
 from app.sweeps.summary import SHOWN, Summary
@@ -110,7 +110,7 @@ def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: 
     """
     make_folder(folder)
     with sweep_locked(folder):
-        recorded(plan, folder)
+        write_sweep(plan, folder)
         if retry:
             for job in plan.jobs:
                 JobFolder.of(folder, job.key).forget_failure()

@@ -74,7 +74,7 @@ def planned(spec: Spec, path: Path) -> Plan:
     return Plan(spec, tuple({job.key: job for job in jobs}.values()), clips)
 
 
-def recorded(plan: Plan, folder: Path) -> None:
+def write_sweep(plan: Plan, folder: Path) -> None:
     """Write which jobs the sweep has, so that tables can be made of it. What other sweeps did in the same
     folder stays there."""
     make_folder(folder)

@@ -22,7 +22,7 @@ import numpy as np
 import psutil
 
 from app.sweeps.engines.opening import open_engine
-from app.sweeps.plan import Plan, planned, recorded, state
+from app.sweeps.plan import Plan, planned, state, write_sweep
 from app.sweeps.spec import Slurm, spec_of
 from app.sweeps.sweep import run_jobs
 from app.sweeps.worker import Order, Outcome
@@ -48,7 +48,7 @@ def overhead(work: Path) -> None:
     print(f"planning: {len(plan.jobs) / (time.perf_counter() - began):.0f} jobs/s")
     for on in ("local", "dask"):
         folder = work / on
-        recorded(plan, folder)
+        write_sweep(plan, folder)
         with open_engine(on, workers=2, threads=1, slurm=Slurm(), folder=folder) as engine:
             run_jobs(_first(plan, 4), folder, engine, _silent, nothing)  # Workers have begun.
             began = time.perf_counter()
@@ -80,7 +80,7 @@ def efficiency(work: Path) -> None:
     plan = planned(spec_of(given | {"settings": settings}, path := work / "s.toml"), path)
     for workers in (1, 2):
         folder = work / f"of-{workers}"
-        recorded(plan, folder)
+        write_sweep(plan, folder)
         with open_engine("local", workers=workers, threads=1, slurm=Slurm(), folder=folder) as engine:
             run_jobs(_first(plan, 2 * workers), folder, engine, _silent)  # Kernels are loaded.
             began = time.perf_counter()

@@ -17,7 +17,7 @@ from app.gui.work.background import Failure
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.swept import Swept, in_words, read_swept_image
 from app.sweeps.jobs import PICTURE, Job, JobFolder
-from app.sweeps.plan import Plan, recorded
+from app.sweeps.plan import Plan, write_sweep
 from app.sweeps.spec import all_settings, spec_of
 from enhance.vessel import VesselParams
 from tests.app.gui.ui import Shown, Ui
@@ -35,7 +35,7 @@ def folder(tmp_path: Path) -> Path:
     """A sweep of two jobs, the second without an image."""
     spec = spec_of(GIVEN, tmp_path / "sweep.toml")
     jobs = tuple(Job("enhance", "a.png", "5" * 64, one, 8) for one in all_settings(spec))
-    recorded(Plan(spec, jobs, {}), tmp_path / "out")
+    write_sweep(Plan(spec, jobs, {}), tmp_path / "out")
     for place, job in enumerate(jobs):
         kept = JobFolder.of(tmp_path / "out", job.key)
         measures = {"vessel_contrast": 0.4 + place, "noise_gain": 1.0 + place, "dv": 3.0, "bv": None}
@@ -72,7 +72,7 @@ def test_a_setting_and_a_measure_of_one_name_are_two_axes(state: AppState, tmp_p
     given = {"clips": ["a"], "task": "train", "grid": {"n_gaussians": [8000, 30000]}}
     spec = spec_of(given, tmp_path / "sweep.toml")
     jobs = tuple(Job("train", "a", "5" * 64, one, 8) for one in all_settings(spec))
-    recorded(Plan(spec, jobs, {}), tmp_path / "out")
+    write_sweep(Plan(spec, jobs, {}), tmp_path / "out")
     for job, count in zip(jobs, (7312.0, 21544.0), strict=True):
         kept = JobFolder.of(tmp_path / "out", job.key)
         kept.finish(job, {"measures": {"psnr": 30.0, "n_gaussians": count}, "seconds": 1.0})

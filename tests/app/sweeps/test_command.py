@@ -13,7 +13,7 @@ from app.commands.sweep import print_table
 from app.report.section import Column, Table
 from app.sweeps.engines import dask
 from app.sweeps.jobs import Job, JobFolder
-from app.sweeps.plan import Plan, recorded
+from app.sweeps.plan import Plan, write_sweep
 from app.sweeps.spec import all_settings, spec_of
 from app.sweeps.worker import sweep_locked
 from tests.app.conftest import Cli
@@ -97,7 +97,7 @@ def test_info_says_what_a_sweep_has_and_what_is_next(vesselsplat: Cli, tmp_path:
         {"clips": ["a.png"], "task": "enhance", "grid": {"z": [0.1, 0.2, 0.3]}}, tmp_path / "s.toml"
     )
     jobs = tuple(Job("enhance", "a.png", "5" * 64, one, 8) for one in all_settings(spec))
-    recorded(Plan(spec, jobs, {}), tmp_path / "out")
+    write_sweep(Plan(spec, jobs, {}), tmp_path / "out")
     JobFolder.of(tmp_path / "out", jobs[0].key).finish(jobs[0], {"measures": {}, "seconds": 1.0})
     JobFolder.of(tmp_path / "out", jobs[1].key).fail(jobs[1], "why")
     for path in (tmp_path / "out", tmp_path / "out" / "sweep.json"):

@@ -19,7 +19,7 @@ from app.sweeps.engines.engine import Engine, workers_for
 from app.sweeps.engines.local import local
 from app.sweeps.engines.opening import open_engine
 from app.sweeps.engines.slurm import submitted_by
-from app.sweeps.plan import planned, recorded, state
+from app.sweeps.plan import planned, state, write_sweep
 from app.sweeps.spec import Slurm, spec_of
 from app.sweeps.sweep import run_jobs
 from app.sweeps.worker import end_with_parent
@@ -173,7 +173,7 @@ def test_submitit_runs_jobs_as_futures(tmp_path: Path, clip_path: Path) -> None:
     path.write_text(text)
     plan = planned(spec_of(tomllib.loads(text), path), path)
     folder = tmp_path / "out"
-    recorded(plan, folder)
+    write_sweep(plan, folder)
     with submitted_by("local", 1, Slurm(minutes=5), folder) as executor:
         run_jobs(plan, folder, Engine("slurm", executor, 2, 2), lambda done, note: None)
     assert state(plan.jobs, folder)["finished"] == 2
@@ -201,7 +201,7 @@ def test_finished_trainings_keep_what_is_wanted_and_are_measured_on_the_right_fr
     given |= {"models": held_out, "renders": not held_out}
     plan = planned(spec_of(given, path := tmp_path / "sweep.toml"), path)
     folder = tmp_path / "out"
-    recorded(plan, folder)
+    write_sweep(plan, folder)
     with open_engine("local", workers=1, threads=1, slurm=Slurm(), folder=folder) as engine:
         run_jobs(plan, folder, engine, lambda done, note: None)
     place = folder / "jobs" / plan.jobs[0].key

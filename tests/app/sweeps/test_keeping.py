@@ -8,7 +8,7 @@ from pathlib import Path
 from app.sweeps.engines.engine import Engine
 from app.sweeps.jobs import PICTURE, RENDERS, RESULT, RUN, JobFolder
 from app.sweeps.keeping import not_kept, to_render
-from app.sweeps.plan import Plan, planned, recorded, state
+from app.sweeps.plan import Plan, planned, state, write_sweep
 from app.sweeps.spec import spec_of
 from app.sweeps.sweep import run_jobs
 
@@ -21,7 +21,7 @@ def swept(clip: Path, folder: Path, **given: object) -> Plan:
         "settings": {"iterations": 3, "n_gaussians": 100},
     }
     plan = planned(spec_of(asked | given, path := folder / "sweep.toml"), path)
-    recorded(plan, folder)
+    write_sweep(plan, folder)
     with ThreadPoolExecutor(1) as here:
         run_jobs(plan, folder, Engine("here", here, 1, 1), lambda done, note: None)
     assert state(plan.jobs, folder)["finished"] == 1

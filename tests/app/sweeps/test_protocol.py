@@ -8,7 +8,7 @@ from pathlib import Path
 
 from app.commands.protocol import compared
 from app.sweeps.jobs import JobFolder
-from app.sweeps.plan import planned, recorded
+from app.sweeps.plan import planned, write_sweep
 from app.sweeps.settings import Training
 from app.sweeps.spec import spec_of
 from tests.app.conftest import Cli
@@ -46,7 +46,7 @@ def test_rows_of_a_known_clip_stand_beside_the_published_ones(clip_path: Path, t
     pulling.symlink_to(clip_path)
     given = {"clips": [str(pulling)], "task": "train", "seeds": [0, 1], "variants": [{"method": "static"}]}
     plan = planned(spec_of(given, path := tmp_path / "sweep.toml"), path)
-    recorded(plan, tmp_path / "out")
+    write_sweep(plan, tmp_path / "out")
     for psnr, job in zip((30.0, 32.0), plan.jobs, strict=True):
         JobFolder.of(tmp_path / "out", job.key).finish(job, {"measures": {"psnr": psnr}, "seconds": 1.0})
     table = compared(tmp_path / "out")

@@ -21,7 +21,7 @@ from app.files.provenance import digest
 from app.sweeps.clip_transfer import Missing, located, packed
 from app.sweeps.engines.engine import Engine
 from app.sweeps.jobs import FAILURE, PICTURE, RESULT, JobFolder, Keeps
-from app.sweeps.plan import Plan, estimate, planned, read_sweep, recorded, state
+from app.sweeps.plan import Plan, estimate, planned, read_sweep, state, write_sweep
 from app.sweeps.spec import spec_of
 from app.sweeps.summary import Summary
 from app.sweeps.sweep import MOST_LOSSES, next_order, run_jobs
@@ -62,7 +62,7 @@ def plan(tmp_path: Path) -> Plan:
 
 @pytest.fixture
 def folder(tmp_path: Path, plan: Plan) -> Path:
-    recorded(plan, tmp_path / "sweep")
+    write_sweep(plan, tmp_path / "sweep")
     return tmp_path / "sweep"
 
 
@@ -220,7 +220,7 @@ def test_clips_of_one_name_are_told_apart(tmp_path: Path) -> None:
         assert cv2.imwrite(str(tmp_path / place / "x.png"), image)
     given = {"clips": ["1/x.png", "2/x.png"], "task": "enhance", "grid": {"z": [0.2, 0.4]}}
     plan = planned(spec_of(given, path := tmp_path / "sweep.toml"), path)
-    recorded(plan, tmp_path / "sweep")
+    write_sweep(plan, tmp_path / "sweep")
     carried_out(plan, tmp_path / "sweep", Here())
     table = rows(read_sweep(tmp_path / "sweep"), tmp_path / "sweep")
     assert {row.clip for row in table} == {f"x.png ({one[:6]})" for one in plan.clips}
