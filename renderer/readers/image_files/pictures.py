@@ -1,4 +1,5 @@
-"""Picture files: one file in, one array out, or a ClipError that names the file."""
+"""Which files are images and which are videos, by name and header; an image file as an array, or a ClipError
+that names it."""
 
 from __future__ import annotations
 
@@ -104,8 +105,8 @@ def opens(path: Path) -> bool:
 
 
 def moves(path: Path) -> bool:
-    """Whether a file is a video: by its name, but for a GIF of one image and a text named .ts; or DICOM as
-    above."""
+    """Whether a file is a video: by its name, but for a GIF of one image and a text named .ts; or DICOM
+    that holds several frames or a video."""
     suffix = path.suffix.lower()
     if suffix in VIDEOS | RARER_VIDEOS:
         return not (suffix == ".gif" and _is_still(path)) and not (suffix == ".ts" and _is_text(path))
