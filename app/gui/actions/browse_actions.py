@@ -84,13 +84,17 @@ def choose_filter(browsing: Browsing, place: int) -> None:
 
 
 def typed_path(browsing: Browsing) -> Path:
-    """What stands in the line, from the folder on; `~` stands for a home folder where there is such a one."""
+    """What stands in the line, from the folder on, or the only one listed of which it is the beginning;
+    `~` stands for a home folder where there is such a one."""
     if not browsing.typed:
         return browsing.marked or browsing.folder
     try:
-        return browsing.folder / Path(browsing.text).expanduser()
+        path = browsing.folder / Path(browsing.text).expanduser()
     except RuntimeError:
-        return browsing.folder / browsing.text
+        path = browsing.folder / browsing.text
+    only = browsing.entries[0] if browsing.begun and len(browsing.entries) == 1 else None
+    is_beginning = only is not None and only.name.casefold().startswith(browsing.begun)
+    return only.path if only is not None and is_beginning and not os.path.lexists(path) else path
 
 
 def opens(state: AppState, browsing: Browsing) -> None:

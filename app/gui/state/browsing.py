@@ -65,12 +65,20 @@ class Browsing:
 
     @property
     def entries(self) -> tuple[Entry, ...]:
-        """Those that can be entered or chosen, as sorted: folders first."""
+        """Those that can be entered or chosen, as sorted: folders first. Of a name that is typed, those that
+        begin with it, where any do."""
         # The listing itself: another may lie where one that is gone has lain.
-        key = (self.listing, self.filter, self.column, self.descending)
+        key = (self.listing, self.filter, self.column, self.descending, self.begun)
         if self._shown is None or self._shown[0] != key:
             self._shown = key, self._sorted()
         return self._shown[1]
+
+    @property
+    def begun(self) -> str:
+        """What is typed of a name in this folder, folded; empty for nothing."""
+        path = self.folder / self.text
+        is_name = self.typed and self.choosing.kind != "save" and path.parent == self.folder
+        return path.name.casefold() if is_name else ""
 
     def _sorted(self) -> tuple[Entry, ...]:
         found = self.listing.entries if self.listing is not None else ()
@@ -79,6 +87,7 @@ class Browsing:
         kept = [
             entry for entry in found if entry.kind == "folder" or (not folders_alone and passes(entry.path))
         ]
+        kept = [entry for entry in kept if entry.name.casefold().startswith(self.begun)] or kept
         # Sorting is stable: what is equal stays by name.
         kept.sort(key=lambda entry: _by_name(entry.name))
         if self.column == "date":

@@ -99,6 +99,24 @@ def test_a_folder_whose_path_is_typed_to_its_end_is_listed(chooser: Chooser, fol
     assert browse_actions.typed_path(chooser.browsing).resolve() == (folder / "b clip").resolve()
 
 
+def test_the_beginning_of_a_name_narrows_the_list_and_the_only_one_left_opens(
+    chooser: Chooser, folder: Path
+) -> None:
+    chooser.ask("file", "file", folder)
+    everything = chooser.names()
+    (folder / "10.png.bak").write_text("")  # Not listed: it does not open.
+    for text, names in (
+        ("1", ["10.png"]), ("S", ["scope.mp4"]), (str(folder / "no"), ["notes.txt"]), ("zz", everything),
+        (str(folder), everything), (str(folder) + os.sep, everything), ("", everything), ("a", ["A clip"]),
+    ):  # fmt: skip
+        browse_actions.type_path(chooser.browsing, text)
+        assert chooser.names() == names, text
+    for text, path in (("10.png.bak", "10.png.bak"), ("zz", "zz"), ("sc", "scope.mp4")):
+        browse_actions.type_path(chooser.browsing, text)
+        assert browse_actions.typed_path(chooser.browsing) == folder / path
+    assert not browse_actions.why_not(chooser.browsing)
+
+
 def test_a_listing_in_the_place_in_memory_of_one_that_is_gone_is_listed_anew(
     chooser: Chooser, folder: Path
 ) -> None:
