@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import groupby
+from collections.abc import Mapping
+from itertools import accumulate, groupby
 
 from imgui_bundle import imgui, imgui_ctx
 
 from app.files.legible import legible
+from app.files.provenance import NOTICE
 from app.gui.commands.command import Command, Section
 from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.state.app_state import AppState
@@ -15,6 +17,7 @@ from app.gui.style.widgets import em, explain, muted, shortened
 from app.gui.views.key_words import with_keys
 from app.kernels.progress import worded
 
+MORE = "More"
 SEPARATOR = "   ·   "
 LEAST = 6.0
 """Text heights across below which a part of a fact tells nothing."""
@@ -23,8 +26,26 @@ LEAST = 6.0
 def draw_menus(state: AppState, sections: tuple[Section, ...]) -> None:
     """Every command, for those who look rather than remember."""
     _hide_border(imgui.Col_.menu_bar_bg)
-    for name, grouped in groupby(sections, lambda section: section.menu):
-        together = tuple(grouped)
+    menus = {name: tuple(grouped) for name, grouped in groupby(sections, lambda section: section.menu)}
+    names = list(menus)
+    whole = _how_many(names, imgui.get_content_region_avail().x)
+    _draw_menus(state, {name: menus[name] for name in names[:whole]})
+    if whole < len(names):
+        with imgui_ctx.begin_menu(MORE) as more:
+            if more:
+                _draw_menus(state, {name: menus[name] for name in names[whole:]})
+
+
+def _how_many(names: list[str], room: float) -> int:
+    """Of the menus, those that fit into the bar; where not all do, with MORE behind them."""
+    gaps = 2 * imgui.get_style().item_spacing.x
+    ends = list(accumulate(imgui.calc_text_size(name).x + gaps for name in names))
+    rest = 0.0 if ends[-1] <= room else imgui.calc_text_size(MORE).x + gaps
+    return sum(end + rest <= room for end in ends)
+
+
+def _draw_menus(state: AppState, menus: Mapping[str, tuple[Section, ...]]) -> None:
+    for name, together in menus.items():
         with imgui_ctx.begin_menu(name) as menu:
             if menu:
                 _draw_menu(state, together)
@@ -56,10 +77,12 @@ def draw_commands(state: AppState, commands: tuple[Command, ...]) -> None:
 def draw_status(state: AppState) -> None:
     """The notice on the left, always; what is open and how fast things are on the right."""
     _hide_border(imgui.Col_.window_bg)
-    imgui.text_colored(theme.now().warning, LONG_NOTICE)
-    room = imgui.get_window_width() - imgui.calc_text_size(LONG_NOTICE).x - em(4)
+    width = imgui.get_window_width()
+    notice = LONG_NOTICE if imgui.calc_text_size(LONG_NOTICE).x < width - em(1) else NOTICE
+    imgui.text_colored(theme.now().warning, notice)
+    room = width - imgui.calc_text_size(notice).x - em(4)
     if text := fitting(_facts(state), room):
-        imgui.same_line(imgui.get_window_width() - imgui.calc_text_size(text).x - em(1))
+        imgui.same_line(width - imgui.calc_text_size(text).x - em(1))
         muted(text)
         if state.scene.model is not None:
             explain(state.scene.drawn_by)

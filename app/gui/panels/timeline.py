@@ -66,9 +66,11 @@ def draw_timeline(state: AppState, textures: ShowsPictures) -> None:
 
 def _draw_slider(state: AppState, count: int, across: int) -> None:
     imgui.set_next_item_width(across)
-    label = in_folder(state) or place(state)
     now, most, flags = state.moment + 1, max(count, 2), imgui.SliderFlags_.always_clamp
-    said = label.replace("%d", str(now)).replace("%%", "%")
+    label = in_folder(state) or place(state)
+    if imgui.calc_text_size(_said(label, now)).x > across:
+        label = label.split(" · ")[0]
+    said = _said(label, now)
     scale = FrameScale(0, across, count, imgui.get_style().grab_min_size)
     # None where there is one frame.
     grab = handle(said, scale.ends(now - 1, now - 1), across) if count > 1 else theme.CLEAR
@@ -80,6 +82,10 @@ def _draw_slider(state: AppState, count: int, across: int) -> None:
         changed, frame = imgui.slider_int("##frame", now, 1, most, label, flags)
     if changed:
         actions.seek(state, frame - 1)
+
+
+def _said(label: str, frame: int) -> str:
+    return label.replace("%d", str(frame)).replace("%%", "%")
 
 
 def in_folder(state: AppState) -> str:

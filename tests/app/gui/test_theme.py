@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import glfw
 import pytest
 from imgui_bundle import ImVec2, ImVec4, glfw_utils, imgui
 
+from app.files.provenance import NOTICE
 from app.gui.actions import actions
 from app.gui.commands.keys import chord
 from app.gui.frame import dockings
 from app.gui.frame.dockings import MOST
 from app.gui.panels import enhancement, export
+from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import button, toggle
@@ -329,5 +332,42 @@ def test_panels_share_a_place_where_lines_are_few(places: Places) -> None:
         assert share_a_place()
         ctx.key_press(chord("Ctrl+0"))
         assert not share_a_place()
+
+    driver.run(drive)
+
+
+@pytest.mark.display
+def test_with_large_text_every_menu_and_the_whole_notice_are_within_a_narrow_window(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    driver = Driver(places, Settings(acknowledged=True, text_percent=200), [])
+    state, ends = driver.state, dict[str, float]()
+
+    def remembered(draw: Callable[..., None]) -> Callable[..., None]:
+        def drawn(color: ImVec4, text: str) -> None:
+            draw(color, text)
+            ends[text] = imgui.get_item_rect_max().x
+
+        return drawn
+
+    monkeypatch.setattr(imgui, "text_colored", remembered(imgui.text_colored))
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        glfw.set_window_size(glfw_utils.glfw_window_hello_imgui(), 640, 900)
+        wait(ctx, lambda: imgui.get_main_viewport().size.x == 640, "the narrow window")
+        ends.clear()
+        ctx.yield_(4)
+        assert ends[NOTICE] <= 640
+        assert LONG_NOTICE not in ends
+        bar = "//##MainMenuBar/##MenuBar"
+        assert ctx.item_info(f"{bar}/More").rect_full.max.x <= 640
+        ctx.item_click(f"{bar}/More")
+        assert ctx.item_exists("//###Menu_00/Help")
+        ctx.key_press(imgui.Key.escape)
+        actions.choose_text_size(state, 80)
+        ctx.yield_(4)
+        assert ends[LONG_NOTICE] <= 640
+        assert ctx.item_exists(f"{bar}/Help")
+        assert not ctx.item_exists(f"{bar}/More")
 
     driver.run(drive)

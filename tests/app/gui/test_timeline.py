@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import pytest
-from imgui_bundle import ImVec4, imgui
+from imgui_bundle import ImVec4, imgui, imgui_ctx
 
 from app.gui.panels.timeline import draw_timeline
 from app.gui.state.app_state import AppState
@@ -132,3 +133,19 @@ def test_the_handle_leaves_its_label_legible(drawn: Drawn) -> None:
         drawn.state.timeline.frame_index = index
         drawn.ui.frame(draw)
     assert found == [False, True, False]
+
+
+def test_a_label_too_long_for_the_slider_names_the_frame_alone(
+    drawn: Drawn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    labels: list[str] = []
+    monkeypatch.setattr(imgui, "slider_int", lambda *given: (bool(labels.append(given[4])), 0))
+    drawn.state.source.clip = replace(make_clip(drawn.state.places.runs, 41), frames_per_second=25.0)
+
+    def draw(larger: float) -> None:
+        with imgui_ctx.push_font(None, larger * imgui.get_style().font_size_base):
+            draw_timeline(drawn.state, Shown())
+
+    for larger in (1.0, 4.0):
+        drawn.ui.frame(partial(draw, larger))
+    assert labels == ["frame %d / 41 · 0:00.0", "frame %d / 41"]
