@@ -201,7 +201,8 @@ def _draw_tiles(state: AppState, textures: ShowsPictures) -> None:
         _draw_original(state, textures, size)
     imgui.same_line(0, gap)
     with imgui_ctx.begin_child("tiles", ImVec2(0, 0), FLAT, imgui.WindowFlags_.horizontal_scrollbar):
-        whole = int((imgui.get_content_region_avail().x + gap) / (size.x + gap))
+        # One pixel more: windows have whole ones.
+        whole = int((imgui.get_content_region_avail().x + 1 + gap) / (size.x + gap))
         laid_out.place_tiles(state, max(whole, 1) if tuning.flows else tuning.grid.columns)
         for place, setting in enumerate(tuning.in_order):
             if place % tuning.columns:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from imgui_bundle import ImVec4, imgui
+from imgui_bundle import ImVec2, ImVec4, imgui, imgui_ctx
 
 from app.gui.actions import actions, tuning_actions
 from app.gui.panels import tuning as panel
@@ -106,6 +106,24 @@ def test_values_of_one_parameter_fill_rows_as_long_as_there_is_room(
     for _ in range(3):
         ui.frame(lambda: draw_tuning(state, Shown()))
     assert state.tuning.columns >= 4
+
+
+@pytest.mark.parametrize("width", range(601, 606))
+def test_the_columns_that_tiles_are_sized_for_are_those_laid_out(
+    ui: Ui, state: AppState, channels: Channels, width: int
+) -> None:
+    """Though windows have whole pixels and are scrolled."""
+    state.tuning.choices = (Choice("d_factor", 0.0, 2.0, 4), Choice(""))
+    tuning_actions.start_grid(state)
+    finish(state, channels)
+
+    def draw() -> None:
+        with imgui_ctx.begin_child("panel", ImVec2(width, 400)):
+            draw_tuning(state, Shown())
+
+    for _ in range(3):
+        ui.frame(draw)
+    assert state.tuning.columns == 2
 
 
 def test_no_line_below_a_tile_begins_with_the_number_of_the_line_before(
