@@ -51,11 +51,22 @@ def _text(found: Found) -> str:
 
 def _fit(found: Found, wanted: list[str]) -> int:
     """How well the words name it: all of its name counts most, then a word of it, then a synonym, then what
-    begins a word of it, then what begins a synonym."""
+    begins a word of it, then what begins a synonym; its first word a little more."""
     names, synonyms = found.name.casefold().rstrip("….").split(), found.command.synonyms
-    return (WHOLE_NAME if names == wanted else 0) + sum(
-        max((4 * (word in names), 3 * (word in synonyms), 2 * _begins(word, names), _begins(word, synonyms)))
-        for word in wanted
+    return (
+        (WHOLE_NAME if names == wanted else 0)
+        + (names[:1] == wanted[:1])
+        + sum(
+            max(
+                (
+                    4 * (word in names),
+                    3 * (word in synonyms),
+                    2 * _begins(word, names),
+                    _begins(word, synonyms),
+                )
+            )
+            for word in wanted
+        )
     )
 
 

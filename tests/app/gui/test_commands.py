@@ -212,6 +212,7 @@ SOUGHT = (
     ("dark mode", "Dark theme"),
     ("theme", "Dark theme"),
     ("light theme", "Light theme"),
+    ("light", "Light theme"),
     ("save picture", "Save image"),
     ("screenshot", "Save image"),
     ("undo", "Undo"),
