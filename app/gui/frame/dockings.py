@@ -183,9 +183,13 @@ def _parent_of(node: Node | None) -> Node | None:
 
 def spare_ground() -> None:
     """A docked panel is as the window is behind it: a software driver is spared painting that once more."""
-    can = imgui.WindowFlags_
+    can, ground = imgui.WindowFlags_, imgui.get_color_u32(theme.now().ground)
     for panel in _docking().dockable_windows:
-        docked = _in_window(_node_of(_window(panel.label)))
+        node = _node_of(_window(panel.label))
+        docked = _in_window(node)
+        if node is not None:
+            # What its place shows for a frame once it is hidden: of panels that paint no ground, white.
+            node.last_bg_color = ground
         # It comes back with a session, too, or once all panels do: behind the images, if it was there.
         quiet = can.no_focus_on_appearing if panel.label == TUNING else can.none
         panel.imgui_window_flags = (can.no_background if docked else can.none) | quiet

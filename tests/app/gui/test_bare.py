@@ -12,6 +12,7 @@ from imgui_bundle.immapp import testing
 
 from app.gui.actions import actions, session_actions
 from app.gui.frame import dockings
+from app.gui.style import theme
 from app.gui.work import kept_layout
 from app.gui.work.settings import Places, Settings
 from assets import phantom_path
@@ -42,6 +43,9 @@ def test_tab_leaves_the_pictures_alone_and_brings_all_panels_back(places: Places
         wait(ctx, lambda: is_settled(state), "the phantom")
         before, narrow, front = shown(), width(), in_front(ctx)
         assert "Reconstruction" in front
+        # What its place shows for a frame when it is hidden.
+        node = ctx.window_info("//Reconstruction").window.dock_node
+        assert node.last_bg_color == imgui.get_color_u32(theme.now().ground)
         ctx.item_click("//Images/**/###freeze")  # Whatever has the focus.
         ctx.key_press(key.tab)
         ctx.yield_(4)
