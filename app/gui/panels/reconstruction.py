@@ -156,7 +156,8 @@ def _draw_status(state: AppState, run: Reconstruction) -> None:
     if job_actions.waits_for_edits(state):
         note(WAITS_FOR_EDITS)
     if run.status != "finished" and (share := share_done(run)) is not None:
-        imgui.progress_bar(share, ImVec2(-1, em(1.25)), percent(share))
+        # Not 100 % while there is something left.
+        imgui.progress_bar(share, ImVec2(-1, em(1.25)), percent(min(share, 0.99)))
         if progress is not None:
             explain(f"{capital(in_all(progress.wall_seconds, progress.seconds, '.0f'))}. {PAUSES}")
 

@@ -42,10 +42,12 @@ def doing(state: AppState) -> str:
 
 
 def share_done(run: Reconstruction) -> float | None:
-    """Of what it is doing; None: not known."""
+    """Of what it is doing; None: not known, or all that is counted is done."""
     if run.status == "starting" and run.preparing is not None:
         return run.preparing.done / run.preparing.total if run.preparing.total else None
-    return run.progress.iteration / run.progress.iterations if run.progress is not None else None
+    if run.progress is None or (run.finishing is not None and run.is_alive):
+        return None
+    return run.progress.iteration / run.progress.iterations
 
 
 def _preparing(stage: Preparing) -> str:
