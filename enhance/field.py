@@ -1,6 +1,7 @@
 """What the endoscope sees of a picture: the field of view inside a dark surround.
 
-It is convex: round, octagonal, or either of these cropped by the picture. `field_search` finds it.
+It is convex, round, octagonal, or either of these cropped by the picture; or several such parts, as of two
+eyes side by side. `field_search` finds it.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 from typing import Annotated, Final, Self
 
 import cv2
@@ -24,6 +26,7 @@ MOST_COMPARED: Final = 32
 """Fields of one clip."""
 LEAST_CONVEX: Final = 0.98
 """Area of an outline by that of its convex hull: rounding may dent it."""
+MOST_PARTS: Final = 4
 MOST_CORNERS: Final = 240
 """Of an outline; as many as the rays that its rim is measured along."""
 
@@ -38,11 +41,11 @@ Corner = tuple[Coordinate, Coordinate]
 
 @dataclass(frozen=True, config=ConfigDict(extra="forbid", allow_inf_nan=False))
 class FieldOfView:
-    """A convex part of a picture, in pixels from its upper left corner; pixel centres at +0.5.
+    """A convex part of a picture, or several, in pixels from its upper left corner; pixel centres at +0.5.
 
     Raises:
-        pydantic.ValidationError: (a ValueError) a value out of its range, a circle and a polygon, or a
-            polygon that is not convex.
+        pydantic.ValidationError: (a ValueError) a value out of its range, more than one of a circle, a
+            polygon and parts, a polygon that is not convex, or parts of another picture or in parts.
 
     Example:
         >>> from enhance.field import FieldOfView
@@ -57,12 +60,21 @@ class FieldOfView:
     circle: tuple[Coordinate, Coordinate, Radius] | None = None
     """Middle, x and y, and radius; it may reach beyond the picture."""
     polygon: Annotated[tuple[Corner, ...], Len(3, MOST_CORNERS)] | None = None
-    """Corners of a convex outline, in order. Neither circle nor polygon: the whole picture."""
+    """Corners of a convex outline, in order."""
+    parts: Annotated[tuple[FieldOfView, ...], Len(2, MOST_PARTS)] | None = None
+    """A circle or a polygon each, apart from each other. None of all three: the whole picture."""
 
     @model_validator(mode="after")
     def _has_one_outline(self) -> Self:
-        if self.circle is not None and self.polygon is not None:
-            raise ValueError("expected a circle or a polygon, got both")
+        if sum(one is not None for one in (self.circle, self.polygon, self.parts)) > 1:
+            raise ValueError("expected a circle, a polygon or parts, got more than one")
+        return self
+
+    @model_validator(mode="after")
+    def _is_of_convex_parts(self) -> Self:
+        for one in self.parts or ():
+            if one.parts is not None or one.is_whole or (one.width, one.height) != (self.width, self.height):
+                raise ValueError("expected parts that are a circle or a polygon each, of the same image")
         return self
 
     @model_validator(mode="after")
@@ -77,16 +89,23 @@ class FieldOfView:
     @property
     def is_whole(self) -> bool:
         """There is no surround."""
-        return self.circle is None and self.polygon is None
+        return self.circle is None and self.polygon is None and self.parts is None
 
     def fits(self, image: AnyImage) -> bool:
         """It is of images of this size."""
         return image.shape[:2] == (self.height, self.width)
 
     def spans(self) -> Spans:
-        """(H, 2) first column of each row that belongs to the field and the first after; empty: all do."""
+        """(H, 2) first column of each row that belongs to the field and the first after the last one; empty:
+        all do. Of several parts, what lies between them is in."""
         if self.is_whole:
             return EVERYWHERE
+        if self.parts is not None:
+            bounds = np.array([one.spans() for one in self.parts])
+            some = bounds[..., 0] < bounds[..., 1]
+            first = np.where(some, bounds[..., 0], self.width).min(axis=0)
+            end = np.where(some, bounds[..., 1], 0).max(axis=0)
+            return np.stack((np.minimum(first, end), end), axis=1).astype(np.int32)
         spans = np.empty((self.height, 2), np.int32)
         if self.circle is not None:
             _fill_circle(np.array(self.circle, np.float64), self.width, spans)
@@ -98,12 +117,16 @@ class FieldOfView:
         """(H, W), True = field."""
         if self.is_whole:
             return np.ones((self.height, self.width), bool)
+        if self.parts is not None:
+            return np.asarray(np.any([one.mask() for one in self.parts], axis=0))
         columns, spans = np.arange(self.width), self.spans()
         return np.asarray((columns >= spans[:, :1]) & (columns < spans[:, 1:]))
 
     def inset(self, by: float) -> FieldOfView:
         """Narrower by so many px, but not along the picture's own border, as the field goes on there; the
         same where nothing would be left."""
+        if self.parts is not None:
+            return replace(self, parts=tuple(one.inset(by) for one in self.parts))
         if self.circle is not None and self.circle[2] > by:
             return replace(self, circle=(*self.circle[:2], self.circle[2] - by))
         if self.polygon is None:
@@ -116,7 +139,7 @@ class FieldOfView:
             length = float(np.hypot(*side))
             if length and not self._along_border(corner, corner + side, by):
                 inward = clockwise * np.array([-side[1], side[0]]) / length
-                left = _beyond(left, inward, float(inward @ corner) + by)
+                left = beyond(left, inward, float(inward @ corner) + by)
         if len(left) < 3:
             return self
         # No more corners than before: what is left has one at most for each side, moved or kept.
@@ -127,7 +150,7 @@ class FieldOfView:
         return bool((ends < by).all(axis=0).any() or (ends > far).all(axis=0).any())
 
 
-def _beyond(corners: NDArray[np.float64], inward: NDArray[np.float64], least: float) -> NDArray[np.float64]:
+def beyond(corners: NDArray[np.float64], inward: NDArray[np.float64], least: float) -> NDArray[np.float64]:
     """The part of a convex outline of (N, 2) corners that lies beyond `least` along the normal."""
     inside, kept = corners @ inward - least, list[NDArray[np.float64]]()
     for place, here in enumerate(inside):
@@ -180,11 +203,23 @@ def _fill_row(left: float, right: float, width: int, span: NDArray[np.int32]) ->
 
 def overlap(one: FieldOfView, other: FieldOfView) -> float:
     """Intersection over union of two fields of one picture size, in [0, 1]."""
-    bounds = [np.array([(0, one.width)] * one.height) if x.is_whole else x.spans() for x in (one, other)]
-    common = np.minimum(bounds[0][:, 1], bounds[1][:, 1]) - np.maximum(bounds[0][:, 0], bounds[1][:, 0])
-    shared = int(np.maximum(common, 0).sum())
-    total = sum(int((bound[:, 1] - bound[:, 0]).sum()) for bound in bounds) - shared
+    ones, others = _bounds(one), _bounds(other)
+    shared = sum(_common(*pair) for pair in product(ones, others))
+    total = sum(_common(bound, bound) for bound in (*ones, *others)) - shared
     return shared / total if total else 1.0
+
+
+def _bounds(field: FieldOfView) -> list[Spans]:
+    """Spans of each of its parts."""
+    if field.is_whole:
+        return [np.array([(0, field.width)] * field.height, np.int32)]
+    return [one.spans() for one in field.parts or (field,)]
+
+
+def _common(one: Spans, other: Spans) -> int:
+    """Pixels in both."""
+    ends, firsts = np.minimum(one[:, 1], other[:, 1]), np.maximum(one[:, 0], other[:, 0])
+    return int(np.maximum(ends - firsts, 0).sum())
 
 
 def typical(fields: Sequence[FieldOfView]) -> FieldOfView:

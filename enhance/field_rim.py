@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import cv2
@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.field import MOST_CORNERS, FieldOfView
+from enhance.field import MOST_CORNERS, FieldOfView, beyond
 from enhance.image import AnyImage, BoolImage, full_scale
 
 RAYS: Final = MOST_CORNERS
@@ -24,6 +24,14 @@ RUN, MOST_DARK = 5, 1
 """Of so many pixels in a row, at most so many are dark where the field begins: single ones are noise."""
 LEAST_ON_CIRCLE: Final = 0.7
 """Of the rays: with fewer the outline is no circle."""
+AHEAD: Final = float(np.cos(np.radians(16)))
+"""Of rays so near an upright, level or diagonal one the middle tells how far a circle reaches there."""
+LEAST_CUT: Final = 0.04
+"""Of the radius: so much nearer than the circle is a straight line that cuts it."""
+LEAST_STRAIGHT: Final = 0.6
+"""Of the rays that would pass such a line; what ends elsewhere ends in shade."""
+CUT_CORNERS: Final = MOST_CORNERS // 2
+"""Of a circle that is cut."""
 LEAST_ARC: Final = 0.4
 """Of the rays: with so many on a circle the rest may be shade or an instrument beside its rim."""
 STRAIGHT: Final = 0.97
@@ -45,6 +53,9 @@ Samples = NDArray[np.float32]
 _ANGLES: Final = np.arange(RAYS) * (2 * np.pi / RAYS)
 ALONG: Final = np.stack((np.cos(_ANGLES), np.sin(_ANGLES)), axis=1)
 
+OUTWARD: Final = ALONG[:: RAYS // 8].copy()
+"""Of the sides of frames, octagons among them."""
+
 
 @dataclass(frozen=True, eq=False)
 class Rim:
@@ -54,6 +65,8 @@ class Rim:
     """(N, 2), x and y, less the half-dark rim; corners of the picture that belong to the field are last."""
     cropped: BoolImage
     """(N,) by the border of the picture."""
+    lit: BoolImage
+    """(N,) up to there, and dark beyond; not so where a ray sees nothing but dark, and of corners."""
 
 
 def left_along_rays(pixels: AnyImage, outline: Points, threshold: float, most: float, pixel: int) -> Rim:
@@ -156,14 +169,15 @@ def _quantile(counts: NDArray[np.int32], count: int, share: float) -> float:
 @njit(cache=True, error_model="numpy")
 def _left(
     values: Samples, middle: Points, far: Points, threshold: float, pixel: int, ends: Points
-) -> tuple[Points, BoolImage]:
+) -> tuple[Points, BoolImage, BoolImage]:
     """`Rim` of what `_unrolled` gives; ends: width and height of the picture."""
-    points, cropped = np.empty((RAYS + 4, 2)), np.zeros(RAYS + 4, np.bool_)
+    points, cropped, lit = np.empty((RAYS + 4, 2)), np.zeros(RAYS + 4, np.bool_), np.zeros(RAYS + 4, np.bool_)
     for ray in range(RAYS):
         last = _last_lit(values[ray], threshold)
         if last >= 0:
             margin, found = NEAR, _begin(far[ray], REACH * pixel) + last + 0.5
             cropped[ray] = values[ray, min(last + 2, values.shape[1] - 1)] < 0
+            lit[ray] = not cropped[ray]
         else:
             # All dark near an outline at the border: the field goes on there, however dim.
             margin, found = float(pixel), far[ray]
@@ -184,7 +198,7 @@ def _left(
             _move_beyond(points[count], ends, NEAR)
             cropped[count] = True
             count += 1
-    return points[:count], cropped[:count]
+    return points[:count], cropped[:count], lit[:count]
 
 
 @njit(error_model="numpy")
@@ -210,9 +224,10 @@ def _move_beyond(point: Points, ends: Points, margin: float) -> None:
             point[axis] = ends[axis] + BEYOND
 
 
-def fitted(rim: Rim, whole: FieldOfView) -> FieldOfView:
-    """A circle where most points lie on one, else the convex hull of all, in the picture that is `whole`; all
-    of it where the hull ends in shade."""
+def fitted(rim: Rim, whole: FieldOfView, least: float) -> FieldOfView:
+    """A circle where most points lie on one, without what straight lines cut off it, else the convex hull of
+    all, in the picture that is `whole`; all of it where the hull ends in shade, or where less than
+    `least` of its rim runs as circles and frames do."""
     free, arc = rim.points[~rim.cropped], 1.0
     if len(free) >= RAYS // 6:
         *circle, share = _circle(free)
@@ -222,24 +237,78 @@ def fitted(rim: Rim, whole: FieldOfView) -> FieldOfView:
         is_round = radius < max(whole.width, whole.height) and np.hypot(across - x, down - y) < radius
         arc = share if is_round else 0.0
         if arc >= LEAST_ON_CIRCLE:
-            return FieldOfView(whole.width, whole.height, circle=(x, y, radius))
+            return _cut(FieldOfView(whole.width, whole.height, circle=(x, y, radius)), rim)
     hull = cv2.convexHull(rim.points.astype(np.float32))
     corners = cv2.approxPolyDP(hull, 0.7, closed=True)[:, 0]
-    if arc < LEAST_ARC and _is_shade(corners, whole):
+    outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
+    within = ~(outside & np.roll(outside, -1, axis=0)).any(axis=1)
+    sides = (np.roll(corners, -1, axis=0) - corners)[within]
+    if (arc < LEAST_ARC and _is_shade(sides)) or arc + _straight_share(sides) < least:
         return whole
+    return _polygon(corners, whole)
+
+
+def _polygon(corners: NDArray[Any], whole: FieldOfView) -> FieldOfView:
     polygon = tuple((round(float(x), 1), round(float(y), 1)) for x, y in corners)
     return FieldOfView(whole.width, whole.height, polygon=polygon)
 
 
-def _is_shade(corners: NDArray[Any], whole: FieldOfView) -> bool:
-    """Whether the rim of a polygon, (N, 2) corners, is one straight line that runs as no frame does."""
-    outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
-    within = ~(outside & np.roll(outside, -1, axis=0)).any(axis=1)
-    sides = (np.roll(corners, -1, axis=0) - corners)[within]
-    across, down = sides.sum(axis=0)
-    slant = np.degrees(np.arctan2(down, across)) % 45
-    is_straight = np.hypot(across, down) > STRAIGHT * np.hypot(sides[:, 0], sides[:, 1]).sum()
-    return bool(is_straight and min(slant, 45 - slant) > MOST_SLANT)
+def _cut(field: FieldOfView, rim: Rim) -> FieldOfView:
+    """A circle, or a polygon where straight lines of lit ends run within it as frames do, such as of a D."""
+    assert field.circle is not None
+    middle, radius = np.array(field.circle[:2]), field.circle[2]
+    levels = _straight_levels(rim.points[:RAYS] - middle, rim.lit, radius)
+    if (levels == radius).all():
+        return field
+    corners = middle + radius * ALONG[:: RAYS // CUT_CORNERS]
+    for outward, level in zip(OUTWARD, levels.tolist(), strict=True):
+        corners = beyond(corners, -outward, -level - float(middle @ outward))
+    return _polygon(corners, replace(field, circle=None))
+
+
+@njit(cache=True, error_model="numpy")
+def _straight_levels(points: Points, lit: BoolImage, radius: float) -> Points:
+    """How far from its middle a straight line cuts a circle, in each direction of OUTWARD; the radius where
+    none does. points: about the middle."""
+    levels, tolerance = np.full(len(OUTWARD), radius), _tolerance(radius)
+    depths, away = np.empty(RAYS), np.sqrt(points[:, 0] ** 2 + points[:, 1] ** 2)
+    for turn in range(len(OUTWARD)):
+        count = 0
+        for ray in range(RAYS):
+            depth = points[ray, 0] * OUTWARD[turn, 0] + points[ray, 1] * OUTWARD[turn, 1]
+            if depth > AHEAD * away[ray]:
+                depths[count] = depth
+                count += 1
+        level = _median(depths[:count]) if count > 0 else radius
+        if not 0 < level < radius - max(LEAST_CUT * radius, 2 * tolerance):
+            continue
+        passing, straight = 0, 0
+        for ray in range(RAYS):
+            depth = points[ray, 0] * OUTWARD[turn, 0] + points[ray, 1] * OUTWARD[turn, 1]
+            if depth * radius > level * away[ray]:
+                passing += 1
+                straight += lit[ray] and abs(depth - level) <= tolerance
+        if straight >= LEAST_STRAIGHT * passing:
+            levels[turn] = level
+    return levels
+
+
+@njit(error_model="numpy")
+def _tolerance(radius: float) -> float:
+    return float(max(CIRCLE_TOLERANCE, CIRCLE_TOLERANCE * radius / 1000))
+
+
+def _is_shade(sides: NDArray[Any]) -> bool:
+    """Whether (N, 2) sides of a polygon are one straight line that runs as no frame does."""
+    whole = sides.sum(axis=0, keepdims=True)
+    is_straight = np.hypot(*whole[0]) > STRAIGHT * np.hypot(sides[:, 0], sides[:, 1]).sum()
+    return bool(is_straight and _straight_share(whole) == 0)
+
+
+def _straight_share(sides: NDArray[Any]) -> float:
+    """Of the length of (N, 2) sides, what runs as frames do."""
+    lengths, turns = np.hypot(sides[:, 0], sides[:, 1]), np.degrees(np.arctan2(sides[:, 1], sides[:, 0])) % 45
+    return float(lengths[np.minimum(turns, 45 - turns) <= MOST_SLANT].sum() / max(lengths.sum(), 1.0))
 
 
 @njit(cache=True, error_model="numpy")
@@ -252,7 +321,7 @@ def _circle(points: Points) -> tuple[float, float, float, float]:
         x, y, radius = _kasa(points, apart, most)
         for i in range(len(points)):
             apart[i] = abs(np.sqrt((points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2) - radius)
-        tolerance = max(CIRCLE_TOLERANCE, CIRCLE_TOLERANCE * radius / 1000)
+        tolerance = _tolerance(radius)
         most = max(tolerance, 2 * _median(apart))
     near = 0
     for i in range(len(points)):

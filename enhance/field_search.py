@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import cv2
@@ -10,8 +10,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.field import FieldOfView
-from enhance.field_rim import Points, fitted, left_along_rays
+from enhance.field import MOST_PARTS, FieldOfView
+from enhance.field_rim import Points, Rim, fitted, left_along_rays
 from enhance.image import AnyImage, Picture, full_scale, read_picture
 
 LOW_SIDE: Final = 160
@@ -48,6 +48,9 @@ LEAST_DARK: Final = 0.75
 LEAST_SHARP: Final = 0.5
 """Of the outline: there the picture rises by another STEP within two small pixels; a shadow fades."""
 
+MOSTLY, NEVER = 0.5, 2.0
+"""How much of a polygon's rim runs as circles and frames do: of parts, as no tool runs so; more than any."""
+
 LEVELS: Final = 256
 SQUARE: Final = np.ones((3, 3), np.uint8)
 Levels = NDArray[np.uint8]
@@ -65,6 +68,19 @@ class Tones:
     """Darker pixels are surround, lit by stray light at most, or tissue in the shade."""
     most: float
     """No surround is brighter, however noisy."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """What of the small copy is brighter than the threshold."""
+
+    threshold: float
+    pixels: Levels
+    """(h, w), 1 there."""
+    labels: NDArray[np.int32]
+    """(h, w), of connected parts, but for specks, from 1."""
+    count: int
+    """One more than these."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,17 +125,27 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     tones = _tones(low)
     if tones is None:
         return whole
-    outline, threshold = _outline(low, tones.threshold), tones.threshold
-    if outline is None or len(outline.corners) == 0:
-        return whole if outline is not None else None
+    lit, threshold = _lit(low, tones.threshold), tones.threshold
+    outline = _outline(low, lit)
+    if outline is None:
+        return None
+    scale = np.array([width / low.shape[1], height / low.shape[0]])
+
+    def rim_of(corners: Points) -> Rim:
+        return left_along_rays(pixels, (corners + 0.5) * scale, threshold, tones.most, factor)
+
+    parts = tuple(fitted(rim_of(corners), whole, MOSTLY) for corners in _apart(low, lit))
+    apart = replace(whole, parts=parts) if parts and not any(one.is_whole for one in parts) else whole
+    if len(outline.corners) == 0:
+        return apart
     shaded = _shaded(low, tones, outline.corners)
     if shaded is not None:
         outline, threshold = shaded, tones.least
-    scale = np.array([width / low.shape[1], height / low.shape[0]])
-    rim = left_along_rays(pixels, (outline.corners + 0.5) * scale, threshold, tones.most, factor)
-    field = fitted(rim, whole)
-    # Where what is dark dents the outline, only a circle tells a lumen beside the rim from shade on tissue.
-    return field if outline.is_convex or field.circle is not None else whole
+    rim = rim_of(outline.corners)
+    if not apart.is_whole:
+        field = fitted(rim, whole, NEVER)
+        return apart if field.is_whole else field
+    return fitted(rim, whole, 0.0 if outline.is_convex else NEVER)
 
 
 def _small(pixels: AnyImage, factor: int) -> Levels:
@@ -200,18 +226,39 @@ def _ranked(counts: NDArray[np.int32], place: int) -> int:
     return value
 
 
-def _outline(low: Levels, threshold: float) -> Outline | None:
-    """Of what is brighter; None: too dark to tell."""
+def _lit(low: Levels, threshold: float) -> Lit:
     lit = np.asarray(cv2.threshold(low, threshold, 1, cv2.THRESH_BINARY)[1], np.uint8)
     count, labels = cv2.connectedComponents(cv2.morphologyEx(lit, cv2.MORPH_OPEN, SQUARE), connectivity=4)
-    area, ends = _parts(np.asarray(labels, np.int32), count)
+    return Lit(threshold, lit, np.asarray(labels, np.int32), count)
+
+
+def _outline(low: Levels, lit: Lit) -> Outline | None:
+    """Of what is brighter; None: too dark to tell."""
+    area, ends = _parts(lit.labels, lit.count)
     if area == 0 or area < LEAST_FIELD * low.size:
         return None
     hull = cv2.convexHull(ends)
     field = _filled(low, hull)
-    if not _is_framed(low, lit, field, threshold):
+    if not _is_framed(low, lit, field):
         return Outline(np.empty((0, 2)), is_convex=True)
-    return Outline(hull[:, 0].astype(np.float64), _is_convex(lit, field))
+    return Outline(hull[:, 0].astype(np.float64), _is_convex(lit.pixels, field))
+
+
+def _apart(low: Levels, lit: Lit) -> list[Points]:
+    """Convex outlines of large lit parts, if there are several, and a surround divides them; else none."""
+    areas = np.bincount(lit.labels.ravel())
+    areas[0] = 0
+    large = np.flatnonzero(areas >= LEAST_PART * areas.max())
+    if not 2 <= len(large) <= MOST_PARTS:
+        return []
+    hulls = [cv2.convexHull(_parts((lit.labels == one).astype(np.int32), 2)[1]) for one in large]
+    fields = [_filled(low, hull) for hull in hulls]
+    together = np.asarray(np.sum(fields, axis=0, dtype=np.uint8))
+    outside, dark = int((together == 0).sum()), int(((together == 0) & (lit.pixels == 0)).sum())
+    is_divided = together.max() == 1 and _is_surround(low, outside, dark) and _is_convex(lit.pixels, together)
+    if is_divided and all(_is_sharp(*_around(low, lit.pixels, one, lit.threshold)[2:]) for one in fields):
+        return [hull[:, 0].astype(np.float64) for hull in hulls]
+    return []
 
 
 def _filled(low: Levels, hull: NDArray[Any]) -> Levels:
@@ -226,7 +273,7 @@ def _shaded(low: Levels, tones: Tones, lit: Points) -> Outline | None:
     dark, bright = (np.count_nonzero(low > level) for level in (tones.least, tones.threshold))
     if dark < (1 + LEAST_SHADED) * bright:
         return None
-    outline = _outline(low, tones.least)
+    outline = _outline(low, _lit(low, tones.least))
     if outline is None or len(outline.corners) == 0 or not outline.is_convex:
         return None
     field, before = (_filled(low, corners.astype(np.int32)) for corners in (outline.corners, lit))
@@ -268,11 +315,19 @@ def _parts(labels: NDArray[np.int32], count: int) -> tuple[int, NDArray[np.int32
     return largest, ends[:found]
 
 
-def _is_framed(low: Levels, lit: Levels, field: Levels, threshold: float) -> bool:
+def _is_framed(low: Levels, lit: Lit, field: Levels) -> bool:
     """Whether what lies outside the convex field is a surround, not shadow on tissue."""
-    outside, dark, rim, sharp = _around(low, lit, field, threshold)
-    if outside < LEAST_SURROUND * low.size or dark < LEAST_DARK * outside:
-        return False
+    outside, dark, rim, sharp = _around(low, lit.pixels, field, lit.threshold)
+    return _is_surround(low, outside, dark) and _is_sharp(rim, sharp)
+
+
+def _is_surround(low: Levels, outside: int, dark: int) -> bool:
+    """Of the pixels outside of a field."""
+    return outside >= LEAST_SURROUND * low.size and dark >= LEAST_DARK * outside
+
+
+def _is_sharp(rim: int, sharp: int) -> bool:
+    """Of a field's rim."""
     return rim > 0 and sharp >= LEAST_SHARP * rim
 
 

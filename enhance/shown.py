@@ -38,7 +38,7 @@ class Shown:
     """`found_in` the picture, looked for once, however often it is called."""
     pixels: NDArray[Any]
     """(H, W, 3), C-contiguous, uint8 or float32; grey three times."""
-    keep: NDArray[np.uint8]
+    tissue: NDArray[np.uint8]
     """(H, W), 1 = counts in the statistics if it lies in the field; empty: all that do."""
     wanted: Pixels
     field: FieldOfView | None = None
@@ -59,14 +59,14 @@ class Shown:
             raise ImageError(
                 f"expected a field of view of {width} x {height} pixels, got {wanted.width} x {wanted.height}"
             )
-        keep = ALL_KEPT
+        tissue = ALL_KEPT
         if tissue_mask is not None or picture.alpha is not None:
-            keep = np.ascontiguousarray(read_mask(tissue_mask, picture)).view(np.uint8)
+            tissue = np.ascontiguousarray(read_mask(tissue_mask, picture)).view(np.uint8)
         pixels = picture.pixels if picture.dtype == np.uint8 else picture.colors
         pixels = np.ascontiguousarray(pixels)
         if pixels.ndim == 2:
             pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB))
-        return cls(given, picture, cache(partial(found_in, picture)), pixels, keep, wanted)
+        return cls(given, picture, cache(partial(found_in, picture)), pixels, tissue, wanted)
 
     def within(self, statistics: Statistics | None) -> Shown:
         """Itself, or the same image within the field of view that is wanted, or that of given statistics."""
@@ -99,6 +99,19 @@ class Shown:
         """Of the field; see `FieldOfView.spans`."""
         return EVERYWHERE if self.field is None else self.field.spans()
 
+    @cached_property
+    def keep(self) -> NDArray[np.uint8]:
+        """(H, W), 1 = counts in the statistics if it lies in the spans; empty: all that do."""
+        if not self._is_apart:
+            return self.tissue
+        inside = self._inside().view(np.uint8)
+        return inside & self.tissue if len(self.tissue) > 0 else inside
+
+    @property
+    def _is_apart(self) -> bool:
+        """The field has parts, so that the spans hold some of the surround."""
+        return self.field is not None and self.field.parts is not None
+
     @property
     def counts_all(self) -> bool:
         """Every pixel counts in the statistics."""
@@ -107,6 +120,8 @@ class Shown:
     def finished(self, out: NDArray[Any]) -> AnyImage:
         """`out`, shaped as `pixels`, in the input's shape and type; alpha, what it hides, and what lies
         outside the field as they came."""
+        if self._is_apart:
+            cv2.copyTo(self.pixels, (~self._inside()).view(np.uint8), out)
         whole = self._whole(out)
         if self.given.alpha is not None:
             hidden = ~self.given.visible

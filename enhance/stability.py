@@ -290,6 +290,8 @@ def _surrounded(image: NDArray[np.uint8]) -> dict[str, tuple[NDArray[np.uint8], 
     whole, half = np.ones(shape, bool), np.ones(shape, bool)
     half[:, : shape[1] // 3] = False
     round_view, beyond, aside = (_disc(shape, *at) for at in ((0.5, 0.42), (0.5, 0.62), (0.62, 0.48)))
+    cut = round_view & (np.arange(shape[1]) < 0.62 * shape[1])
+    eyes = _disc(shape, 0.26, 0.28) | _disc(shape, 0.74, 0.28)
     point = np.zeros_like(image)
     point[shape[0] // 2, shape[1] // 2] = 200
     texts = _within(image, round_view, noise)
@@ -306,6 +308,8 @@ def _surrounded(image: NDArray[np.uint8]) -> dict[str, tuple[NDArray[np.uint8], 
         "circle": (_within(image, round_view, noise), round_view),
         "circle larger than the image": (_within(image, beyond, noise), beyond),
         "circle beside the middle": (_within(image, aside, noise), aside),
+        "circle with a straight side": (_within(image, cut, noise), cut),
+        "two circles": (_within(image, eyes, noise), eyes),
         "text in the surround": (texts, round_view),
         "grey": (grey, round_view),
     }

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from enhance.image import BoolImage
 from tests.enhance.pictures import ByteImage, vessels
 
-OUTLINES = ("circle", "cropped circle", "wide circle", "beside the middle", "octagon")
+OUTLINES = ("circle", "cropped circle", "wide circle", "beside the middle", "octagon", "D")
+APART = ("two circles", "two cut circles", "two rectangles", "circle and inset", "four rectangles")
 
 
 def outline(name: str, height: int = 240, width: int = 320) -> BoolImage:
@@ -19,6 +20,10 @@ def outline(name: str, height: int = 240, width: int = 320) -> BoolImage:
         across, down = np.abs(x - width / 2), np.abs(y - height / 2)
         cut = 0.72 * (0.45 * width + 0.45 * height)
         return np.asarray((across < 0.45 * width) & (down < 0.45 * height) & (across + down < cut))
+    if name in APART:
+        return _apart(name, x / width, y / height, width / height)
+    if name == "D":
+        return np.asarray((np.hypot(x - width / 2, y - height / 2) < 0.45 * height) & (x > 0.35 * width))
     at, radius = {
         "circle": ((0.5, 0.5), 0.45),
         "cropped circle": ((0.5, 0.5), 0.56),
@@ -26,6 +31,23 @@ def outline(name: str, height: int = 240, width: int = 320) -> BoolImage:
         "beside the middle": ((0.62, 0.45), 0.48),
     }[name]
     return np.asarray(np.hypot(x - at[0] * width, y - at[1] * height) < radius * height)
+
+
+def _apart(name: str, x: NDArray[np.float64], y: NDArray[np.float64], aspect: float) -> BoolImage:
+    """x, y: shares of width and height."""
+    left, right = (np.hypot((x - at) * aspect, y - 0.5) for at in (0.25, 0.75))
+    if name == "two circles":
+        return np.asarray((left < 0.31) | (right < 0.29))
+    if name == "two cut circles":
+        return np.asarray(((left < 0.39) & (x < 0.48)) | ((right < 0.39) & (x > 0.52)))
+    if name == "circle and inset":
+        return np.asarray(
+            (np.hypot((x - 0.35) * aspect, y - 0.5) < 0.4) | ((abs(x - 0.82) < 0.14) & (y > 0.6))
+        )
+    across = np.minimum(abs(x - 0.25), abs(x - 0.75))
+    if name == "two rectangles":
+        return np.asarray((across < 0.18) & (abs(y - 0.5) < 0.4))
+    return np.asarray((across < 0.18) & (np.minimum(abs(y - 0.26), abs(y - 0.76)) < 0.19))
 
 
 def seen_in(

@@ -6,9 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.field_rim import (
+    AHEAD,
     BEYOND,
     CIRCLE_TOLERANCE,
     DEVIATIONS,
+    LEAST_CUT,
+    LEAST_STRAIGHT,
     NEAR,
     RAYS,
     REACH,
@@ -20,8 +23,9 @@ from enhance.image import AnyImage, BoolImage, full_scale
 
 def rim_of(
     pixels: AnyImage, outline: Points, threshold: float, most: float, pixel: int
-) -> tuple[Points, BoolImage]:
-    """As `enhance.field_rim.left_along_rays`: points, and which of them the border of the picture crops."""
+) -> tuple[Points, BoolImage, BoolImage]:
+    """As `enhance.field_rim.left_along_rays`: points, which the border of the picture crops, and up to which
+    it is lit."""
     height, width = pixels.shape[:2]
     ends = np.array([width, height])
     middle = (outline.max(axis=0) + outline.min(axis=0)) / 2
@@ -57,7 +61,8 @@ def rim_of(
     margin = np.concatenate((margin, np.full((len(reached), 1), NEAR)))
     cropped = np.concatenate((cropped, np.ones(len(reached), bool)))
     beyond = np.where(points < margin, -BEYOND, np.where(points > ends - margin, ends + BEYOND, points))
-    return np.where(cropped[:, None], beyond, points), cropped
+    lit = np.concatenate((some, np.zeros(len(reached), bool))) & ~cropped
+    return np.where(cropped[:, None], beyond, points), cropped, lit
 
 
 def distances(middle: Points, along: Points, outline: Points) -> Points:
@@ -90,6 +95,21 @@ def kasa(kept: Points, points: Points) -> tuple[Points, Points]:
     radius = np.sqrt(rest + x**2 + y**2)
     x, y = x + center[0], y + center[1]
     return np.array([x, y, radius]), np.abs(np.hypot(points[:, 0] - x, points[:, 1] - y) - radius)
+
+
+def straight_levels_of(points: Points, lit: BoolImage, radius: float) -> Points:
+    """As `enhance.field_rim._straight_levels`."""
+    levels = np.full(8, radius)
+    for turn in range(8):
+        depth = points @ (np.cos(turn * np.pi / 4), np.sin(turn * np.pi / 4))
+        share = depth / np.hypot(*points.T)
+        level = np.median(depth[share > AHEAD]) if (share > AHEAD).any() else radius
+        nearest = radius - max(LEAST_CUT * radius, 2 * tolerance_of(np.array([0, 0, radius])))
+        passing = share > level / radius
+        straight = lit & (abs(depth - level) <= tolerance_of(np.array([0, 0, radius])))
+        if 0 < level < nearest and straight[passing].mean() >= LEAST_STRAIGHT:
+            levels[turn] = level
+    return levels
 
 
 def tolerance_of(circle: Points) -> float:

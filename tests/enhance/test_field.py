@@ -14,11 +14,13 @@ from pydantic import ValidationError
 from enhance.field import FieldOfView, overlap, typical
 from enhance.field_search import find_field
 from enhance.image import BoolImage
-from tests.enhance.endoscopes import OUTLINES, agreement, labelled, outline, seen_in
+from tests.enhance.endoscopes import APART, OUTLINES, agreement, labelled, outline, seen_in
 from tests.enhance.pictures import as_type
 
 RIM = 8
 """Pixels within the true outline that may be left out: two are on purpose."""
+
+PART = FieldOfView(8, 8, circle=(2.0, 2.0, 1.0))
 
 
 def assert_found(mask: BoolImage, field: BoolImage, rim: int = RIM) -> None:
@@ -93,8 +95,27 @@ def test_a_field_that_a_dark_tool_divides_is_one(name: str) -> None:
 def test_of_two_round_fields_none_is_left_out(radius: int, share: float) -> None:
     y, x = np.mgrid[:240, :320] + 0.5
     fields = (np.hypot(x - 80, y - 120) < radius) | (np.hypot(x - 240, y - 120) < share * radius)
-    inner = cv2.erode(fields.astype(np.uint8), np.ones((2 * RIM + 1, 2 * RIM + 1), np.uint8)) > 0
-    assert found(seen_in(fields)).mask()[inner].all()
+    field = found(seen_in(fields))
+    assert_found(field.mask(), fields)
+    assert all(one.circle is not None for one in field.parts or ())
+
+
+@pytest.mark.parametrize("name", APART)
+@pytest.mark.parametrize(("black", "noise"), [(0, 0), (3, 4), (18, 2)])
+def test_fields_beside_each_other_are_found_each(name: str, black: float, noise: float) -> None:
+    fields = outline(name)
+    field = found(labelled(seen_in(fields, black=black, noise=noise)))
+    assert_found(field.mask(), fields)
+    assert len(field.parts or ()) == cv2.connectedComponents(fields.astype(np.uint8))[0] - 1
+
+
+@pytest.mark.parametrize("turn", [0, 1, 2, 3])
+@pytest.mark.parametrize("depth", [0.5, 0.7, 0.9])
+@pytest.mark.parametrize("dim", [0.0, 0.5])
+def test_a_straight_side_cuts_a_circle(turn: int, depth: float, dim: float) -> None:
+    y, x = np.mgrid[:320, :320] + 0.5
+    field = np.rot90((np.hypot(x - 160, y - 160) < 140) & (x - 160 < depth * 140), turn)
+    assert_found(found(seen_in(field, dim=dim)).mask(), field)
 
 
 @pytest.mark.parametrize("name", ["circle", "octagon"])
@@ -117,6 +138,14 @@ def test_a_dark_lumen_beside_the_rim_is_field(name: str, black: float) -> None:
     y, x = np.mgrid[:240, :320] + 0.5
     image = seen_in(field & (np.hypot(x - 250, y - 120) > 60), black=black)
     assert_found(found(image).mask(), field)
+
+
+@pytest.mark.parametrize("width", [16, 48, 90])
+@pytest.mark.parametrize("tilt", [0.2, 0.6])
+def test_a_dark_tool_across_the_picture_is_no_surround(width: int, tilt: float) -> None:
+    y, x = np.mgrid[:240, :320] + 0.5
+    image = seen_in(abs(x + tilt * (y - 120) - 150) > width / 2)
+    assert found(image).is_whole
 
 
 @pytest.mark.parametrize("tilt", [-0.3, 0.2, 0.6, 3.0])
@@ -217,6 +246,20 @@ def test_overlap_is_that_of_the_masks() -> None:
     assert overlap(one, FieldOfView(80, 60, circle=(-90, -90, 5))) == 0
 
 
+@pytest.mark.parametrize("name", APART)
+def test_parts_are_spanned_inset_and_compared_together(name: str) -> None:
+    field, other = found(seen_in(outline(name))), FieldOfView(320, 240, circle=(100, 110, 80))
+    mask, spans, columns = field.mask(), field.spans(), np.arange(320)
+    assert overlap(field, other) == overlap(other, field) == agreement(mask, other.mask())
+    assert overlap(field, field) == 1
+    assert field.parts is not None
+    assert np.array_equal(mask, np.any([one.mask() for one in field.parts], axis=0))
+    for row, (first, end) in enumerate(spans.tolist()):
+        within = columns[mask[row]]
+        assert (first, end) == (within[0], within[-1] + 1) if len(within) else first == end
+    assert field.inset(3).parts == tuple(one.inset(3) for one in field.parts)
+
+
 def test_the_typical_field_of_a_clip_is_not_that_of_its_flashes() -> None:
     usual = [FieldOfView(80, 60, circle=(40, 30, 25 + 0.1 * step)) for step in range(5)]
     odd = [FieldOfView(80, 60), FieldOfView(80, 60, circle=(40, 30, 4)), FieldOfView(8, 6)]
@@ -260,6 +303,11 @@ def test_an_inset_that_leaves_nothing_is_not_made() -> None:
         {"circle": (5.0, 5.0, 3.0), "polygon": ((0.0, 0.0), (5.0, 5.0), (0.0, 5.0))},
         {"polygon": ((0.0, 0.0), (8.0, 0.0), (4.0, 3.0), (8.0, 8.0), (0.0, 8.0))},
         {"polygon": ((0.0, 0.0), (8.0, 8.0), (8.0, 0.0), (0.0, 8.0))},
+        {"parts": (PART,)},
+        {"parts": (PART, PART), "circle": (5.0, 5.0, 3.0)},
+        {"parts": (PART, FieldOfView(8, 8))},
+        {"parts": (PART, FieldOfView(9, 8, circle=(5.0, 5.0, 3.0)))},
+        {"parts": (PART, FieldOfView(8, 8, parts=(PART, PART)))},
     ],
 )
 def test_what_is_no_field_is_refused(wrong: dict[str, Any]) -> None:

@@ -38,13 +38,14 @@ def test_rays_leave_the_field_where_numpy_has_it(seed: int, dtype: Any, channels
     threshold = float(rng.uniform(5, 60))
     most = threshold + float(rng.uniform(0, 100))
     rim = left_along_rays(image, corners, threshold, most, pixel)
-    points, cropped = field_oracle.rim_of(image, corners, threshold, most, pixel)
+    points, cropped, lit = field_oracle.rim_of(image, corners, threshold, most, pixel)
     # The threshold of noise is found to a sixteenth of a grey level, so that a few rays of floats may differ.
     off = np.abs(rim.points[:RAYS] - points[:RAYS]).max(axis=1) > 1e-6
     assert np.mean(off) < (1e-9 if dtype == np.uint8 else 0.02)
     if not off.any():
         assert np.allclose(rim.points, points)
         assert np.array_equal(rim.cropped, cropped)
+        assert np.array_equal(rim.lit, lit)
 
 
 @given(st.integers(0, 9999), st.floats(0, 0.4), st.floats(0, 3))
@@ -60,10 +61,24 @@ def test_the_circle_is_the_one_that_numpy_finds(seed: int, stray: float, noise: 
     assert share == pytest.approx(exact_share, abs=1 / len(points))
 
 
+@given(st.integers(0, 9999), st.floats(0.3, 1.1), st.floats(0, 2), st.floats(0, 0.6))
+def test_a_circle_is_cut_where_numpy_cuts_it(seed: int, depth: float, noise: float, stray: float) -> None:
+    rng = np.random.default_rng(seed)
+    radius, turn = rng.uniform(20, 900), rng.integers(8) * np.pi / 4
+    far = depth * radius / np.maximum(field_rim.ALONG @ (np.cos(turn), np.sin(turn)), 1e-9)
+    far = np.minimum(far, radius) + rng.normal(0, noise, RAYS)
+    far[rng.random(RAYS) < stray] *= 0.9
+    points, lit = far[:, None] * field_rim.ALONG, rng.random(RAYS) < 0.9
+    levels = field_rim._straight_levels(points, lit, radius)
+    assert np.allclose(levels, field_oracle.straight_levels_of(points, lit, radius))
+    if depth < 0.9 and noise < 0.3 and stray < 0.1:
+        assert levels[round(turn / (np.pi / 4))] == pytest.approx(depth * radius, abs=1)
+
+
 def test_points_on_a_line_lie_on_no_circle_of_the_picture() -> None:
     points = np.stack((np.linspace(3, 90, 60), np.linspace(2, 31, 60)), axis=1)
-    rim = field_rim.Rim(np.concatenate((points, [(50.0, 60.0)])), np.zeros(61, bool))
-    assert field_rim.fitted(rim, FieldOfView(100, 80)).circle is None
+    rim = field_rim.Rim(np.concatenate((points, [(50.0, 60.0)])), np.zeros(61, bool), np.ones(61, bool))
+    assert field_rim.fitted(rim, FieldOfView(100, 80), 0.0).circle is None
 
 
 @given(st.integers(0, 9999))
@@ -123,6 +138,6 @@ def test_a_rough_outline_with_tissue_beyond_it_is_mended(name: str) -> None:
     [contour], _ = cv2.findContours(rough, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     corners = np.asarray(cv2.convexHull(contour)[:, 0], np.float64) + 0.5
     rim = left_along_rays(image, corners, 36.0, 86.0, 4)
-    mask = field_rim.fitted(rim, FieldOfView(320, 240)).mask()
+    mask = field_rim.fitted(rim, FieldOfView(320, 240), 0.0).mask()
     assert not mask[~field].any()
     assert mask[cv2.erode(field.astype(np.uint8), np.ones((17, 17), np.uint8), borderValue=1) > 0].all()
