@@ -28,9 +28,9 @@ from enhance.second_pass import (
     render,
 )
 from enhance.shown import Pixels, Shown
-from enhance.statistics import LiveStatistics, Statistics, Tally, require_classes
+from enhance.statistics import LiveStatistics, Statistics, Tally, from_sums, require_classes
 from enhance.stream import Stream
-from enhance.survey import LIKELY_SIGMA, Moments, Survey, statistics_of
+from enhance.survey import LIKELY_SIGMA, Moments, Survey
 
 NO_VALUES: Final = np.empty((0, 0), np.float32)
 NO_CURVE: Final = np.empty(0, np.float32)
@@ -187,8 +187,8 @@ class Enhancer:
         """Those of the shown image, smoothed if the stream is live; likely sigmas where Q is not measured."""
         seen, known = self._surveyed(params.subsample), self._moments
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
-        snr = self._chroma_snr(params)
-        measured = statistics_of(params, seen, sigmas, snr, self._now)
+        snr, field = self._chroma_snr(params), self._now.field
+        measured = from_sums("image", seen.count, seen.level, seen.chroma, sigmas, snr, field)
         return self._stream.smoothed(measured, seen.histogram).resolved(params)
 
     def _chroma_snr(self, params: EnhanceParams) -> float | None:

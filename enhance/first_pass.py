@@ -28,6 +28,7 @@ from enhance.pixel_block import (
     load_keep,
 )
 from enhance.powers import rounded
+from enhance.prefetch import fetch
 from enhance.wide_vectors import wide_vectors
 
 
@@ -62,6 +63,7 @@ def first_pass(
                     x0 = step * CHUNK
                     count = min(CHUNK, columns - x0)
                     load(image[min(y, rows - 1), x0 : x0 + count], apart, chunk)
+                    fetch(image, y, x0 + CHUNK)
                     _gather(chunk, y == low_row * subsample, x0, lines)
                     if first < x0 + count and x0 < end:
                         for i in range(CHUNK):

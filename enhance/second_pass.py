@@ -43,11 +43,14 @@ from enhance.pixel_block import (
     load_keep,
 )
 from enhance.powers import exp2, log2, rounded
+from enhance.prefetch import fetch
 from enhance.upscale import bring_up
 from enhance.wide_vectors import wide_vectors
 
 FLOOR = np.float32(1 / 255)
 BLACK = np.float32(24 / 255)
+SUMMED = 4
+"""Rows of which float32 sums Q; the sums are added up in float64."""
 
 # What the second pass keeps for the next, or takes from the last.
 NOTHING, KEEP_LOGARITHM, FROM_LOGARITHM, KEEP_POWER, FROM_POWER = range(5)
@@ -89,14 +92,14 @@ def render(
         chunk = np.empty((PLANES, CHUNK), np.float32)
         apart = np.zeros((5, CHUNK), image.dtype)
         weights = np.empty(scales, np.float32)
-        moments = np.empty((scales, 2, CHUNK), np.float32)
+        moments = np.zeros((scales, 2, CHUNK), np.float32)
         totals = np.zeros((scales, 2, CHUNK))
         # Of each scale, the rows of its models on either side of y, the even one first, brought up to width.
         lines = np.zeros((scales, 2, 2, steps * CHUNK + 2 * subsample), np.float32)
         held = np.full((scales, 2), -1)
-        for y in range(block * task, min((block + 1) * task, rows)):
+        top, bottom = block * task, min((block + 1) * task, rows)
+        for y in range(top, bottom):
             first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
-            moments[:] = ZERO
             for scale in range(scales):
                 if filtered[scale]:
                     models = coarse[scale] if is_coarse[scale] else fine[scale]
@@ -106,8 +109,9 @@ def render(
                 x0 = step * CHUNK
                 count = min(CHUNK, columns - x0)
                 load(image[y, x0 : x0 + count], apart, chunk)
-                for i in range(CHUNK):
-                    chunk[VALUE, i] = chunk[MOST, i] * unit
+                fetch(image, y, x0 + CHUNK)
+                fetch(out, y, x0 + CHUNK)
+                _set_value(chunk, unit)
                 if known:
                     copy_row(values[y, x0:], chunk[TOTAL, :count])
                 else:
@@ -115,9 +119,7 @@ def render(
                     if first > x0 or end < x0 + count:
                         keep_within(first, end, x0, chunk)
                     _brighten(chunk, apart, curve, z)
-                    for i in range(CHUNK):
-                        chunk[TOTAL, i] = ZERO
-                        chunk[INVERSE, i] = ONE / (chunk[VALUE, i] + FLOOR)
+                    _begin(chunk)
                     for scale in range(scales):
                         p = exponents[scale]
                         by_root = p == HALF and stages[scale] == NOTHING
@@ -134,8 +136,7 @@ def render(
                             _add_by_root(chunk)
                         elif p >= ZERO:
                             _raise(chunk, p, stages[scale], kept[scale, y, x0 : x0 + count])
-                            for i in range(CHUNK):
-                                chunk[TOTAL, i] += exp2(chunk[SLOPE, i] * chunk[LOG, i])
+                            _add_power(chunk)
                     _mean(chunk, exponents)
                     if len(values) > 0:
                         copy_row(chunk[TOTAL], values[y, x0 : x0 + count])
@@ -145,10 +146,53 @@ def render(
                 store(chunk, full, apart, out[y, x0 : x0 + count])
             copy_pixels(image[y, :first], out[y, :first])
             copy_pixels(image[y, end:], out[y, end:])
-            totals += moments
-        for scale in range(scales):
-            sums[block, scale, 0] = totals[scale, 0].sum()
-            sums[block, scale, 1] = totals[scale, 1].sum()
+            if (y - top) % SUMMED == SUMMED - 1 or y == bottom - 1:
+                _pour(moments, totals)
+        _total(totals, sums[block])
+
+
+@njit(error_model="numpy")
+def _pour(moments: NDArray[np.float32], totals: NDArray[np.float64]) -> None:
+    """Add sums (n, 2, CHUNK) of some rows to those of all; they begin anew."""
+    wide_vectors()
+    parts, wholes = moments.reshape(-1), totals.reshape(-1)
+    for i in range(len(parts)):
+        wholes[i] += parts[i]
+        parts[i] = ZERO
+
+
+@njit(error_model="numpy")
+def _total(totals: NDArray[np.float64], sums: NDArray[np.float64]) -> None:
+    """From (n, 2, CHUNK) to (n, 2)."""
+    for scale in range(len(totals)):
+        drift, spread = 0.0, 0.0
+        for i in range(CHUNK):
+            drift += totals[scale, 0, i]
+            spread += totals[scale, 1, i]
+        sums[scale, 0], sums[scale, 1] = drift, spread
+
+
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+def _set_value(chunk: NDArray[np.float32], unit: np.float32) -> None:
+    wide_vectors()
+    for i in range(CHUNK):
+        chunk[VALUE, i] = chunk[MOST, i] * unit
+
+
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+def _begin(chunk: NDArray[np.float32]) -> None:
+    """What Eq 7 divides by, and no V* yet."""
+    wide_vectors()
+    for i in range(CHUNK):
+        chunk[INVERSE, i] = ONE / (chunk[VALUE, i] + FLOOR)
+        chunk[TOTAL, i] = ZERO
+
+
+@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+def _add_power(chunk: NDArray[np.float32]) -> None:
+    wide_vectors()
+    for i in range(CHUNK):
+        chunk[TOTAL, i] += exp2(chunk[SLOPE, i] * chunk[LOG, i])
 
 
 @njit(forceinline=True, fastmath={"contract"}, error_model="numpy")

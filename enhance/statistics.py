@@ -153,36 +153,35 @@ class Tally:
             ImageError: no pixel was.
         """
         level, snr = brightness.level(self.histogram), self.snr if self.colored else None
-        return from_sums(params, scope, self.count, level, self.saturation, self.sigmas, snr)
+        return from_sums(scope, self.count, level, self.saturation, self.sigmas, snr).resolved(params)
 
 
 def from_sums(
-    params: EnhanceParams,
     scope: Scope,
     count: int,
     level: float,
     saturation: float,
     sigmas: tuple[float, ...],
     chroma_snr: float | None = None,
+    field: FieldOfView | None = None,
 ) -> Statistics:
-    """Statistics of so many pixels, of which `saturation` is the sum of S.
+    """Statistics of so many pixels, of which `saturation` is the sum of S; z and P are to be resolved.
 
     Raises:
         ImageError: there is no pixel.
     """
     if count == 0:
         raise ImageError("expected at least one pixel to measure, got none: tissue_mask or alpha hides all")
-    mean = saturation / count
-    measured = Statistics(
+    return Statistics(
         level=level,
         z=0.0,
-        saturation_mean=mean,
+        saturation_mean=saturation / count,
         sigmas=sigmas,
         p=(),
         scope=scope,
         chroma_snr=chroma_snr,
+        field=field,
     )
-    return measured.resolved(params)
 
 
 @dataclass(frozen=True, kw_only=True)

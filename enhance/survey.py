@@ -1,9 +1,9 @@
-"""What the passes over one image find, and its statistics from that."""
+"""What the passes over one image find for its statistics."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, NamedTuple
 
@@ -12,10 +12,7 @@ from numpy.typing import NDArray
 
 from enhance import brightness
 from enhance.guided_filter import Grids
-from enhance.params import EnhanceParams
 from enhance.pixel_block import BINS
-from enhance.shown import Shown
-from enhance.statistics import Statistics, from_sums
 
 LIKELY_SIGMA: Final = 64.0
 """Of Q on real images, in grey levels; all that is needed of it before it is measured is that P is 1/2."""
@@ -68,11 +65,3 @@ class Moments(NamedTuple):
     def sigma(self, count: int) -> float:
         """In grey levels, over so many pixels."""
         return 255 * math.sqrt(self.squares / max(count, 1))
-
-
-def statistics_of(
-    params: EnhanceParams, seen: Survey, sigmas: tuple[float, ...], snr: float | None, shown: Shown
-) -> Statistics:
-    """Of one image, from what a first pass and the sums of Q tell."""
-    measured = from_sums(params, "image", seen.count, seen.level, seen.chroma, sigmas, snr)
-    return replace(measured, field=shown.field)

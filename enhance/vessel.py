@@ -224,8 +224,9 @@ class VesselEnhancer:
     def _measured(self, found: _Found) -> Statistics:
         """Of the shown image, smoothed if the stream is live."""
         counts = found.histogram
-        one = from_sums(TONE, "image", int(counts.sum()), level(counts), found.chroma, ())
-        return self._stream.smoothed(replace(one, field=found.shown.field), counts)
+        count, field = int(counts.sum()), found.shown.field
+        one = from_sums("image", count, level(counts), found.chroma, (), field=field)
+        return self._stream.smoothed(one, counts)
 
 
 def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Ground) -> AnyImage:

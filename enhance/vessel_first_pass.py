@@ -34,6 +34,7 @@ from enhance.pixel_block import (
     load_keep,
 )
 from enhance.powers import LN_2, brief_log2, rounded
+from enhance.prefetch import fetch
 from enhance.rows import (
     REACH,
     ROWS,
@@ -88,6 +89,7 @@ def first_pass(
             chunk[TOTAL] = ZERO
             for x0 in range(0, columns, CHUNK):
                 count = min(CHUNK, columns - x0)
+                fetch(image, y + REACH + 1, x0)
                 calm(lines, across, y, x0, unit, narrow, chunk)
                 if first < x0 + count and x0 < end:
                     load_keep(keep, y, x0, count, chunk)

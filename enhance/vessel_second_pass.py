@@ -29,6 +29,7 @@ from enhance.pixel_block import (
     copy_pixels,
 )
 from enhance.powers import LOG2_E, brief_exp2, brief_log2
+from enhance.prefetch import fetch
 from enhance.rows import REACH, ROWS, held_width, read_row
 from enhance.second_pass import faded_to_black, store
 from enhance.upscale import bring_up
@@ -79,6 +80,8 @@ def second_pass(
             weight = bring_up(density, y, SUBSAMPLE, blood, held)
             for x0 in range(first // CHUNK * CHUNK, end if end > first else 0, CHUNK):
                 count = min(CHUNK, columns - x0)
+                fetch(image, y + REACH + 1, x0)
+                fetch(out, y, x0 + CHUNK)
                 calm(lines, across, y, x0, unit, narrow, chunk)
                 _brighten(chunk, brightness)
                 _finish(

@@ -1,0 +1,27 @@
+"""Any place can be asked for, and nothing changes by it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import njit
+from numpy.typing import NDArray
+
+from enhance.prefetch import fetch
+
+
+@njit(error_model="numpy")
+def ask(pixels: NDArray[Any], y: int, x: int) -> None:
+    fetch(pixels, y, x)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+@pytest.mark.parametrize("place", [(0, 0), (3, 250), (4, 300), (1 << 30, 1 << 20), (-(1 << 30), 0)])
+def test_what_does_not_exist_may_be_asked_for(kind: type[np.generic], place: tuple[int, int]) -> None:
+    pixels = np.arange(5 * 301 * 3).reshape(5, 301, 3).astype(kind)
+    before = pixels.tobytes()
+    ask(pixels, *place)
+    assert pixels.tobytes() == before
+    assert "llvm.prefetch" in "".join(ask.inspect_llvm().values())
