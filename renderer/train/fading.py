@@ -9,18 +9,23 @@ Both were chosen on training frames that were held out: of pulling (1500 steps, 
 frame without, 1.2 with (0.1, 0.4) and (0.3, 0.7), 1.5 with (0.5, 0.9), and seldom seen tissue 39.59, 39.52,
 39.61 and 39.60 dB; of the phantom 24, 14, 17 and 17 pixels; PSNR stays within 0.002 dB. Leaving out what has
 more than half of its weight beyond the edge (176 Gaussians) loses 0.2 dB, 3 of seldom seen tissue.
+
+Where frames are missing, as those held out, moments between two are looked at as well. Without, at one of 16
+such moments of pulling (1000 steps, seed 0) a speck of 3 pixels stays, with them none.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Final
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.camera import Camera
 from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
@@ -31,6 +36,8 @@ from renderer.train.frames import TrainFrame, tissue_tiles
 
 FADES: Final = (0.3, 0.7)
 """Shares of the blending weight of a Gaussian that lie where no frame shows tissue."""
+WIDE: Final = 1.5
+"""Times the closest two times, by which others are a gap that frames are missing from."""
 LEAST: Final = 0.01
 """Of the opacity that is left: a curve to nothing would swing between frames."""
 WITHIN: Final = (1e-6, 1 - 1e-6)
@@ -61,34 +68,43 @@ def faded_out_of_sight(
     motion = gaussians.motion
     if not (isinstance(motion, SplineMotion) and unseen.any()):
         return gaussians
-    beyond = np.stack(list(_shares_beyond(gaussians, frames, unseen, near, mode)))
+    times = [frame.time for frame in frames]
+    times += _within_gaps(times)
+    beyond = np.stack(list(_shares_beyond(gaussians, times, frames[0].camera, unseen, near, mode)))
     strays = np.flatnonzero(beyond.max(axis=0) > FADES[0])
     if not len(strays):
         return gaussians
-    times, count = [frame.time for frame in frames], motion.n_controls
     leaving = gaussians.rows(strays)
     opacities = np.stack([leaving.at(time).opacities for time in times]).clip(*WITHIN)
     wanted = (_kept(beyond[:, strays]) * opacities).clip(*WITHIN)
     # What a step of the logit does to the opacity: of next to nothing left, little matters.
     weights = wanted * (1 - wanted)
-    curves = fitted_curves(logits(wanted) - logits(opacities), weights, times, count)
+    curves = fitted_curves(logits(wanted) - logits(opacities), weights, times, motion.n_controls)
     controls = opacity_curves(motion, len(gaussians))
     controls[strays, :, 0] += curves.astype(np.float32)
     return replace(gaussians, motion=replace(motion, opacity_controls=controls))
 
 
+def _within_gaps(times: Sequence[float]) -> list[float]:
+    """Halfway between two of the rising times that are further apart than the closest ones."""
+    pairs = list(pairwise(times))
+    least = min((after - before for before, after in pairs), default=0.0)
+    return [(before + after) / 2 for before, after in pairs if after - before > WIDE * least]
+
+
 def _shares_beyond(
     gaussians: DynamicGaussians,
-    frames: Sequence[TrainFrame],
+    times: Sequence[float],
+    camera: Camera,
     unseen: NDArray[np.bool_],
     near: float,
     mode: RenderMode,
 ) -> Iterator[NDArray[np.float32]]:
-    """(N,) of each frame: share of the blending weight that lies where no frame shows tissue."""
+    """(N,) at each time: share of the blending weight that lies where no frame shows tissue."""
     edge = cv2.dilate(tissue_tiles(unseen).astype(np.uint8), np.ones((2 * RING + 1, 2 * RING + 1))) > 0
-    rasterizer = Rasterizer(frames[0].camera.width, frames[0].camera.height)
-    for frame in frames:
-        rasterizer.forward(gaussians.at(frame.time), frame.camera, near, edge, mode)
+    rasterizer = Rasterizer(camera.width, camera.height)
+    for time in times:
+        rasterizer.forward(gaussians.at(time), camera, near, edge, mode)
         within, beyond = rasterizer.blending_weights(~unseen, unseen)
         yield beyond / (within + beyond + TRACE)
 

@@ -91,6 +91,17 @@ def test_what_stays_in_sight_is_the_same_model() -> None:
     assert faded_out_of_sight(away, frames(), nowhere, near=0.1) is away
 
 
+def test_what_is_out_of_sight_where_frames_are_missing_alone_fades_there() -> None:
+    before = model(down=0)
+    assert isinstance(before.motion, SplineMotion)
+    before.motion.position_controls[LEAVES, CONTROLS // 2, 1] = 42 * DEPTH / FOCAL
+    assert before.at(0.5).means[LEAVES, 1] * FOCAL / DEPTH + HEIGHT / 2 > BAR + 8
+    around = [frame for frame in frames() if abs(frame.time - 0.5) > 0.18]
+    after = faded_out_of_sight(before, around, hidden(), near=0.1)
+    assert after.at(0.5).opacities[LEAVES] < 0.1
+    assert after.at(0.2).opacities[LEAVES] > 0.95 * before.at(0.2).opacities[LEAVES]
+
+
 def test_a_curve_of_opacity_that_is_there_is_kept() -> None:
     before = model(down=28)
     assert isinstance(before.motion, SplineMotion)
@@ -107,7 +118,7 @@ def test_shares_are_those_of_what_is_drawn(down: float) -> None:
     """One Gaussian alone, as it is drawn at the last frame."""
     one = model(down).rows(np.array([LEAVES]))
     beyond = hidden()
-    (share,) = list(_shares_beyond(one, frames()[-1:], beyond, 0.1, "default"))
+    (share,) = list(_shares_beyond(one, [1.0], CAMERA, beyond, 0.1, "default"))
     alpha = render(one.at(1.0), CAMERA, near=0.1).alpha.astype(np.float64)
     wanted = alpha[beyond].sum() / (alpha.sum() + TRACE)
     assert share[0] == pytest.approx(wanted, abs=1e-3)
