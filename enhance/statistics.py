@@ -23,7 +23,9 @@ def _known(field: Any) -> Any:
     """Of a record's field of view what is known: what another version may say besides is passed over."""
     if not isinstance(field, dict):
         return field
-    return {name: value for name, value in field.items() if name in FieldOfView.__dataclass_fields__}
+    known = {name: value for name, value in field.items() if name in FieldOfView.__dataclass_fields__}
+    parts = field.get("parts")
+    return known | {"parts": tuple(map(_known, parts))} if isinstance(parts, list | tuple) else known
 
 
 @dataclass(frozen=True, kw_only=True)

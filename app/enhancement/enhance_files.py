@@ -104,7 +104,7 @@ def enhanced(record: EnhancedPicture, image: ArrayImage, enhancer: MethodEnhance
     # `vessel` takes what is typical of each picture from that itself.
     is_measured = record.pooled is None or isinstance(record.params, VesselParams)
     mask = inside([image]) if is_measured and record.pixels == "tissue" else None
-    enhancer.show(image, mask, drawn(record.pixels))
+    enhancer.show(image, mask, record.field or drawn(record.pixels))
     result = enhancer.enhance(record.params, statistics=record.pooled)
     return result.image, replace(record, statistics=result.statistics, omitted=result.omitted)
 

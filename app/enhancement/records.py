@@ -16,7 +16,7 @@ from app.files.dicom.choices import DicomChoices
 from app.files.image_files import ArrayImage
 from app.files.provenance import plain
 from app.files.records import LENIENT, Record, Source, Told
-from enhance import Statistics
+from enhance import FieldOfView, Statistics
 from enhance.noise import NoiseCut
 from enhance.result import Omission
 from renderer.readers.clip_options import Deinterlacing, Stereo
@@ -64,6 +64,14 @@ class EnhancedPicture(Record):
     def pooled(self) -> Statistics | None:
         """The statistics that are those of more pictures than this one."""
         return self.statistics if self.statistics and self.statistics.scope != "image" else None
+
+    @property
+    def field(self) -> FieldOfView | None:
+        """Within which it was made, where it was looked for in this picture alone and has been found: another
+        version may find another."""
+        if self.pixels != "automatic" or self.statistics is None or self.pooled is not None:
+            return None
+        return self.statistics.field
 
 
 Made = tuple[ArrayImage, EnhancedPicture]

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
+import numpy as np
 import pytest
 
 from app.enhancement.records import EnhancedVideo
@@ -17,6 +18,7 @@ from app.exports.replay.again import replay
 from app.exports.replay.recorded import recorded
 from app.files.image_files import read_image
 from app.files.provenance import SCHEMA, plain, strict_json, write_png
+from enhance.field import FieldOfView
 from enhance.noise import NoiseCut
 from tests.app.exports.test_before import BEFORE, FILES, SOURCES
 
@@ -119,12 +121,32 @@ def test_what_no_pixel_needs_keeps_nobody_from_replaying(tmp_path: Path) -> None
 
 def test_what_a_later_version_says_besides_of_a_field_of_view_is_passed_over() -> None:
     facts = said("enhanced.png")
-    field = {"width": 64, "height": 48, "circle": [32.0, 24.0, 20.0]}
-    known, more = (
-        EXPORT.validate_python(facts | {"statistics": facts["statistics"] | {"field": one}})
-        for one in (field, field | {"newly": 1})
+    size = {"width": 64, "height": 48}
+    field = size | {"circle": [32.0, 24.0, 20.0]}
+    for known, more in (
+        (field, field | {"newly": 1}),
+        (size | {"parts": [field, field]}, size | {"parts": [field, field | {"newly": 1}]}),
+    ):
+        one, other = (
+            EXPORT.validate_python(facts | {"statistics": facts["statistics"] | {"field": said_so}})
+            for said_so in (known, more)
+        )
+        assert one == other
+
+
+def test_an_image_is_made_again_within_the_field_that_it_says(tmp_path: Path) -> None:
+    """Whatever a later version finds."""
+    used, name = said("enhanced.png")["statistics"], said("enhanced.png")["source"]["name"]
+    seen = read_image(next(BEFORE.rglob(name)))
+    height, width = seen.shape[:2]
+    field = FieldOfView(width, height, circle=(width / 2, height / 2, height / 4))
+    used |= {"scope": "image", "field": plain(field)}
+    replay(
+        changed("enhanced.png", tmp_path, pixels="automatic", statistics=used), SOURCES, tmp_path / "new.png"
     )
-    assert known == more
+    again, inside = read_image(tmp_path / "new.png"), field.mask()
+    assert np.array_equal(again[~inside], seen[~inside])
+    assert not np.array_equal(again[inside], seen[inside])
 
 
 @pytest.mark.parametrize(
