@@ -16,7 +16,6 @@ WALL: Final = (
     "pauses, and without the start of the program itself; null: not recorded, by an earlier version"
 )
 """What `train_seconds` and `wall_seconds` are."""
-NOT_RECORDED: Final = "not recorded"
 
 
 class WallClock:
@@ -41,7 +40,6 @@ class WallClock:
 
 
 def in_all(wall: float | None, steps: float | None, form: str = ".1f") -> str:
-    """Both times in words: "7.7 s in total, 1.4 s training"."""
-    whole = f"in total: {NOT_RECORDED}" if wall is None else f"{wall:{form}} s in total"
-    own = f"training: {NOT_RECORDED}" if steps is None else f"{steps:{form}} s training"
-    return f"{whole}, {own}"
+    """Both times in words, as far as they are recorded: "7.7 s in total, 1.4 s training"."""
+    times = ((wall, "in total"), (steps, "training"))
+    return ", ".join(f"{time:{form}} s {of}" for time, of in times if time is not None) or "not recorded"

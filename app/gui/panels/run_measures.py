@@ -13,6 +13,7 @@ from app.gui.style import theme
 from app.gui.style.widgets import cell, explain, in_table, muted, percent
 from renderer.measuring.tissue_seen import SELDOM
 from renderer.metrics import OPAQUE
+from renderer.readers.listing import count
 
 Row = tuple[str, str, Callable[[float], str], str]
 
@@ -56,7 +57,7 @@ def draw_run_measures(state: AppState) -> None:
         muted("Not measured: see the log.")
         return
     kind = "held-out" if found.are_held_out else "training"
-    muted(f"Mean of {found.count} {kind} frame{'s' * (found.count > 1)}")
+    muted(f"Mean of {count(found.count, f'{kind} frame')}")
     explain(HELD_OUT if found.are_held_out else SHORT)
     if not state.editing.edits.is_empty:
         muted("Of the model as trained, without the edits.")

@@ -50,7 +50,8 @@ def test_the_clock_stands_while_an_event_is_kept(monkeypatch: pytest.MonkeyPatch
 
 def test_both_times_in_words() -> None:
     assert in_all(7.7, 1.4) == "7.7 s in total, 1.4 s training"
-    assert in_all(None, 1.4) == "in total: not recorded, 1.4 s training"
+    assert in_all(None, 1.4) == "1.4 s training"
+    assert in_all(None, None) == "not recorded"
 
 
 def test_a_run_takes_longer_in_all_than_its_steps(
@@ -100,14 +101,15 @@ def test_every_json_has_both_times_and_says_what_they_are(
     assert both in vesselsplat("train", clip_path, "--run", run, "--iterations", 2, "--resume").out
 
 
-def test_runs_of_earlier_versions_say_that_it_is_not_recorded(
+def test_runs_of_earlier_versions_tell_the_seconds_of_their_steps(
     runs: dict[str, Path], clip_path: Path, tmp_path: Path, vesselsplat: Cli
 ) -> None:
     run = RunFolder(shutil.copytree(runs["original"], tmp_path / "run"))
     without_wall(run)
     assert json.loads(vesselsplat("evaluate", run.path, "--json").out)["mean"]["wall_seconds"] is None
-    assert "in total: not recorded" in vesselsplat("evaluate", run.path).out
-    assert "in total: not recorded" in vesselsplat("info", run.path).out
+    steps = in_all(None, RunFolder(run.path).train_seconds())
+    assert f"trained in {steps}" in vesselsplat("evaluate", run.path).out
+    assert steps in vesselsplat("info", run.path).out
     run.model_path.unlink()
     (run.path / "checkpoint-0000040.safetensors").unlink()
     lines = run.events_path.read_text().splitlines(keepends=True)
