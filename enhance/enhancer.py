@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, Final
 
 import numpy as np
@@ -54,6 +55,7 @@ class _Made:
     """None: left out."""
 
 
+@lru_cache(maxsize=4)
 def curve_of(z: float) -> Float32Image:
     """(256,) log2 of Vn (Eq 1) of each grey level."""
     lifted = brightness.brighten(np.arange(BINS) / 255, z)

@@ -17,8 +17,8 @@ from enhance.pixel_block import HALF, copy_row
 from enhance.rows import reflected
 from enhance.wide_vectors import wide_vectors
 
-STRIP: Final = 64
-"""Rows of one task."""
+PAIR: Final = 128
+"""Rows of two tasks at most: their number is even, for as many threads to end at once."""
 TILE: Final = 256
 """Columns that are worked on at once: so many in as many rows as a disc has stay in the first-level cache."""
 MOST_STEP: Final = 16
@@ -66,8 +66,9 @@ def _erode(
     """Each row counts in those up to the disc's radius away, by its minima over the columns they need."""
     rows, columns = plane.shape
     radius = len(reaches) - 1
-    for strip in prange((rows + STRIP - 1) // STRIP):
-        top, bottom = strip * STRIP, min((strip + 1) * STRIP, rows)
+    strips = 2 * ((rows + PAIR - 1) // PAIR)
+    for strip in prange(strips):
+        top, bottom = rows * strip // strips, rows * (strip + 1) // strips
         least = np.empty((bottom - top, TILE), np.uint16)
         row = np.empty(TILE + 2 * radius, np.uint16)
         narrow = np.empty(TILE, np.uint16)
@@ -87,9 +88,10 @@ def _erode(
 def _smooth(levels: Levels, low: np.float32, unit: np.float32, out: NDArray[np.float32]) -> None:
     """Weighted by SIDE, MIDDLE, SIDE both ways; the border reflects, without the pixel at it."""
     rows, columns = levels.shape
-    for strip in prange((rows + STRIP - 1) // STRIP):
+    strips = 2 * ((rows + PAIR - 1) // PAIR)
+    for strip in prange(strips):
         line = np.empty(columns + 2, np.float32)
-        for y in range(strip * STRIP, min((strip + 1) * STRIP, rows)):
+        for y in range(rows * strip // strips, rows * (strip + 1) // strips):
             above, below = reflected(y - 1, rows), reflected(y + 1, rows)
             _weigh(levels[above], levels[y], levels[below], line[1:])
             line[0], line[columns + 1] = (

@@ -37,7 +37,8 @@ def _fetch_line(typing_context: Any, array: Any, at: Any) -> Any:
 
 @njit(forceinline=True, error_model="numpy")
 def fetch(pixels: NDArray[Any], y: int, x: int) -> None:
-    """CHUNK pixels of (H, W, 3) from there on, to be read or written; they need not exist."""
-    start = 3 * (y * pixels.shape[1] + x)
-    for at in range(0, 3 * CHUNK, LINE // pixels.itemsize):
+    """CHUNK pixels of (H, W, 3) or (H, W) from there on, to be read or written; they need not exist."""
+    colors = pixels.shape[2] if pixels.ndim == 3 else 1
+    start = colors * (y * pixels.shape[1] + x)
+    for at in range(0, colors * CHUNK, LINE // pixels.itemsize):
         _fetch_line(pixels, start + at)  # type: ignore[call-arg]

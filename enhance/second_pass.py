@@ -11,27 +11,18 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from enhance.interleave import interleave
 from enhance.pixel_block import (
     BINS,
     BLOCK,
-    BLUE,
     CHUNK,
-    GREEN,
     HALF,
     INVERSE,
     KEEP,
-    LEAST,
-    LEAST_COLOR,
-    LEVELS,
     LOG,
     MOST,
-    OFFSET,
     ONE,
     PLANES,
-    RED,
     SLOPE,
-    THREE,
     TOTAL,
     TWO,
     VALUE,
@@ -42,13 +33,13 @@ from enhance.pixel_block import (
     load,
     load_keep,
 )
-from enhance.powers import exp2, log2, rounded
+from enhance.powers import exp2, log2
 from enhance.prefetch import fetch
+from enhance.recolor import fade, is_dark, recolor, store
 from enhance.upscale import bring_up
 from enhance.wide_vectors import wide_vectors
 
 FLOOR = np.float32(1 / 255)
-BLACK = np.float32(24 / 255)
 SUMMED = 4
 """Rows of which float32 sums Q; the sums are added up in float64."""
 
@@ -113,6 +104,7 @@ def render(
                 fetch(out, y, x0 + CHUNK)
                 _set_value(chunk, unit)
                 if known:
+                    fetch(values, y, x0 + CHUNK)
                     copy_row(values[y, x0:], chunk[TOTAL, :count])
                 else:
                     load_keep(keep, y, x0, count, chunk)
@@ -135,14 +127,16 @@ def render(
                         if by_root:
                             _add_by_root(chunk)
                         elif p >= ZERO:
+                            if stages[scale] != NOTHING:
+                                fetch(kept[scale], y, x0 + CHUNK)
                             _raise(chunk, p, stages[scale], kept[scale, y, x0 : x0 + count])
                             _add_power(chunk)
                     _mean(chunk, exponents)
                     if len(values) > 0:
                         copy_row(chunk[TOTAL], values[y, x0 : x0 + count])
-                _recolor(chunk, apart, pull, color, full)
-                if keep_black and _is_dark(chunk):
-                    _fade(chunk, apart)
+                recolor(chunk, apart, pull, color, full)
+                if keep_black and is_dark(chunk):
+                    fade(chunk, apart)
                 store(chunk, full, apart, out[y, x0 : x0 + count])
             copy_pixels(image[y, :first], out[y, :first])
             copy_pixels(image[y, end:], out[y, end:])
@@ -326,77 +320,3 @@ def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
             chunk[TOTAL, i] += missing * exp2(chunk[LOG, i])
     for i in range(CHUNK):
         chunk[TOTAL, i] *= share
-
-
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def _recolor(
-    chunk: NDArray[np.float32], apart: NDArray[Any], pull: np.float32, color: np.float32, full: np.float32
-) -> None:
-    """Colours of V* and S* (Eqs 11, 12) with the old hue: c becomes V* (1 - S* (M - c) / D), one division."""
-    wide_vectors()
-    if pull >= ZERO:
-        for i in range(CHUNK):
-            most, least = chunk[MOST, i], chunk[LEAST_COLOR, i]
-            spread = most - least
-            below = spread * spread + pull * least * least
-            chunk[SLOPE, i] = spread / (below if below > LEAST else LEAST)
-    else:
-        for i in range(CHUNK):
-            most = chunk[MOST, i]
-            chunk[SLOPE, i] = ONE / (most if most > LEAST else LEAST)
-    if color < ONE:
-        for i in range(CHUNK):
-            most = chunk[MOST, i]
-            chunk[SLOPE, i] = color * chunk[SLOPE, i] + (ONE - color) / (most if most > LEAST else LEAST)
-    for i in range(CHUNK):
-        value, most = chunk[TOTAL, i] * full, chunk[MOST, i]
-        fall = value * chunk[SLOPE, i]
-        chunk[RED, i] = value - fall * (most - np.float32(apart[RED, i]))
-        chunk[GREEN, i] = value - fall * (most - np.float32(apart[GREEN, i]))
-        chunk[BLUE, i] = value - fall * (most - np.float32(apart[BLUE, i]))
-
-
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def _is_dark(chunk: NDArray[np.float32]) -> bool:
-    """Whether any pixel is below V = 24/255; whole numbers, as minima of floats are not reordered."""
-    darkest = np.int32(BINS)
-    for i in range(CHUNK):
-        darkest = min(darkest, np.int32(chunk[VALUE, i] * LEVELS))
-    return bool(darkest < 24)
-
-
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def faded_to_black(value: np.float32) -> np.float32:
-    """`keep_black`: a smoothstep of V that is 0 at V = 0 and 1 from V = 24/255 on."""
-    t = value * (ONE / BLACK)
-    t = t if t < ONE else ONE
-    return t * t * (THREE - TWO * t)
-
-
-@njit(fastmath={"contract"}, error_model="numpy")
-def _fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
-    """`keep_black`: back to the original colours below V = 24/255, by a smoothstep that is 0 at V = 0."""
-    wide_vectors()
-    for i in range(CHUNK):
-        chunk[OFFSET, i] = faded_to_black(chunk[VALUE, i])
-    for plane in range(3):
-        for i in range(CHUNK):
-            weight = chunk[OFFSET, i]
-            chunk[plane, i] = weight * chunk[plane, i] + (ONE - weight) * np.float32(apart[plane, i])
-
-
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
-def store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pixels: NDArray[Any]) -> None:
-    wide_vectors()
-    if full > ONE:
-        for plane in range(3):
-            for i in range(CHUNK):
-                level = np.int32(rounded(chunk[plane, i]))  # type: ignore[call-arg]
-                apart[plane, i] = min(max(level, np.int32(0)), np.int32(full))
-    else:
-        for plane in range(3):
-            for i in range(CHUNK):
-                color = chunk[plane, i]
-                color = color if color < full else full
-                apart[plane, i] = color if color > ZERO else ZERO
-    interleave(apart, pixels)

@@ -21,7 +21,7 @@ Pixels = Named | FieldOfView
 """What is enhanced and counts in the statistics: the field of view as found in the image, every pixel as the
 paper has it, or a known field of view. What lies outside stays as it is."""
 NAMED: Final = get_args(Named)
-SPARSE: Final = 64
+SPARSE: Final = 128
 """Pixels a step, down and across, of those that nearly always tell that an image has colours."""
 ALL_KEPT: NDArray[np.uint8] = np.empty((0, 0), np.uint8)
 

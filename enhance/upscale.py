@@ -74,11 +74,22 @@ def at_places(
     blocks: Float32Image, rows: NDArray[np.intp], columns: NDArray[np.intp], grid: int
 ) -> Float32Image:
     """(n, m) what `bring_up` gives of (h, w) blocks of `grid` pixels at these rows and columns."""
-    for axis, places in ((0, rows), (1, columns)):
-        last = blocks.shape[axis] - 1
-        at = np.clip((places.astype(np.float32) + HALF) / np.float32(grid) - HALF, ZERO, np.float32(last))
-        first = np.minimum(at.astype(np.intp), max(last - 1, 0))
-        beyond = np.expand_dims(at - first.astype(np.float32), 1 - axis)
-        near, far = blocks.take(first, axis), blocks.take(np.minimum(first + 1, last), axis)
-        blocks = near + beyond * (far - near)
-    return blocks
+    above, below, down = _around(rows, blocks.shape[0], grid)
+    left, right, along = _around(columns, blocks.shape[1], grid)
+    down = down[:, None]
+
+    def at_columns(x: NDArray[np.intp]) -> Float32Image:
+        near, far = blocks[above[:, None], x], blocks[below[:, None], x]
+        return near + down * (far - near)
+
+    near, far = at_columns(left), at_columns(right)
+    return near + along * (far - near)
+
+
+def _around(
+    places: NDArray[np.intp], size: int, grid: int
+) -> tuple[NDArray[np.intp], NDArray[np.intp], Float32Image]:
+    """(n,) the blocks before and after each place, and the share of the latter."""
+    at = np.clip((places.astype(np.float32) + HALF) / np.float32(grid) - HALF, ZERO, np.float32(size - 1))
+    first = np.minimum(at.astype(np.intp), max(size - 2, 0))
+    return first, np.minimum(first + 1, size - 1), at - first.astype(np.float32)

@@ -58,7 +58,11 @@ def middle_density(
         kept = counts & (keep[:: SUBSAMPLE * apart, :: SUBSAMPLE * apart] > 0)
         counts = kept if kept.any() else counts
     density = density[counts]
-    return float(np.median(density)) if density.size else 0.0
+    if density.size == 0:
+        return 0.0
+    # As np.median, in a fraction of its time.
+    middle = [(density.size - 1) // 2, density.size // 2]
+    return float(np.partition(density, middle)[middle].mean())
 
 
 def blood_density(

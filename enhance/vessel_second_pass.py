@@ -30,8 +30,8 @@ from enhance.pixel_block import (
 )
 from enhance.powers import LOG2_E, brief_exp2, brief_log2
 from enhance.prefetch import fetch
+from enhance.recolor import faded_to_black, store
 from enhance.rows import REACH, ROWS, held_width, read_row
-from enhance.second_pass import faded_to_black, store
 from enhance.upscale import bring_up
 from enhance.vessel_curves import faded, unpacked, value_of
 from enhance.vessel_first_pass import SUBSAMPLE, TASK

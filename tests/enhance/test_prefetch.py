@@ -18,9 +18,12 @@ def ask(pixels: NDArray[Any], y: int, x: int) -> None:
 
 
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+@pytest.mark.parametrize("shape", [(5, 301, 3), (5, 301)])
 @pytest.mark.parametrize("place", [(0, 0), (3, 250), (4, 300), (1 << 30, 1 << 20), (-(1 << 30), 0)])
-def test_what_does_not_exist_may_be_asked_for(kind: type[np.generic], place: tuple[int, int]) -> None:
-    pixels = np.arange(5 * 301 * 3).reshape(5, 301, 3).astype(kind)
+def test_what_does_not_exist_may_be_asked_for(
+    kind: type[np.generic], shape: tuple[int, ...], place: tuple[int, int]
+) -> None:
+    pixels = np.arange(np.prod(shape)).reshape(shape).astype(kind)
     before = pixels.tobytes()
     ask(pixels, *place)
     assert pixels.tobytes() == before
