@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Annotated, Final
 
+import cv2
 import numpy as np
 from annotated_types import Interval
 from pydantic import ConfigDict
@@ -65,11 +66,10 @@ def round_on_screen(circle: Circle, pixel_aspect: float) -> Circle | Round:
 
 
 def enclosing(keep: BoolImage, pixel_aspect: float = 1.0) -> Circle | Round | None:
-    """The circle of the same middle and width or height as the kept pixels; None where all are kept."""
+    """The smallest circle around the kept pixels, which straight sides may cut; None where all are kept."""
     if keep.all() or not keep.any():
         return None
-    rows, columns = np.flatnonzero(keep.any(axis=1)), np.flatnonzero(keep.any(axis=0))
-    sides = [(float(line[0]), float(line[-1] + 1)) for line in (columns, rows)]
-    (left, right), (top, bottom) = sides
-    radius = max((right - left) * pixel_aspect, bottom - top) / 2
-    return round_on_screen(((left + right) / 2, (top + bottom) / 2, radius), pixel_aspect)
+    rims, _ = cv2.findContours(keep.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    middles = np.concatenate(rims)[:, 0] + 0.5
+    (x, y), radius = cv2.minEnclosingCircle((middles * (pixel_aspect, 1)).astype(np.float32))
+    return round_on_screen((x / pixel_aspect, y, radius + 0.5), pixel_aspect)

@@ -68,6 +68,9 @@ def test_the_circle_of_a_round_view_is_found() -> None:
     found = enclosing(keep)
     assert found is not None
     np.testing.assert_allclose(found, (50, 40, 30), atol=0.6)
+    cut = enclosing(keep & (np.arange(100) < 65))
+    assert cut is not None
+    np.testing.assert_allclose(cut, (50, 40, 30), atol=0.6)
     assert enclosing(np.ones((4, 4), bool)) is None
     assert enclosing(np.zeros((4, 4), bool)) is None
 
