@@ -39,6 +39,8 @@ STRAIGHT: Final = 0.97
 MOST_SLANT: Final = 2.0
 """Degrees of a straight rim from upright, level or half way between, as bars and octagons run; the edge of a
 shadow or drape runs anyhow."""
+LEAST_FREE: Final = 0.9
+"""Of the rays: a field that ends so often within the picture lies free in it."""
 CIRCLE_TOLERANCE: Final = 1.5
 """Pixels, or so many thousandths of the radius where that is more, that a point may lie off a circle."""
 BEYOND: Final = 4.0
@@ -227,7 +229,7 @@ def _move_beyond(point: Points, ends: Points, margin: float) -> None:
 def fitted(rim: Rim, whole: FieldOfView, least: float) -> FieldOfView:
     """A circle where most points lie on one, without what straight lines cut off it, else the convex hull of
     all, in the picture that is `whole`; all of it where the hull ends in shade, or where less than
-    `least` of its rim runs as circles and frames do."""
+    `least` of its rim runs as circles and frames do, unless it lies free of the border."""
     free, arc = rim.points[~rim.cropped], 1.0
     if len(free) >= RAYS // 6:
         *circle, share = _circle(free)
@@ -243,7 +245,8 @@ def fitted(rim: Rim, whole: FieldOfView, least: float) -> FieldOfView:
     outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
     within = ~(outside & np.roll(outside, -1, axis=0)).any(axis=1)
     sides = (np.roll(corners, -1, axis=0) - corners)[within]
-    if (arc < LEAST_ARC and _is_shade(sides)) or arc + _straight_share(sides) < least:
+    shape = 1.0 if len(free) > LEAST_FREE * RAYS else arc + _straight_share(sides)
+    if (arc < LEAST_ARC and _is_shade(sides)) or shape < least:
         return whole
     return _polygon(corners, whole)
 

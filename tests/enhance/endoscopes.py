@@ -10,7 +10,14 @@ from enhance.image import BoolImage
 from tests.enhance.pictures import ByteImage, vessels
 
 OUTLINES = ("circle", "cropped circle", "wide circle", "beside the middle", "octagon", "D")
-APART = ("two circles", "two cut circles", "two rectangles", "circle and inset", "four rectangles")
+APART = (
+    "two circles",
+    "two cut circles",
+    "two ellipses",
+    "two rectangles",
+    "circle and inset",
+    "four rectangles",
+)
 
 
 def outline(name: str, height: int = 240, width: int = 320) -> BoolImage:
@@ -43,6 +50,10 @@ def _apart(name: str, x: NDArray[np.float64], y: NDArray[np.float64], aspect: fl
     if name == "circle and inset":
         return np.asarray(
             (np.hypot((x - 0.35) * aspect, y - 0.5) < 0.4) | ((abs(x - 0.82) < 0.14) & (y > 0.6))
+        )
+    if name == "two ellipses":
+        return np.asarray(
+            np.minimum(np.hypot(x - 0.25, (y - 0.5) / 2), np.hypot(x - 0.75, (y - 0.5) / 2)) < 0.21
         )
     across = np.minimum(abs(x - 0.25), abs(x - 0.75))
     if name == "two rectangles":
