@@ -122,4 +122,4 @@ def rounded(seconds: float) -> str:
         return "a few seconds"
     if seconds < 100:
         return f"about {10 * round(seconds / 10)} s"
-    return f"about {round(seconds / 60)} min"
+    return f"about {round(seconds / 60)} min" if seconds < 6000 else f"about {round(seconds / 3600)} h"

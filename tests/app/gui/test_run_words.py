@@ -56,6 +56,7 @@ def test_a_run_says_what_it_is_doing_from_its_start_to_its_end(going: AppState) 
     going.window.now += LONG_STEP + 1
     assert doing(going) == COMPILING
     assert tell(going, at(300, 240.0)) == "Iteration 300 of 2,000 · about 4 min left"
+    assert tell(going, at(300, 11_160.0)) == "Iteration 300 of 2,000 · about 3 h left"
     assert share_done(going.runs.reconstruction) == pytest.approx(0.15)
     assert tell(going, Paused()) == "Paused at iteration 300 of 2,000"
     assert tell(going, Resumed(), at(2000, 12.0)) == "Iteration 2,000 of 2,000 · about 10 s left"
