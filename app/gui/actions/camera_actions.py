@@ -95,7 +95,11 @@ def toggle_measuring(state: AppState) -> None:
 
 
 def ask_point(state: AppState, request: ViewRequest, pixel: tuple[int, int], purpose: Purpose) -> None:
-    """Wish for the surface point behind a pixel (column, row) of one of the views."""
+    """Wish for the surface point behind a pixel (column, row) of one of the views. Points that are measured
+    are of one moment, at which playing ends."""
+    if purpose != "orbit" and state.timeline.playing:
+        state.timeline.playing = False
+        actions.seek_view(state, request.time)
     state.scene.viewer.pick = PickRequest(request, pixel, purpose)
 
 

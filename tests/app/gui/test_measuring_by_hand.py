@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from imgui_bundle import ImVec2, ImVec4, imgui
 
-from app.gui.actions import camera_actions
+from app.gui.actions import actions, camera_actions
 from app.gui.panels import scene_marks
 from app.gui.state.app_state import AppState
 from app.gui.state.view_words import view_tags
@@ -64,6 +64,23 @@ def test_clicks_measure_and_drags_still_turn(
     assert shown == ["No distance: depth has no scale"]
     camera_actions.toggle_measuring(opened)
     assert opened.scene.viewer.measurement.points == ()
+
+
+def test_a_measured_point_ends_playing_at_the_moment_that_was_on_screen(
+    opened: AppState, model: DynamicGaussians
+) -> None:
+    start_live(opened, model)
+    opened.scene.size = (64, 48)
+    actions.seek(opened, 2)
+    seen = opened.view_request
+    assert seen is not None
+    actions.toggle_play(opened)
+    actions.seek(opened, 4)  # The rasteriser is late.
+    camera_actions.ask_point(opened, seen, (3, 3), "orbit")
+    assert (opened.timeline.playing, opened.moment) == (True, 4)
+    camera_actions.ask_point(opened, seen, (3, 3), "measure")
+    assert (opened.timeline.playing, opened.moment) == (False, 2)
+    assert opened.view_request == seen  # A second point is of the same moment.
 
 
 def test_shift_goes_on_with_a_line_and_closes_it_on_its_first_point(
