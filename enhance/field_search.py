@@ -256,7 +256,8 @@ def _apart(low: Levels, lit: Lit) -> list[Points]:
     together = np.asarray(np.sum(fields, axis=0, dtype=np.uint8))
     outside, dark = int((together == 0).sum()), int(((together == 0) & (lit.pixels == 0)).sum())
     is_divided = together.max() == 1 and _is_surround(low, outside, dark) and _is_convex(lit.pixels, together)
-    if is_divided and all(_is_sharp(*_around(low, lit.pixels, one, lit.threshold)[2:]) for one in fields):
+    rim, sharp = np.sum([_around(low, lit.pixels, one, lit.threshold)[2:] for one in fields], axis=0).tolist()
+    if is_divided and _is_sharp(rim, sharp):
         return [hull[:, 0].astype(np.float64) for hull in hulls]
     return []
 
