@@ -43,13 +43,23 @@ def crossings(
     spread = pose[:3, :3] @ turns * scales[:, None, :]
     focal = view[:2] / local[:, 2:]
     axes = focal[:, :, None] * (spread[:, :2] - slopes[:, :, None] * spread[:, 2:])
-    covariances = axes @ axes.transpose(0, 2, 1) + LOW_PASS * np.eye(2)
-    along = (within.sides[:, :3] @ turns) * scales[:, None, :]
-    growth = np.linalg.solve(covariances, axes @ along.transpose(0, 2, 1)).transpose(0, 2, 1)
+    along = axes @ ((within.sides[:, :3] @ turns) * scales[:, None, :]).transpose(0, 2, 1)
+    growth = _solved(axes, along).transpose(0, 2, 1)
     distances = means @ within.sides[:, :3].T + within.sides[:, 3]
     steepness = np.maximum(np.linalg.norm(growth, axis=2), LEAST_SLOPE)
     lines: FloatArray = np.concatenate([distances[..., None], growth], axis=2) / steepness[..., None]
     return lines
+
+
+def _solved(axes: FloatArray, along: FloatArray) -> FloatArray:
+    """(N, 2, K) C^-1 `along`, of C = A A' + low-pass with A = `axes` (N, 2, 3); a needle of any length, seen
+    with 0 as its own determinant, has one by the low-pass."""
+    (xx, xy), (_, yy) = (axes @ axes.transpose(0, 2, 1)).transpose(1, 2, 0)
+    sharp = (np.cross(axes[:, 0], axes[:, 1]) ** 2).sum(axis=1)
+    determinants = sharp + LOW_PASS * (xx + yy + LOW_PASS)
+    shear, across = (xy / (xx + LOW_PASS))[:, None], (xx + LOW_PASS)[:, None]
+    down = (along[:, 1] - shear * along[:, 0]) * (across / determinants[:, None])
+    return np.stack([along[:, 0] / across - shear * down, down], axis=1)
 
 
 def _unit(quats: FloatArray) -> FloatArray:

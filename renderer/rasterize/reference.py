@@ -131,7 +131,7 @@ def project(means: Tensor, quats: Tensor, scales: Tensor, camera: Camera, *, nea
 def _crossings(
     means: Tensor, quats: Tensor, scales: Tensor, rows: Tensor, camera: Camera, within: Camera
 ) -> Tensor:
-    """(rows, 4, 3) where splats cross the sides of an image, without a gradient: see within.py."""
+    """(rows, 4, 3) where splats cross the sides of an image, without a gradient: see crossings.py."""
     centers, turns, sizes = (value.detach()[rows].double().cpu().numpy() for value in (means, quats, scales))
     return torch.from_numpy(crossings(centers, turns, sizes, camera, within)).to(means.device)
 
@@ -245,7 +245,7 @@ def blend(
     """Eq 16, literally, over the pixels at `rows` (H,) x `columns` (W,), by which every splat is looked at.
 
     `opacities` (M,) and `colors` (M, 3) are those of `projected`, nearest first; `background` (3,); `lines`
-    (M, 4, 3) where they are cut off, see within.py.
+    (M, 4, 3) where they are cut off, see crossings.py.
     """
     dx = columns[None, :, None] - projected.centers[:, 0]
     dy = rows[:, None, None] - projected.centers[:, 1]

@@ -45,7 +45,7 @@ flat out vec2 center;            // px
 flat out vec3 shape;             // of the covariance (a b; b c): b / a, 1 / a, a / determinant
 flat out vec4 paint;             // rgb, opacity
 flat out vec2 solid;             // squared standard deviations to the edge of a body, 0: none; darker at it
-out vec4 inside;   // px to where the splat crosses each plane; see bounds.py
+out vec4 inside;   // px to where the splat crosses each plane; see crossings.py
 
 // What time adds to a texel of the splat in `slot`.
 vec4 offset(sampler2DArray offsets, int slot) {

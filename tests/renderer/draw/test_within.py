@@ -175,6 +175,16 @@ def test_extreme_splats_are_finite(draw: Draw, size: float, opacity: float) -> N
     assert drawn.alpha.max() <= 1
 
 
+@pytest.mark.parametrize("length", [1e8, 1e15, 1e30])
+def test_needles_of_any_length_are_cut(draw: Draw, length: float) -> None:
+    """As long as that, what the low-pass adds is lost beside it, and the covariance is singular."""
+    splats = random_splats(200, ASIDE, 9)
+    scales = np.full_like(splats.scales, 1e-30)
+    scales[:, 2] = length
+    drawn = draw(replace(splats, scales=scales), ASIDE, CLIP)
+    assert all(np.isfinite(layer).all() for layer in (drawn.image, drawn.alpha, drawn.depth))
+
+
 def test_a_camera_sees_only_what_another_does() -> None:
     assert CLIP.sees_only(CLIP)
     assert CLIP.resized(333, 250).sees_only(CLIP)
