@@ -16,7 +16,7 @@ from app.runs.run_edits import RecordedEdits, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.scenes.records import ClipSource, RunSource, SceneRecord
 from app.scenes.view_kinds import SCENE_UNITS
-from renderer.camera import BoolArray, Camera
+from renderer.camera import BoolArray, Camera, IntArray
 from renderer.clip import Clip
 from renderer.deformation.frame_by_frame import FrameByFrame
 from renderer.deformation.motion import Still
@@ -73,6 +73,9 @@ class Scene:
     """Its cameras were worked out in training: the clip itself has one for all frames."""
     saved_edits: Edits | None = None
     """What was saved of edits of `model`, which is without them."""
+    of: tuple[Scene, IntArray] | None = None
+    """Whose Gaussians it has, and which of them, where it is edited or tinted: what frames show of tissue is
+    as it was trained. None: its own."""
 
     @cached_property
     def camera_at_rest(self) -> Camera | None:
@@ -82,10 +85,13 @@ class Scene:
 
     @cached_property
     def shown(self) -> BoolArray | None:
-        """(N,) Gaussians whose centre some frame shows, see renderer/shown.py; takes a second at first. None:
+        """(N,) Gaussians whose centre some frame shows, see renderer/shown.py; takes seconds at first. None:
         not known, of a file, of a preview, or of Gaussians that are others at other times."""
         if not self.tells_shown:
             return None
+        if self.of is not None:
+            whole, rows = self.of
+            return None if whole.shown is None else whole.shown[rows]
         *_, found = looks(self.model, self.cameras, self.near, self.mode)
         return found
 
@@ -96,11 +102,16 @@ class Scene:
     @property
     def shown_so_far(self) -> BoolArray | None:
         """The same, where that has been worked out."""
+        if self.of is not None and self.of[0].shown_so_far is not None:
+            return self.shown
         known: BoolArray | None = self.__dict__.get("shown")
         return known
 
     def find_shown(self) -> Iterator[None]:
         """Work it out, a frame at a time."""
+        if self.of is not None:
+            yield from self.of[0].find_shown()
+            return
         found = None
         for latest in looks(self.model, self.cameras, self.near, self.mode):
             found = latest
@@ -226,7 +237,8 @@ class Scene:
         if edits.is_empty:
             return self
         record = replace(self.record, edits=RecordedEdits.of(edits))
-        return replace(self, model=edits.applied(self.model), record=record)
+        kept = self, edits.visible.indices()
+        return replace(self, model=edits.applied(self.model), record=record, of=kept)
 
 
 @dataclass(frozen=True)

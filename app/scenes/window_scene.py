@@ -36,4 +36,5 @@ def scene_of_window(scene: Scene, number: int) -> Scene:
         first=scene.start + frames.start,
         test_indices=tuple(index - frames.start for index in scene.test_indices if index in frames),
         saved_edits=None,
+        of=None,
     )

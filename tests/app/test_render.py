@@ -15,6 +15,7 @@ from app.errors import UserError
 from app.evaluation.evaluate import open_evaluation
 from app.exports.replay.again import replay
 from app.files.provenance import read_provenance
+from app.gui.state.editing import tinted_model
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
@@ -26,6 +27,8 @@ from app.scenes.view_request import ViewRequest
 from renderer.camera import Camera
 from renderer.draw.offscreen import render_offscreen
 from renderer.draw.splat_view import Precision
+from renderer.editing.edits import Edits
+from renderer.editing.mask import Mask
 from renderer.measuring.raster_accuracy import exact
 from renderer.metrics import psnr
 from renderer.near_plane import near_plane
@@ -185,6 +188,26 @@ def test_gaussians_behind_tissue_are_left_out_where_the_endoscope_never_was(runs
         assert np.array_equal(other.splats.opacities, every)
     assert not aside.of_kind("points").leaves_out
     assert replace(scene, live=True).shown is None
+
+
+def test_what_frames_show_is_known_of_an_edited_run_and_of_one_that_is_tinted(runs: dict[str, Path]) -> None:
+    """Without looking at all frames after each edit, or with each Gaussian that is selected."""
+    scene = open_scene(runs["original"])
+    every, some = Edits.none(len(scene.model)), Mask.of(np.arange(len(scene.model)) % 3 == 0)
+    selected = every.selecting(some, "replace")
+    tinted, edited = tinted_model(scene, selected), scene.edited(selected.deleting())
+    assert tinted is not None
+    assert tinted.shown_so_far is edited.shown_so_far is None
+    for _ in edited.find_shown():
+        pass
+    known = scene.shown_so_far
+    assert known is not None
+    both = tinted_model(edited, selected.deleting().selecting_all())
+    assert both is not None
+    left = known[np.arange(len(known)) % 3 > 0]
+    for one, expected in ((tinted, known), (edited, left), (both, left)):
+        assert one.shown_so_far is one.shown
+        assert np.array_equal(one.shown, expected)
 
 
 @pytest.mark.parametrize(("size", "where"), [((96, 24), "beside"), ((24, 48), "above and below")])

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
 from app.gui.work.saving_edits import SaveRequest
 from app.gui.work.selecting import Limits, SelectRequest
 from app.scenes.free_camera import Vector
@@ -99,4 +101,5 @@ def tinted_model(edited: Scene, edits: Edits) -> Scene | None:
     if not len(edits.selected):
         return None
     chosen = edits.selected.booleans()[edits.visible.indices()]
-    return replace(edited, model=highlighted(edited.model, chosen))
+    every = edited, np.arange(len(edited.model))
+    return replace(edited, model=highlighted(edited.model, chosen), of=every)
