@@ -347,8 +347,9 @@ class AppState:
         return replace(view, scale=self.scene.steady_scale)
 
     def over_background(self, view: ViewRequest) -> ViewRequest:
-        """With what is chosen for where nothing was observed."""
-        return replace(view, background=self.background, unobserved=self.settings.unobserved)
+        """With what is chosen for where nothing was observed; what is edited is seen whole."""
+        unobserved = self.settings.unobserved or self.editing.active
+        return replace(view, background=self.background, unobserved=unobserved)
 
     @property
     def background(self) -> Background:

@@ -108,8 +108,9 @@ def test_the_selection_is_coloured_for_the_eye_alone(splats: AppState) -> None:
     colors, own = seen.scene.model.at(0.5).colors, plain.scene.model.at(0.5).colors
     np.testing.assert_array_equal(colors[~chosen], own[~chosen])
     np.testing.assert_allclose(colors[chosen], OWN * own[chosen] + (1 - OWN) * np.array(COLOR), atol=1e-6)
+    assert seen.unobserved  # What can be selected can be seen.
     edit_actions.toggle(splats)
-    assert splats.view_request == plain
+    assert splats.view_request == replace(plain, unobserved=False)
 
 
 def test_what_was_meant_for_a_selection_that_fails_is_not_done_to_another(splats: AppState) -> None:
