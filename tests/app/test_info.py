@@ -175,7 +175,7 @@ def test_of_a_video_whose_halves_look_alike_it_is_said_as_the_window_says_it(
     assert "look alike" in said
     facts = json.loads(vesselsplat("info", alike, "--json").out)
     assert facts["notices"] == [said]
-    of_one, of_two = facts["next"][:2], facts["next"][2:]
+    of_one, of_two = facts["next"][:3], facts["next"][3:]
     assert of_one == json.loads(vesselsplat("info", other, "--json").out.replace("b.mp4", "a.mp4"))["next"]
     assert [step.split()[-2:] for step in of_two] == 2 * [["--stereo", "side-by-side"]]
     assert "notices" not in json.loads(vesselsplat("info", other, "--json").out)

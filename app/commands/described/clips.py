@@ -115,11 +115,11 @@ def of_video(path: Path) -> tuple[Fact, ...]:
 
 
 def _video_steps(stereo: StereoLayout | None, looks: StereoLayout | None) -> Iterator[tuple[str, ...]]:
-    """As the video says, depth of one eye guessed; then those of two eyes, if it looks like them: a person
-    decides."""
+    """As the video says, depth of one eye guessed for a camera at rest and for one that moves; then those of
+    two eyes, if it looks like them: a person decides."""
     enhance, train = ("enhance", "PATH", "OUT.mp4"), ("train", "PATH", "--run", "RUN")
     yield enhance
-    yield train if stereo else (*train, "--depth", "brightness")
+    yield from (train,) if stereo else ((*train, "--depth", way) for way in ("brightness", "motion"))
     if looks is not None:
         yield from ((*step, "--stereo", looks) for step in (enhance, train))
 
@@ -127,7 +127,9 @@ def _video_steps(stereo: StereoLayout | None, looks: StereoLayout | None) -> Ite
 def _eyes(stereo: StereoLayout | None) -> tuple[Fact, ...]:
     """What depth a video comes with."""
     if stereo is None:
-        lacking = "depth, and poses of a camera that moves"
+        lacking = (
+            "depth: of a camera that moves --depth motion finds it, of one at rest brightness guesses it"
+        )
         return Fact("depth", "none", {"origin": None}), Fact("missing", (lacking,), ["depth", "poses"])
     depth = f"matched between both eyes, which lie {stereo} in each frame"
     lacking = "poses of a camera that moves, and the distance between the eyes (--baseline)"
