@@ -31,7 +31,8 @@ def add_flag(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--unobserved",
         action="store_true",
-        help="also draw what no frame shows: behind tissue in all, or beyond those of a camera at rest",
+        help="also draw what no frame shows: Gaussians behind tissue in all frames, and what lies beyond the "
+        "frames of a camera at rest",
     )
     parser.add_argument(
         "--view",
