@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,8 @@ import moderngl
 import numpy as np
 import pytest
 
+import app.scenes.drawer as drawer_module
+import app.scenes.scene as scene_module
 from app.errors import UserError
 from app.evaluation.evaluate import open_evaluation
 from app.exports.replay.again import replay
@@ -20,15 +23,17 @@ from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
 from app.scenes.cpu_rendering import draw_on_cpu, over
+from app.scenes.drawer import draw_view
 from app.scenes.free_camera import FreeView
 from app.scenes.renderers import Renderer, drawer
 from app.scenes.scene import open_scene
 from app.scenes.view_request import ViewRequest
-from renderer.camera import Camera
+from renderer.camera import BoolArray, Camera
 from renderer.draw.offscreen import render_offscreen
 from renderer.draw.splat_view import Precision
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
+from renderer.gaussians import DynamicGaussians
 from renderer.measuring.raster_accuracy import exact
 from renderer.metrics import psnr
 from renderer.near_plane import near_plane
@@ -188,6 +193,27 @@ def test_gaussians_behind_tissue_are_left_out_where_the_endoscope_never_was(runs
         assert np.array_equal(other.splats.opacities, every)
     assert not aside.of_kind("points").leaves_out
     assert replace(scene, live=True).shown is None
+
+
+def test_what_frames_show_is_no_part_of_how_long_a_view_takes(
+    runs: dict[str, Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Which view is drawn smaller, and by what, is chosen by that."""
+    clock = [0.0]
+
+    def slow_looks(model: DynamicGaussians, *_: object) -> Iterator[BoolArray]:
+        clock[0] += 60
+        yield np.ones(len(model), bool)
+
+    monkeypatch.setattr(scene_module, "looks", slow_looks)
+    monkeypatch.setattr(drawer_module, "perf_counter", lambda: clock[0])
+    scene = open_scene(runs["original"])
+    view = ViewRequest(scene, 0.0, FreeView.of(scene.cameras[0]).flown(0, 0, -scene.distance).camera)
+    (drawn,) = draw_view(view)
+    assert clock == [60]
+    assert drawn.milliseconds == 0
+    list(draw_view(ViewRequest.of_frame(replace(scene), 0)))
+    assert clock == [60]
 
 
 def test_what_frames_show_is_known_of_an_edited_run_and_of_one_that_is_tinted(runs: dict[str, Path]) -> None:
