@@ -129,6 +129,12 @@ class ViewRequest:
         return is_free and not self.unobserved and SHAPES[self.kind] == "soft"
 
     @property
+    def so_far(self) -> ViewRequest:
+        """The same for a window, which does not wait until it is known what no frame shows: all till then."""
+        waits = self.leaves_out and self.scene.tells_shown and self.scene.shown_so_far is None
+        return replace(self, unobserved=True) if waits else self
+
+    @property
     def splats(self) -> Splats:
         """Of its kind and time, those that are not drawn with an opacity of 0."""
         splats = splats_for(self.kind, self.scene.model, self.time)

@@ -179,8 +179,10 @@ def test_gaussians_behind_tissue_are_left_out_where_the_endoscope_never_was(runs
     scene = open_scene(runs["original"])
     aside = ViewRequest(scene, 0.0, FreeView.of(scene.cameras[0]).flown(0, 0, -scene.distance).camera)
     assert scene.shown_so_far is None
+    assert aside.so_far == replace(aside, unobserved=True)
     for _ in scene.find_shown():
         pass
+    assert aside.so_far is aside
     known = scene.shown_so_far
     assert known is not None
     assert known is scene.shown

@@ -75,7 +75,7 @@ def browser_page(
         scene["start"] = record.start
     if shown is not None:
         scene["hidden"] = np.flatnonzero(~shown).tolist()
-        scene["free"] = not any(record.camera.has_pose_of(one) for one in cameras)
+        scene["free"] = not (record.moves or all(map(record.camera.has_pose_of, cameras)))
     if within is not None:
         scene["sides"] = within.sides.tolist()
     if record.moves:

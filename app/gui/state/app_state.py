@@ -284,7 +284,9 @@ class AppState:
         """What the 3D view should show now; None without a model or while it is hidden. A selection in colour
         would differ from the frame, which is no error of the model."""
         view = self._view_of(self.editing.tinted or self.scene.model)
-        return self.plain_view_request if view is not None and view.kind == "difference" else view
+        if view is None or view.kind == "difference":
+            return self.plain_view_request
+        return view.so_far
 
     @property
     def masks_clip(self) -> Clip | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tracemalloc
 from dataclasses import replace
@@ -17,6 +18,7 @@ from app.exports.browser.page import PageWindow, browser_page, read_page
 from app.exports.browser.samples import USUAL
 from app.exports.browser.tracks import CUBIC, LINEAR, Tracks, tracks_of
 from app.exports.records import BrowserModel
+from app.scenes.free_camera import FreeView
 from app.scenes.scene import open_scene
 from renderer.camera import Camera
 from renderer.deformation.motion import Still
@@ -286,3 +288,21 @@ def test_a_run_becomes_a_page_that_is_reproduced(
     again = vesselsplat("replay", page, "--source", run)
     assert (again.code, again.out.rstrip().endswith("identical")) == (0, True), again.error + again.out
     assert vesselsplat("export", run, "--html", tmp_path / "model.txt").code == 2
+
+
+def test_the_page_tells_what_no_frame_shows(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
+    run, file = runs["original"], tmp_path / "aside.json"
+    scene = open_scene(run)
+    aside = FreeView.of(scene.cameras[0]).flown(0, 0, -scene.distance).camera
+    file.write_text(json.dumps(aside.to_json()))
+    told = {}
+    for name, flags in (("own", ()), ("aside", ("--camera", file)), ("all", ("--unobserved",))):
+        page = tmp_path / f"{name}.html"
+        assert vesselsplat("export", run, "--html", page, *flags).code == 0
+        _, told[name], _ = read_page(page.read_text())
+    assert scene.shown is not None
+    for name in ("own", "aside"):
+        assert told[name]["hidden"] == np.flatnonzero(~scene.shown).tolist()
+        assert np.allclose(told[name]["sides"], scene.cameras[0].sides)
+        assert told[name]["free"] == (name == "aside")
+    assert not {"hidden", "sides", "free"} & set(told["all"])
