@@ -115,7 +115,9 @@ def _hand_tags(state: AppState, shown: ViewRequest) -> list[Tag]:
 def _next_click(measured: Measurement) -> str:
     """What comes next, for a line that has begun."""
     count = len(measured.points)
-    if count < 2 or measured.closed:
+    if count == 1:
+        return "click the second point"
+    if count == 0 or measured.closed:
         return "click two points"
     more = "Shift+click adds a point"
     return more if count < LEAST_CORNERS else f"{more}, on the first one closes an area"

@@ -41,6 +41,8 @@ def test_clicks_measure_and_drags_still_turn(
         (answer,) = pick(wish)
         camera_actions.take_point(opened, wish, answer)
         ui.frame(draw)
+        if x == 420:
+            assert "click the second point" in texts(view_tags(opened, opened.view_request))
     request = opened.view_request
     assert request is not None
     assert opened.scene.model is not None
