@@ -30,6 +30,7 @@ def test_a_run_is_opened_and_drawn_beside_the_first(
     seen: AppState, model: DynamicGaussians, tmp_path: Path
 ) -> None:
     channels = Channels()
+    actions.toggle_unobserved(seen)  # Of a preview, which the first one is, it is not known.
     run = make_run(tmp_path / "run-2", phantom_path(), model)
     second_actions.open_second(seen, run.path)
     settle(seen, channels)

@@ -9,7 +9,7 @@ import numpy as np
 from tests.benchmarks.stability_faults.faults import Fault, Kind, edited, replaced
 
 KERNELS, FILTER, FIRST_PASS = "enhance.second_pass", "enhance.guided_filter", "enhance.first_pass"
-ROWS = "enhance.window_rows"
+RECOLOR, ROWS = "enhance.recolor", "enhance.window_rows"
 ENHANCER, SURVEY, POWERS = "enhance.enhancer", "enhance.survey", "enhance.powers"
 
 
@@ -20,7 +20,8 @@ def parts_of(*names: str) -> tuple[str, ...]:
 def edit_of(
     kernel: str, kind: Kind, what: str, module: str, old: str, new: str, *parts: str, quick: bool = False
 ) -> Fault:
-    return Fault(kernel, kind, what, parts_of(*parts), edited(module, old, new), quick)
+    also = (KERNELS,) if module == RECOLOR else ()
+    return Fault(kernel, kind, what, parts_of(*parts), edited(module, old, new, *also), quick)
 
 
 def in_half(whole: Any) -> Any:
@@ -51,8 +52,8 @@ def _statistics() -> list[Fault]:
             "float16",
             "S_m",
             "enhance.statistics",
-            "mean = saturation / count",
-            "mean = float(np.float16(saturation / count))",
+            "saturation_mean=saturation / count",
+            "saturation_mean=float(np.float16(saturation / count))",
         ),
         edit("sign", "of P", "enhance.detail", "(27 - 2 * sigma)", "(27 + 2 * sigma)"),
         edit("dropped", "the mask", "enhance.shown", "if tissue_mask is not None or picture", "if picture"),

@@ -10,6 +10,7 @@ from tests.benchmarks.stability_faults.enhancement import (
     ENHANCER,
     KERNELS,
     POWERS,
+    RECOLOR,
     edit_of,
     in_half,
     parts_of,
@@ -145,11 +146,11 @@ def _equations() -> list[Fault]:
         edit(
             "dropped", "d-factor", "enhance.saturation", "b = d_factor * mean**2", "b = mean**2", "saturation"
         ),
-        edit("swapped", "largest and least", KERNELS, "pull * least * least", "pull * most * most", "bytes"),
+        edit("swapped", "largest and least", RECOLOR, "pull * least * least", "pull * most * most", "bytes"),
         edit(
             "sign",
             "of colours",
-            KERNELS,
+            RECOLOR,
             "value - fall * (most - np.float32(apart[RED, i]))",
             "value + fall * (most - np.float32(apart[RED, i]))",
             "hues",
@@ -157,7 +158,7 @@ def _equations() -> list[Fault]:
         edit(
             "swapped",
             "colours",
-            KERNELS,
+            RECOLOR,
             "fall * (most - np.float32(apart[BLUE, i]))",
             "fall * (most - np.float32(apart[GREEN, i]))",
             "bytes",
@@ -165,7 +166,7 @@ def _equations() -> list[Fault]:
         edit(
             "other",
             "grey gets a hue",
-            KERNELS,
+            RECOLOR,
             "chunk[BLUE, i] = value",
             "chunk[BLUE, i] = np.float32(0.98) * value",
             "constants",
@@ -237,12 +238,12 @@ def _edges() -> list[Fault]:
 
     image = "enhance.image"
     return [
-        edit("sign", "of the fade", KERNELS, "(THREE - TWO * t)", "(THREE + TWO * t)", "black"),
+        edit("sign", "of the fade", RECOLOR, "(THREE - TWO * t)", "(THREE + TWO * t)", "black"),
         edit(
             "dropped",
             "the fade",
             KERNELS,
-            "if keep_black and _is_dark(chunk):",
+            "if keep_black and is_dark(chunk):",
             "if False:",
             "black",
             "constants",
@@ -250,7 +251,7 @@ def _edges() -> list[Fault]:
         edit(
             "swapped",
             "the fade's ends",
-            KERNELS,
+            RECOLOR,
             "weight * chunk[plane, i] + (ONE - weight)",
             "(ONE - weight) * chunk[plane, i] + weight",
             "black",
@@ -259,7 +260,7 @@ def _edges() -> list[Fault]:
         edit(
             "dropped",
             "rounding",
-            KERNELS,
+            RECOLOR,
             "np.int32(rounded(chunk[plane, i]))",
             "np.int32(chunk[plane, i])",
             "constants",
@@ -311,7 +312,7 @@ def _edges() -> list[Fault]:
         edit(
             "other",
             "noise near black is louder",
-            KERNELS,
+            RECOLOR,
             "BLACK = np.float32(24 / 255)",
             "BLACK = np.float32(4 / 255)",
             "black",
