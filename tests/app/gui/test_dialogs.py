@@ -7,7 +7,6 @@ import sys
 import time
 from pathlib import Path
 
-import av
 import cv2
 import numpy as np
 import pytest
@@ -19,9 +18,8 @@ from app.gui.panels import file_browser
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing
 from app.gui.state.choosing import OPENED, QUESTIONS, Choosing
-from app.gui.work.listing import SIDE, Entry, Listing, ListRequest, list_folder, thumbnail_of
+from app.gui.work.listing import SIDE, Entry, Listing, ListRequest, list_folder
 from app.gui.work.settings import Places, load_settings
-from renderer.sources import open_clip
 from tests.app.gui.chooser import Chooser
 from tests.app.gui.settling import keep_all
 
@@ -374,31 +372,6 @@ def test_images_videos_and_clips_have_thumbnails_and_damaged_files_an_icon(
     assert found["deep.png"].min() > 200
     assert "notes.txt" not in found
     assert any(image is found["2.png"] for image in chooser.shown.images.values())
-
-
-def test_a_video_has_a_thumbnail_without_pyav(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.gui.work.listing.has_pyav", lambda: False)
-    writer = cv2.VideoWriter(str(folder / "scope.mp4"), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
-    for _ in range(5):
-        writer.write(np.full((48, 64, 3), (0, 0, 200), np.uint8))
-    writer.release()
-    (image,) = thumbnail_of(folder / "scope.mp4")
-    assert image is not None
-    assert np.abs(image.reshape(-1, 3).mean(axis=0) - (200, 0, 0)).max() < 12
-
-
-def test_a_thumbnail_is_upright_as_the_clip_will_be(folder: Path) -> None:
-    path = folder / "phone.mov"
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("mpeg4", rate=10)
-        stream.width, stream.height, stream.pix_fmt = 64, 32, "yuv420p"
-        stream.set_display_rotation(90)
-        for _ in range(5):
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(np.full((32, 64, 3), 90, np.uint8))))
-        container.mux(stream.encode())
-    (image,) = thumbnail_of(path)
-    assert image is not None
-    assert image.shape[:2] == open_clip(path).size[::-1] == (64, 32)
 
 
 def test_all_that_the_reader_takes_is_listed_as_what_opens() -> None:
