@@ -23,7 +23,7 @@ from app.runs.run_edits import RecordedEdits, read_edits
 from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.trained_clip import input_clip, run_clip
 from app.runs.wall_clock import STEPS, WALL
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
 from enhance.ridges import vessel_mask
 from renderer.camera import Camera
@@ -166,7 +166,7 @@ class Evaluation:
         """A frame of the model as its camera sees it."""
         camera, record = self.clip.cameras[index], self.record
         splats, near = self.model.at(record.time(index)), near_plane(self.model, camera)
-        return draw_on_cpu(splats, camera, near, record.config.render_mode)
+        return draw_on_cpu(splats, camera, DrawOptions(near, record.config.render_mode))
 
     @cached_property
     def seldom(self) -> BoolImage | None:

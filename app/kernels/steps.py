@@ -19,7 +19,7 @@ from app.enhancement.methods import VESSEL, MethodEnhancer, Preset, measure_for
 from app.kernels.progress import Preparation, Task, paced, tasks
 from app.kernels.stamp import note_prepared
 from app.runs.train_run import PRESETS
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from assets import phantom_path
 from renderer.clip import Clip, Frame
 from renderer.editing.regions import Lasso, found
@@ -126,8 +126,8 @@ def _look() -> None:
     for mode in get_args(RenderMode):
         surface_point(splats, camera, (camera.width // 2, camera.height // 2), near, mode)
     for shape in get_args(Shape):
-        draw_on_cpu(splats, camera, near, shape=shape)
-    draw_on_cpu(splats, camera.moved(camera.camera_from_world @ SIDEWAYS), near, within=camera)
+        draw_on_cpu(splats, camera, DrawOptions(near, shape=shape))
+    draw_on_cpu(splats, camera.moved(camera.camera_from_world @ SIDEWAYS), DrawOptions(near, within=camera))
     for cameras in ((camera,), (camera, camera.moved(camera.camera_from_world @ SIDEWAYS))):
         render_mesh(surface_of(model, cameras, near).at(0.2), camera, near)
     sight = Sight.of(Trail(model, (0.0, 0.5)), camera, 0.5, near)

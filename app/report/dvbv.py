@@ -21,7 +21,7 @@ from app.report.section import Cell, Column, Table
 from app.runs.run_folder import Input
 from app.runs.train_run import RECONSTRUCTION_PARAMS, Measured, pooled
 from app.runs.trained_clip import enhanced_clip
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from enhance.metrics import dvbv_otsu
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError
 from renderer.near_plane import near_plane
@@ -233,6 +233,8 @@ def _of_renders(sets: PixelSets, trained: Trained) -> Ratios:
 
     def drawn(index: int) -> ByteImage:
         camera = clip.cameras[index]
-        return draw_on_cpu(model.at(clip.times[index]), camera, near_plane(model, camera), mode).bytes
+        return draw_on_cpu(
+            model.at(clip.times[index]), camera, DrawOptions(near_plane(model, camera), mode)
+        ).bytes
 
     return sets.ratios((index, drawn(index)) for index in clip.test_indices or clip.train_indices)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -17,19 +18,20 @@ ON_CPU = "numba on the CPU"
 """What `draw_on_cpu` is called in provenance."""
 
 
-class Draw(Protocol):
-    """Splats, camera, near plane (in scene units), render mode and shape to a picture over black; soft splats
-    end at the sides of the image of `within`."""
+@dataclass(frozen=True)
+class DrawOptions:
+    """How splats are drawn."""
 
-    def __call__(
-        self,
-        splats: Splats,
-        camera: Camera,
-        near: float,
-        mode: RenderMode,
-        shape: Shape = ...,
-        within: Camera | None = ...,
-    ) -> Rendered: ...
+    near: float
+    """The near plane, in scene units."""
+    mode: RenderMode = "default"
+    shape: Shape = "soft"
+    within: Camera | None = None
+    """Soft splats end at the sides of its image."""
+
+
+Draw = Callable[[Splats, Camera, DrawOptions], Rendered]
+"""To a picture over black."""
 
 
 def over(drawn: Rendered, background: Background) -> NDArray[np.uint8]:
@@ -53,18 +55,11 @@ def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, 
     return picture, (near, far)
 
 
-def draw_on_cpu(
-    splats: Splats,
-    camera: Camera,
-    near: float,
-    mode: RenderMode = "default",
-    shape: Shape = "soft",
-    within: Camera | None = None,
-) -> Rendered:
+def draw_on_cpu(splats: Splats, camera: Camera, options: DrawOptions) -> Rendered:
     # Numba's kernels take seconds to import on a first start; the window must not wait for them.
     from renderer.rasterize.cpu import render
     from renderer.rasterize.solids import render_solids
 
-    if shape == "soft":
-        return render(splats, camera, near=near, mode=mode, within=within)
-    return render_solids(splats, camera, shape, near=near)
+    if options.shape == "soft":
+        return render(splats, camera, near=options.near, mode=options.mode, within=options.within)
+    return render_solids(splats, camera, options.shape, near=options.near)

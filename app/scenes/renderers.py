@@ -7,10 +7,11 @@ from typing import Literal
 import numpy as np
 
 from app.errors import UserError
+from app.scenes.cpu_rendering import DrawOptions
 from app.scenes.drawer import Drawer
 from renderer.camera import Camera
 from renderer.rasterize.rendered import Rendered
-from renderer.splats import RenderMode, Shape, Splats
+from renderer.splats import Splats
 from renderer.torch_presence import NO_TORCH, has_torch
 
 Renderer = Literal["gl", "cpu", "reference"]
@@ -27,16 +28,9 @@ def drawer(renderer: Renderer) -> Drawer:
     return Drawer()
 
 
-def _reference(
-    splats: Splats,
-    camera: Camera,
-    near: float,
-    mode: RenderMode,
-    shape: Shape = "soft",
-    within: Camera | None = None,
-) -> Rendered:
-    if shape != "soft":
-        raise UserError(f"--with: expected cpu or gl for {shape}s, got reference")
+def _reference(splats: Splats, camera: Camera, options: DrawOptions) -> Rendered:
+    if options.shape != "soft":
+        raise UserError(f"--with: expected cpu or gl for {options.shape}s, got reference")
     import torch
 
     from renderer.rasterize.reference import rasterize_reference
@@ -50,9 +44,9 @@ def _reference(
             torch.from_numpy(splats.opacities),
             torch.from_numpy(splats.colors),
             camera,
-            near=near,
-            mode=mode,
-            within=within,
+            near=options.near,
+            mode=options.mode,
+            within=options.within,
         )
     layers = (rendered.image, rendered.alpha, rendered.depth)
     return Rendered(*(layer.numpy().astype(np.float32) for layer in layers))
@@ -70,16 +64,9 @@ def _gl() -> Drawer:
         raise UserError(f"{error} Or use --with cpu.") from error
     offscreen = Offscreen(context)
 
-    def draw(
-        splats: Splats,
-        camera: Camera,
-        near: float,
-        mode: RenderMode,
-        shape: Shape = "soft",
-        within: Camera | None = None,
-    ) -> Rendered:
+    def draw(splats: Splats, camera: Camera, options: DrawOptions) -> Rendered:
         try:
-            return offscreen.layers(splats, camera, near, mode, shape, within)
+            return offscreen.layers(splats, camera, options.near, options.mode, options.shape, options.within)
         except Error as error:
             size = f"{camera.width}x{camera.height}"
             raise UserError(f"OpenGL cannot render {size} here ({error}): choose a smaller --size") from error

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.scenes.cpu_rendering import Draw
+from app.scenes.cpu_rendering import Draw, DrawOptions
 from renderer.camera import Camera
 from renderer.rasterize.rendered import Rendered
-from renderer.splats import Float32Array, RenderMode, Shape, Splats
+from renderer.splats import Float32Array, Splats
 
 FACTORS = (1, 2, 4)
 
@@ -21,16 +21,9 @@ def supersampled(draw: Draw, factor: int) -> Draw:
     if factor == 1:
         return draw
 
-    def drawing(
-        splats: Splats,
-        camera: Camera,
-        near: float,
-        mode: RenderMode,
-        shape: Shape = "soft",
-        within: Camera | None = None,
-    ) -> Rendered:
+    def drawing(splats: Splats, camera: Camera, options: DrawOptions) -> Rendered:
         fine = camera.resized(factor * camera.width, factor * camera.height)
-        return averaged(draw(splats, fine, near, mode, shape, within), factor)
+        return averaged(draw(splats, fine, options), factor)
 
     return drawing
 

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Final
 from weakref import WeakKeyDictionary
 
 from app.errors import UserError
-from app.scenes.cpu_rendering import Draw
+from app.scenes.cpu_rendering import Draw, DrawOptions
 from app.scenes.scene import Scene
 from renderer.camera import Camera
 from renderer.model_windows import ModelWindow, window_at, windows_of
 from renderer.rasterize.rendered import Rendered
-from renderer.splats import RenderMode, Shape, Splats
+from renderer.splats import Splats
 from renderer.surface.fineness import AS_IT_COMES, Fineness
 from renderer.surface.mesh import Mesh
 
@@ -119,16 +119,9 @@ def drawing_surface(scene: Scene, time: float) -> Draw:
     """Draws it at that time, whatever splats are asked for. Raises UserError as `surface_at`."""
     mesh = surface_at(scene, time)
 
-    def draw(
-        splats: Splats,
-        camera: Camera,
-        near: float,
-        mode: RenderMode,
-        shape: Shape = "soft",
-        within: Camera | None = None,
-    ) -> Rendered:
+    def draw(splats: Splats, camera: Camera, options: DrawOptions) -> Rendered:
         from renderer.surface.triangles import render_mesh
 
-        return render_mesh(mesh, camera, near)
+        return render_mesh(mesh, camera, options.near)
 
     return draw

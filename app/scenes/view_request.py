@@ -9,7 +9,7 @@ import numpy as np
 
 from app.files.records import extended
 from app.scenes.backgrounds import Background
-from app.scenes.cpu_rendering import Draw
+from app.scenes.cpu_rendering import Draw, DrawOptions
 from app.scenes.free_camera import FreeView
 from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
@@ -163,8 +163,8 @@ class ViewRequest:
         """The splats of its kind, as the scene was trained to be drawn."""
         if self.kind == "surface":
             draw = drawing_surface(self.scene, self.time)
-        fine = supersampled(draw, self.supersampling)
-        return fine(self.splats, self.camera, self.near, self.scene.mode, SHAPES[self.kind], self.within)
+        options = DrawOptions(self.near, self.scene.mode, SHAPES[self.kind], self.within)
+        return supersampled(draw, self.supersampling)(self.splats, self.camera, options)
 
     def composed(self, drawn: Rendered) -> Composed:
         """The picture that is asked for, of its splats drawn in their shape. Raises ClipError."""

@@ -15,7 +15,7 @@ from app.errors import UserError
 from app.files.provenance import read_provenance
 from app.gui.work.opening import OpenRequest, open_path
 from app.runs.run_folder import RunFolder
-from app.scenes.cpu_rendering import draw_on_cpu, over
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu, over
 from app.scenes.scene import open_scene
 from renderer.camera import Camera
 from renderer.camera_path import CameraPath, Keyframe
@@ -47,7 +47,7 @@ def test_a_run_becomes_a_file_a_frame_that_draws_the_same(
         path = tmp_path / "ply" / f"frame-{index:06d}.ply"
         camera = record.cameras[index]
         near = near_plane(model, camera)
-        own = draw_on_cpu(model.at(record.time(index)), camera, near).image
+        own = draw_on_cpu(model.at(record.time(index)), camera, DrawOptions(near)).image
         theirs = render(read_splats(path).raw.splats(), camera, near=near).image
         assert np.allclose(own, theirs, atol=1e-5)
         comments = read_ply(path.read_bytes()).comments
@@ -320,7 +320,7 @@ def test_pictures_along_a_path_are_the_model_at_its_moments(
     for place, key in enumerate(read_views(file).path.moments(8.0)):
         picture = cv2.imread(str(tmp_path / "out" / f"path-{place:06d}.png"))[..., ::-1]
         near = near_plane(model, key.camera)
-        drawn = over(draw_on_cpu(model.at(key.time), key.camera, near), GREY)
+        drawn = over(draw_on_cpu(model.at(key.time), key.camera, DrawOptions(near)), GREY)
         np.testing.assert_array_equal(picture, drawn)
 
 

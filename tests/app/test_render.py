@@ -22,7 +22,7 @@ from app.gui.state.editing import tinted_model
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.scenes.backgrounds import BACKGROUNDS, BackgroundName
-from app.scenes.cpu_rendering import draw_on_cpu, over
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu, over
 from app.scenes.drawer import draw_view
 from app.scenes.free_camera import FreeView
 from app.scenes.renderers import Renderer, drawer
@@ -58,7 +58,9 @@ def test_render_writes_pictures_that_know_where_they_come_from(
     assert sorted(path.name for path in out.iterdir()) == names
     run = RunFolder(runs["original"])
     record, model = run.record(), run.model()
-    drawn = draw_on_cpu(model.at(record.time(9)), record.cameras[9], near_plane(model, record.cameras[9]))
+    drawn = draw_on_cpu(
+        model.at(record.time(9)), record.cameras[9], DrawOptions(near_plane(model, record.cameras[9]))
+    )
     assert np.array_equal(cv2.imread(str(out / "frame-000009.png"))[..., ::-1], over(drawn, GREY))
     assert np.array_equal(np.load(out / "frame-000009-depth.npy"), drawn.depth)
     facts = read_provenance(out / "frame-000009.png")
@@ -74,9 +76,9 @@ def test_a_run_is_drawn_exported_and_measured_as_it_was_trained(
     list(run_training(request_of(clip_path, path, config=config)))
     run = RunFolder(path)
     record, model = run.record(), run.model()
-    at = model.at(record.time(9)), record.cameras[9], near_plane(model, record.cameras[9])
-    picture = over(draw_on_cpu(*at, "mip"), GREY)
-    assert not np.array_equal(picture, over(draw_on_cpu(*at), GREY))
+    at, near = (model.at(record.time(9)), record.cameras[9]), near_plane(model, record.cameras[9])
+    picture = over(draw_on_cpu(*at, DrawOptions(near, "mip")), GREY)
+    assert not np.array_equal(picture, over(draw_on_cpu(*at, DrawOptions(near)), GREY))
     assert vesselsplat("render", path, "--out", tmp_path / "out", "--frames", 9).code == 0
     assert np.array_equal(cv2.imread(str(tmp_path / "out" / "frame-000009.png"))[..., ::-1], picture)
     assert vesselsplat("export", path, "--ply", tmp_path / "ply", "--frames", 9).code == 0
@@ -84,7 +86,7 @@ def test_a_run_is_drawn_exported_and_measured_as_it_was_trained(
     evaluation = open_evaluation(path)
     *_, last = evaluation.frames()
     frame = evaluation.trained_clip.read_frame(9)
-    over_black = draw_on_cpu(*at, "mip").bytes
+    over_black = draw_on_cpu(*at, DrawOptions(near, "mip")).bytes
     assert last.psnr == psnr(over_black / 255.0, frame.image / 255.0, frame.evaluation_mask)
 
 
@@ -124,7 +126,7 @@ def test_opengl_is_as_exact_as_the_trainer_on_a_trained_run(
 def test_what_opengl_cannot_hold_is_refused_in_a_line() -> None:
     draw = drawer("gl").draw
     with pytest.raises(UserError, match="40000x2"):
-        draw(model_of(3).at(0.0), Camera.from_fov(60.0, 40_000, 2), 0.01, "default")
+        draw(model_of(3).at(0.0), Camera.from_fov(60.0, 40_000, 2), DrawOptions(0.01, "default"))
 
 
 def test_render_takes_another_camera_and_size(
@@ -284,7 +286,7 @@ def test_straight_alpha_lies_over_any_background_as_if_drawn_there(renderer: Ren
     camera = turned_camera(96, 80)
     splats = random_splats(150, camera, 3, sigma=(2.0, 9.0))
     draw = drawer(renderer).draw
-    picture = draw(splats, camera, 0.01, "default").straight.astype(float) / 255
+    picture = draw(splats, camera, DrawOptions(0.01, "default")).straight.astype(float) / 255
     color, alpha = picture[..., :3], picture[..., 3:]
     assert (alpha == 0).any()
     assert np.mean((alpha > 0.02) & (alpha < 0.98)) > 0.3
@@ -303,7 +305,7 @@ def test_what_was_not_observed_is_told_by_the_background(
     run = RunFolder(runs["original"])
     record, model = run.record(), run.model()
     camera = record.cameras[3].resized(32, 24)
-    drawn = draw_on_cpu(model.at(record.time(3)), camera, near_plane(model, camera))
+    drawn = draw_on_cpu(model.at(record.time(3)), camera, DrawOptions(near_plane(model, camera)))
     assert np.array_equal(cv2.imread(str(path))[..., ::-1], over(drawn, BACKGROUNDS[name]))
     assert vesselsplat("replay", path, "--source", runs["original"]).code == 0
 
@@ -318,7 +320,7 @@ def test_a_transparent_picture_has_straight_alpha(
     run = RunFolder(runs["original"])
     record, model = run.record(), run.model()
     camera = record.cameras[3].resized(32, 24)
-    drawn = draw_on_cpu(model.at(record.time(3)), camera, near_plane(model, camera))
+    drawn = draw_on_cpu(model.at(record.time(3)), camera, DrawOptions(near_plane(model, camera)))
     stored = cv2.cvtColor(cv2.imread(str(path), cv2.IMREAD_UNCHANGED), cv2.COLOR_BGRA2RGBA)
     assert np.array_equal(stored, drawn.straight)
 

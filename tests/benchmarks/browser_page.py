@@ -18,7 +18,7 @@ from app.exports.browser.of_scene import browser_model
 from app.exports.make import make
 from app.exports.sources import Opened
 from app.files.stepping import run_to_end
-from app.scenes.cpu_rendering import draw_on_cpu, over
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu, over
 from app.scenes.scene import open_scene
 from renderer.unobserved import GREY
 
@@ -46,7 +46,7 @@ def main() -> None:
             subprocess.run(command, check=True, capture_output=True)
             seen = cv2.cvtColor(cv2.imread(str(shot)), cv2.COLOR_BGR2RGB)[: camera.height, : camera.width]
             seen_by = scene.camera_at(time)
-            ours = over(draw_on_cpu(scene.model.at(time), seen_by, scene.near, scene.mode), GREY)
+            ours = over(draw_on_cpu(scene.model.at(time), seen_by, DrawOptions(scene.near, scene.mode)), GREY)
             apart = np.abs(seen.astype(float) - ours)
             quality = 10 * np.log10(255**2 / np.mean(apart**2))
             print(f"time {time:.2f}: {quality:.1f} dB, at most {apart.max():.0f} grey levels")

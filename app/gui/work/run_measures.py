@@ -10,7 +10,7 @@ import numpy as np
 from app.evaluation.mean import mean_of_finite
 from app.runs.clip_selection import ClipPart
 from app.runs.trained_clip import enhanced_clip
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from app.scenes.scene import Scene
 from renderer.clip import BoolImage, Clip
 from renderer.measuring.closeness import Closeness, closeness
@@ -65,7 +65,7 @@ def measure_run(request: RunMeasuresRequest) -> Iterator[RunMeasures]:
     for index in indices:
         frame = trained.read_frame(index)
         near = near_plane(scene.model, frame.camera)
-        drawn = draw_on_cpu(scene.model.at(frame.time), frame.camera, near, scene.mode)
+        drawn = draw_on_cpu(scene.model.at(frame.time), frame.camera, DrawOptions(near, scene.mode))
         taken.append(closeness(drawn.bytes, drawn.alpha, frame, seldom))
         yield RunMeasures(request, len(indices), tuple(taken))
 

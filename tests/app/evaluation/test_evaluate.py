@@ -19,7 +19,7 @@ from app.evaluation.evaluate import Stopwatch, measure_frame, open_evaluation
 from app.report.paper_rows import PAPER
 from app.runs.processor import load_average
 from app.runs.run_folder import RunFolder
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from enhance.metrics import vessel_contrast
 from enhance.ridges import vessel_mask
 from renderer.clip import Clip
@@ -71,7 +71,7 @@ def test_depth_error_and_shares_are_of_the_evaluated_pixels(runs: dict[str, Path
     evaluation = open_evaluation(runs["enhanced"])
     row, frame = report["frames"][1], evaluation.trained_clip.read_frame(9)
     drawn = draw_on_cpu(
-        evaluation.model.at(frame.time), frame.camera, near_plane(evaluation.model, frame.camera)
+        evaluation.model.at(frame.time), frame.camera, DrawOptions(near_plane(evaluation.model, frame.camera))
     )
     mask = frame.evaluation_mask
     assert frame.depth is not None
@@ -178,7 +178,7 @@ def test_the_stopwatch_draws_what_is_drawn_elsewhere_and_its_parts_add_up(runs: 
     frame = evaluation.trained_clip.read_frame(1)
     drawn, parts = Stopwatch(evaluation.model, frame.camera).draw(frame)
     other = draw_on_cpu(
-        evaluation.model.at(frame.time), frame.camera, near_plane(evaluation.model, frame.camera)
+        evaluation.model.at(frame.time), frame.camera, DrawOptions(near_plane(evaluation.model, frame.camera))
     )
     assert np.array_equal(drawn.image, other.image)
     assert np.array_equal(drawn.depth, other.depth)

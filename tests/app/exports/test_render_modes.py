@@ -21,7 +21,7 @@ from app.gui.work.settings import Places
 from app.runs.run_edits import save_edits
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
-from app.scenes.cpu_rendering import draw_on_cpu, over
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu, over
 from app.scenes.drawer import draw_view
 from renderer.clip import ByteImage
 from renderer.draw.offscreen import read_image as read_target
@@ -122,7 +122,9 @@ def drawn_of(run: RunFolder, mode: RenderMode) -> ByteImage:
     """The oracle: by the rasteriser itself."""
     record, model = run.record(), run.model()
     camera = record.cameras[FRAME]
-    return over(draw_on_cpu(model.at(record.time(FRAME)), camera, near_plane(model, camera), mode), GREY)
+    return over(
+        draw_on_cpu(model.at(record.time(FRAME)), camera, DrawOptions(near_plane(model, camera), mode)), GREY
+    )
 
 
 def test_the_modes_are_seen(trained: Path) -> None:
@@ -252,7 +254,7 @@ def test_a_run_that_was_cut_short_is_drawn_as_it_is_trained(
     assert request is not None
     splats = window.state.scene.model.model.at(request.time)
     mode = folder.record().config.render_mode
-    wanted = over(draw_on_cpu(splats, request.camera, request.near, mode), GREY)
+    wanted = over(draw_on_cpu(splats, request.camera, DrawOptions(request.near, mode)), GREY)
     np.testing.assert_array_equal(shown(window), wanted)
 
 

@@ -22,7 +22,7 @@ from app.gui.update.update import update
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.settings import Places
 from app.runs.train_run import TrainRequest, run_training
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
@@ -94,7 +94,7 @@ def test_a_finished_run_is_measured_as_evaluate_does_and_says_so(
     for index in evaluation.indices:
         frame = evaluation.trained_clip.read_frame(index)
         near = near_plane(evaluation.model, frame.camera)
-        drawn = draw_on_cpu(evaluation.model.at(frame.time), frame.camera, near)
+        drawn = draw_on_cpu(evaluation.model.at(frame.time), frame.camera, DrawOptions(near))
         wanted.append(measure_frame(frame, drawn, evaluation.clip, None, {}, evaluation.seldom))
     assert found.count == len(wanted) == 3
     for _, name, _, _ in ROWS:

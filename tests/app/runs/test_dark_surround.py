@@ -18,7 +18,7 @@ from app.runs.dark_surround import lit_field
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.runs.trained_clip import run_clip
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from app.scenes.scene import open_scene
 from enhance.field import overlap
 from renderer.clip import BoolImage
@@ -79,7 +79,7 @@ def quality(run: RunFolder) -> tuple[float, float, float]:
     inside, alphas = [], []
     for index in clip.test_indices:
         frame = clip.read_frame(index)
-        drawn = draw_on_cpu(model.at(frame.time), frame.camera, near_plane(model, frame.camera))
+        drawn = draw_on_cpu(model.at(frame.time), frame.camera, DrawOptions(near_plane(model, frame.camera)))
         mask = frame.tissue_mask & disc(RADIUS - 4)
         inside.append(psnr_masked(drawn.bytes / 255.0, frame.image / 255.0, mask))
         alphas.append(drawn.alpha[~disc(RADIUS + 4)].mean())

@@ -16,7 +16,7 @@ from app.errors import UserError
 from app.files.provenance import digest, read_provenance
 from app.runs.run_edits import read_edits, save_edits
 from app.runs.run_folder import RunFolder
-from app.scenes.cpu_rendering import draw_on_cpu, over
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu, over
 from renderer.editing.edits import Edits
 from renderer.editing.mask import Mask
 from renderer.near_plane import near_plane
@@ -84,7 +84,9 @@ def test_render_draws_what_is_left_and_says_so(run: RunFolder, tmp_path: Path, v
     assert call.code == 0
     assert f"{edits.count - len(edits.visible)} of {edits.count} Gaussians are removed" in call.error
     model = edits.applied(run.model())
-    drawn = draw_on_cpu(model.at(record.time(4)), record.cameras[4], near_plane(model, record.cameras[4]))
+    drawn = draw_on_cpu(
+        model.at(record.time(4)), record.cameras[4], DrawOptions(near_plane(model, record.cameras[4]))
+    )
     path = tmp_path / "frame-000004.png"
     assert np.array_equal(cv2.imread(str(path))[..., ::-1], over(drawn, GREY))
     facts = read_provenance(path)["edits"]

@@ -16,7 +16,7 @@ from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.runs.trained_clip import input_clip
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from enhance import EnhanceParams, enhance, measure
 from enhance.metrics import dvbv_otsu
 from renderer.metrics import psnr
@@ -137,7 +137,7 @@ def test_evaluation_compares_with_the_frames_the_run_was_trained_on(
     frames, model = input_clip(clip, run.record()), run.model()
     assert [frame["index"] for frame in report["frames"]] == [1, 9]
     frame = frames.read_frame(9)
-    drawn = draw_on_cpu(model.at(frame.time), frame.camera, near_plane(model, frame.camera))
+    drawn = draw_on_cpu(model.at(frame.time), frame.camera, DrawOptions(near_plane(model, frame.camera)))
     row = report["frames"][1]
     assert row["psnr"] == pytest.approx(psnr(drawn.bytes / 255, frame.image / 255, frame.evaluation_mask))
     assert row["whole_picture"]["dv_bv"] == pytest.approx(dvbv_otsu(drawn.bytes).ratio)

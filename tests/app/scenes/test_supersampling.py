@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from app.files.provenance import read_provenance
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from app.scenes.supersampling import FACTORS, averaged, supersampled
 from renderer.camera import Camera
 from renderer.rasterize.rendered import Rendered
-from renderer.splats import RenderMode, Shape, Splats
+from renderer.splats import Shape, Splats
 from tests.app.conftest import Cli
 from tests.app.gui.conftest import make_model
 
@@ -21,23 +21,16 @@ from tests.app.gui.conftest import make_model
 def test_a_drawing_is_averaged_before_it_is_clipped() -> None:
     """A drawer whose picture is known: values above 1 count in full, pixels lie where they are."""
 
-    def ramp(
-        splats: Splats,
-        camera: Camera,
-        near: float,
-        mode: RenderMode = "default",
-        shape: Shape = "soft",
-        within: Camera | None = None,
-    ) -> Rendered:
+    def ramp(splats: Splats, camera: Camera, options: DrawOptions) -> Rendered:
         x = (np.arange(camera.width, dtype=np.float32) + 0.5) / camera.width * 3
         image = np.broadcast_to(x[None, :, None], (camera.height, camera.width, 3)).copy()
         alpha = np.ones(image.shape[:2], np.float32)
         return Rendered(image, alpha, alpha)
 
     camera, splats = Camera.from_fov(60, 6, 4), make_model().at(0)
-    plain = ramp(splats, camera, 1.0, "default")
+    plain = ramp(splats, camera, DrawOptions(1.0, "default"))
     for factor in FACTORS:
-        drawn = supersampled(ramp, factor)(splats, camera, 1.0, "default")
+        drawn = supersampled(ramp, factor)(splats, camera, DrawOptions(1.0, "default"))
         np.testing.assert_allclose(drawn.image, plain.image, rtol=1e-6)
         assert drawn.image.max() > 1
 
@@ -59,9 +52,12 @@ def test_depth_and_colour_count_by_how_much_is_seen() -> None:
 def test_more_samples_converge(shape: Shape) -> None:
     """Each doubling comes nearer to the mean over the pixel's area."""
     splats, camera = make_model().at(0), Camera.from_fov(60, 24, 20)
-    finest = supersampled(draw_on_cpu, 16)(splats, camera, 1.0, "default", shape).image
+    finest = supersampled(draw_on_cpu, 16)(splats, camera, DrawOptions(1.0, "default", shape)).image
     apart = [
-        np.abs(supersampled(draw_on_cpu, factor)(splats, camera, 1.0, "default", shape).image - finest).mean()
+        np.abs(
+            supersampled(draw_on_cpu, factor)(splats, camera, DrawOptions(1.0, "default", shape)).image
+            - finest
+        ).mean()
         for factor in (1, 2, 4)
     ]
     assert apart[0] > 1.5 * apart[1] > 2 * apart[2] > 0

@@ -14,7 +14,7 @@ from app.evaluation.evaluate import open_evaluation
 from app.files.provenance import read_provenance
 from app.runs.run_folder import RunFolder
 from app.scenes.color_bar import LEAST_HEIGHT, color_bar, with_bar
-from app.scenes.cpu_rendering import draw_on_cpu
+from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from app.scenes.renderers import Renderer, drawer
 from app.scenes.view_kinds import (
     EXPLAINED,
@@ -66,12 +66,12 @@ def test_normals_are_those_of_the_surface_whatever_the_shape_of_its_splats(
         means, np.tile(np.float32([1, 0, 0, 0]), (count, 1)), np.full((count, 3), 0.05, np.float32),
         np.full(count, 0.9, np.float32), np.full((count, 3), 0.5, np.float32),
     )  # fmt: skip
-    drawn = facing(draw(splats, EYE, 0.01, "default"), EYE)
+    drawn = facing(draw(splats, EYE, DrawOptions(0.01, "default")), EYE)
     seen = drawn.image[20:45, 20:45] / drawn.alpha[20:45, 20:45, None]
     wanted = 0.5 + 0.5 * np.array([0, -math.sin(math.radians(tilt)), math.cos(math.radians(tilt))])
     assert np.abs(seen.mean(axis=(0, 1)) - wanted).max() < 0.02
     assert seen.std(axis=(0, 1)).max() < 0.03
-    assert not facing(draw(splats, EYE, 100.0, "default"), EYE).image.any()
+    assert not facing(draw(splats, EYE, DrawOptions(100.0, "default")), EYE).image.any()
 
 
 def test_motion_is_the_way_from_the_start_in_scene_units() -> None:
@@ -82,7 +82,7 @@ def test_motion_is_the_way_from_the_start_in_scene_units() -> None:
 @pytest.mark.parametrize("renderer", ["cpu", pytest.param("gl", marks=pytest.mark.gl)])
 def test_an_ellipsoid_ends_at_one_and_a_half_deviations(renderer: Renderer) -> None:
     draw = drawer(renderer).draw
-    drawn = draw(flat(), EYE, 0.01, "default", "ellipsoid")
+    drawn = draw(flat(), EYE, DrawOptions(0.01, "default", "ellipsoid"))
     radius = math.sqrt(drawn.alpha.sum() / math.pi)
     assert set(np.unique(drawn.alpha)) == {0.0, 1.0}
     assert radius == pytest.approx(1.5 * math.hypot(EYE.fx / 5, math.sqrt(0.3)), rel=0.02)
@@ -91,8 +91,8 @@ def test_an_ellipsoid_ends_at_one_and_a_half_deviations(renderer: Renderer) -> N
     row = drawn.image[32, drawn.alpha[32] > 0]
     assert row[0, 0] < 0.6 * row[len(row) // 2, 0]
     faint = replace(flat(), opacities=np.full(1, 0.05, np.float32))
-    assert not draw(faint, EYE, 0.01, "default", "ellipsoid").alpha.any()
-    point = draw(faint, EYE, 0.01, "default", "point")
+    assert not draw(faint, EYE, DrawOptions(0.01, "default", "ellipsoid")).alpha.any()
+    point = draw(faint, EYE, DrawOptions(0.01, "default", "point"))
     assert 3 <= point.alpha.sum() <= 9
     assert point.alpha[32, 32] == 1
 
@@ -102,7 +102,9 @@ def test_an_ellipsoid_ends_at_one_and_a_half_deviations(renderer: Renderer) -> N
 def test_both_renderers_draw_the_same_bodies(shape: Shape) -> None:
     """But for pixels whose centre is on an edge."""
     splats = random_splats(400, CAMERA, 3, sigma=(1.0, 6.0))
-    own, cards = (drawer(name).draw(splats, CAMERA, 0.01, "default", shape) for name in ("cpu", "gl"))
+    own, cards = (
+        drawer(name).draw(splats, CAMERA, DrawOptions(0.01, "default", shape)) for name in ("cpu", "gl")
+    )
     same = np.isclose(own.image, cards.image, atol=1e-3).all(axis=2) & np.isclose(
         own.depth, cards.depth, rtol=1e-4
     )
@@ -117,7 +119,7 @@ def test_nearer_bodies_hide_farther_ones_whatever_their_order() -> None:
             *(np.concatenate(pair) for pair in zip(vars(first).values(), vars(second).values(), strict=True))
         )
         np.testing.assert_allclose(
-            draw_on_cpu(both, EYE, 0.01, shape="ellipsoid").image[32, 32], (1, 0, 0), atol=1e-3
+            draw_on_cpu(both, EYE, DrawOptions(0.01, shape="ellipsoid")).image[32, 32], (1, 0, 0), atol=1e-3
         )
 
 
@@ -220,7 +222,7 @@ def test_the_difference_is_to_the_frame_that_the_run_was_trained_on(
     run = RunFolder(runs["enhanced"])
     record, model = run.record(), run.model()
     camera = record.cameras[3]
-    drawn = draw_on_cpu(model.at(record.time(3)), camera, near_plane(model, camera))
+    drawn = draw_on_cpu(model.at(record.time(3)), camera, DrawOptions(near_plane(model, camera)))
     reference = open_evaluation(runs["enhanced"]).trained_clip.read_image(3)
     assert np.array_equal(picture, composed("difference", drawn, "mm", reference).image)
 
