@@ -131,6 +131,7 @@ class Window:
         self._workers: tuple[Worker | Apart, ...] = (
             Worker(self._channels.of("first"), hello_imgui.request_refresh, tidying.rest),
             Worker(self._channels.of("second"), hello_imgui.request_refresh, tidying.rest),
+            Worker(self._channels.of("third"), hello_imgui.request_refresh, tidying.rest),
             *(Apart(channel, hello_imgui.request_refresh) for channel in self._channels.of("apart")),
         )
         self._preparer: Preparer | None = None

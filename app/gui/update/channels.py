@@ -87,10 +87,12 @@ from app.scenes.drawer import draw_view
 from app.scenes.scene import Scene
 from app.scenes.view_request import read_frame
 
-Server = Literal["first", "second", "apart"]
+Server = Literal["first", "second", "third", "apart"]
 """The first worker, with numba, which pictures wait for; the second, for work without numba that no picture
-waits for; or a thread of its own for each request: what opens files, without numba, may never end."""
+waits for; the third, for such work that takes many seconds at a time, which nothing that is saved is to wait
+for; or a thread of its own for each request: what opens files, without numba, may never end."""
 SECOND: Final = "second"
+THIRD: Final = "third"
 
 
 @dataclass(frozen=True)
@@ -178,7 +180,7 @@ class Channels:
                           lambda s: s.frame_request)
         self.omissions = row(Channel(look),
                              told("what will be left out cannot be determined", taking.take_omissions),
-                             lambda s: s.omissions_request, SECOND)
+                             lambda s: s.omissions_request, THIRD)
         self.masks_there = row(Channel(look_for_masks),
                                noted("tool masks cannot be listed", masking_actions.take_there),
                                masking_actions.there_wish, SECOND)
@@ -204,7 +206,7 @@ class Channels:
                               difference_request)
         self.measures = row(Channel(Measurer().measure),
                             noted("the frame cannot be measured", taking.take_measured), wishes.measure_wish,
-                            SECOND, forgets=False)
+                            THIRD, forgets=False)
         self.run_measures = row(SteppedChannel(measure_run), taking.take_run_measures,
                                 wishes.run_measures_wish, forgets=False)
         self.statistics = row(SteppedChannel(ClipMeasurer().measure), taking.take_statistics,

@@ -81,7 +81,7 @@ def test_measuring_waits_for_the_hand_and_never_twice(state: AppState) -> None:
     def settle(now: float) -> None:
         for _ in range(4):
             update(state, channels, now)
-            for channel in (*served(channels), *channels.of("second")):
+            for channel in (*served(channels), *channels.of("third")):
                 while channel.run_waiting():
                     pass
 

@@ -31,7 +31,7 @@ def measured(state: AppState) -> AppState:
     state.timeline.strip_count = 3
     for now in (0.0, 5.0, 10.0):
         settle(state, channels, now)
-        for channel in channels.of("second"):
+        for channel in (*channels.of("second"), *channels.of("third")):
             while channel.run_waiting():
                 pass
     update(state, channels, 11.0)

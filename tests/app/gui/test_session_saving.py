@@ -51,6 +51,14 @@ def test_no_image_waits_for_a_session_that_is_saved() -> None:
     assert {channels.sessions, channels.autosaves} <= set(channels.of("second"))
 
 
+def test_nothing_that_is_saved_or_listed_waits_for_measuring() -> None:
+    """Of a frame of 3840x2160 it takes more than 10 s, and of a clip what can be left out up to a minute."""
+    channels = Channels()
+    slow = {channels.measures, channels.omissions}
+    assert slow == set(channels.of("third"))
+    assert slow.isdisjoint({*channels.of("first"), *channels.of("second")})
+
+
 def test_the_first_save_asks_and_the_next_ones_write_the_same_file(
     liver: tuple[AppState, Channels], places: Places
 ) -> None:
