@@ -133,7 +133,7 @@ def _show_run(state: AppState, opened: Opened, *, again: bool) -> None:
         input=record.input,
         clip=opened.clip,
         request=run.request,
-        status="finished" if run.is_finished else "cancelled",
+        status="finished" if run.is_finished else "elsewhere" if run.is_trained else "cancelled",
         has_checkpoint=run.model is not None,
         progress=run.told.progress[-1] if run.told.progress else None,
         told=run.told,

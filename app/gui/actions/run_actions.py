@@ -51,6 +51,17 @@ def open_run(state: AppState, run: ListedRun) -> None:
         actions.open_run(state, run.path)
 
 
+def open_again(state: AppState) -> None:
+    """The run that is shown, as far as another process has trained it by now."""
+    if (path := state.runs.reconstruction.run_path) is not None:
+        actions.open_run(state, path)
+
+
+def is_as_it_is(state: AppState, run: ListedRun) -> bool:
+    """Of the run that is shown: there is no more of it to show than there was when it was opened."""
+    return run.made == state.runs.reconstruction.status == "finished"
+
+
 def why_not_open(state: AppState, run: ListedRun) -> str:
     """In a sentence; empty when it can be opened."""
     if is_present(state, run):

@@ -37,6 +37,7 @@ from renderer.train.events import Evaluated, Omission, Progress
 CONTINUES = "From the last checkpoint."
 STARTS_OVER = "No checkpoint: starts over."
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
+AGAIN_TEXT = "Another window or process trains it: shows how far it is now."
 FIRST_USE = "Once on a computer: about a minute, longer while it is busy."
 """Kernels are compiled then."""
 PAUSES = "Pauses are not counted."
@@ -86,6 +87,8 @@ def _draw_ended(state: AppState, run: Reconstruction) -> None:
         return
     if run.status in ("failed", "cancelled"):
         _draw_end(state, run)
+    elif run.status == "elsewhere":
+        button("Open again", partial(run_actions.open_again, state), AGAIN_TEXT, width=-1.0)
     _draw_status(state, run)
     if run.status == "finished":
         draw_run_measures(state)

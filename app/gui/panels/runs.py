@@ -111,7 +111,7 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     muted(f"{named(config.method)} · {run.request.input} frames · {_made(state, run)}")
     muted(f"{_when(run.created)} · {steps}")
     if run.made != "unfinished":  # Of that, there is View model.
-        why = reason or ("It is shown already." if shown else "")
+        why = reason or ("It is shown already." if shown and run_actions.is_as_it_is(state, run) else "")
         button("Open###open run", partial(run_actions.open_run, state, run), opens, reason=why)
         beside(BESIDE, 0.3)
     _draw_beside(state, run)

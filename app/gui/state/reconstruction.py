@@ -24,7 +24,8 @@ from renderer.train.events import Finishing, Omission, Preparing, Progress, Star
 QUALITIES = {"Draft": 500, "Standard": 3000, "Fine": 6000}
 """Iterations: enough to look at, the default, and twice that."""
 OWN = "Custom"
-JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
+JobStatus = Literal["none", "starting", "running", "paused", "finished", "failed", "cancelled", "elsewhere"]
+"""elsewhere: when it was opened, another process trained it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ from renderer.train.events import Finishing, Preparing, Progress
 STATUS: Final = {
     "none": "", "starting": "Starting…", "running": "Reconstructing", "paused": "Paused",
     "finished": "Finished", "failed": "Stopped", "cancelled": "Interrupted",
+    "elsewhere": "Training elsewhere",
 }  # fmt: skip
 CANCELLING: Final = "Cancelling…"
 FIRST_STEP: Final = "Preparing the first iteration…"

@@ -17,6 +17,7 @@ from app.report.section import holds_report
 from app.runs.progress_log import TrainingLog, told
 from app.runs.run_edits import read_edits
 from app.runs.run_folder import RunFolder, RunRecord
+from app.runs.run_lock import holder
 from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
 from app.scenes.scene import Scene, Training, finished_scene, run_scene, series_scene, splat_scene
 from app.sweeps.folder import SWEEP, is_sweep
@@ -38,6 +39,7 @@ Content = Literal["clip", "stills", "run"]
 """Kinds of what is opened: each has its layout of the window."""
 VIEW_SUFFIXES: Final = (".json", ".txt")
 """Of reports, of views, and of cameras of other programs."""
+CONTINUES: Final = "Continue resumes from its last checkpoint"
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +78,8 @@ class OpenedRun:
     model: Scene | None
     """Of a run that is not finished: its last checkpoint's, live; None where it left none."""
     told: TrainingLog
+    is_trained: bool = False
+    """Another process trains it at this moment."""
 
     @property
     def is_finished(self) -> bool:
@@ -321,6 +325,7 @@ def _open_run(folder: RunFolder, source: Path | None, beside: Path | None) -> Op
         clip, bare, lost = None, None, SourceLost(trouble, folder.path, place)
     notices = clip.notices if clip is not None else ()
     finished, warning, said = folder.is_finished, "", told(folder)
+    is_trained = not finished and holder(folder.path) is not None
     model = _model_of(folder, record, clip, said)
     if model is not None and finished:
         try:
@@ -329,9 +334,9 @@ def _open_run(folder: RunFolder, source: Path | None, beside: Path | None) -> Op
             warning = f"the model is shown as trained: {error}"
     if not finished:
         shown = ", shown here" if model is not None else ""
-        onward = f"{folder.path.name} is not finished: Continue resumes from its last checkpoint{shown}"
-        notices = (*notices, onward)
-    run = OpenedRun(folder.path, record, request_of(folder, record), model, said)
+        onward = "is still in training elsewhere" if is_trained else f"is not finished: {CONTINUES}{shown}"
+        notices = (*notices, f"{folder.path.name} {onward}")
+    run = OpenedRun(folder.path, record, request_of(folder, record), model, said, is_trained)
     options = record.clip.options
     return Opened(clip, run, bare, notices=notices, options=options, warning=warning, lost=lost)
 

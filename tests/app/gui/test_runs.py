@@ -13,11 +13,12 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import job_actions, run_actions
+from app.gui.actions import arriving, job_actions, run_actions
 from app.gui.panels import runs
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
+from app.gui.state.run_words import doing
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.update.update import update
@@ -157,6 +158,26 @@ def test_a_run_in_another_process_says_so_and_is_left_alone(
         start_due(opened, make_job)
     assert opened.runs.reconstruction.job is None
     assert named(opened, "short").made == "unfinished"
+
+
+def test_a_run_that_is_opened_while_another_window_trains_it_is_no_interrupted_one(
+    opened: AppState, folder: Path
+) -> None:
+    path = folder / "runs" / "short"
+    with locked(path):
+        (answer,) = open_path(OpenRequest(path))
+        arriving.show_opened(opened, path, answer)
+        assert doing(opened) == "Training elsewhere"
+        assert not job_actions.can_continue(opened)
+        assert "short is still in training elsewhere" in opened.window.log
+        assert not run_actions.is_as_it_is(opened, named(opened, "short")), "there is more to see"
+    run_actions.open_again(opened)
+    assert opened.source.opening is not None
+    assert opened.source.opening.path == path
+    (answer,) = open_path(OpenRequest(path))
+    arriving.show_opened(opened, path, answer)
+    assert doing(opened) == "Interrupted"
+    assert job_actions.can_continue(opened)
 
 
 def test_looking_again_sees_what_has_changed_alone(opened: AppState, folder: Path) -> None:
