@@ -1,4 +1,5 @@
-"""The literal reading of Eqs 1-12: float64, every printed equation on a line of its own, slow. The oracle.
+"""The literal reading of Eqs 1-12: float64, every printed equation on a line of its own, slow. The oracle,
+as `ridge` is of `enhance.ridges.vesselness`.
 
 It shares the parameters, the statistics' form and the field of view with the pipeline, and no arithmetic. The
 decisions that the paper leaves open are the same: the floor e in Eq 7, windows clipped at the border,
@@ -9,11 +10,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage, read_picture
 from enhance.params import DEFAULTS, EnhanceParams
+from enhance.ridges import SHADOW, gaussian_kernel
 from enhance.saturation import color_share
 from enhance.shown import Pixels, Shown
 from enhance.statistics import Statistics
@@ -222,3 +225,20 @@ def rgb_from_hsv(hue: Float64Image, chroma: Float64Image, value: Float64Image) -
         k = (offset + hue) % 6
         channels.append(value * (1 - chroma * np.clip(np.minimum(k, 4 - k), 0, 1)))
     return np.stack(channels, axis=2)
+
+
+def ridge(green: Float64Image, sigma: float) -> Float64Image:
+    """One scale of `vesselness`, (H, W)."""
+    smooth = _derivative(green, sigma, 0, 0)
+    xx, xy, yy = (_derivative(green, sigma, *order) for order in ((2, 0), (1, 1), (0, 2)))
+    middle, apart = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    slope = np.hypot(_derivative(green, sigma, 1, 0), _derivative(green, sigma, 0, 1))
+    line = sigma**2 * (middle + apart - np.abs(middle - apart)) - sigma * slope
+    level = smooth + SHADOW * smooth.mean()
+    relative = np.divide(line, level, out=np.zeros_like(line), where=level > 0)
+    return np.asarray(np.maximum(relative, 0.0))
+
+
+def _derivative(image: Float64Image, sigma: float, along_x: int, along_y: int) -> Float64Image:
+    kernels = (gaussian_kernel(sigma, along_x), gaussian_kernel(sigma, along_y))
+    return np.asarray(cv2.sepFilter2D(image, cv2.CV_64F, *kernels, borderType=cv2.BORDER_REFLECT))

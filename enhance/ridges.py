@@ -60,8 +60,18 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
         raise ImageError("expected at least one sigma, got none")
     if wrong := [sigma for sigma in sigmas if not LEAST_SIGMA <= sigma < np.inf]:
         raise ImageError(f"expected sigmas of at least {LEAST_SIGMA} pixels, got {wrong[0]}")
-    plane = green(colors_of(image)).astype(np.float64)
-    return np.asarray(np.max([_ridge(plane, sigma) for sigma in sigmas], axis=0), dtype=np.float32)
+    # Only here: its kernel loads the compiler.
+    from enhance.ridge_strength import strengthen
+
+    plane = green(colors_of(image))
+    kernels = [np.stack([gaussian_kernel(sigma, order) for order in range(3)]) for sigma in sigmas]
+    margin = max(kernel.shape[1] // 2 for kernel in kernels) + 1
+    padded = np.asarray(cv2.copyMakeBorder(plane, *(margin,) * 4, cv2.BORDER_REFLECT), np.float32)
+    strength = np.zeros_like(plane)
+    for sigma, kernel in zip(sigmas, kernels, strict=True):
+        floor = SHADOW * _blurred_mean(plane, kernel[0])
+        strengthen(padded, margin, _halves(kernel), float(sigma), floor, strength)
+    return strength
 
 
 def field_of_view(image: AnyImage) -> BoolImage:
@@ -155,24 +165,22 @@ def _field(picture: Picture) -> BoolImage:
     return found_in(picture).mask()
 
 
-def _ridge(green: NDArray[np.float64], sigma: float) -> NDArray[np.float64]:
-    """One scale of `vesselness`."""
-    smooth = _derivative(green, sigma, 0, 0)
-    xx, xy, yy = (_derivative(green, sigma, *order) for order in ((2, 0), (1, 1), (0, 2)))
-    middle, apart = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
-    slope = np.hypot(_derivative(green, sigma, 1, 0), _derivative(green, sigma, 0, 1))
-    line = sigma**2 * (middle + apart - np.abs(middle - apart)) - sigma * slope
-    level = smooth + SHADOW * smooth.mean()
-    relative: NDArray[np.float64] = np.divide(line, level, out=np.zeros_like(line), where=level > 0)
-    return np.maximum(relative, 0.0)
+def _halves(kernels: NDArray[np.float64]) -> NDArray[np.float64]:
+    """From the middle on, with a 0 at the end where their reach would be odd."""
+    reach = kernels.shape[1] // 2
+    return np.pad(kernels[:, reach:], ((0, 0), (0, reach % 2)))
 
 
-def _derivative(image: NDArray[np.float64], sigma: float, along_x: int, along_y: int) -> NDArray[np.float64]:
-    kernels = (_kernel(sigma, along_x), _kernel(sigma, along_y))
-    return np.asarray(cv2.sepFilter2D(image, cv2.CV_64F, *kernels, borderType=cv2.BORDER_REFLECT))
+def _blurred_mean(plane: Float32Image, kernel: NDArray[np.float64]) -> float:
+    """Of the blurred plane, which is not made for it: each pixel counts as often as it is reflected."""
+    reach, shares = len(kernel) // 2, list[NDArray[np.float64]]()
+    for size in plane.shape:
+        place = np.pad(np.arange(size), reach, mode="symmetric")
+        shares.append(np.asarray(np.bincount(place, np.convolve(np.ones(size), kernel)), np.float64))
+    return float(shares[0] @ np.einsum("yx,x->y", plane, shares[1])) / plane.size
 
 
-def _kernel(sigma: float, order: int) -> NDArray[np.float64]:
+def gaussian_kernel(sigma: float, order: int) -> NDArray[np.float64]:
     """Sampled Gaussian derivative, flipped for correlation, exact on polynomials up to its order."""
     reach = int(np.ceil(4 * sigma))
     x = np.arange(-reach, reach + 1, dtype=np.float64)

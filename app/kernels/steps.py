@@ -15,6 +15,7 @@ from typing import Any, Final, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from app.enhancement.measures import Original
 from app.enhancement.methods import VESSEL, MethodEnhancer, Preset, measure_for
 from app.kernels.progress import Preparation, Task, paced, tasks
 from app.kernels.stamp import note_prepared
@@ -75,12 +76,13 @@ def _clip() -> Clip:
 
 
 def _enhance(preset: Preset, dtype: type[np.uint8 | np.uint16]) -> None:
-    """With the image's own statistics and those of a clip; of an image with detail, of one without, and of
-    some that an endoscope sees within a dark surround."""
+    """With the image's own statistics and those of a clip; of an image with detail, which is measured, of one
+    without, and of some that an endoscope sees within a dark surround."""
     params, levels = PRESETS[preset], np.iinfo(dtype).max // 255
     image = (_clip().read_image(0).astype(np.float64) * levels).astype(dtype)
     ramp = (levels * np.linspace(100, 176, image.shape[1])).astype(dtype)
     smooth = np.ascontiguousarray(np.broadcast_to(ramp[:, None], image.shape))
+    Original.of(image)
     enhancer = MethodEnhancer()
     for each in (image, smooth, *_surrounded(image)):
         enhancer.show(each)

@@ -7,6 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from enhance import ImageError
+from enhance.reference import ridge
 from enhance.ridges import (
     GLARE_MARGIN,
     LEAST_AREA,
@@ -37,6 +38,14 @@ def test_strength_at_a_line_is_the_blurred_second_derivative(
     spread = width**2 + sigma**2
     level = 0.6 - 0.2 * width / np.sqrt(spread) + 0.1 * (0.6 - (0.6 - image).mean())
     assert got == pytest.approx(2 * 0.2 * width * sigma**2 / spread**1.5 / 2 / level, rel=0.02)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 50), (5, 3), (61, 300)])
+@pytest.mark.parametrize("sigma", [0.3, 1.5, 4.0, 20.0])
+def test_strength_is_that_of_the_reference(shape: tuple[int, int], sigma: float) -> None:
+    image = np.random.default_rng(0).random(shape, np.float32)
+    wanted = ridge(image.astype(np.float64), sigma)
+    np.testing.assert_allclose(vesselness(image, [sigma]), wanted, rtol=1e-6, atol=1e-12)
 
 
 def test_order_of_scales_does_not_matter() -> None:
