@@ -231,7 +231,8 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
     record = replace(record, error=max(errors, default=None))
     about = f"Reconstruction of {record.trained_on}" if record.trained_on else "Reconstruction"
     about = ", ".join(filter(None, (about, far_off(record, scene.unit))))
-    within, shown = (None, None) if record.unobserved else (scene.camera_at_rest, scene.shown)
+    within = scene.field_in_view if record.ends == "field" else scene.camera_at_rest
+    within, shown = (None, None) if record.unobserved else (within, scene.shown)
     page = browser_page(
         windows, record, scene.mode, about=about, cameras=scene.cameras, within=within, shown=shown
     )
@@ -279,6 +280,7 @@ def _seen(record: DrawnRecord, moment: MomentRecord, scene: Scene) -> ViewReques
         scale=record.scale,
         background=record.background or BLACK,
         unobserved=record.unobserved,
+        ends=record.ends,
         near_plane=record.near if moment.near is None else moment.near,
         caption=record.caption,
     )

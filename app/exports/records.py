@@ -25,7 +25,7 @@ from app.enhancement.settable import (
 from app.exports.sizing import LEAST_WIDTH, MOST_SCALE, MOST_WIDTH
 from app.files.records import LENIENT, Record, Source, Told
 from app.files.video import Written
-from app.scenes.records import DrawnRecord, MomentRecord, RecordedCamera, SceneRecord, ViewRecord
+from app.scenes.records import DrawnRecord, Ends, MomentRecord, RecordedCamera, SceneRecord, ViewRecord
 from enhance import Statistics
 from enhance.noise import NoiseCut
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
@@ -103,6 +103,8 @@ class BrowserModel(SceneRecord):
     """In scene units, before which nothing is drawn."""
     unobserved: bool = True
     """With what no frame shows, as always before 0.7.0."""
+    ends: Ends = "image"
+    """Where that of a camera at rest ends, without what no frame shows."""
     tolerance: Annotated[float, Interval(ge=0)] | None = None
     """In scene units, to which positions of a motion that is no spline are sampled, as far as the page may
     grow; None: at 48 moments, as before 0.2.0."""

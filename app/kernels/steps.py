@@ -26,6 +26,7 @@ from renderer.clip import Clip, Frame
 from renderer.editing.regions import Lasso, found
 from renderer.editing.sight import Sight, Trail
 from renderer.gaussians import DynamicGaussians
+from renderer.in_view import FieldInView
 from renderer.near_plane import near_plane
 from renderer.picking import surface_point
 from renderer.sources import open_clip
@@ -129,7 +130,8 @@ def _look() -> None:
         surface_point(splats, camera, (camera.width // 2, camera.height // 2), near, mode)
     for shape in get_args(Shape):
         draw_on_cpu(splats, camera, DrawOptions(near, shape=shape))
-    draw_on_cpu(splats, camera.moved(camera.camera_from_world @ SIDEWAYS), DrawOptions(near, within=camera))
+    field = FieldInView(camera, np.array([(0, 0), (camera.width, 0), (0, camera.height)], np.float64))
+    draw_on_cpu(splats, camera.moved(camera.camera_from_world @ SIDEWAYS), DrawOptions(near, within=field))
     for cameras in ((camera,), (camera, camera.moved(camera.camera_from_world @ SIDEWAYS))):
         render_mesh(surface_of(model, cameras, near).at(0.2), camera, near)
     sight = Sight.of(Trail(model, (0.0, 0.5)), camera, 0.5, near)

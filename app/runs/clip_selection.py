@@ -16,6 +16,7 @@ from app.errors import UserError
 from app.runs.tool_masks import ToolMasks
 from app.runs.unmasked_tools import FoundTools
 from enhance.field import FieldOfView
+from renderer.camera import BoolArray
 from renderer.clip import Clip, Frame, within
 from renderer.tools.search import without_tools
 
@@ -92,6 +93,16 @@ class ClipPart:
             got, wanted = f"{field.width}x{field.height}", "x".join(map(str, clip.size))
             raise UserError(f"expected a field of view of {wanted} pixels, got one of {got}: {clip.path}")
         return replace(clip, read_frame=lambda index: self.cleared(clip.read_frame(index)))
+
+    def kept(self, width: int, height: int) -> BoolArray:
+        """(H, W) pixels that count in every frame of that size, but for tools."""
+        field = self.field_of_view
+        kept = self.mask.kept((height, width))
+        return (
+            kept & field.mask()
+            if field is not None and (field.width, field.height) == (width, height)
+            else kept
+        )
 
     def cleared(self, frame: Frame) -> Frame:
         """The same for a frame, of the size of the field of view."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from app.scenes.backgrounds import Background, laid_over
 from renderer.camera import Camera
+from renderer.in_view import InView
 from renderer.rasterize.rendered import Rendered, rounded
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
@@ -26,8 +27,8 @@ class DrawOptions:
     """The near plane, in scene units."""
     mode: RenderMode = "default"
     shape: Shape = "soft"
-    within: Camera | None = None
-    """Soft splats end at the sides of its image."""
+    within: InView | None = None
+    """Soft splats end at its sides."""
 
 
 Draw = Callable[[Splats, Camera, DrawOptions], Rendered]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
 from pydantic import PlainSerializer, PlainValidator
@@ -22,6 +22,9 @@ from renderer.camera import Camera
 from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
 from renderer.unobserved import BLACK
+
+Ends = Literal["image", "field"]
+"""Tissue that a camera at rest shows: at the sides of its image, as in 0.7.0, or of its field of view."""
 
 
 def _camera(given: Any) -> Camera:
@@ -106,6 +109,8 @@ class DrawnRecord(SceneRecord):
     """Where nothing was observed; None: alpha says where."""
     unobserved: bool = True
     """With what no frame shows, as always before 0.7.0."""
+    ends: Ends = "image"
+    """Where that of a camera at rest ends, without what no frame shows."""
     renderer: str
     supersampling: Annotated[int, Interval(ge=1, le=16)] = 1
     view: ViewKind = "color"

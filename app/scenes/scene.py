@@ -24,6 +24,7 @@ from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.editing.edits import Edits
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
+from renderer.in_view import FieldInView, InView, outline_of
 from renderer.near_plane import NEAR_SHARE, middle_distance
 from renderer.shown import looks
 from renderer.splat_files import SplatFileError, is_named_as_splats, read_splats, whole
@@ -82,6 +83,15 @@ class Scene:
         """Of a run whose camera does not move, that camera; None: it moves, or there is none."""
         first = self.cameras[0]
         return first if self.is_of_run and all(camera == first for camera in self.cameras) else None
+
+    @cached_property
+    def field_in_view(self) -> InView | None:
+        """What that camera has in view: its image, or of that the field in which the clip shows tissue."""
+        camera, clip = self.camera_at_rest, self.record.clip
+        if camera is None or clip is None or clip.part is None:
+            return camera
+        outline = outline_of(clip.part.kept(camera.width, camera.height))
+        return camera if outline is None else FieldInView(camera, outline)
 
     @cached_property
     def shown(self) -> BoolArray | None:

@@ -11,7 +11,7 @@ from app.files.records import extended
 from app.scenes.backgrounds import Background
 from app.scenes.cpu_rendering import Draw, DrawOptions
 from app.scenes.free_camera import FreeView
-from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
+from app.scenes.records import DrawnRecord, Ends, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
 from app.scenes.supersampling import supersampled
 from app.scenes.surfaces import drawing_surface
@@ -31,6 +31,7 @@ from app.scenes.view_kinds import (
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip
 from renderer.evenly import evenly
+from renderer.in_view import InView
 from renderer.rasterize.rendered import Rendered
 from renderer.splats import Splats
 from renderer.unobserved import GREY
@@ -85,6 +86,8 @@ class ViewRequest:
     unobserved: bool = False
     """Drawn with what no frame shows: what lies beyond those of a camera at rest, and Gaussians behind tissue
     in all of them."""
+    ends: Ends = "field"
+    """Where tissue does that a camera at rest shows."""
     near_plane: float | None = None
     """In scene units; None: that of the scene."""
     caption: str | None = None
@@ -117,10 +120,14 @@ class ViewRequest:
         return self.scene.near if self.near_plane is None else self.near_plane
 
     @property
-    def within(self) -> Camera | None:
-        """The camera beyond whose image nothing is drawn; None: that changes nothing, or is not wanted."""
+    def within(self) -> InView | None:
+        """Beyond which nothing is drawn; None: that changes nothing, or is not wanted. From where the camera
+        was, the rim of its field is part of the image."""
         camera = None if self.unobserved else self.scene.camera_at_rest
-        return None if camera is None or self.camera.sees_only(camera) else camera
+        if camera is None or self.camera.sees_only(camera):
+            return None
+        is_own = self.camera.has_pose_of(camera)
+        return camera if is_own or self.ends == "image" else self.scene.field_in_view
 
     @property
     def leaves_out(self) -> bool:
@@ -213,6 +220,7 @@ def drawn_record(view: ViewRequest, renderer: str) -> DrawnRecord:
         near=view.near,
         background=view.background,
         unobserved=view.unobserved,
+        ends=view.ends,
         renderer=renderer,
         supersampling=view.supersampling,
         view=view.kind,

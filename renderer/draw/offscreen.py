@@ -7,6 +7,7 @@ import numpy as np
 
 from renderer.camera import BoolArray, Camera
 from renderer.draw.splat_view import Paint, Precision, SplatView
+from renderer.in_view import InView
 from renderer.rasterize.rendered import Rendered
 from renderer.splats import Float32Array, RenderMode, Shape, Splats
 
@@ -26,10 +27,10 @@ class Offscreen:
         near: float,
         mode: RenderMode = "default",
         shape: Shape = "soft",
-        within: Camera | None = None,
+        within: InView | None = None,
     ) -> Rendered:
         """Colour, alpha and depth in float32, from one upload and one sort; soft splats end at the sides of
-        the image of `within`.
+        `within`.
 
         Raises:
             ValueError: as `SplatView.upload`.
@@ -53,7 +54,7 @@ def read_layers(
     shape: Shape = "soft",
     *,
     paint: Paint = "color",
-    within: Camera | None = None,
+    within: InView | None = None,
     shown: BoolArray | None = None,
     with_depth: bool = True,
 ) -> Rendered:

@@ -20,6 +20,7 @@ from renderer.draw.keyframes import Keyframes
 from renderer.draw.sorting import DepthKeys, depth_order
 from renderer.draw.state import StateGuard
 from renderer.draw.storage import Storage
+from renderer.in_view import IMAGE_SIDES, MOST_CORNERS, InView
 from renderer.projection import ALPHA_CUT
 from renderer.splats import Float32Array, RenderMode, Shape, Splats, require_mode
 from renderer.unobserved import PERIOD, WIDTH
@@ -30,6 +31,7 @@ lost with each layer, some 4 over 150."""
 _FORMATS: dict[Precision, str] = {"byte": "f1", "half": "f2", "float": "f4"}
 
 Rgb = tuple[float, float, float]
+NO_SIDE = (0.0, 0.0, 0.0, 0.0)
 _NO_PIVOT: Rgb = (0.0, 0.0, 0.0)
 _OVER = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE_MINUS_SRC_ALPHA
 """Source and destination of colour, then of transmittance."""
@@ -157,13 +159,13 @@ class SplatView:
         *,
         background: Rgb = (0.0, 0.0, 0.0),
         lines: Rgb | None = None,
-        within: Camera | None = None,
+        within: InView | None = None,
         shown: BoolArray | None = None,
     ) -> None:
         """Fill the framebuffer's viewport with the view of `camera`, resampled to its size, alpha 1.
 
         The image is stored as OpenGL stores images, bottom row first; background is RGB, and so are the
-        lines of the hatching over it, if any. What lies beyond the image of `within` is not drawn,
+        lines of the hatching over it, if any. What lies beyond the sides of `within` is not drawn,
         nor are splats that are not `shown` (N,).
         """
         with self._state.preserved():
@@ -178,11 +180,11 @@ class SplatView:
         camera: Camera,
         shape: Shape = "soft",
         paint: Paint = "color",
-        within: Camera | None = None,
+        within: InView | None = None,
         shown: BoolArray | None = None,
     ) -> Float32Array:
         """The splats without a background (H, W, 4): premultiplied RGB and alpha, top row first. Soft ones
-        end at the sides of the image of `within`; those that are not `shown` (N,) are not drawn."""
+        end at the sides of `within`; those that are not `shown` (N,) are not drawn."""
         with self._state.preserved():
             return self._read(camera, shape, paint, within, shown)
 
@@ -190,7 +192,7 @@ class SplatView:
         self,
         camera: Camera,
         shape: Shape = "soft",
-        within: Camera | None = None,
+        within: InView | None = None,
         shown: BoolArray | None = None,
     ) -> Float32Array:
         """Expected depth (H, W) along +z in scene units, 0 where nothing is seen; top row first."""
@@ -205,7 +207,7 @@ class SplatView:
         camera: Camera,
         shape: Shape,
         paint: Paint,
-        within: Camera | None,
+        within: InView | None,
         shown: BoolArray | None,
     ) -> Float32Array:
         """Sums of the paint, and alpha."""
@@ -232,7 +234,7 @@ class SplatView:
         shape: Shape = "soft",
         paint: Paint = "color",
         pivot: Rgb = _NO_PIVOT,
-        within: Camera | None = None,
+        within: InView | None = None,
         shown: BoolArray | None = None,
     ) -> _Target:
         """Blend the splats, their paint from `pivot` times alpha, into the owned target."""
@@ -252,11 +254,18 @@ class SplatView:
         self._program["widest"], self._program["faintest"] = self._cut.widest, self._cut.faintest
         self._program["bounded"] = within is not None
         if within is not None:
-            self._program["sides"] = [tuple(side) for side in within.sides.tolist()]
+            self._bound(within)
         self._storage.use()
         if self._visible:
             self._storage.quads.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=self._visible)
         return target
+
+    def _bound(self, within: InView) -> None:
+        """Set the planes."""
+        sides = [tuple(side) for side in within.sides.tolist()]
+        image, field = sides[:IMAGE_SIDES], sides[IMAGE_SIDES:]
+        self._program["sides"], self._program["corners"] = image, len(field)
+        self._program["field"] = field + [NO_SIDE] * (MOST_CORNERS - len(field))
 
     def _sort(self, camera: Camera, shown: BoolArray | None, storage: Storage) -> None:
         """Write the indices of the visible splats, farthest first."""

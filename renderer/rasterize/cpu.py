@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import BoolArray, Camera
 from renderer.harmonics import harmonics_backward
+from renderer.in_view import InView
 from renderer.projection import (
     NEAR,
     RECORD_SIZE,
@@ -130,9 +131,9 @@ class Rasterizer:
         return self.blend_records()
 
     def draw(
-        self, splats: Splats, camera: Camera, near: float, mode: RenderMode, within: Camera | None
+        self, splats: Splats, camera: Camera, near: float, mode: RenderMode, within: InView | None
     ) -> None:
-        """Blend into `planes` what lies within the sides of an image; there is no way back to gradients.
+        """Blend into `planes` what lies within those sides; there is no way back to gradients.
 
         Raises:
             ValueError: as `forward`.
@@ -294,13 +295,13 @@ def render(
     *,
     near: float = NEAR,
     mode: RenderMode = "default",
-    within: Camera | None = None,
+    within: InView | None = None,
 ) -> Rendered:
     """Draw `splats` as `camera` sees them over `background` (RGB in [0, 1]); z <= near is left out.
 
     Gaussians are projected and blended front to back (Eqs 13-16; Kerbl et al., 3D Gaussian Splatting, ACM
     TOG 42(4), 2023), in float32. `near` in scene units; `mode` "mip" compensates for the low-pass filter.
-    What lies beyond the sides of the image of `within` is not drawn.
+    What lies beyond the sides of `within`, those of the image of a camera or of a field, is not drawn.
 
     Raises:
         ValueError: `near` that is not above 0, an unknown `mode`, or a background that is not three numbers.

@@ -16,6 +16,7 @@ import torch
 from torch import Tensor
 
 from renderer.camera import Camera
+from renderer.in_view import InView
 from renderer.rasterize.crossings import crossings
 from renderer.splats import RenderMode
 
@@ -76,7 +77,7 @@ def rasterize_reference(
     *,
     near: float = 0.01,
     mode: RenderMode = "default",
-    within: Camera | None = None,
+    within: InView | None = None,
 ) -> Rendered:
     """Render N splats in float64, differentiable by autograd in the first five arguments.
 
@@ -85,7 +86,7 @@ def rasterize_reference(
     `near` is in scene units; splats with z <= near are dropped. The splats are blended by camera
     depth, ties by row: alpha = min(0.99, o exp(-d' conic d / 2)), none below 1/255, and none once the
     transmittance is below 1e-4. The cut-offs and the sort carry no gradient. `mode` "mip" makes up for the
-    low-pass filter, see RenderMode. Splats end at the sides of the image of `within`.
+    low-pass filter, see RenderMode. Splats end at the sides of `within`.
 
     Raises:
         ValueError: shapes that do not agree.
@@ -129,9 +130,9 @@ def project(means: Tensor, quats: Tensor, scales: Tensor, camera: Camera, *, nea
 
 
 def _crossings(
-    means: Tensor, quats: Tensor, scales: Tensor, rows: Tensor, camera: Camera, within: Camera
+    means: Tensor, quats: Tensor, scales: Tensor, rows: Tensor, camera: Camera, within: InView
 ) -> Tensor:
-    """(rows, 4, 3) where splats cross the sides of an image, without a gradient: see crossings.py."""
+    """(rows, S, 3) where splats cross the sides, without a gradient: see crossings.py."""
     centers, turns, sizes = (value.detach()[rows].double().cpu().numpy() for value in (means, quats, scales))
     return torch.from_numpy(crossings(centers, turns, sizes, camera, within)).to(means.device)
 
@@ -201,7 +202,7 @@ class _Sorted:
     colors: Tensor
     reach: Tensor
     lines: Tensor | None
-    """(M, 4, 3) where they cross the sides of an image that bounds them."""
+    """(M, S, 3) where they cross the sides of what bounds them."""
 
     def picture(self, window: _Window, rows: Tensor, background: Tensor) -> Rendered:
         """Of the splats `rows`, in their order; in halves where the window has too many entries."""
@@ -245,7 +246,7 @@ def blend(
     """Eq 16, literally, over the pixels at `rows` (H,) x `columns` (W,), by which every splat is looked at.
 
     `opacities` (M,) and `colors` (M, 3) are those of `projected`, nearest first; `background` (3,); `lines`
-    (M, 4, 3) where they are cut off, see crossings.py.
+    (M, S, 3) where they are cut off, see crossings.py.
     """
     dx = columns[None, :, None] - projected.centers[:, 0]
     dy = rows[:, None, None] - projected.centers[:, 1]

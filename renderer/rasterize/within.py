@@ -1,4 +1,4 @@
-"""Blending of tiles that hold splats which the sides of an image cut off, see crossings.py."""
+"""Blending of tiles that hold splats which the sides of an image or a field cut off, see crossings.py."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from renderer.camera import BoolArray, Camera
+from renderer.in_view import InView
 from renderer.projection import (
     ACROSS,
     BLUE,
@@ -45,14 +46,13 @@ from renderer.rasterize.tiles import (
 from renderer.splats import Float32Array, Splats
 from renderer.stack_arrays import stack_array
 
-SIDES = 4
 CUT = np.float32(1.0 / 255.0)
 
 
 class Bounds:
-    """Which of the splats that a camera sees are cut off by the sides of an image, and where."""
+    """Which of the splats that a camera sees are cut off by sides, and where."""
 
-    def __init__(self, splats: Splats, camera: Camera, within: Camera, visible: BoolArray) -> None:
+    def __init__(self, splats: Splats, camera: Camera, within: InView, visible: BoolArray) -> None:
         """Those that lie wholly beyond are no longer `visible`."""
         margin = margins(splats, within)
         visible &= margin > -1
@@ -100,7 +100,7 @@ def _find_tiles(
 def _blend(
     records: NDArray[np.float32],
     rows: NDArray[np.int32],  # (N,) of `lines`; -1: not cut
-    lines: NDArray[np.float32],  # (cut, SIDES, 3)
+    lines: NDArray[np.float32],  # (cut, S, 3)
     tile_starts: NDArray[np.int64],
     tile_order: NDArray[np.int32],
     entry_splats: NDArray[np.int32],
@@ -173,14 +173,15 @@ def _blend_tile(
 
 @njit(fastmath={"contract"}, error_model="numpy")
 def _set_share(
-    lines: NDArray[np.float32],  # (SIDES, 3)
+    lines: NDArray[np.float32],  # (S, 3)
     dx: np.float32,
     dy: np.float32,
     share: NDArray[np.float32],  # (TILE,), of a row of pixels whose first one is at (dx, dy), out
 ) -> None:
     for x in range(TILE):
         share[x] = ONE
-    for side in range(SIDES):
+    for side in range(len(lines)):
         begin = lines[side, 0] + lines[side, 1] * dx + lines[side, 2] * dy + HALF
-        for x in range(TILE):
-            share[x] = max(ZERO, min(share[x], begin + np.float32(x) * lines[side, 1]))
+        if min(begin, begin + LAST * lines[side, 1]) < ONE:
+            for x in range(TILE):
+                share[x] = max(ZERO, min(share[x], begin + np.float32(x) * lines[side, 1]))

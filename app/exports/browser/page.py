@@ -19,6 +19,7 @@ from app.exports.html_file import facts_in, filled_in, found, in_script
 from app.exports.records import BrowserModel
 from app.files.provenance import NOTICE
 from renderer.camera import BoolArray, Camera
+from renderer.in_view import IMAGE_SIDES, InView
 from renderer.json_files import parsed
 from renderer.splats import RenderMode
 
@@ -47,7 +48,7 @@ def browser_page(
     *,
     about: str,
     cameras: Sequence[Camera] = (),
-    within: Camera | None = None,
+    within: InView | None = None,
     shown: BoolArray | None = None,
 ) -> bytes:
     """The HTML of a record; the same bytes for the same model and record.
@@ -56,7 +57,7 @@ def browser_page(
         windows: in the order of time.
         about: what the model is a reconstruction of.
         cameras: of each frame; with them the page's camera goes where the record says so.
-        within: a camera beyond the sides of whose image nothing is drawn.
+        within: beyond the sides of which nothing is drawn.
         shown: (N,) Gaussians of the one window that are drawn from elsewhere, too; None: all.
 
     Raises:
@@ -71,13 +72,18 @@ def browser_page(
         "frames": record.clip_frames,
         "seconds": record.seconds,
     }
+    sides = [] if within is None else within.sides.tolist()
+    field = sides[IMAGE_SIDES:]
     if record.start:
         scene["start"] = record.start
     if shown is not None:
         scene["hidden"] = np.flatnonzero(~shown).tolist()
+    if shown is not None or field:
         scene["free"] = not (record.moves or all(map(record.camera.has_pose_of, cameras)))
-    if within is not None:
-        scene["sides"] = within.sides.tolist()
+    if sides:
+        scene["sides"] = sides[:IMAGE_SIDES]
+    if field:
+        scene["field"] = field
     if record.moves:
         scene["poses"] = [np.asarray(one.camera_from_world)[:3].tolist() for one in cameras]
     content = base64.b64encode(gzip.compress(b"".join(parts_of_content), LEVEL, mtime=0)).decode()

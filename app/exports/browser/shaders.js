@@ -13,8 +13,10 @@ uniform mat3 turn; uniform vec3 shift;
 uniform vec4 lens; uniform vec4 limits; uniform vec2 size; uniform float near; uniform bool antialiased;
 // Planes beyond which nothing is drawn, in the camera's coordinates.
 uniform bool bounded; uniform vec4 sides[4];
+// More of them, of which those two count that are nearest to a Gaussian.
+uniform int corners; uniform vec4 field[96];
 in uint splat;
-out vec2 place; out vec4 color, inside;
+out vec2 place, inside_field; out vec4 color, inside;
 int later, own;
 vec4 at(usampler2D values, int name) {
   vec4 sum = vec4(0.0);
@@ -28,7 +30,7 @@ vec4 at(usampler2D values, int name) {
   return low[which] + sum * span[which];
 }
 void main() {
-  gl_Position = vec4(2.0, 2.0, 2.0, 1.0); place = vec2(0.0); color = vec4(0.0); inside = vec4(1e6);
+  gl_Position = vec4(2.0, 2.0, 2.0, 1.0); place = vec2(0.0); color = vec4(0.0); inside = vec4(1e6); inside_field = vec2(1e6);
   later = int(splat) < split ? 0 : 1;
   own = int(splat) - later * split;
   vec3 local = turn * at(means, 0).xyz + shift;
@@ -56,13 +58,21 @@ void main() {
   place = corner * sqrt(2.0 * log(255.0 * opacity));
   vec2 centre = lens.xy * local.xy / local.z + lens.zw;
   vec2 pixel = centre + place.x * sqrt(longer) * axis + place.y * sqrt(shorter) * vec2(-axis.y, axis.x);
+  ivec2 nearest = ivec2(0); vec2 least = vec2(3e38);
+  for (int side = 0; side < corners; side++) {
+    float distance = dot(field[side].xyz, local) + field[side].w;
+    if (distance < least.x) { least = vec2(distance, least.x); nearest = ivec2(side, nearest.x); }
+    else if (distance < least.y) { least.y = distance; nearest.y = side; }
+  }
   // Pixels to the line where each plane cuts it: of the likeliest point behind a pixel.
-  for (int side = 0; bounded && side < 4; side++) {
-    vec3 normal = sides[side].xyz;
-    vec2 along = vec2(dot(across, normal * axes), dot(down, normal * axes));
+  for (int side = 0; bounded && side < (corners > 1 ? 6 : 4); side++) {
+    vec4 plane = side < 4 ? sides[side] : field[nearest[side - 4]];
+    vec3 normal = plane.xyz * axes;
+    vec2 along = vec2(dot(across, normal), dot(down, normal));
     vec2 slope = vec2(yy * along.x - xy * along.y, xx * along.y - xy * along.x) / determinant;
-    float distance = dot(normal, local) + sides[side].w + dot(slope, pixel - centre);
-    inside[side] = clamp(distance / max(length(slope), 1e-20), -1e6, 1e6);
+    float distance = dot(plane.xyz, local) + plane.w + dot(slope, pixel - centre);
+    float apart = clamp(distance / max(length(slope), 1e-20), -1e6, 1e6);
+    if (side < 4) inside[side] = apart; else inside_field[side - 4] = apart;
   }
   gl_Position = vec4(pixel.x / size.x * 2.0 - 1.0, 1.0 - pixel.y / size.y * 2.0, 0.0, 1.0);
   color = vec4(at(colors, 1).xyz, opacity);
@@ -70,9 +80,10 @@ void main() {
 
 const FRAGMENT = `#version 300 es
 precision highp float;
-in vec2 place; in vec4 color, inside; out vec4 seen;
+in vec2 place, inside_field; in vec4 color, inside; out vec4 seen;
 void main() {
-  float within = min(min(inside.x, inside.y), min(inside.z, inside.w)) + 0.5;
+  float image = min(min(inside.x, inside.y), min(inside.z, inside.w)), view = min(inside_field.x, inside_field.y);
+  float within = min(image, view) + 0.5;
   float alpha = min(color.a * exp(-0.5 * dot(place, place)), 0.99) * clamp(within, 0.0, 1.0);
   if (alpha < 1.0 / 255.0) discard;
   seen = vec4(color.rgb * alpha, alpha);

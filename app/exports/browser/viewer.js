@@ -165,6 +165,12 @@ class Viewer {
     return { turn: times(this.added.turn, turn), shift: moved.map((value, i) => value + this.added.shift[i]) };
   }
 
+  // It is not where the clip's is.
+  get isFree() {
+    const { turn, shift } = this.added;
+    return scene.free || shift.some((value) => value !== 0) || turn.some((value, i) => value !== (i % 4 ? 0 : 1));
+  }
+
   // Depth of the middle of what the camera sees, about which a drag turns.
   pivot() {
     const seen = this.sort(present(this.time));
@@ -173,8 +179,7 @@ class Viewer {
 
   // Those before the camera, far to near, of those as far the last first, as CPU and OpenGL draw; how many there are.
   sort(there) {
-    const { turn, shift } = this.camera, axis = turn.slice(6, 9);
-    const isFree = scene.free || this.added.shift.some((value) => value !== 0) || this.added.turn.some((value, i) => value !== (i % 4 ? 0 : 1));
+    const { turn, shift } = this.camera, axis = turn.slice(6, 9), { isFree } = this;
     let count = 0, seen = 0;
     for (const one of there) {
       const track = one.tracks[0], [first, weights] = taps(track.moments, one), means = one.means;
@@ -235,11 +240,15 @@ class Viewer {
     gl.uniform2fv(at("size"), [width, height]);
     gl.uniform1f(at("near"), scene.near);
     gl.uniform1i(at("antialiased"), scene.antialiased ? 1 : 0);
-    gl.uniform1i(at("bounded"), scene.sides ? 1 : 0);
-    if (scene.sides) gl.uniform4fv(at("sides"), scene.sides.flatMap((side) => {
+    const local = (sides) => sides.flatMap((side) => {
       const normal = turned(turn, side.slice(0, 3));
       return [...normal, side[3] - normal.reduce((sum, value, i) => sum + value * shift[i], 0)];
-    }));
+    });
+    const field = this.isFree && scene.field || [];
+    gl.uniform1i(at("bounded"), scene.sides ? 1 : 0);
+    if (scene.sides) gl.uniform4fv(at("sides"), local(scene.sides));
+    gl.uniform1i(at("corners"), field.length);
+    if (field.length) gl.uniform4fv(at("field"), local(field));
     gl.uniformMatrix3fv(at("turn"), true, turn);
     gl.uniform3fv(at("shift"), shift);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);

@@ -12,6 +12,7 @@ flat in vec3 shape;
 flat in vec4 paint;
 flat in vec2 solid;
 in vec4 inside;
+in vec2 inside_field;
 
 out vec4 premultiplied;
 
@@ -26,6 +27,7 @@ void main() {
         return;
     }
     float nearest = min(min(inside.x, inside.y), min(inside.z, inside.w));
+    nearest = min(nearest, min(inside_field.x, inside_field.y));
     float alpha = min(ALPHA_MAX, paint.a * exp(-0.5 * distance)) * clamp(nearest + 0.5, 0.0, 1.0);
     if (alpha < faintest) discard;
     premultiplied = vec4((paint.rgb - pivot) * alpha, alpha);

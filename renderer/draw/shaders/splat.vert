@@ -7,6 +7,7 @@ const float MARGIN = 0.02;       // px; covers the snapping of corners to the su
 const float LARGEST = 1e12;      // scene units; flat over any picture, and its square still a float
 
 const float LEAST_SLOPE = 1e-20, FAR = 1e6;     // scene units a px; px
+const float LARGEST_DISTANCE = 3e38;            // scene units
 
 const int ELLIPSOID = 1, POINT = 2;
 const float ELLIPSOID_REACH = 1.5;     // standard deviations
@@ -38,6 +39,8 @@ uniform int body;                // 0: soft
 uniform bool compensated;        // opacity makes up for the low-pass
 uniform bool bounded;            // by four planes, beyond which nothing is drawn
 uniform vec4 sides[4];           // of the planes: normal inwards, distance of the origin
+uniform vec4 field[96];          // of more of them: those two count that are nearest to a splat
+uniform int corners;             // how many there are
 
 in uint splat;
 
@@ -46,6 +49,7 @@ flat out vec3 shape;             // of the covariance (a b; b c): b / a, 1 / a, 
 flat out vec4 paint;             // rgb, opacity
 flat out vec2 solid;             // squared standard deviations to the edge of a body, 0: none; darker at it
 out vec4 inside;   // px to where the splat crosses each plane; see crossings.py
+out vec2 inside_field;
 
 // What time adds to a texel of the splat in `slot`.
 vec4 offset(sampler2DArray offsets, int slot) {
@@ -91,6 +95,23 @@ float to_side(float distance, vec3 axes, vec3 first, vec3 second, vec2 offset) {
     float sheared = along.y - shape.x * along.x;
     vec2 slope = vec2(along.x * shape.y - shape.x * sheared * shape.z, sheared * shape.z);
     return clamp((distance + dot(slope, offset)) / max(length(slope), LEAST_SLOPE), -FAR, FAR);
+}
+
+// The two sides of the field that are nearest to a point.
+ivec2 nearest_sides(vec3 point) {
+    vec2 least = vec2(LARGEST_DISTANCE);
+    ivec2 nearest = ivec2(0);
+    for (int side = 0; side < corners; ++side) {
+        float distance = dot(field[side].xyz, point) + field[side].w;
+        if (distance < least.x) {
+            least = vec2(distance, least.x);
+            nearest = ivec2(side, nearest.x);
+        } else if (distance < least.y) {
+            least.y = distance;
+            nearest.y = side;
+        }
+    }
+    return nearest;
 }
 
 // Half axes of the ellipse of `reach` standard deviations of (a b; b c), longest first.
@@ -175,12 +196,15 @@ void main() {
         position = center + half_axes(a, b, c, a * remainder, reach) * corner;
     }
     inside = vec4(FAR);
+    inside_field = vec2(FAR);
     if (bounded) {
         mat3 axes = rotation_from(quat);
-        for (int side = 0; side < 4; ++side) {
-            vec3 normal = sides[side].xyz;
-            float distance = dot(normal, mean_opacity.xyz) + sides[side].w;
-            inside[side] = to_side(distance, (normal * axes) * scales, first, second, position - center);
+        ivec2 nearest = nearest_sides(mean_opacity.xyz);
+        for (int side = 0; side < (corners > 0 ? 6 : 4); ++side) {
+            vec4 plane = side < 4 ? sides[side] : field[nearest[side - 4]];
+            float distance = dot(plane.xyz, mean_opacity.xyz) + plane.w;
+            float apart = to_side(distance, (plane.xyz * axes) * scales, first, second, position - center);
+            if (side < 4) inside[side] = apart; else inside_field[side - 4] = apart;
         }
     }
     gl_Position = vec4(2.0 * position / size - 1.0, 0.0, 1.0);

@@ -1,9 +1,11 @@
-"""What lies beyond the image of a camera is not drawn: CPU, OpenGL and reference, against lines in space."""
+"""What lies beyond the image or field of a camera is not drawn: CPU, OpenGL and reference, against lines in
+space."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -12,6 +14,7 @@ import torch
 
 from renderer.camera import Camera, FloatArray
 from renderer.draw.splat_view import SplatView
+from renderer.in_view import FieldInView, InView
 from renderer.rasterize.cpu import render
 from renderer.rasterize.crossings import crossings, margins
 from renderer.rasterize.reference import rasterize_reference, rotations
@@ -21,6 +24,9 @@ from tests.renderer.scenes import random_splats
 
 CLIP = Camera.from_fov(60, 64, 48)
 FAR = 80.0
+OCTAGON = FieldInView(
+    CLIP, np.array([(30, 4), (50, 11), (58, 28), (50, 41), (30, 46), (13, 40), (5, 25), (14, 9)], np.float64)
+)
 
 
 def _aside(degrees: float) -> Camera:
@@ -33,7 +39,13 @@ def _aside(degrees: float) -> Camera:
 
 
 ASIDE = _aside(30)
-Draw = Callable[[Splats, Camera, Camera | None], Rendered]
+
+
+class Planes(NamedTuple):
+    sides: FloatArray
+
+
+Draw = Callable[[Splats, Camera, InView | None], Rendered]
 
 
 @pytest.fixture(params=["processor", "reference", pytest.param("opengl", marks=pytest.mark.gl)])
@@ -44,7 +56,7 @@ def draw(request: pytest.FixtureRequest) -> Draw:
         return _reference
     ctx: moderngl.Context = request.getfixturevalue("ctx")
 
-    def drawn(splats: Splats, camera: Camera, within: Camera | None) -> Rendered:
+    def drawn(splats: Splats, camera: Camera, within: InView | None) -> Rendered:
         view = SplatView(ctx, precision="float")
         view.upload(splats)
         color, depth = view.read_color(camera, within=within), view.read_depth(camera, within=within)
@@ -54,7 +66,7 @@ def draw(request: pytest.FixtureRequest) -> Draw:
     return drawn
 
 
-def _reference(splats: Splats, camera: Camera, within: Camera | None) -> Rendered:
+def _reference(splats: Splats, camera: Camera, within: InView | None) -> Rendered:
     names = ("means", "quats", "scales", "opacities", "colors")
     values = (torch.from_numpy(getattr(splats, name)) for name in names)
     drawn = rasterize_reference(*values, camera, within=within)
@@ -74,23 +86,32 @@ def wall() -> Splats:
     return Splats(means, quats, scales, np.full(count, 0.95, np.float32), colors)
 
 
-def seen_by_clip() -> FloatArray:
-    """(H, W) by how many pixels of ASIDE the wall's point behind each of its pixels lies within CLIP's image;
-    negative beyond it."""
+def seen_by_clip(outline: FloatArray) -> FloatArray:
+    """(H, W) by how many pixels of ASIDE the wall's point behind each of its pixels lies within the outline
+    in CLIP's image; negative beyond it."""
     origin = ASIDE.position
     rays = ASIDE.unproject(np.ones((ASIDE.height, ASIDE.width))) - origin
     points = origin + rays * ((FAR - origin[2]) / rays[..., 2])[..., None]
     pixels, _ = CLIP.project(points.reshape(-1, 3))
-    x, y = pixels.T.reshape(2, ASIDE.height, ASIDE.width)
-    edges = np.stack([x, CLIP.width - x, y, CLIP.height - y])
+    ahead = np.roll(outline, -1, axis=0) - outline
+    inwards = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
+    edges = (inwards @ pixels.T - (inwards * outline).sum(axis=1)[:, None]).reshape(
+        -1, ASIDE.height, ASIDE.width
+    )
     slopes = np.stack([np.hypot(*np.gradient(edge)) for edge in edges])
     return np.asarray((edges / slopes).min(axis=0))
 
 
-def test_a_wall_ends_where_the_image_of_the_other_camera_does(draw: Draw) -> None:
-    inside = seen_by_clip()
+IMAGE = np.array([(0, 0), (CLIP.width, 0), (CLIP.width, CLIP.height), (0, CLIP.height)], np.float64)
+
+
+@pytest.mark.parametrize(("within", "outline"), [(CLIP, IMAGE), (OCTAGON, OCTAGON.outline)])
+def test_a_wall_ends_where_the_image_or_field_of_the_other_camera_does(
+    draw: Draw, within: InView, outline: FloatArray
+) -> None:
+    inside = seen_by_clip(outline)
     assert 0.1 < (inside > 0).mean() < 0.95
-    free, bounded = draw(wall(), ASIDE, None), draw(wall(), ASIDE, CLIP)
+    free, bounded = draw(wall(), ASIDE, None), draw(wall(), ASIDE, within)
     assert free.alpha[np.abs(inside) < 3].min() > 0.98
     assert bounded.alpha[inside < -1].max() == 0
     assert bounded.alpha[inside > 1].min() > 0.98
@@ -98,9 +119,12 @@ def test_a_wall_ends_where_the_image_of_the_other_camera_does(draw: Draw) -> Non
 
 
 @pytest.mark.parametrize("sigma", [(0.2, 1.0), (2.0, 6.0), (5.0, 30.0)])
-def test_cpu_and_opengl_draw_what_the_reference_does(draw: Draw, sigma: tuple[float, float]) -> None:
+@pytest.mark.parametrize("within", [CLIP, OCTAGON])
+def test_cpu_and_opengl_draw_what_the_reference_does(
+    draw: Draw, within: InView, sigma: tuple[float, float]
+) -> None:
     splats = random_splats(300, ASIDE, 4, sigma=sigma)
-    told, oracle = draw(splats, ASIDE, CLIP), _reference(splats, ASIDE, CLIP)
+    told, oracle = draw(splats, ASIDE, within), _reference(splats, ASIDE, within)
     assert np.abs(oracle.image - _reference(splats, ASIDE, None).image).max() > 0.1
     assert np.sqrt(np.mean((told.image - oracle.image) ** 2)) < 2e-4
     assert np.quantile(np.abs(told.alpha - oracle.alpha), 0.999) < 4e-3
@@ -147,6 +171,20 @@ def test_what_is_not_shown_is_not_drawn_until_it_is(ctx: moderngl.Context) -> No
     assert np.abs(part - whole).max() > 0.1
     assert np.array_equal(view.read_color(CLIP), whole)
     view.release()
+
+
+def test_of_a_field_the_two_nearest_sides_cut_a_splat() -> None:
+    splats = random_splats(50, ASIDE, 5)
+    given = splats.means, splats.quats, splats.scales
+    means, quats, scales = (values.astype(np.float64) for values in given)
+    lines = crossings(means, quats, scales, ASIDE, OCTAGON)
+    assert np.array_equal(lines[:, :4], crossings(means, quats, scales, ASIDE, CLIP))
+    sides = OCTAGON.sides[4:]
+    distances = means @ sides[:, :3].T + sides[:, 3]
+    for i, nearest in enumerate(np.argsort(distances, axis=1)[:, :2]):
+        two = Planes(np.concatenate([CLIP.sides, sides[nearest]]))
+        (alone,) = crossings(means[i : i + 1], quats[i : i + 1], scales[i : i + 1], ASIDE, two)
+        assert np.allclose(sorted(lines[i].tolist()), sorted(alone.tolist()))
 
 
 def test_splats_whose_margin_is_beyond_one_are_not_crossed() -> None:
