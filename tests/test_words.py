@@ -115,6 +115,22 @@ def test_texts_are_in_the_words_of_the_field() -> None:
     assert not found, "\n".join(found)
 
 
+NAMES = ("app/enhancement/setting_words.py", "renderer/measuring/raster_accuracy.py")
+"""What is drawn into images, which are replayed with the same; and names of a report's rows."""
+
+
+def test_shares_are_said_with_a_space_before_the_sign() -> None:
+    """Side by side in one panel or one command, 19% and 36 % look like two programs'."""
+    found = [
+        str(path.relative_to(ROOT))
+        for package in ("app/commands", "app/enhancement", "app/gui", "app/runs", "app/scenes", "renderer")
+        for path in sorted((ROOT / package).rglob("*.py"))
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if re.search(r'f".*\{[^{}]*:\.\d%\}', line)
+    ]
+    assert set(found) == {*NAMES}, "with a space"
+
+
 @pytest.mark.parametrize("old", [old for old, _ in SAY_INSTEAD])
 def test_each_old_phrase_is_noticed(old: str) -> None:
     [number, text] = next(literals(f'"""A module."""\nsay(f"a {old} {{name}}, b")\n'))

@@ -30,7 +30,7 @@ COLUMNS = {
     "ssim": ("SSIM\n", ".4f"),
     "lpips": ("LPIPS\n", ".4f"),
     "depth_rmse_mm": ("depth\nmm", ".3f"),
-    "abs_rel": ("depth\nrel", ".2%"),
+    "abs_rel": ("depth\nrel %", ".2%"),
     "dv": ("DV\ngrey²", ".1f"),
     "bv": ("BV\ngrey²", ".1f"),
     "dv_bv": ("DV/BV\n", ".3f"),
@@ -174,11 +174,12 @@ def _heading(first: str, names: Iterable[str]) -> list[str]:
 
 
 def _texts(values: Mapping[str, float | None], names: Iterable[str]) -> list[str]:
-    return [_text(values.get(name), COLUMNS[name][1]) for name in names]
+    # The unit is in the heading.
+    return [_text(values.get(name), COLUMNS[name][1]).removesuffix(" %") for name in names]
 
 
 def _text(value: float | None, form: str) -> str:
-    return "-" if value is None or not math.isfinite(value) else format(value, form)
+    return "-" if value is None or not math.isfinite(value) else format(value, form).replace("%", " %")
 
 
 def _facts(report: dict[str, Any]) -> list[str]:

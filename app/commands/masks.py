@@ -137,7 +137,8 @@ def _keep_drawn(folder: Path, staging: Path, clip: Clip, by_hand: MaskFiles) -> 
 
 
 def _said(told: MaskReport, weak: Sequence[str], *, learned: bool) -> str:
-    parts = [f"{count(told.done, 'mask')}, tools in {told.with_tools}, {told.share:.0%} of the pixels"]
+    share = f"{100 * told.share:.0f} % of the pixels"
+    parts = [f"{count(told.done, 'mask')}, tools in {told.with_tools}, {share}"]
     if told.given:
         parts.append(f"{told.given} by hand, the others {'learned from them' if learned else 'by the model'}")
     if told.held_out is not None:

@@ -59,8 +59,8 @@ DEFINITIONS = {
     "depth",
     "psnr_tissue": "dB, mean over all tissue, with measured depth or without: all but tools, burned-in text "
     "and what the clip's mask leaves out",
-    "psnr_seldom": f"dB, mean over tissue in pixels where at most {SELDOM:.0%} of the training frames show "
-    "any; not measured where the camera moves, or where there is none",
+    "psnr_seldom": f"dB, mean over tissue in pixels where at most {100 * SELDOM:.0f} % of the training "
+    "frames show any; not measured where the camera moves, or where there is none",
     "coverage": f"share of the pixels that show tissue where the render's alpha is at least {OPAQUE}",
     "dv_bv": "inferred definition: variances of grey above and below each image's own Otsu threshold, "
     "over the evaluated pixels, so that pixels under tools or never seen are left out",

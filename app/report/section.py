@@ -83,7 +83,7 @@ def said(cell: Cell, column: Column) -> str:
         return cell
     if cell is None or math.isnan(cell):
         return "–"
-    return f"{cell:d}" if isinstance(cell, int) else format(cell, column.form)
+    return f"{cell:d}" if isinstance(cell, int) else format(cell, column.form).replace("%", " %")
 
 
 SECTIONS = TypeAdapter(dict[str, Section])

@@ -74,7 +74,7 @@ def omission_of(field: FieldOfView) -> Omission:
     return Omission(
         "dark surround",
         "the endoscope sees nothing there",
-        f"{share:.0%} of the pixels and Gaussians",
+        f"{100 * share:.0f} % of the pixels and Gaussians",
         "surround",
     )
 

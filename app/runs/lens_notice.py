@@ -24,8 +24,8 @@ def lens_notice(clip: Clip, told: Distortion | None) -> str:
         return UNBENT
     if told.rigid < RIGID:
         return (
-            f"{UNBENT}; the motion of the camera does not tell how much, as {1 - told.rigid:.0%} of the "
-            "features do not agree with it"
+            f"{UNBENT}; the motion of the camera does not tell how much, as "
+            f"{100 * (1 - told.rigid):.0f} % of the features do not agree with it"
         )
     measured = f"k1 = {told.k1:.3f}, standard deviation {told.deviation:.3f}"
     if not (told.is_certain and _straightens(clip, told)):

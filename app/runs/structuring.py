@@ -76,14 +76,14 @@ def _doubts(found: FoundStructure, moves: str | None) -> tuple[str, ...]:
         )
     if found.depth_error > DOUBTFUL:
         said.append(
-            f"distances are uncertain: a point's depth may be off by some {found.depth_error:.0%}, as the "
-            "camera hardly moves sideways or the tissue moves too; lengths and shapes along the view may be "
-            "wrong"
+            f"distances are uncertain: a point's depth may be off by some {100 * found.depth_error:.0f} %, "
+            "as the camera hardly moves sideways or the tissue moves too; lengths and shapes along the view "
+            "may be wrong"
         )
     if found.focal_left:
         said.append(
-            f"the field of view is uncertain: its estimate still changed by {found.focal_left:.0%} when the "
-            "search for it ended; the path of the camera and shapes along the view may be wrong "
+            f"the field of view is uncertain: its estimate still changed by {100 * found.focal_left:.0f} % "
+            "when the search for it ended; the path of the camera and shapes along the view may be wrong "
             "(--field-of-view states it, where it is known)"
         )
     return tuple(said)

@@ -45,6 +45,6 @@ def omission_of(found: FoundTools) -> Omission:
     return Omission(
         "tools",
         f"found by their colour in {found.frames} of {found.looked_at} frames, as the clip has no masks",
-        f"{found.share:.0%} of the pixels",
+        f"{100 * found.share:.0f} % of the pixels",
         "tools",
     )

@@ -235,7 +235,7 @@ def caption_of(view: ViewRequest) -> str:
     record, shows = view.scene.record, "" if view.kind == "color" else view.kind
     frames = f"from {record.trained_on}" if record.trained_on else ""
     what = "Reconstruction" if view.scene.is_of_run else "Splat file"
-    over = f"frame {view.frame_share:.0%} over it" if view.frame_share else ""
+    over = f"frame {100 * view.frame_share:.0f} % over it" if view.frame_share else ""
     return "   ".join(filter(None, (f"{what} {view.scene.name}", frames, shows, over)))
 
 

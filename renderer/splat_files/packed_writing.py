@@ -41,8 +41,9 @@ def clipped(raw: RawGaussians) -> tuple[str, ...]:
         )
     if coarse := _coarse(raw):
         told.append(
-            f"{coarse} of {len(raw)} splats are rounded by more than {COARSE:.0%} of the usual range of "
-            f"positions, sizes or colours: compressed PLY rounds {CHUNK} together, and strays are among them"
+            f"{coarse} of {len(raw)} splats are rounded by more than {100 * COARSE:.0f} % of the usual range "
+            f"of positions, sizes or colours: compressed PLY rounds {CHUNK} together, and strays are among "
+            "them"
         )
     return tuple(told)
 

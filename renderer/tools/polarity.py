@@ -28,8 +28,8 @@ def with_doubt(masks: MaskFiles, clip: Clip) -> MaskFiles:
         return masks
     share = float(np.mean([sample.marked.mean() for sample in samples]))
     said = (
-        f"masks in {masks.folder.name}/ look inverted: not black = tool is expected, and {share:.0%} of the "
-        "pixels are not black, on what looks like tissue"
+        f"masks in {masks.folder.name}/ look inverted: not black = tool is expected, and "
+        f"{100 * share:.0f} % of the pixels are not black, on what looks like tissue"
     )
     return replace(masks, notices=(*masks.notices, said))
 

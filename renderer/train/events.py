@@ -67,8 +67,8 @@ class Progress:
     Example:
         >>> from renderer import Progress
         >>> event = Progress(50, 100, loss=0.02, psnr=30.0, seconds=1.5, seconds_left=1.5, n_gaussians=500)
-        >>> f"{event.iteration / event.iterations:.0%}, {event.seconds_left:.1f} s left"
-        '50%, 1.5 s left'
+        >>> f"{100 * event.iteration / event.iterations:.0f} %, {event.seconds_left:.1f} s left"
+        '50 %, 1.5 s left'
     """
 
     iteration: int

@@ -99,7 +99,7 @@ def smooth_occluded_motion(
         opacity_controls=_at_rest(motion.opacity_controls, normal, whole),
         node_controls=_at_rest(motion.node_controls, normal_nodes, whole),
     )
-    saves = f"{share:.1%} of the control values"
+    saves = f"{100 * share:.1f} % of the control values"
     omission = Omission("motion of hidden tissue", "no training frame shows it", saves, "hidden")
     return replace(gaussians, motion=still), (omission,)
 

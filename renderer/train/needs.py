@@ -175,7 +175,7 @@ def _omitted(
     share = 1 - float(np.mean([tissue_tiles(frame.tissue_mask).mean() for frame in frames]))
     if share > 0 and "tiles" not in config.keep:
         yield Omission(
-            "tiles without tissue", "no tissue to compare with", f"{share:.0%} of the tiles", "tiles"
+            "tiles without tissue", "no tissue to compare with", f"{100 * share:.0f} % of the tiles", "tiles"
         )
     if needs.apart is not None:
         yield from outlines.told(frames, needs.apart)

@@ -54,7 +54,7 @@ def told(frames: Sequence[Frame], apart: BoolImage) -> Iterator[Omission]:
     before = sum(np.count_nonzero(frame.tissue_mask) for frame in frames)
     kept = sum(np.count_nonzero(without_mixed(frame, apart).tissue_mask) for frame in frames)
     if kept < before:
-        saves = f"{1 - kept / before:.1%} of the tissue"
+        saves = f"{100 * (1 - kept / before):.1f} % of the tissue"
         yield Omission("tissue beside tools", "it has part of their colour", saves, "beside_tools")
 
 

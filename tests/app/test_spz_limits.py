@@ -73,7 +73,7 @@ def test_compressed_ply_tells_in_the_file_itself(tmp_path: Path, vesselsplat: Cl
     call = vesselsplat("export", tmp_path / "a.ply", "--compressed-ply", tmp_path / "out")
     file = tmp_path / "out" / "frame-000000.compressed.ply"
     (said,) = packed_writing.clipped(raw)
-    assert said.startswith("88 of 600 splats are rounded by more than 2%")
+    assert said.startswith("88 of 600 splats are rounded by more than 2 %")
     assert (call.code, call.error) == (0, f"{said}: {file}\n")
     assert recorded(file)["clipped"] == [said]
     assert vesselsplat("replay", file, "--source", tmp_path / "a.ply").out.rstrip().endswith("identical")

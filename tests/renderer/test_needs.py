@@ -96,7 +96,7 @@ def test_what_is_left_out_is_told_in_numbers() -> None:
     told = {omission.what: (omission.why, omission.saves) for omission in needs.omitted}
     assert told["harmonics"] == ("the camera is fixed", "45 of 59 numbers per Gaussian")
     assert told["deformation"][1] == told["colour curves"][1] == "18 numbers per Gaussian"
-    assert told["tiles without tissue"][1] == "13% of the tiles"  # 2 x 2 of 6 x 5
+    assert told["tiles without tissue"][1] == "13 % of the tiles"  # 2 x 2 of 6 x 5
     assert "masking" not in told
     assert "masking" in what(needs_of(plane_clip(), SMALL))
     assert "updates of control values at other times" in what(

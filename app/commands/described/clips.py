@@ -217,7 +217,7 @@ def _depth(clip: Clip, frames: Sequence[Frame]) -> Fact:
         "brightness": BY_BRIGHTNESS,
     }[origin]
     share = _share([(frame.depth > 0) for frame in frames if frame.depth is not None])
-    seen = "" if share is None else f", {share:.0%} of the pixels"
+    seen = "" if share is None else f", {100 * share:.0f} % of the pixels"
     return Fact("depth", told + seen, {"origin": origin, "share": share})
 
 
@@ -225,7 +225,7 @@ def _masks(frames: Sequence[Frame]) -> Fact:
     share = _share([frame.tissue_mask for frame in frames])
     if share is None:
         return Fact("masks", "not checked", {"tissue_share": None})
-    used = f"tissue is {share:.0%} of the pixels"
+    used = f"tissue is {100 * share:.0f} % of the pixels"
     text = "none used: every pixel is treated as tissue" if share == 1 else used
     return Fact("masks", text, {"tissue_share": share})
 

@@ -105,7 +105,7 @@ def _seen(
     field = lit_field([read_rgb(image) for image in evenly(images, LOOKED_AT)])
     if not is_displaced(mask, field):
         return mask, ()
-    beyond = f"{np.mean(~mask[field]):.0%} of what the images show is outside it"
+    beyond = f"{100 * np.mean(~mask[field]):.0f} % of what the images show is outside it"
     return field, (f"{mask_file.name} does not match the images, {beyond}: their lit part is used instead",)
 
 

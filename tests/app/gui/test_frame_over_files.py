@@ -111,6 +111,6 @@ def test_a_second_view_with_other_frames_says_that_the_frame_is_not_in_the_file(
         assert request is not None
         assert isinstance(request.record, PanesPicture)
         captions.append([str(view.caption) for view in request.record.views])
-    assert "frame 50% over it" in captions[0][0]
+    assert "frame 50 % over it" in captions[0][0]
     assert captions[0][1].endswith("without the frame over it")
     assert not any("over it" in caption for caption in captions[1])

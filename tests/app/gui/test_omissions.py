@@ -119,7 +119,7 @@ def test_what_a_run_left_out_is_explained_where_a_person_unfolds_it(
 ) -> None:
     run, said = opened.runs.reconstruction, list[str]()
     run.status = "running"
-    run.started = Started(0, 100, 30, (Omission("tiles", "no tissue to compare with", "24% of the tiles"),))
+    run.started = Started(0, 100, 30, (Omission("tiles", "no tissue to compare with", "24 % of the tiles"),))
     monkeypatch.setattr(reconstruction, "note", lambda text, color=None: said.append(text))
     ui.frame(lambda: draw_reconstruction(opened))
     assert not any("Tiles" in text for text in said)

@@ -106,7 +106,7 @@ def test_no_gaussians_cover_it_and_tissue_is_no_worse(trained: Callable[..., Tra
 def test_it_is_said_at_the_start_and_in_the_record(trained: Callable[..., Trained]) -> None:
     run, messages, started = trained()
     (line,) = (message for message in messages if "surround" in message)
-    assert line == "left out: the dark surround, 55% of the pixels and Gaussians"
+    assert line == "left out: the dark surround, 55 % of the pixels and Gaussians"
     assert (started.omitted[0].what, started.omitted[0].part) == ("dark surround", "surround")
     assert run.omitted()[0] == started.omitted[0]
     field = run.record().clip.part.field_of_view
@@ -143,7 +143,7 @@ def test_it_goes_on_as_it_began(round_clip: Path, tmp_path: Path, vesselsplat: C
     flags = (round_clip, "--run", tmp_path / "run", "--iterations", 2)
     first, again = vesselsplat("train", *flags), vesselsplat("train", *flags, "--resume")
     assert (first.code, again.code) == (0, 0), again.error
-    assert "left out: the dark surround, 55% of the pixels and Gaussians" in first.error
+    assert "left out: the dark surround, 55 % of the pixels and Gaussians" in first.error
     assert "dark surround" in first.out
 
 

@@ -47,7 +47,7 @@ def test_what_is_said_undistorts_the_images(clip: Clip, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changed", "ending"),
     [
-        ({"rigid": 0.62}, "as 38% of the features do not agree with it"),
+        ({"rigid": 0.62}, "as 38 % of the features do not agree with it"),
         ({"k1": 0.01}, "shows no distortion that is certain (k1 = 0.010, standard deviation 0.004)"),
         ({"k1": -0.6}, "shows no distortion that is certain (k1 = -0.600, standard deviation 0.004)"),
     ],

@@ -150,7 +150,7 @@ def test_uncertain_distances_are_said(images: Path, tmp_path: Path, finding: Cal
     events = run_training(request_of(images, tmp_path / "run"))
     told = next(event for event in events if isinstance(event, Warned) and "uncertain" in event.message)
     events.close()
-    assert "a point's depth may be off by some 12%" in told.message
+    assert "a point's depth may be off by some 12 %" in told.message
 
 
 @pytest.mark.parametrize("moves", [None, "the background moves by 9 % of the image width"])
@@ -172,7 +172,7 @@ def test_a_field_of_view_that_is_not_settled_is_said(images: Path, finding: Call
     finding()
     assert not doubts()
     finding(focal_left=0.08)
-    assert "still changed by 8%" in doubts()[0]
+    assert "still changed by 8 %" in doubts()[0]
 
 
 def test_a_camera_that_keeps_its_place_is_refused_and_leaves_no_run(images: Path, tmp_path: Path) -> None:

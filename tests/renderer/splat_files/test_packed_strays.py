@@ -35,7 +35,7 @@ def test_only_the_least_opaque_share_the_chunk_of_strays(name: str, value: float
     said = clipped(raw)
     assert bool(said) == (name != "log_scales"), "sizes to 4 %"
     for one in said:
-        assert one.startswith(f"{tail} of {COUNT} splats are rounded by more than 2% of the usual range")
+        assert one.startswith(f"{tail} of {COUNT} splats are rounded by more than 2 % of the usual range")
 
 
 def test_an_ordinary_model_has_no_strays_and_nothing_is_told() -> None:

@@ -46,7 +46,7 @@ def test_masks_of_the_tissue_are_said_to_look_inverted(names: tuple[str, ...], t
     assert doubted.files == found.files
     assert len(doubted.notices) == 1
     assert doubted.notices[0].startswith(
-        "masks in given/ look inverted: not black = tool is expected, and 84%"
+        "masks in given/ look inverted: not black = tool is expected, and 84 %"
     )
 
 
