@@ -151,7 +151,7 @@ def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
         Command("Enhancement", actions.toggle_enhancement, ("E",), text="enhancement on or off",
                 applies=has_clip, ticked=lambda s: s.enhancement.active,
-                synonyms=("vessel", "enhance", "filter", "brighter", "contrast", "on", "off")),
+                synonyms=("vessel", "enhance", "filter", "brighter", "brightness", "contrast", "on", "off")),
         Command("Plain white light", actions.white_light, ("Shift+W",), applies=has_clip,
                 text="white light: the frames as recorded, in all panes and the 3D view",
                 synonyms=("original", "wli", "normal", "unenhanced", "before")),
@@ -252,7 +252,8 @@ def _clip() -> tuple[Section, ...]:
                 ("Ctrl+Shift+M",) if sys.platform == "darwin" else ("Ctrl+Shift+M", "Ctrl+M"),
                 text="mask surgical tools with a brush, or stop", ticked=lambda s: s.masking.active,
                 applies=lambda s: not clip_actions.why_no_clip(s),
-                synonyms=("instruments", "brush", "paint", "segment", "segmentation", "erase")),
+                synonyms=("instruments", "brush", "paint", "segment", "segmentation", "erase", "find",
+                          "detect")),
         Command("Tint masked areas", clip_actions.toggle_overlay, ("Shift+M",),
                 text="tint tools and masked areas", applies=has_clip, ticked=lambda s: s.picture.overlay,
                 synonyms=("mask", "overlay", "instruments", "tools")),

@@ -10,6 +10,7 @@ from app.gui.commands.command import Command, Section
 from app.gui.state.app_state import AppState
 from app.gui.views.key_words import with_keys
 
+HELP = "help"
 WHOLE_NAME = 100
 """More than any number of words that a person types."""
 
@@ -41,6 +42,11 @@ def find(sections: Iterable[Section], words: str, state: AppState) -> list[Found
     ]
     kept = [one for one in found if all(word in _text(one) for word in wanted)]
     return sorted(kept, key=lambda one: (not one.applies, -_fit(one, wanted)))
+
+
+def find_help(sections: Iterable[Section], state: AppState) -> list[Found]:
+    """What helps on where no command has the words."""
+    return [one for one in find(sections, HELP, state) if HELP in one.command.synonyms]
 
 
 def _text(found: Found) -> str:

@@ -6,13 +6,14 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.files.legible import legible
 from app.gui.commands.command import Section
-from app.gui.commands.finding import Found, find
+from app.gui.commands.finding import Found, find, find_help
 from app.gui.state.app_state import AppState
 from app.gui.style.widgets import em, explain, mark_row, muted, shortened
 from app.gui.views.key_words import with_keys
 
 NAME = "##palette"
 ROWS = 12.0
+NONE = "No command matches. All names are in English; these may help:"
 FLAGS = (
     imgui.WindowFlags_.no_title_bar | imgui.WindowFlags_.no_move | imgui.WindowFlags_.no_resize
     | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
@@ -42,13 +43,14 @@ def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
         imgui.set_next_item_width(-1)
         _, words = imgui.input_text_with_hint("##words", "Type to find a command", palette.words)
         palette.type(words)
-        found = find(sections, palette.words, state)
+        matching = find(sections, palette.words, state)
+        found = matching or find_help(sections, state)
         by = imgui.is_key_pressed(imgui.Key.down_arrow) - imgui.is_key_pressed(imgui.Key.up_arrow)
         if by:
             palette.move(by, len(found))
-        chosen = _draw_found(found, palette.marked, by != 0)
+        chosen = _draw_found(found, palette.marked, by != 0, "" if matching else NONE)
         if imgui.is_key_pressed(imgui.Key.enter) or imgui.is_key_pressed(imgui.Key.keypad_enter):
-            chosen = found[palette.marked] if found else None
+            chosen = found[palette.marked]
         runs = chosen is not None and chosen.applies
         if not stays or runs:
             palette.stay(False)
@@ -57,13 +59,13 @@ def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
         chosen.command.act(state)
 
 
-def _draw_found(found: list[Found], marked: int, moved: bool) -> Found | None:
+def _draw_found(found: list[Found], marked: int, moved: bool, heading: str) -> Found | None:
     """The list, and what was clicked in it."""
     chosen = None
     height = imgui.get_text_line_height_with_spacing()
     with imgui_ctx.begin_child("found", ImVec2(0, ROWS * height), 0, imgui.WindowFlags_.no_nav):
-        if not found:
-            muted("No command matches.")
+        if heading:
+            muted(heading)
         for place, one in enumerate(found):
             if _draw_row(one, place, place == marked):
                 chosen = one

@@ -136,6 +136,19 @@ def test_the_palette_is_used_by_keyboard_alone(ui: Ui, state: AppState) -> None:
     assert not imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
 
 
+def test_words_of_no_command_lead_to_the_guide(ui: Ui, state: AppState) -> None:
+    draw, key = palette(state), imgui.Key
+    state.window.palette.open()
+    ui.frame(draw)
+    ui.frame(draw)
+    ui.io.add_input_characters_utf8("language")
+    ui.frame(draw)
+    assert find(sections(state, outside()), state.window.palette.words, state) == []
+    ui.press(draw, key.enter)
+    assert state.guide.shown
+    assert not state.window.palette.shown
+
+
 def test_arrows_choose_and_escape_closes_and_does_nothing_else(ui: Ui, state: AppState) -> None:
     draw, key = palette(state), imgui.Key
     state.window.palette.open()
@@ -248,6 +261,9 @@ SOUGHT = (
     ("record", "Record the live source"),
     ("report", "Report"),
     ("open folder", "Open folder…"),
+    ("depth", "Reconstruct"),
+    ("find tools", "Mask tools by hand"),
+    ("brightness", "Enhancement"),
 )
 """What people type, and the command that they mean."""
 
