@@ -36,7 +36,7 @@ def draw_about(state: AppState, copy: Callable[[str], None]) -> None:
     flags = floating_below(state, TITLE, WIDTH) | imgui.WindowFlags_.no_saved_settings
     with imgui_ctx.begin(TITLE, True, flags) as window:
         floating_windows.show(state.about, bool(window.opened))
-        if not window:
+        if not window.expanded:
             return
         with imgui_ctx.push_font(None, 1.5 * theme.FONT_SIZE):
             imgui.text_unformatted(f"VesselSplat {about.version}")

@@ -43,7 +43,7 @@ def draw_batches(state: AppState) -> None:
         return
     with imgui_ctx.begin(TITLE, True, floating_below(state, TITLE, 42)) as window:
         floating_windows.show(state.batches, bool(window.opened))
-        if not window:
+        if not window.expanded:
             return
         note(TEXT)
         imgui.spacing()

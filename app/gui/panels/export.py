@@ -113,7 +113,7 @@ def draw_export(state: AppState) -> None:
         imgui_ctx.begin(TITLE, True, beside) as window,
     ):
         floating_windows.show(state.exports, bool(window.opened))
-        if not window:
+        if not window.expanded:
             return
         height = _list_height(state)
         with imgui_ctx.begin_child("what", ImVec2(em(LIST), height), FLAT):

@@ -42,7 +42,7 @@ def draw_guide(state: AppState, textures: ShowsPictures) -> None:
     with imgui_ctx.begin(guide_actions.TITLE, True, flags | imgui.WindowFlags_.no_saved_settings) as window:
         floating_windows.show(state.guide, bool(window.opened))
         guide = state.guide.pages
-        if not window or guide is None:
+        if not window.expanded or guide is None:
             return
         height = imgui.get_content_region_avail().y - em(FOOT)
         if imgui.get_content_region_avail().x > em(ROOMY):

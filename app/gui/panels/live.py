@@ -142,7 +142,7 @@ def draw_live_choice(state: AppState, textures: ShowsPictures) -> None:
     flags = floating_below(state, TITLE, WIDTH) | imgui.WindowFlags_.no_saved_settings
     with imgui_ctx.begin(TITLE, True, flags) as window:
         floating_windows.show(state.live.choice, bool(window.opened))
-        if not window:
+        if not window.expanded:
             return
         _draw_devices(state, textures)
         imgui.separator_text("Stream or device by address")

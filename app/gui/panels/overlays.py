@@ -154,7 +154,7 @@ def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:
     flags = imgui.WindowFlags_.no_collapse | imgui.WindowFlags_.no_docking
     with imgui_ctx.begin("Keys and mouse", True, flags) as window:
         actions.show_help(state, bool(window.opened))
-        if not window:
+        if not window.expanded:
             return
         for menu, grouped in groupby(sections, lambda section: section.menu):
             commands = [command for section in grouped for command in section.commands if command.keys]

@@ -43,7 +43,7 @@ def draw_summary(state: AppState, textures: ShowsPictures) -> None:
         return
     with imgui_ctx.begin(TITLE, True, floating_below(state, TITLE, 40)) as window:
         floating_windows.show(state.summary, bool(window.opened))
-        if not window:
+        if not window.expanded:
             return
         note(TEXT)
         imgui.spacing()

@@ -348,7 +348,9 @@ def seconds(duration: float) -> str:
 
 def floating(title: str, width: float, taken: float) -> int:
     """Flags of the next window: `width` text heights across, in the middle at first, as high as its content
-    or as there is room; always below what is `taken` of the top, in pixels."""
+    or as there is room; always below what is `taken` of the top, in pixels.
+
+    What is in it is drawn in the frame in which it is closed, too: it comes back as high as it was then."""
     viewport, when = imgui.get_main_viewport(), imgui.Cond_
     top, shown = viewport.work_pos.y + taken, _as_shown(title)
     if taken and shown is not None and shown.pos.y < top:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -12,6 +13,7 @@ from imgui_bundle import ImVec2, imgui
 from app.gui.actions import actions, floating_windows
 from app.gui.commands.commands import sections
 from app.gui.panels import compare, overlays
+from app.gui.panels.batches import draw_batches
 from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.style import widgets
@@ -149,6 +151,39 @@ def test_an_error_hides_nothing_of_what_floats(ui: Ui, opened: AppState) -> None
     banner, export = (imgui.internal.find_window_by_name(name) for name in (overlays.BANNER, "Export"))
     assert export.pos.y >= banner.pos.y + banner.size.y
     assert export.pos.y + export.size.y <= 480
+
+
+@pytest.mark.parametrize(
+    ("title", "draw", "part"),
+    [
+        ("Export", draw_export, lambda state: state.exports),
+        ("Enhance files and folders", draw_batches, lambda state: state.batches),
+    ],
+)
+def test_what_is_closed_by_its_button_comes_back_in_the_middle(
+    ui: Ui,
+    opened: AppState,
+    title: str,
+    draw: Callable[[AppState], None],
+    part: Callable[[AppState], floating_windows.Floating],
+) -> None:
+    """Not below it, where half of it was off the screen."""
+    ui.io.display_size = ImVec2(1280, 720)
+
+    def shown() -> tuple[float, float, float, float]:
+        floating_windows.show(part(opened), True)
+        for _ in range(6):
+            ui.frame(lambda: draw(opened))
+        window = imgui.internal.find_window_by_name(title)
+        return window.pos.x, window.pos.y, window.size.x, window.size.y
+
+    left, top, across, _ = first = shown()
+    size = imgui.get_font_size()
+    cross = left + across - 0.9 * size, top + 0.7 * size
+    ui.drag(lambda: draw(opened), cross, cross)
+    assert not part(opened).shown
+    ui.frame(lambda: draw(opened))
+    assert shown() == first
 
 
 def test_an_error_moves_only_what_it_covers(ui: Ui, opened: AppState) -> None:
