@@ -10,14 +10,17 @@ from numpy.typing import NDArray
 from enhance.image import Float32Image
 
 Float = TypeVar("Float", bound=np.floating[Any])
+Number = TypeVar("Number", bound=np.number[Any])
 
 BLACK: Final = 24 / 255
 """V below which keep_black fades: the surround of real endoscopes holds noise of up to some 10 levels."""
 
 
-def value(colors: Float32Image) -> Float32Image:
+def value(colors: NDArray[Number]) -> NDArray[Number]:
     """V of HSV, (H, W): the largest of R, G, B; a grey image is its own V."""
-    return colors if colors.ndim == 2 else colors.max(axis=2)
+    if colors.ndim == 2:
+        return colors
+    return np.asarray(np.maximum(np.maximum(colors[..., 0], colors[..., 1]), colors[..., 2]))
 
 
 def value_histogram(value: Float32Image) -> NDArray[np.int64]:

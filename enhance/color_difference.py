@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.image import AnyImage, BoolImage, Float32Image
-from enhance.metrics import vessel_and_ring
+from enhance.image import AnyImage, BoolImage
+from enhance.metrics import unit, vessel_and_ring
 
 BLOCK: Final = 64
 """Pixels of a block's side."""
@@ -44,19 +44,20 @@ def vessel_color_difference(
         >>> round(vessel_color_difference(image, vessel), 1)
         13.5
     """
-    colors, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask)
-    (first, of_vessel), (second, of_ring) = (_by_block(colors, where) for where in (vessel, ring))
+    pixels, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask)
+    (first, of_vessel), (second, of_ring) = (_by_block(pixels, where) for where in (vessel, ring))
     both = (of_vessel >= LEAST) & (of_ring >= LEAST)
     return float(ciede2000(first[both], second[both]).mean()) if both.any() else math.nan
 
 
-def _by_block(colors: Float32Image, where: BoolImage) -> tuple[Lab, NDArray[np.int64]]:
+def _by_block(pixels: AnyImage, where: BoolImage) -> tuple[Lab, NDArray[np.int64]]:
     """Mean colour of the chosen pixels of each block, (blocks, 3), and their number."""
     y, x = np.nonzero(where)
-    across, down = (-(-size // BLOCK) for size in (colors.shape[1], colors.shape[0]))
+    across, down = (-(-size // BLOCK) for size in (pixels.shape[1], pixels.shape[0]))
     block = (y // BLOCK) * across + x // BLOCK
     count = np.bincount(block, minlength=across * down)
-    chosen = colors[y, x] if colors.ndim == 3 else np.repeat(colors[y, x, None], 3, axis=1)
+    chosen = unit(pixels[y, x])
+    chosen = chosen if chosen.ndim == 2 else np.repeat(chosen[:, None], 3, axis=1)
     if not len(chosen):
         return np.zeros((across * down, 3)), count
     lab = np.asarray(cv2.cvtColor(np.ascontiguousarray(chosen[None], np.float32), cv2.COLOR_RGB2Lab))[0]

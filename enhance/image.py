@@ -42,8 +42,9 @@ class Picture:
     def colors(self) -> Float32Image:
         """The pixels in [0, 1], C-contiguous."""
         scaled = self.pixels.astype(np.float32, order="C")
-        full = full_scale(self.dtype)
-        return scaled if full == 1 else scaled / np.float32(full)
+        if (full := full_scale(self.dtype)) > 1:
+            scaled /= np.float32(full)
+        return scaled
 
     @property
     def dtype(self) -> np.dtype[Any]:

@@ -15,8 +15,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.brightness import BLACK, value
-from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, read_mask, read_picture
+from enhance.brightness import BLACK, Number, value
+from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, Picture, read_mask, read_picture
+from enhance.strips import strips
 
 RING_GAP: Final = 2
 RING_WIDTH: Final = 5
@@ -63,7 +64,7 @@ def dvbv_otsu(image: AnyImage, *, tissue_mask: BoolImage | None = None) -> DvBv:
         >>> dvbv_otsu(np.uint8([[10, 20, 200, 240]]))  # variances of 200, 240 and of 10, 20
         DvBv(dv=400.0, bv=25.0, ratio=16.0)
     """
-    grey = np.rint(grey_levels(image)).astype(np.uint8)[kept(image, tissue_mask)]
+    grey = _bytes(seen(image))[kept(image, tissue_mask)]
     if not grey.size:
         return DvBv(math.nan, math.nan, math.nan)
     threshold, _ = cv2.threshold(grey, 0, 255, cv2.THRESH_BINARY | cv2.THRESH_OTSU)
@@ -98,7 +99,7 @@ def dvbv_local(
         >>> bool(dvbv_local(unsharp(image), image).dv > dvbv_local(image, image).dv)
         True
     """
-    before, after = _local_variance(grey_levels(original)), _local_variance(grey_levels(image))
+    before, after = _local_variance(seen(original)), _local_variance(seen(image))
     check_sizes(after, before)
     counted = _whole_windows(kept(original, tissue_mask) & kept(image))
     detail = before > (_mean(before[counted]) if threshold is None else threshold)
@@ -181,11 +182,11 @@ def blackened_share(image: AnyImage, original: AnyImage, vessel_mask: BoolImage)
         >>> blackened_share(image, original, np.ones((8, 8), bool))
         0.5
     """
-    before, after = colors_of(original), colors_of(image)
+    before, after = seen(original), seen(image)
     check_sizes(after, before)
     vessel = kept(original, vessel_mask) & kept(image)
-    black = np.float32(2 * BLACK)
-    return _mean(((value(after) < black) & (value(before) >= black))[vessel])
+    dark, was_dark = (unit(value(pixels)[vessel]) < np.float32(2 * BLACK) for pixels in (after, before))
+    return _mean(dark & ~was_dark)
 
 
 def flicker(images: Iterable[AnyImage], originals: Iterable[AnyImage]) -> float:
@@ -227,7 +228,7 @@ def saturated_share(image: AnyImage, *, tissue_mask: BoolImage | None = None) ->
         >>> saturated_share(np.uint8([[0, 100, 250, 255]]))
         0.5
     """
-    return _mean((value(colors_of(image)) >= np.float32(SATURATED))[kept(image, tissue_mask)])
+    return _mean(unit(value(seen(image))[kept(image, tissue_mask)]) >= np.float32(SATURATED))
 
 
 def kept(image: AnyImage, mask: BoolImage | None = None) -> BoolImage:
@@ -244,14 +245,30 @@ def colors_of(image: AnyImage) -> Float32Image:
     return read_picture(image).seen.colors
 
 
+def seen(image: AnyImage) -> AnyImage:
+    """As `colors_of`, in the image's own type: what only few pixels or rows need is scaled there. Raises
+    ImageError."""
+    return read_picture(image).seen.pixels
+
+
+def unit(pixels: AnyImage) -> Float32Image:
+    """Some of what is `seen`, of any shape, in [0, 1]."""
+    return Picture(pixels, None).colors
+
+
 def check_sizes(image: AnyImage, original: AnyImage) -> None:
     """Raises ImageError where they differ."""
     if image.shape != original.shape:
         raise ImageError(f"expected image and original of one size, got {image.shape} and {original.shape}")
 
 
-def green(colors: Float32Image) -> Float32Image:
-    """(H, W) of `colors_of`: a grey image is its own."""
+def channels(pixels: AnyImage) -> list[AnyImage]:
+    """Each (H, W): three, or that of a grey image."""
+    return [pixels] if pixels.ndim == 2 else [pixels[..., channel] for channel in range(3)]
+
+
+def green(colors: NDArray[Number]) -> NDArray[Number]:
+    """(H, W) of `colors_of` or `seen`: a grey image is its own."""
     return colors if colors.ndim == 2 else colors[..., 1]
 
 
@@ -259,21 +276,21 @@ def _greens(
     image: AnyImage, vessel_mask: BoolImage, tissue_mask: BoolImage | None
 ) -> tuple[Float32Image, Float32Image]:
     """Of the vessel's pixels, and of those around it."""
-    colors, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask)
-    return green(colors)[vessel], green(colors)[ring]
+    pixels, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask)
+    return unit(green(pixels)[vessel]), unit(green(pixels)[ring])
 
 
 def vessel_and_ring(
     image: AnyImage, vessel_mask: BoolImage, tissue_mask: BoolImage | None
-) -> tuple[Float32Image, BoolImage, BoolImage]:
-    """The colours; and (H, W) the vessel and what lies around it, for comparing the two.
+) -> tuple[AnyImage, BoolImage, BoolImage]:
+    """What is `seen`; and (H, W) the vessel and what lies around it, for comparing the two.
 
     Raises:
         ImageError: an image that cannot be used, or a mask of another size.
     """
-    colors, vessel = colors_of(image), kept(image, vessel_mask)
+    pixels, vessel = seen(image), kept(image, vessel_mask)
     ring = _dilated(vessel, RING_GAP + RING_WIDTH) & ~_dilated(vessel, RING_GAP)
-    return colors, vessel, ring & kept(image, tissue_mask)
+    return pixels, vessel, ring & kept(image, tissue_mask)
 
 
 def _mean_step(means: list[float]) -> float:
@@ -283,14 +300,31 @@ def _mean_step(means: list[float]) -> float:
 
 def grey_levels(image: AnyImage) -> NDArray[np.float64]:
     """Grey by BT.601, (H, W), 0 to 255, not rounded; 0 where nothing is visible."""
-    colors = colors_of(image).astype(np.float64) * 255
+    return _grey(seen(image))
+
+
+def _grey(pixels: AnyImage) -> NDArray[np.float64]:
+    colors = unit(pixels).astype(np.float64) * 255
     return colors if colors.ndim == 2 else np.asarray(colors @ np.array([0.299, 0.587, 0.114]))
 
 
-def _local_variance(grey: NDArray[np.float64]) -> NDArray[np.float64]:
-    mean, square = (cv2.blur(x, (5, 5), borderType=cv2.BORDER_REFLECT) for x in (grey, grey * grey))
-    variance = np.asarray(square) - np.asarray(mean) ** 2
-    return np.where(variance < ROUNDING, 0.0, variance)
+def _bytes(pixels: AnyImage) -> NDArray[np.uint8]:
+    """(H, W) grey, rounded."""
+    whole = np.empty(pixels.shape[:2], np.uint8)
+    for strip in strips(whole.shape):
+        whole[strip.own] = np.rint(_grey(pixels[strip.own]))
+    return whole
+
+
+def _local_variance(pixels: AnyImage) -> NDArray[np.float64]:
+    """(H, W) of grey in 5x5 windows."""
+    whole = np.empty(pixels.shape[:2])
+    for strip in strips(whole.shape, beside=2):
+        grey = _grey(pixels[strip.rows])
+        mean, square = (cv2.blur(x, (5, 5), borderType=cv2.BORDER_REFLECT) for x in (grey, grey * grey))
+        variance = (np.asarray(square) - np.asarray(mean) ** 2)[strip.inner]
+        whole[strip.own] = np.where(variance < ROUNDING, 0.0, variance)
+    return whole
 
 
 def _dilated(mask: BoolImage, radius: int) -> BoolImage:

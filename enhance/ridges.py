@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, Picture, read_mask, read_picture
-from enhance.metrics import colors_of, disc, green
+from enhance.metrics import channels, disc, green, seen, unit
 
 SIGMAS: Final = (1.5, 2.5, 4.0)
 """Gaussian scales in pixels: vessels some 3 to 12 pixels wide."""
@@ -63,7 +63,7 @@ def vesselness(image: AnyImage, sigmas: Sequence[float] = SIGMAS) -> Float32Imag
     # Only here: its kernel loads the compiler.
     from enhance.ridge_strength import strengthen
 
-    plane = green(colors_of(image))
+    plane = unit(green(seen(image)))
     kernels = [np.stack([gaussian_kernel(sigma, order) for order in range(3)]) for sigma in sigmas]
     margin = max(kernel.shape[1] // 2 for kernel in kernels) + 1
     padded = np.asarray(cv2.copyMakeBorder(plane, *(margin,) * 4, cv2.BORDER_REFLECT), np.float32)
@@ -131,8 +131,7 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
 
 def glare(image: AnyImage) -> BoolImage:
     """Visible specular highlights, (H, W): where all channels are at 235 of 255 or above."""
-    colors = colors_of(image)
-    return np.asarray((colors if colors.ndim == 2 else colors.min(axis=2)) >= np.float32(GLARE))
+    return np.asarray(unit(np.minimum.reduce(channels(seen(image)))) >= np.float32(GLARE))
 
 
 def creases(image: AnyImage) -> BoolImage:
@@ -153,7 +152,7 @@ def creases(image: AnyImage) -> BoolImage:
         >>> np.flatnonzero(creases(image)[48]).tolist()
         [60, 61, 62, 63]
     """
-    smooth = cv2.GaussianBlur(np.ascontiguousarray(green(colors_of(image))), (0, 0), SIGMAS[0])
+    smooth = cv2.GaussianBlur(unit(green(seen(image))), (0, 0), SIGMAS[0])
     around = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, disc(CREASE_RADIUS))
     return np.asarray(smooth < CREASE * around)
 

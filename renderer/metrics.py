@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import cv2
@@ -15,6 +16,7 @@ AnyFloat = NDArray[np.floating[Any]]
 OPAQUE = 0.9
 """Alpha above which tissue counts as reconstructed."""
 _WINDOW, _SIGMA = 11, 1.5
+_PIXELS = 1 << 15
 _C1, _C2 = 0.01**2, 0.03**2
 
 
@@ -38,7 +40,7 @@ def psnr(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
         26.02
     """
     error = _squared_error(image, reference, mask)
-    return _decibel(float(error.sum()) / error.size) if mask.any() else float("nan")
+    return _decibel(error / image.size) if mask.any() else float("nan")
 
 
 def psnr_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
@@ -53,8 +55,8 @@ def psnr_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
         20.0
     """
     error = _squared_error(image, reference, mask)
-    counted = np.count_nonzero(mask) * (error.size // mask.size)
-    return _decibel(float(error.sum()) / counted) if counted else float("nan")
+    counted = np.count_nonzero(mask) * (image.size // max(mask.size, 1))
+    return _decibel(error / counted) if counted else float("nan")
 
 
 def ssim(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
@@ -93,7 +95,25 @@ def ssim_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
 
 def _similarity(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> NDArray[np.float64]:
     """(H, W, channels), of both images times the mask."""
-    x, y = masked(image, reference, mask)
+    strips = _strips(image, reference, mask, _WINDOW // 2)
+    return np.concatenate([_similarity_of(x, y)[own] for x, y, own in strips])
+
+
+def _strips(
+    image: AnyFloat, reference: AnyFloat, mask: BoolImage, beside: int = 0
+) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], slice]]:
+    """Both `masked`, a few rows at a time, so that what is computed on the way stays in the cache: with as
+    many rows beside them as that needs, and which are their own."""
+    _check(image, reference, mask)
+    each = max(_PIXELS // max(mask.shape[1], 1), _WINDOW)
+    for top in range(0, max(len(mask), 1), each):
+        first = max(top - beside, 0)
+        rows = slice(first, top + each + beside)
+        x, y = masked(image[rows], reference[rows], mask[rows])
+        yield x, y, slice(top - first, top - first + each)
+
+
+def _similarity_of(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
     mean_x, mean_y = _window(x), _window(y)
     variance_x = _window(x * x) - mean_x**2
     variance_y = _window(y * y) - mean_y**2
@@ -190,9 +210,9 @@ def _check(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> None:
         raise ValueError(f"expected two images of one shape and a bool mask of their size, got {shapes}")
 
 
-def _squared_error(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> NDArray[np.float64]:
-    x, y = masked(image, reference, mask)
-    return (x - y) ** 2
+def _squared_error(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
+    """Its sum."""
+    return sum(float(((x - y) ** 2).sum()) for x, y, _ in _strips(image, reference, mask))
 
 
 def _decibel(mean_squared_error: float) -> float:

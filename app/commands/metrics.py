@@ -34,7 +34,7 @@ from enhance.metrics import (
     vessel_cnr,
     vessel_contrast,
 )
-from enhance.noise import chroma_noise_gain, noise_gain
+from enhance.noise import chroma_noise_gain, flat_tissue, noise_gain
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.metrics import psnr_masked, ssim_masked
 from renderer.readers.masks.tool_masks import is_lossy, levels, marked_pixels
@@ -286,23 +286,29 @@ def _against(
     image: ArrayImage, original: ArrayImage, vessel: BoolImage, tissue: BoolImage, shown: BoolImage
 ) -> dict[str, float]:
     local = dvbv_local(image, original, tissue_mask=tissue)
-    after, before = _unit(image), _unit(original)
+    after, before = _rgb(image), _rgb(original)
+    flat = flat_tissue(before, tissue)
+    scaled = _unit(after), _unit(before), shown
     return {
         "dv_local": local.dv,
         "bv_local": local.bv,
         "dv_bv_local": local.ratio,
-        "noise_gain": noise_gain(after, before, tissue_mask=tissue),
-        "chroma_noise_gain": chroma_noise_gain(after, before, tissue_mask=tissue),
+        "noise_gain": noise_gain(after, before, tissue_mask=tissue, flat=flat),
+        "chroma_noise_gain": chroma_noise_gain(after, before, tissue_mask=tissue, flat=flat),
         "blackened_share": blackened_share(after, before, vessel),
-        "psnr": psnr_masked(after, before, shown),
-        "ssim": ssim_masked(after, before, shown),
+        "psnr": psnr_masked(*scaled),
+        "ssim": ssim_masked(*scaled),
     }
 
 
+def _rgb(image: ArrayImage) -> ArrayImage:
+    """(H, W, 3), without alpha."""
+    return np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image[..., :3]
+
+
 def _unit(image: ArrayImage) -> NDArray[np.float64]:
-    """(H, W, 3) in [0, 1], without alpha."""
-    colors = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image[..., :3]
-    unit: NDArray[np.float64] = colors.astype(np.float64) / full_scale(image.dtype)
+    unit = image.astype(np.float64)
+    unit /= full_scale(image.dtype)
     return unit
 
 

@@ -13,7 +13,7 @@ from app.files.image_files import ArrayImage
 from enhance.color_difference import vessel_color_difference
 from enhance.image import BoolImage
 from enhance.metrics import dvbv_otsu, saturated_share, vessel_contrast
-from enhance.noise import NoiseCut, chroma_noise_gain, noise_gain
+from enhance.noise import NoiseCut, chroma_noise_gain, flat_tissue, noise_gain
 from enhance.ridges import creases, field_of_view, vessel_mask
 
 MeasuredOver = Literal["field of view", "whole image"]
@@ -102,12 +102,20 @@ class Original:
             bv=otsu.bv,
             dv_bv=otsu.ratio,
             vessel_contrast=vessel_contrast(enhanced, self.vessels, tissue_mask=self.view),
-            noise_gain=noise_gain(enhanced, self.image, tissue_mask=self.view, cut=noise_cut),
+            noise_gain=noise_gain(
+                enhanced, self.image, tissue_mask=self.view, cut=noise_cut, flat=self._flat
+            ),
             saturated_share=saturated_share(enhanced, tissue_mask=pixels),
             milliseconds=milliseconds,
             color_difference=vessel_color_difference(enhanced, self.vessels, tissue_mask=self.view),
-            chroma_noise_gain=chroma_noise_gain(enhanced, self.image, tissue_mask=self.view, cut=noise_cut),
+            chroma_noise_gain=chroma_noise_gain(
+                enhanced, self.image, tissue_mask=self.view, cut=noise_cut, flat=self._flat
+            ),
         )
+
+    @cached_property
+    def _flat(self) -> BoolImage:
+        return flat_tissue(self.image, self.view)
 
     @cached_property
     def own(self) -> Measures:

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
-from renderer.metrics import depth_abs_rel, depth_coverage, depth_rmse, psnr, psnr_masked, ssim
+from renderer.metrics import (
+    depth_abs_rel,
+    depth_coverage,
+    depth_rmse,
+    psnr,
+    psnr_masked,
+    ssim,
+    ssim_masked,
+)
 
 
 @pytest.fixture
@@ -142,3 +151,14 @@ def test_shapes_that_do_not_agree_are_refused(measure):
         measure(np.ones((4, 5)), np.ones((4, 6)), np.ones((4, 5), dtype=bool))
     with pytest.raises(ValueError, match="bool mask"):
         measure(np.ones((4, 5)), np.ones((4, 5)), np.ones((4, 5)))
+
+
+@pytest.mark.parametrize("measure", [psnr, psnr_masked, ssim, ssim_masked])
+def test_a_few_rows_at_a_time_are_the_whole_image(
+    measure: Callable[..., float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(2)
+    image, reference, mask = rng.random((90, 40, 3)), rng.random((90, 40, 3)), rng.random((90, 40)) < 0.7
+    whole = measure(image, reference, mask)
+    monkeypatch.setattr("renderer.metrics._PIXELS", 1)
+    assert measure(image, reference, mask) == pytest.approx(whole, rel=1e-12)

@@ -232,8 +232,8 @@ def _noise_gains() -> list[Fault]:
         return edit_of("noise gains", kind, what, "enhance.noise", old, new, "noise gains")
 
     return [
-        edit("sign", "of green", "colors[..., ::2] - colors", "colors[..., ::2] + colors"),
-        edit("dropped", "what is clipped counts", "unclipped & (keep", "(unclipped | True) & (keep"),
+        edit("sign", "of green", "red - green, blue - green", "red + green, blue + green"),
+        edit("dropped", "what is clipped counts", "unclipped & keep", "(unclipped | True) & keep"),
         edit("dropped", "blocks of pixels", 'SCALES if cut == "unclipped" else SCALES[:1]', "SCALES[:1]"),
         edit("swapped", "before and after", "return after / before", "return before / after"),
         edit("float16", "the mean", ".mean(dtype=np.float64)", ".mean(dtype=np.float16)"),
