@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from renderer.listing import listed
 from renderer.raw_gaussians import RawGaussians
 from renderer.readers.clip_files import files_in
 from renderer.readers.image_files.pictures import is_picture
-from renderer.readers.listing import listed
 from renderer.splat_files import SUFFIXES, WRITERS, SplatFile, SplatFileError, read_splats
 
 MOST_BYTES: Final = 1 << 30

@@ -12,7 +12,7 @@ from app.errors import UserError
 from app.exports.camera_set import ENDINGS, CameraSet, write_cameras
 from app.scenes.scene import Scene
 from renderer.camera_files import NamedCamera, off_center
-from renderer.readers.listing import count
+from renderer.listing import count
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:

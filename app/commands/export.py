@@ -38,7 +38,7 @@ from app.scenes.renderers import drawer
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest, drawn_record
 from renderer.harmonics import BANDS
-from renderer.readers.listing import count
+from renderer.listing import count
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:

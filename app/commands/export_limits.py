@@ -15,7 +15,7 @@ from app.exports.meshes.writing import CLIPS
 from app.exports.splats import fourdgs
 from app.exports.splats.writing import COMPRESSED
 from app.scenes.scene import Scene
-from renderer.readers.listing import listed
+from renderer.listing import listed
 from renderer.surface.fineness import VERTICES
 
 FOLDERS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(

@@ -18,8 +18,8 @@ from app.files.atomic import filled
 from app.files.provenance import provenance, strict_json
 from app.runs.making_masks import MaskReport, make_masks
 from renderer.clip import Clip
+from renderer.listing import count, listed
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.listing import count, listed
 from renderer.sources import open_bare
 from renderer.tools.mask_files import NONE, MaskFiles, mask_names, masks_in, origin_of, own_masks
 from renderer.tools.onnx_model import VALUES, OnnxError, OnnxTools

@@ -23,7 +23,7 @@ from app.scenes.depth_steps import step_of
 from app.scenes.renderers import drawer
 from app.scenes.view_kinds import SHAPES, has_scale
 from app.scenes.view_request import view_record
-from renderer.readers.listing import count
+from renderer.listing import count
 
 DEPTHS: Final = {"npy": "-depth.npy", "tiff": "-depth.tiff", "png16": "-depth16.png"}
 """How the files of depth end, by format."""

@@ -20,7 +20,7 @@ from app.report.page import page
 from app.report.section import REPORT, Section
 from enhance import ImageError
 from renderer.clip import ClipError
-from renderer.readers.listing import count
+from renderer.listing import count
 from renderer.train.trainer import TrainingError
 
 MINUTES, MINUTES_WITH_CLIP = 27.0, 54.0

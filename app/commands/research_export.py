@@ -18,8 +18,8 @@ from app.files.records import extended
 from app.scenes.drawer import Drawer
 from app.scenes.records import MomentRecord
 from app.scenes.scene import Scene
+from renderer.listing import count
 from renderer.near_plane import near_plane
-from renderer.readers.listing import count
 
 MOST_POINTS = 10_000
 POINT = re.compile(r"(\d{1,9}),(\d{1,9})")

@@ -30,7 +30,7 @@ from app.sweeps.summary import SHOWN, Summary
 from app.sweeps.sweep import run_jobs
 from app.sweeps.table import Row, rows, write_tables
 from app.sweeps.worker import sweep_locked
-from renderer.readers.listing import count
+from renderer.listing import count
 
 PAGE = "sweep.html"
 NO_ENGINE: Final[Mapping[str, object]] = MappingProxyType({"on": "local", "workers": None, "retry": False})

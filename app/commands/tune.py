@@ -32,7 +32,7 @@ from enhance import EnhanceParams, ImageError
 from enhance.image import BoolImage
 from enhance.surround import inside
 from enhance.vessel import VesselParams
-from renderer.readers.listing import count
+from renderer.listing import count
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Collection
 from pathlib import Path
 
-from renderer.readers.listing import count
+from renderer.listing import count
 
 
 def say_older(folder: Path, written: Collection[str]) -> None:

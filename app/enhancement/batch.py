@@ -26,10 +26,10 @@ from app.files.stepping import map_steps
 from enhance import ImageError
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
+from renderer.listing import listed
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.image_files.pictures import is_frame, is_visible, moves, natural_key
 from renderer.readers.image_folders.picture_kinds import left_out, map_folders
-from renderer.readers.listing import listed
 
 
 @dataclass(frozen=True)

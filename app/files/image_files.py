@@ -21,6 +21,7 @@ from app.files.provenance import ascii_json, encode_png, write_sidecar
 from renderer.budget import OverBudget
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
+from renderer.listing import listed
 from renderer.readers.clip_files import folders_in
 from renderer.readers.coded_still import open_coded_still
 from renderer.readers.dicom.opening import is_dicom
@@ -29,7 +30,6 @@ from renderer.readers.image_files.picture_files import opened, read_npy, require
 from renderer.readers.image_files.pictures import BROKEN, SUFFIXES, is_picture, moves, natural_key
 from renderer.readers.image_files.tiff_layouts import TiffLayout, tiff_layout
 from renderer.readers.image_folders.picture_kinds import PictureKinds, frame_folder, kinds_of
-from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 
 ArrayImage = NDArray[Any]

@@ -20,8 +20,8 @@ from app.report.section import Section
 from app.runs.processor import load_average, processor_name
 from app.runs.system_info import collect
 from renderer.clip import Clip, ClipError
+from renderer.listing import count
 from renderer.phantom import Phantom, PhantomParams, write_phantom
-from renderer.readers.listing import count
 from renderer.sources import open_clip
 from renderer.train.trainer import require_depth
 

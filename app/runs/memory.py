@@ -15,7 +15,7 @@ import psutil
 
 from app.errors import UserError
 from renderer.clip import Clip
-from renderer.readers.listing import count
+from renderer.listing import count
 from renderer.train.config import TrainConfig
 from renderer.train.demand import demand, most_gaussians
 from renderer.train.events import Planned

@@ -10,7 +10,7 @@ from app.sweeps.folder import JOBS
 from app.sweeps.jobs import RENDERS, RUN, Job, JobFolder
 from app.sweeps.plan import Plan
 from app.sweeps.settings import training_of
-from renderer.readers.listing import listed
+from renderer.listing import listed
 
 
 def to_render(plan: Plan, folder: Path) -> list[Job]:

@@ -9,7 +9,7 @@ from app.report.section import Cell, Column, Plate, Section, Table
 from app.sweeps.plan import SweepRecord
 from app.sweeps.summary import COUNTS, HIGHER, SHOWN, Spread, Summary, said
 from app.sweeps.table import Row, column_of
-from renderer.readers.listing import count, listed
+from renderer.listing import count, listed
 
 MOST_ROWS = 5000
 """Of all jobs, on the page; the files beside it have all."""

@@ -14,6 +14,7 @@ import numpy as np
 
 from renderer.clip import Clip, Frame
 from renderer.depth.monocular import FOLDERS as MONOCULAR
+from renderer.listing import listed
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.geometry.depth_maps import DepthMap, is_map, plausible, read_map
@@ -26,7 +27,6 @@ from renderer.readers.image_folders.picture_kinds import (
     left_out,
     map_folders,
 )
-from renderer.readers.listing import listed
 from renderer.readers.masks.nonzero_masks import read_nonzero, require_shapes
 from renderer.readers.number_pairs import number_pairs, numbers_of
 

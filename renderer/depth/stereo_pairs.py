@@ -27,11 +27,11 @@ from renderer.depth.row_offset import (
 )
 from renderer.depth.stereo import disparity, feature_shifts
 from renderer.evenly import evenly_floored
+from renderer.listing import count, listed
 from renderer.readers.clip_files import folders_in
 from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb
 from renderer.readers.image_folders.frames import is_seen_by_assumption, open_images
 from renderer.readers.image_folders.picture_kinds import kind_by_name
-from renderer.readers.listing import count, listed
 
 LARGEST_VERTICAL_OFFSET = 1.5
 """Median distance in px between the rows of what both eyes see, beyond which a pair is not rectified; what is

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from renderer.clip import ClipError
+from renderer.listing import listed
 from renderer.readers.image_files.pictures import is_picture
-from renderer.readers.listing import listed
 
 Accepts = Callable[[Path], bool]
 

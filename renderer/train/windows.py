@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.clip import Clip
-from renderer.readers.listing import count
+from renderer.listing import count
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission
 

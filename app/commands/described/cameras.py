@@ -9,7 +9,7 @@ from app.commands.described.fact import Fact, next_steps
 from app.errors import UserError
 from renderer.camera_files import CameraFileError, NamedCamera, read_cameras
 from renderer.json_files import read_json
-from renderer.readers.listing import count
+from renderer.listing import count
 
 COLMAP: Final = "images.txt"
 """In the folder of a text model."""

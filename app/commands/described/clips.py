@@ -22,11 +22,11 @@ from renderer.depth.monocular import monocular_maps
 from renderer.depth.stereo_pairs import eye_folders, right_eye
 from renderer.evenly import evenly
 from renderer.layouts import LAYOUTS, layout_of
+from renderer.listing import count, listed
 from renderer.readers.clip_options import DEFAULTS, StereoLayout
 from renderer.readers.cut_off import cut_off
 from renderer.readers.image_files.pictures import SeveralSizes
 from renderer.readers.image_folders.frames import is_seen_by_assumption
-from renderer.readers.listing import count, listed
 from renderer.readers.video import eyes_hint
 from renderer.readers.video_decoding.stereo_layout import likely_layout
 from renderer.readers.video_header import first_frame, read_counted_header

@@ -22,8 +22,8 @@ from app.runs.run_folder import PosesRecord, RunFolder
 from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all
 from renderer.json_files import read_json
+from renderer.listing import count
 from renderer.readers.clip_files import files_in
-from renderer.readers.listing import count
 from renderer.regular_files import read_regular
 from renderer.splat_files import SplatFileError, read_splats, whole
 from renderer.splat_files.splat_records import RECORD

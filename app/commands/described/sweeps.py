@@ -14,7 +14,7 @@ from app.sweeps.plan import read_sweep
 from app.sweeps.spec import clip_paths, jobs_asked_for, read_spec
 from app.sweeps.table import HEAD, rows
 from renderer.json_files import parsed
-from renderer.readers.listing import count
+from renderer.listing import count
 
 Stored = tuple[tuple[str, ...], list[dict[str, Any]]]
 """Names of the columns, and the rows."""

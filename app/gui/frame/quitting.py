@@ -10,7 +10,7 @@ from app.gui.actions import closing, session_actions
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.style.asking import ask
-from renderer.readers.listing import count
+from renderer.listing import count
 
 
 def ask_before_quitting(state: AppState) -> None:

@@ -11,9 +11,9 @@ from app.gui.actions import laid_out
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.widgets import cell, explain, in_table, muted, percent
+from renderer.listing import count
 from renderer.measuring.tissue_seen import SELDOM
 from renderer.metrics import OPAQUE
-from renderer.readers.listing import count
 
 Row = tuple[str, str, Callable[[float], str], str]
 

@@ -23,11 +23,11 @@ from app.scenes.scene import Scene, Training, finished_scene, run_scene, series_
 from app.sweeps.folder import SWEEP, is_sweep
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
+from renderer.listing import listed
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.image_folders.passed_over import NOT_READABLE
 from renderer.readers.lenses.calibration_files import read_calibration
-from renderer.readers.listing import listed
 from renderer.regular_files import require_regular
 from renderer.sources import open_bare, open_case, with_chosen_depth
 from renderer.splat_files import is_named_as_splats

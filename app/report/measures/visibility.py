@@ -22,7 +22,7 @@ from app.report.visibility_front import (
     is_ahead,
     seen,
 )
-from renderer.readers.listing import count
+from renderer.listing import count
 
 FRAMES: Final = 3
 TITLE: Final = "Vessels: contrast against noise"

@@ -13,12 +13,12 @@ from PIL import Image
 
 from renderer.clip import BoolImage, ByteImage, Clip, ClipError, Frame
 from renderer.evenly import evenly_floored
+from renderer.listing import listed
 from renderer.readers.clip_files import ClipFiles, pictures_of, those_there
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.data_sets.endonerf_poses import POSES, LensOf, cameras_of, load_poses, sized_lens
 from renderer.readers.geometry.depth_maps import OUTLIER, DepthMap, read_map
 from renderer.readers.image_files.pictures import common_size, read_rgb
-from renderer.readers.listing import listed
 from renderer.readers.masks.mask_checks import judged, labels_of, unmarked
 from renderer.readers.masks.nonzero_masks import read_mask
 from renderer.readers.masks.tool_masks import SAMPLES, Sample, burned_in_rows, marked_pixels

@@ -11,12 +11,12 @@ import numpy as np
 from renderer.camera import Camera, FloatArray
 from renderer.clip import BoolImage, Clip, ClipError
 from renderer.evenly import evenly
+from renderer.listing import listed
 from renderer.readers.clip_files import ClipFiles, files_in, numbered_pictures, those_there
 from renderer.readers.geometry.number_tables import read_table
 from renderer.readers.geometry.point_ply import read_points
 from renderer.readers.geometry.poses import pose_matrix
 from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb, read_stored
-from renderer.readers.listing import listed
 from renderer.readers.masks.lit_part import is_displaced, lit_field
 from renderer.readers.masks.tool_masks import marked_pixels
 from renderer.readers.new_clip import Known, new_clip

@@ -17,6 +17,7 @@ from PIL import ExifTags, Image, ImageFile, ImageOps, UnidentifiedImageError
 
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, ClipError
+from renderer.listing import listed
 from renderer.pyav_presence import has_pyav
 from renderer.readers.byte_levels import in_bytes
 from renderer.readers.dicom.header import Kind, dicom_kind
@@ -25,7 +26,6 @@ from renderer.readers.dicom.opening import has_pydicom
 from renderer.readers.image_files.coded_picture import CODED
 from renderer.readers.image_files.picture_files import mapped_npy, opened
 from renderer.readers.image_files.tiff_layouts import TiffLayout, tiff_layout
-from renderer.readers.listing import listed
 from renderer.readers.misnamed import what_it_is
 from renderer.regular_files import require_regular, what_else
 

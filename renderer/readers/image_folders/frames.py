@@ -8,6 +8,7 @@ from pathlib import Path
 
 from renderer.camera import Camera
 from renderer.clip import Clip, ClipError
+from renderer.listing import listed
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.image_files.coded_picture import CODED
@@ -22,7 +23,6 @@ from renderer.readers.image_files.pictures import (
 from renderer.readers.image_folders.pages import left_pages
 from renderer.readers.image_folders.passed_over import passed_over
 from renderer.readers.image_folders.picture_kinds import PictureKinds, kinds_of
-from renderer.readers.listing import listed
 from renderer.readers.new_clip import new_clip
 from renderer.readers.numbered_files import number_of
 

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
+from renderer.listing import listed
 from renderer.readers.image_files.coded_picture import is_stereo_pair
 from renderer.readers.image_files.picture_files import opened
 from renderer.readers.image_files.pictures import BROKEN
-from renderer.readers.listing import listed
 
 PAGED = frozenset({".tif", ".tiff", ".webp", ".png", ".dcm", ".dicom", ".avif", ""})
 BESIDE: Final = "MPO"

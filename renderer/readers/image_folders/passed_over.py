@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator
 from pathlib import Path
 
+from renderer.listing import listed
 from renderer.pyav_presence import has_pyav
 from renderer.readers.image_files.coded_picture import CODED
-from renderer.readers.listing import listed
 
 NOT_READABLE = "left out, not readable"
 

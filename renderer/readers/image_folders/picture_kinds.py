@@ -15,6 +15,7 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
+from renderer.listing import listed
 from renderer.readers.clip_files import folders_in
 from renderer.readers.image_files.coded_picture import CODED
 from renderer.readers.image_files.picture_files import opened
@@ -28,7 +29,6 @@ from renderer.readers.image_files.pictures import (
     read_stored,
 )
 from renderer.readers.image_folders.passed_over import NOT_READABLE
-from renderer.readers.listing import listed
 
 Kind = Literal["depth", "disparity", "mask", "map"]
 """A "map" is a picture of numbers that nothing tells more about."""

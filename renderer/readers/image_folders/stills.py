@@ -6,13 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from renderer.clip import Clip, ClipError
+from renderer.listing import listed
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.image_files.pictures import is_visible, natural_key, read_rgb, upright_size
 from renderer.readers.image_folders.frames import assumed_camera
 from renderer.readers.image_folders.passed_over import NOT_READABLE, passed_over
 from renderer.readers.image_folders.picture_kinds import kinds_of
-from renderer.readers.listing import listed
 from renderer.readers.new_clip import new_clip
 
 NOT_ONE_SIZE = "the images differ in size, so they are no recording to reconstruct"
