@@ -85,9 +85,7 @@ class GraphicsViewport:
         request = self._watch.request(state)
         if request is None:
             return None
-        shown = request.scene.shown_so_far if request.leaves_out else None
-        if request != self._drawn or shown is not self._shown:
-            self._shown = shown
+        if request != self._drawn or _shown(request) is not self._shown:
             self._draw(request, self._watch.viewed(state).keyframes_of(request.scene))
         if self._composed is not None:
             texture = self._textures.whole(self._watch.slot, self._composed.image)
@@ -112,6 +110,7 @@ class GraphicsViewport:
         """Raises moderngl.Error for a context that is lost, or has run out of memory."""
         _forget_errors(self._ctx)
         splats, size = self._upload(request, keyframes), (request.camera.width, request.camera.height)
+        shown = _shown(request)
         if request.kind != "color" or request.background == "smooth":
             paint, with_depth = _paint(request.kind, keyframes), request.kind in WITH_DEPTH
             shape = SHAPES[request.kind]
@@ -121,7 +120,7 @@ class GraphicsViewport:
                 shape,
                 paint=paint,
                 within=request.within,
-                shown=self._shown,
+                shown=shown,
                 with_depth=with_depth,
             )
             self._composed = request.composed(drawn)
@@ -139,11 +138,11 @@ class GraphicsViewport:
                 background=ground,
                 lines=lines,
                 within=request.within,
-                shown=self._shown,
+                shown=shown,
             )
         if (error := self._ctx.error) != "GL_NO_ERROR":
             raise moderngl.Error(error)
-        self._drawn = request
+        self._drawn, self._shown = request, shown
 
     def _upload(self, request: ViewRequest, keyframes: Keyframes | None) -> SplatView:
         """What draws, with the splats of the request's moment."""
@@ -175,6 +174,11 @@ class GraphicsViewport:
     def release(self) -> None:
         self._release_target()
         self._release_splats()
+
+
+def _shown(request: ViewRequest) -> BoolArray | None:
+    """Of its Gaussians, those that are not left out; None: all."""
+    return request.scene.shown_so_far if request.leaves_out else None
 
 
 def _paint(kind: ViewKind, keyframes: Keyframes | None) -> Paint:
