@@ -23,6 +23,8 @@ REACH = 3.4
 NEAREST = 2
 """Of the sides of a field those by which a splat is cut: it is small beside the field, and one corner of a
 convex outline has two."""
+LONGEST = 1e5
+"""Pixels; of one that is longer, the directions on screen are told apart first."""
 LEAST_SLOPE = 1e-20
 """Scene units a pixel: a splat without extent along the plane's normal lies on one side of it."""
 
@@ -70,8 +72,12 @@ def crossings(
     focal = view[:2] / local[:, 2:]
     axes = focal[:, :, None] * (spread[:, :2] - slopes[:, :, None] * spread[:, 2:])
     normals, distances = _sides(means, within)
-    along = axes @ ((normals @ turns) * scales[:, None, :]).transpose(0, 2, 1)
-    growth = _solved(axes, along).transpose(0, 2, 1)
+    reaches = ((normals @ turns) * scales[:, None, :]).transpose(0, 2, 1)
+    growth = _solved(axes, axes @ reaches)
+    lengths = (axes**2).sum(axis=(1, 2))
+    needles = (lengths > LONGEST**2) & (lengths < np.inf)
+    growth[needles] = _solved_apart(axes[needles], reaches[needles])
+    growth = growth.transpose(0, 2, 1)
     steepness = np.maximum(np.linalg.norm(growth, axis=2), LEAST_SLOPE)
     lines: FloatArray = np.concatenate([distances[..., None], growth], axis=2) / steepness[..., None]
     return lines
@@ -98,6 +104,14 @@ def _solved(axes: FloatArray, along: FloatArray) -> FloatArray:
     shear, across = (xy / (xx + LOW_PASS))[:, None], (xx + LOW_PASS)[:, None]
     down = (along[:, 1] - shear * along[:, 0]) * (across / determinants[:, None])
     return np.stack([along[:, 0] / across - shear * down, down], axis=1)
+
+
+def _solved_apart(axes: FloatArray, reaches: FloatArray) -> FloatArray:
+    """The same by the singular values of A: of long splats `along` cancels, and no digit of it is left."""
+    ways, lengths, apart = np.linalg.svd(axes, full_matrices=False)
+    shares = lengths / (lengths**2 + LOW_PASS)
+    growth: FloatArray = ways @ (shares[..., None] * (apart @ reaches))
+    return growth
 
 
 def _unit(quats: FloatArray) -> FloatArray:

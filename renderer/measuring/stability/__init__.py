@@ -9,6 +9,7 @@ from typing import Final, get_args
 from renderer.measuring.stability import (
     blending,
     bumps,
+    cutting,
     harmonics,
     learning,
     losses,
@@ -31,6 +32,8 @@ PARTS: Final[dict[str, Callable[[], Iterator[Row]]]] = {
     "gradients": blending.gradients,
     "overlap": blending.overlapping,
     "broken splat": blending.poisoned,
+    "cut splats": cutting.rows,
+    "shown": cutting.shown,
     "harmonics": harmonics.rows,
     "splines": motion.splines,
     "nodes": motion.nodes,

@@ -19,7 +19,7 @@ from renderer.measuring.stability import blending, exact, runs
 from renderer.measuring.stability.row import Row
 from renderer.measuring.stability.scenes import SCENES
 from renderer.splats import Float32Array, Splats
-from tests.benchmarks.stability_faults import drawing, enhancement, equations, learning, motion
+from tests.benchmarks.stability_faults import cutting, drawing, enhancement, equations, learning, motion
 from tests.benchmarks.stability_faults import runs as whole_runs
 from tests.benchmarks.stability_faults.faults import Fault
 from tests.enhance.pictures import vessels
@@ -29,6 +29,7 @@ Key = tuple[str, str]
 """Hazard and case of a row."""
 FAULTS: tuple[Fault, ...] = (
     *drawing.FAULTS,
+    *cutting.FAULTS,
     *motion.FAULTS,
     *learning.FAULTS,
     *whole_runs.FAULTS,

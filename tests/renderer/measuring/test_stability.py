@@ -11,9 +11,11 @@ import pytest
 
 from renderer.clip import ClipError
 from renderer.draw.offscreen import render_offscreen
-from renderer.measuring.stability import PARTS, blending, learning, runs, stability
+from renderer.draw.splat_view import SplatView
+from renderer.measuring.stability import PARTS, blending, cutting, learning, runs, stability
 from renderer.measuring.stability.blending import pictures
 from renderer.measuring.stability.row import Row, worst
+from renderer.measuring.stability.scenes import NEAR
 from renderer.rasterize.cpu import Rasterizer
 from renderer.train import guards, model
 from renderer.train.config import Method
@@ -51,6 +53,9 @@ def test_each_case_is_there_once_and_every_hazard_of_the_design(rows: list[Row])
             "one camera",
             "one frame",
             "empty mask",
+            "needle of 1e8 px",
+            "1e12 away",
+            "field of one pixel",
             "depth all 0",
             "width -> 0",
         ),
@@ -72,6 +77,20 @@ def test_opengl_draws_the_same_extremes(ctx: moderngl.Context) -> None:
 
     for row in pictures("OpenGL", draw):
         assert row.passed, f"{row.case}: {row.measured:g} {row.unit}"
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(
+    "name", [name for name in cutting.SCENES if "needle" not in name and "numbers" not in name]
+)
+def test_opengl_cuts_the_same_splats(ctx: moderngl.Context, name: str) -> None:
+    """But for values that it takes none of, and needles of which a float32 tells no direction across."""
+    splats, camera, within = cutting.SCENES[name]()
+    view = SplatView(ctx, precision="float", near=NEAR)
+    view.upload(splats)
+    apart = np.abs(view.read_color(camera, within=within)[..., :3] - cutting.drawn(splats, camera, within))
+    view.release()
+    assert 255 * apart.max() < cutting.GREY
 
 
 @pytest.mark.parametrize("measured", [1.1, float("nan"), float("inf")])
