@@ -33,6 +33,7 @@ from app.files.records import extended
 from app.files.stepping import run_to_end
 from app.scenes.clip_speed import FRAMES_PER_SECOND, clip_speed
 from app.scenes.drawer import Drawer
+from app.scenes.observed import observed
 from app.scenes.records import MomentRecord
 from app.scenes.renderers import drawer
 from app.scenes.scene import Scene
@@ -64,6 +65,12 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         metavar="D",
         help="degree of the splat files' spherical harmonics, 0 to 3, padded with zeros (default the "
         "model's): the original viewer of 3D Gaussian Splatting reads degree 3 only",
+    )
+    parser.add_argument(
+        "--without-unobserved",
+        action="store_true",
+        help="splat files without Gaussians behind tissue in all frames, as 3D views from beside are drawn; "
+        "from where the endoscope was, holes are seen at outlines",
     )
     parser.add_argument(
         "--video", type=Path, metavar="FILE", help="the frames as a video, with a JSON file beside it"
@@ -101,18 +108,20 @@ def run(flags: argparse.Namespace) -> None:
     # What may be refused yet comes before the first file is written.
     pen = drawer(flags.renderer)
     views = view_flags.asked_for(flags, scene, wanted) if flags.video else []
-    speed = _speed(flags, scene, wanted)
+    speed, unobserved = _speed(flags, scene, wanted), False if flags.without_unobserved else None
+    if flags.without_unobserved:
+        observed(scene)
     mesh_export.require(flags, scene, wanted)
     research_export.write(flags, scene, wanted, pen)
     for name, (ending, _) in export_limits.FOLDERS.items():
         if (folder := getattr(flags, name)) is not None:
-            _write_splats(folder, ending, scene, wanted, flags.sh_degree)
+            _write_splats(folder, ending, scene, wanted, flags.sh_degree, unobserved)
     if flags.video:
         _write_video(flags.video, views, pen, wanted, speed)
     if flags.html:
         _write_page(flags.html, scene, wanted, speed, beyond=flags.unobserved)
     for path in moving:
-        _write_moving(path, scene, speed)
+        _write_moving(path, scene, speed, unobserved)
     if flags.mesh:
         mesh_export.write(flags, scene, wanted, speed)
     if flags.cameras:
@@ -134,13 +143,22 @@ def _speed(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> flo
     return speed or FRAMES_PER_SECOND
 
 
-def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment], degree: int | None) -> None:
+def _write_splats(
+    folder: Path,
+    suffix: str,
+    scene: Scene,
+    wanted: list[Moment],
+    degree: int | None,
+    unobserved: bool | None,
+) -> None:
     """The Gaussians where they are at each moment; every file says what it is of."""
     sources, layout, beyond = Opened(model=scene), layout_of(suffix), list[str]()
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
             when = {"frame": moment.frame, "time": moment.time}
-            record = extended(Splats, scene.record, **when, sh_degree=degree, layout=layout)
+            record = extended(
+                Splats, scene.record, **when, sh_degree=degree, unobserved=unobserved, layout=layout
+            )
             file = staging / f"{moment.name}{suffix}"
             run_to_end(make(record, sources, file))
             if suffix.endswith(tuple(CLIPPED)) and not beyond:
@@ -149,17 +167,20 @@ def _write_splats(folder: Path, suffix: str, scene: Scene, wanted: list[Moment],
             report(done, moment.name)
     sys.stderr.writelines(f"{notice}\n" for notice in beyond)
     say_older(folder, [f"{moment.name}{suffix}" for moment in wanted])
-    of_each = "" if scene.split_by_time else f" of {count(len(scene.model), 'Gaussian')}"
+    kept = scene if unobserved is None else observed(scene)
+    of_each = "" if scene.split_by_time else f" of {count(len(kept.model), 'Gaussian')}"
     sys.stdout.write(f"{folder}: {count(len(wanted), 'splat file')}{of_each}\n")
 
 
-def _write_moving(path: Path, scene: Scene, speed: float) -> None:
+def _write_moving(path: Path, scene: Scene, speed: float, unobserved: bool | None) -> None:
     """All of the clip."""
-    record = extended(MovingSplats, scene.record, seconds=len(scene.cameras) / speed)
+    seconds = len(scene.cameras) / speed
+    record = extended(MovingSplats, scene.record, seconds=seconds, unobserved=unobserved)
     with progress("export", len(scene.cameras)) as report:
         for done in make(record, Opened(model=scene), path):
             report(done, path.name)
-    said = f"{len(scene.model)} Gaussians at {count(len(scene.cameras), 'moment')}"
+    kept = scene if unobserved is None else observed(scene)
+    said = f"{len(kept.model)} Gaussians at {count(len(scene.cameras), 'moment')}"
     if path.suffix.lower() == fourdgs.SUFFIX and scene.model.raw.harmonics.shape[1]:
         sys.stderr.write(f"colours by direction are left out of the file: {path}\n")
     sys.stdout.write(f"{path}: {said}, {path.stat().st_size / 1e6:.1f} MB\n")

@@ -53,6 +53,7 @@ HEEDED: Final[Mapping[str, tuple[object, tuple[str, ...]]]] = MappingProxyType(
         "sh_degree": (None, tuple(FOLDERS)),
         "supersampling": (1, ("video",)),
         "background": ("grey", ("video",)),
+        "without_unobserved": (False, (*FOLDERS, "usd", "fourdgs")),
         "unobserved": (False, ("video", "html")),
         "view": ("color", ("video",)),
         "mesh_format": ("ply", ("mesh",)),

@@ -60,6 +60,7 @@ from app.scenes.color_bar import with_bar
 from app.scenes.cpu_rendering import colored_depth
 from app.scenes.depth_steps import in_steps
 from app.scenes.drawer import Drawer
+from app.scenes.observed import observed
 from app.scenes.records import DrawnRecord, MomentRecord, ViewRecord
 from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
@@ -101,9 +102,9 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
         case RenderVideo():
             yield from _render_video(record, sources, target)
         case Splats():
-            write_moment(record, sources.scene(record), target)
+            write_moment(record, _observed(record, sources.scene(record)), target)
         case MovingSplats():
-            yield from write_moving(record, sources.scene(record), target)
+            yield from write_moving(record, _observed(record, sources.scene(record)), target)
         case ModelArrays():
             yield from write_model_arrays(
                 record, sources.scene(record), sources.drawer(record.renderer), target
@@ -222,6 +223,11 @@ def _render_video(record: RenderVideo, sources: Sources, target: Path) -> Steps:
         written = yield from write_frames(place, frames, Timing(record.frames_per_second))
         said = replace(record, renderer=drawer.name, scale=views[0].scale, video=written)
         write_sidecar(place, said.signed)
+
+
+def _observed(record: Splats | MovingSplats, scene: Scene) -> Scene:
+    """What is written of it. Raises UserError."""
+    return observed(scene) if record.unobserved is False else scene
 
 
 def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None:

@@ -82,6 +82,8 @@ class Splats(SceneRecord):
     time: Share
     sh_degree: Annotated[int, Interval(ge=0, le=3)] | None = None
     """To which its colours by direction are filled up; None: as the model has them."""
+    unobserved: bool | None = None
+    """False: without Gaussians that no frame shows, as views from beside are drawn; None: all."""
     layout: Literal["compressed"] | None = None
     """Of a PLY file: None: that of 3D Gaussian Splatting."""
     clipped: Annotated[tuple[str, ...] | None, Told] = None
@@ -145,6 +147,8 @@ class MovingSplats(SceneRecord):
     """A model through the clip as one file of splats."""
 
     kind: Literal["moving splats"] = "moving splats"
+    unobserved: bool | None = None
+    """False: without Gaussians that no frame shows, as views from beside are drawn; None: all."""
     seconds: Annotated[float, Interval(gt=0)]
     """That the clip takes."""
 

@@ -16,9 +16,12 @@ from app.files.provenance import read_provenance
 from app.gui.work.opening import OpenRequest, open_path
 from app.runs.run_folder import RunFolder
 from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu, over
+from app.scenes.observed import observed
 from app.scenes.scene import open_scene
 from renderer.camera import Camera
 from renderer.camera_path import CameraPath, Keyframe
+from renderer.editing.edits import Edits
+from renderer.editing.mask import Mask
 from renderer.framing import framing
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import near_plane
@@ -350,3 +353,33 @@ def test_a_path_that_cannot_be_followed_is_one_line(
     assert words in call.error
     assert call.error.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_splat_files_without_what_no_frame_shows(
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+) -> None:
+    run, scene = runs["original"], open_scene(runs["original"])
+    assert scene.shown is not None
+    written = vesselsplat("export", run, "--ply", tmp_path / "ply", "--frames", 3, "--without-unobserved")
+    assert written.code == 0, written.error
+    assert f"of {scene.shown.sum()} Gaussians" in written.out
+    file = tmp_path / "ply" / "frame-000003.ply"
+    whole = scene.model.at(scene.time(3)).means
+    assert np.array_equal(read_splats(file).raw.means, whole[scene.shown])
+    again = vesselsplat("replay", file, "--source", run)
+    assert (again.code, again.out.rstrip().endswith("identical")) == (0, True), again.error + again.out
+    refused = vesselsplat("export", file, "--ply", tmp_path / "other", "--without-unobserved")
+    assert (refused.code, refused.error.count("\n")) == (2, 1)
+    assert "got a splat file" in refused.error
+    assert not (tmp_path / "other").exists()
+
+
+def test_an_edited_scene_is_without_them_as_well(runs: dict[str, Path]) -> None:
+    scene = open_scene(runs["original"])
+    first = Mask.of(np.arange(len(scene.model)) < 200)
+    edits = Edits.none(len(scene.model)).selecting(first, "replace").deleting()
+    kept = observed(scene.edited(edits))
+    assert scene.shown is not None
+    assert np.array_equal(kept.model.raw.means, scene.model.raw.means[200:][scene.shown[200:]])
+    assert kept.shown is not None
+    assert kept.shown.all()

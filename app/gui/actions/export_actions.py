@@ -259,3 +259,8 @@ def choose_quality(state: AppState, quality: int) -> None:
 def choose_degree(state: AppState, degree: int | None) -> None:
     """Of the harmonics in splat files; None: the model's."""
     state.exports.sh_degree = degree
+
+
+def choose_unobserved(state: AppState, kept: bool) -> None:
+    """Whether splat files hold Gaussians that no frame shows."""
+    state.exports.unobserved = kept

@@ -105,10 +105,14 @@ def _enhanced(state: AppState, offer: Offer) -> Enhanced:
 
 def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exported:
     """What other programs are to read."""
+    unobserved = False if model.tells_shown and not state.exports.unobserved else None
 
     def splats(frame: int, time: float) -> Splats:
         degree, layout = state.exports.sh_degree, layout_of(suffix)
-        return extended(Splats, model.record, frame=frame, time=time, sh_degree=degree, layout=layout)
+        return extended(
+            Splats, model.record,
+            frame=frame, time=time, sh_degree=degree, unobserved=unobserved, layout=layout,
+        )  # fmt: skip
 
     if what == "splats of this moment":
         return splats(model.frame_at(state.time), state.time)
@@ -122,7 +126,8 @@ def _of_model(state: AppState, what: What, model: Scene, suffix: str) -> Exporte
         beyond = state.settings.unobserved
         return browser_model(model, model.cameras[0], speed, unobserved=beyond)
     if what == "splats through time":
-        return extended(MovingSplats, model.record, seconds=len(model.cameras) / speed)
+        seconds = len(model.cameras) / speed
+        return extended(MovingSplats, model.record, seconds=seconds, unobserved=unobserved)
     if what == "surface through time":
         return surface_mesh(model, speed)
     if what == "surface of all frames":

@@ -69,6 +69,12 @@ FORMAT_TEXTS: dict[Form, str] = {
 }
 """Of what has more than one."""
 DEGREES = {None: "As the model has", 3: "3, for the original viewer"}
+HOLDING_SPLATS = ("splats", "splat folder", "moving splats")
+KEPT = {True: "All Gaussians", False: "Without unobserved parts"}
+KEPT_TEXT = (
+    "Gaussians behind tissue in all frames are drawn only from where the endoscope was. Without them, holes "
+    "are seen from there, at outlines; with them, blots from beside."
+)
 DEGREE_TEXT = (
     "Degree of the spherical harmonics, filled up with zeros: the original viewer of 3D Gaussian Splatting "
     "reads degree 3 only."
@@ -175,6 +181,9 @@ def _draw_chosen(state: AppState) -> None:
     if offer.form in ("splats", "splat folder"):
         degree = choose_row("Harmonics", state.exports.sh_degree, DEGREES, DEGREE_TEXT, 14)
         export_actions.choose_degree(state, degree)
+    if offer.form in HOLDING_SPLATS and state.scene.model is not None and state.scene.model.tells_shown:
+        kept = choose_row("Unobserved", state.exports.unobserved, KEPT, KEPT_TEXT, 14)
+        export_actions.choose_unobserved(state, kept)
     if offer.form in DICOM:
         _draw_dicom(state)
     if offer.form in VIDEOS:

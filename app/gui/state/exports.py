@@ -61,6 +61,8 @@ class Exports:
     """Of JPEG images, 1 to 100."""
     sh_degree: int | None = None
     """To which colours by direction are filled up in splat files; None: as the model has them."""
+    unobserved: bool = True
+    """Splat files hold Gaussians that no frame shows, too."""
     sizing: Sizing = field(default_factory=Sizing)
     """Of the panes."""
     view_size: tuple[int, int] | None = None

@@ -13,12 +13,14 @@ import trimesh
 from app.exports.browser.page import read_page
 from app.exports.browser.tracks import tracks_of
 from app.exports.replay.again import replay
+from app.exports.replay.recorded import recorded
 from app.gui.actions import actions, export_actions
 from app.gui.actions.export_doubts import MOST_ORDERED, doubts
 from app.gui.actions.export_offers import OFFERS
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.views.measurement import Located, Measurement
+from app.scenes.scene import open_scene
 from renderer.camera_files import read_cameras
 from renderer.camera_path import CameraPath, Keyframe
 from renderer.picking import surface_point
@@ -41,6 +43,19 @@ def test_splats_of_a_moment_and_of_all_frames_come_again(run: Exporter, runs: di
     assert same(files[7], runs["original"])
     export_actions.choose_degree(state, 3)
     assert read_splats(exported(run, "splats of this moment")).raw.harmonics.shape[1] == 15
+
+
+def test_splats_without_what_no_frame_shows_come_again(run: Exporter, runs: dict[str, Path]) -> None:
+    state, scene = run.state, open_scene(runs["original"])
+    assert scene.shown is not None
+    every = read_splats(exported(run, "splats of this moment")).raw
+    export_actions.choose_unobserved(state, False)
+    path = exported(run, "splats of this moment")
+    raw = read_splats(path).raw
+    assert len(raw) == scene.shown.sum() < len(every)
+    assert np.array_equal(raw.means, every.means[scene.shown])
+    assert recorded(path)["unobserved"] is False
+    assert same(path, runs["original"])
 
 
 def test_what_a_format_does_not_hold_is_said(run: Exporter) -> None:
