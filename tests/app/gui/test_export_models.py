@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from app.exports.replay.recorded import recorded
 from app.gui.actions import actions, export_actions
 from app.gui.actions.export_doubts import MOST_ORDERED, doubts
 from app.gui.actions.export_offers import OFFERS
+from app.gui.panels import export
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.views.measurement import Located, Measurement
@@ -28,6 +30,7 @@ from renderer.sources import open_clip
 from renderer.splat_files import read_splats
 from renderer.surface.maps import maps_of, read
 from tests.app.gui.exporting import Exporter, exported, same
+from tests.app.gui.ui import Ui
 
 
 def test_splats_of_a_moment_and_of_all_frames_come_again(run: Exporter, runs: dict[str, Path]) -> None:
@@ -56,6 +59,34 @@ def test_splats_without_what_no_frame_shows_come_again(run: Exporter, runs: dict
     assert np.array_equal(raw.means, every.means[scene.shown])
     assert recorded(path)["unobserved"] is False
     assert same(path, runs["original"])
+
+
+def test_the_panel_asks_for_what_no_frame_shows_where_that_is_known(
+    run: Exporter, ui: Ui, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state, rows = run.state, list[str]()
+    assert state.scene.model is not None
+    whole = export.choose_row
+
+    def chosen(label: str, *given: Any) -> Any:
+        rows.append(label)
+        return False if label == "Unobserved" else whole(label, *given)
+
+    monkeypatch.setattr(export, "choose_row", chosen)
+    state.exports.shown = True
+    asked: tuple[What, ...] = ("splats of this moment", "splats through time", "page for browsers")
+    for what in asked:
+        rows.clear()
+        export_actions.choose_what(state, what)
+        for _ in range(2):
+            ui.frame(lambda: export.draw_export(state))
+        assert ("Unobserved" in rows) == (what != "page for browsers")
+    assert not state.exports.unobserved
+    state.scene.model = replace(state.scene.model, live=True)
+    rows.clear()
+    export_actions.choose_what(state, "splats of this moment")
+    ui.frame(lambda: export.draw_export(state))
+    assert "Unobserved" not in rows
 
 
 def test_what_a_format_does_not_hold_is_said(run: Exporter) -> None:
