@@ -18,9 +18,10 @@ from app.exports.replay.recorded import recorded
 from app.gui.actions import actions, export_actions
 from app.gui.actions.export_doubts import MOST_ORDERED, doubts
 from app.gui.actions.export_offers import OFFERS
-from app.gui.panels import export
+from app.gui.panels.export import draw_export
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
+from app.gui.style.widgets import choose_row
 from app.gui.views.measurement import Located, Measurement
 from app.scenes.scene import open_scene
 from renderer.camera_files import read_cameras
@@ -66,26 +67,25 @@ def test_the_panel_asks_for_what_no_frame_shows_where_that_is_known(
 ) -> None:
     state, rows = run.state, list[str]()
     assert state.scene.model is not None
-    whole = export.choose_row
 
     def chosen(label: str, *given: Any) -> Any:
         rows.append(label)
-        return False if label == "Unobserved" else whole(label, *given)
+        return False if label == "Unobserved" else choose_row(label, *given)
 
-    monkeypatch.setattr(export, "choose_row", chosen)
+    monkeypatch.setattr("app.gui.panels.export.choose_row", chosen)
     state.exports.shown = True
     asked: tuple[What, ...] = ("splats of this moment", "splats through time", "page for browsers")
     for what in asked:
         rows.clear()
         export_actions.choose_what(state, what)
         for _ in range(2):
-            ui.frame(lambda: export.draw_export(state))
+            ui.frame(lambda: draw_export(state))
         assert ("Unobserved" in rows) == (what != "page for browsers")
     assert not state.exports.unobserved
     state.scene.model = replace(state.scene.model, live=True)
     rows.clear()
     export_actions.choose_what(state, "splats of this moment")
-    ui.frame(lambda: export.draw_export(state))
+    ui.frame(lambda: draw_export(state))
     assert "Unobserved" not in rows
 
 
