@@ -76,6 +76,7 @@ def _look_anew(state: AppState, opened: Opened, *, again: bool) -> None:
     state.tuning = state.tuning.renewed()
     state.comparing.chosen = state.comparing.chosen.renewed()
     state.comparing.others, state.comparing.difference = {}, None
+    state.exports.failure = ""
     state.masking = Masking(radius=state.masking.radius)
 
 

@@ -34,9 +34,9 @@ SETTLING = 3
 
 
 def choose_what(state: AppState, what: What) -> None:
-    """The next export is of this, in the panel, by its own name."""
+    """The next export is of this, in the panel, by its own name; why another failed is no longer shown."""
     if what != state.exports.what:
-        state.exports.what, state.exports.name = what, ""
+        state.exports.what, state.exports.name, state.exports.failure = what, "", ""
     state.exports.shown = True
 
 

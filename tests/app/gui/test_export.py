@@ -20,11 +20,12 @@ from app.exports.sheet import Panel, describe, sheet
 from app.exports.sources import Opened
 from app.files.provenance import digest, read_provenance, write_png
 from app.files.records import Source
-from app.gui.actions import actions, export_actions, job_actions
+from app.gui.actions import actions, arriving, export_actions, job_actions
 from app.gui.actions.export_records import sized
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.update.jobs import start_due
+from app.gui.work import opening
 from app.runs.clip_selection import ClipPart
 from app.scenes.records import RunSource
 from app.scenes.view_request import ViewRequest
@@ -150,6 +151,23 @@ def test_a_folder_that_cannot_be_written_is_one_line(tmp_path: Path, state: AppS
     actions.fail(state, str(caught.value))
     assert state.window.banner is not None
     assert "\n" not in state.window.banner.message
+
+
+def test_why_an_export_failed_is_not_said_of_another_kind_nor_of_another_clip(
+    state: AppState, clip: Clip
+) -> None:
+    def fails() -> None:
+        state.exports.failure = "No space left on device: clip.mp4"
+
+    export_actions.choose_what(state, "video of both panes")
+    fails()
+    export_actions.choose_what(state, "video of both panes")
+    assert state.exports.failure
+    export_actions.choose_what(state, "both panes")
+    assert not state.exports.failure
+    fails()
+    arriving.show_opened(state, clip.path, opening.Opened(clip))
+    assert not state.exports.failure
 
 
 def test_a_run_s_view_names_its_own_clip_whatever_is_open(
