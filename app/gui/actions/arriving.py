@@ -15,6 +15,7 @@ from app.gui.work.depths import DepthRequest
 from app.gui.work.opening import Opened
 from app.gui.work.settings import UNKNOWN
 from renderer.clip import Clip
+from renderer.view_files import Views
 
 
 def show_opened(state: AppState, path: Path, opened: Opened) -> None:
@@ -53,7 +54,7 @@ def _take_source(state: AppState, path: Path, opened: Opened) -> None:
     if not goes_on(state, opened):
         state.session.path, state.session.discarded, state.session.is_unsaved = None, None, False
     if clip is None or source.clip is None or clip.path != source.clip.path:
-        state.scene.cameras = CameraList()
+        _change_views(state, clip.path if clip is not None else opened.path or path)
     source.opening, source.asked = None, True
     # A session of notes alone has no source.
     source.path = opened.path if opened.session is not None else opened.path or path
@@ -63,6 +64,15 @@ def _take_source(state: AppState, path: Path, opened: Opened) -> None:
     source.tool_masks = None
     said = source.known.get(str(clip.path), UNKNOWN) if clip is not None else UNKNOWN
     source.part = opened.run.record.clip.part if opened.run is not None else said.part
+
+
+def _change_views(state: AppState, path: Path) -> None:
+    """To those of what was opened: its own of before, or none. What is left keeps its own, made by hand."""
+    source, scene = state.source, state.scene
+    before = source.clip.path if source.clip is not None else source.path
+    if before is not None:
+        scene.views_left[before] = scene.cameras.views
+    scene.cameras = CameraList(scene.views_left.get(path, Views()))
 
 
 def _look_anew(state: AppState, opened: Opened, *, again: bool) -> None:

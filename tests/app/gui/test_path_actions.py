@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -67,6 +68,20 @@ def test_a_view_that_was_gone_to_turns_around_what_is_in_its_middle(seen: AppSta
     pivot = np.array([seen.scene.viewer.pivot])
     assert before.project(pivot)[0][0] == pytest.approx((24, 20))
     assert camera(seen).project(pivot)[0][0] == pytest.approx((24, 20))
+
+
+def test_views_and_path_are_there_again_when_their_clip_is_opened_again(seen: AppState) -> None:
+    """Nobody is asked before another clip takes its place."""
+    clip = seen.source.clip
+    assert clip is not None
+    with_path(seen)
+    path_actions.save_view(seen)
+    made, other = seen.scene.cameras.views, replace(clip, path=clip.path.with_name("other"))
+    arriving.show_opened(seen, other.path, Opened(other))
+    assert seen.scene.cameras.views == Views()
+    arriving.show_opened(seen, clip.path, Opened(clip))
+    assert seen.scene.cameras.views == made
+    assert not seen.scene.cameras.playing
 
 
 def test_keyframes_are_the_views_and_times_that_were_shown(seen: AppState) -> None:
