@@ -28,7 +28,7 @@ from renderer.readers.data_sets.structure_from_motion import (
 )
 from renderer.readers.dicom.header import dicom_kind
 from renderer.readers.image_files.coded_picture import CODED, is_coded_still
-from renderer.readers.image_files.pictures import SUFFIXES, is_picture, is_unnamed
+from renderer.readers.image_files.file_kinds import SUFFIXES, is_picture, is_unnamed
 from renderer.readers.image_folders.frames import frames_of, open_image, open_images
 from renderer.readers.image_folders.picture_kinds import frame_folder
 from renderer.readers.video import open_video

@@ -12,7 +12,7 @@ from typing import Final
 from renderer.listing import listed
 from renderer.raw_gaussians import RawGaussians
 from renderer.readers.clip_files import files_in
-from renderer.readers.image_files.pictures import is_picture
+from renderer.readers.image_files.file_kinds import is_picture
 from renderer.splat_files import SUFFIXES, WRITERS, SplatFile, SplatFileError, read_splats
 
 MOST_BYTES: Final = 1 << 30

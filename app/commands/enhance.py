@@ -31,7 +31,8 @@ from app.files.stepping import ahead, run_to_end
 from app.files.video_encoder import codec_for
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.image_files.coded_picture import CODED
-from renderer.readers.image_files.pictures import VIDEOS, common_size
+from renderer.readers.image_files.file_kinds import VIDEOS
+from renderer.readers.image_files.pictures import common_size
 
 PICTURES = frozenset({".exr", ".gif", ".jxl", ".psd", ".svg"})
 NOT_WRITTEN = (VIDEOS | CODED | PICTURES) - {MP4, WEBM}

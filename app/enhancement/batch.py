@@ -28,7 +28,7 @@ from renderer.clip import ClipError
 from renderer.layouts import layout_of
 from renderer.listing import listed
 from renderer.readers.clip_options import ClipOptions
-from renderer.readers.image_files.pictures import is_frame, is_visible, moves, natural_key
+from renderer.readers.image_files.file_kinds import is_frame, is_visible, moves, natural_key
 from renderer.readers.image_folders.picture_kinds import left_out, map_folders
 
 

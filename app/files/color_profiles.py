@@ -8,8 +8,8 @@ from typing import Any, Final
 from numpy.typing import NDArray
 
 from app.files.embedded import CARRIERS
-from renderer.readers.image_files.picture_files import opened
-from renderer.readers.image_files.pictures import BROKEN, is_frame
+from renderer.readers.image_files.file_kinds import is_frame
+from renderer.readers.image_files.picture_files import BROKEN, opened
 
 KINDS: Final = {b"GRAY": (1,), b"RGB ": (3, 4)}
 """Channels that a profile's numbers may have, by what its header says at KIND."""

@@ -26,8 +26,8 @@ from renderer.readers.clip_files import folders_in
 from renderer.readers.coded_still import open_coded_still
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.image_files.coded_picture import is_coded, is_coded_still
-from renderer.readers.image_files.picture_files import opened, read_npy, require_size
-from renderer.readers.image_files.pictures import BROKEN, SUFFIXES, is_picture, moves, natural_key
+from renderer.readers.image_files.file_kinds import SUFFIXES, is_picture, moves, natural_key
+from renderer.readers.image_files.picture_files import BROKEN, opened, read_npy, require_size
 from renderer.readers.image_files.tiff_layouts import TiffLayout, tiff_layout
 from renderer.readers.image_folders.picture_kinds import PictureKinds, frame_folder, kinds_of
 from renderer.readers.misnamed import what_it_is

@@ -18,7 +18,7 @@ from renderer.layouts import layout_of
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.dicom.header import holds_stream
-from renderer.readers.image_files.pictures import is_visible
+from renderer.readers.image_files.file_kinds import is_visible
 from renderer.readers.image_folders.pages import left_pages
 from renderer.readers.image_folders.passed_over import passed_over
 from renderer.readers.image_folders.picture_kinds import PictureKinds, frame_folder, left_out, map_folders

@@ -20,7 +20,7 @@ from app.sweeps.design import STRICT, Sample
 from app.sweeps.folder import is_in_sweep
 from app.sweeps.names import BY_NAME
 from app.sweeps.settings import Settings, TaskName, settings_of
-from renderer.readers.image_files.pictures import VIDEOS
+from renderer.readers.image_files.file_kinds import VIDEOS
 from renderer.regular_files import read_whole
 
 MOST_JOBS: Final = 100_000

@@ -18,7 +18,8 @@ from renderer.listing import listed
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.geometry.depth_maps import DepthMap, is_map, plausible, read_map
-from renderer.readers.image_files.pictures import natural_key, stored_kind
+from renderer.readers.image_files.file_kinds import natural_key
+from renderer.readers.image_files.pictures import stored_kind
 from renderer.readers.image_folders.picture_kinds import (
     PLURAL,
     WORDS,

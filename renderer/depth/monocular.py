@@ -15,7 +15,8 @@ from renderer.depth.averaging import Float32Image
 from renderer.depth.depth_prior import Guess
 from renderer.readers.clip_files import files_in
 from renderer.readers.geometry.depth_maps import is_map, plane_of
-from renderer.readers.image_files.pictures import is_array, read_stored
+from renderer.readers.image_files.file_kinds import is_array
+from renderer.readers.image_files.pictures import read_stored
 from renderer.readers.numbered_files import beside, number_of
 
 FOLDERS = ("monodepth", "depth_dam")

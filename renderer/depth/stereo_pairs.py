@@ -29,7 +29,8 @@ from renderer.depth.stereo import disparity, feature_shifts
 from renderer.evenly import evenly_floored
 from renderer.listing import count, listed
 from renderer.readers.clip_files import folders_in
-from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb
+from renderer.readers.image_files.file_kinds import is_picture
+from renderer.readers.image_files.pictures import common_size, read_rgb
 from renderer.readers.image_folders.frames import is_seen_by_assumption, open_images
 from renderer.readers.image_folders.picture_kinds import kind_by_name
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from renderer.readers.image_files.pictures import is_picture, is_visible, natural_key
+from renderer.readers.image_files.file_kinds import is_picture, is_visible, natural_key
 from renderer.readers.numbered_files import number_of
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from renderer.clip import ClipError
 from renderer.listing import listed
-from renderer.readers.image_files.pictures import is_picture
+from renderer.readers.image_files.file_kinds import is_picture
 
 Accepts = Callable[[Path], bool]
 

@@ -13,7 +13,7 @@ from renderer.clip import ByteImage, Clip, ClipError, numbered
 from renderer.pyav_presence import has_pyav, why_not_pyav
 from renderer.readers.clip_options import DEFAULTS, ClipOptions, StereoLayout
 from renderer.readers.dicom.header import holds_stream
-from renderer.readers.image_files.pictures import require_moving
+from renderer.readers.image_files.file_kinds import require_moving
 from renderer.readers.image_folders.frames import assumed_camera
 from renderer.readers.new_clip import new_clip
 from renderer.readers.video_decoding.stereo_layout import (

@@ -13,7 +13,7 @@ from renderer.pyav_presence import has_pyav
 from renderer.readers.clip_options import StereoLayout
 from renderer.readers.dicom.header import DicomHeader, holds_stream, read_header
 from renderer.readers.dicom.opening import is_dicom
-from renderer.readers.image_files.pictures import require_moving
+from renderer.readers.image_files.file_kinds import require_moving
 
 if TYPE_CHECKING:
     from av.container import InputContainer

@@ -16,7 +16,7 @@ from renderer.atomic_files import written_atomically
 from renderer.clip import BoolImage, Clip, ClipError, Frame, numbered, within
 from renderer.listing import listed
 from renderer.readers.clip_files import files_in
-from renderer.readers.image_files.pictures import NAMED, natural_key
+from renderer.readers.image_files.file_kinds import NAMED, natural_key
 from renderer.readers.masks.nonzero_masks import read_nonzero
 from renderer.readers.number_pairs import NumberPairs, number_pairs, numbers_of
 

@@ -27,7 +27,7 @@ from app.sweeps.folder import SWEEP, is_sweep
 from renderer.clip import ClipError
 from renderer.layouts import layout_of
 from renderer.listing import count, listed
-from renderer.readers.image_files.pictures import is_frame, is_visible, moves, natural_key
+from renderer.readers.image_files.file_kinds import is_frame, is_visible, moves, natural_key
 from renderer.readers.image_folders.picture_kinds import frame_folder
 from renderer.regular_files import require_regular
 from renderer.splat_files import is_named_as_splats

@@ -27,7 +27,7 @@ from app.exports.usd_file import read_usd
 from app.files.image_files import read_image
 from renderer.json_files import read_json
 from renderer.ply_elements import read_ply
-from renderer.readers.image_files.pictures import moves
+from renderer.readers.image_files.file_kinds import moves
 from renderer.readers.video import open_video
 from renderer.regular_files import read_whole
 from renderer.splat_files import read_splats

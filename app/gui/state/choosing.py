@@ -10,7 +10,7 @@ from typing import Final, Literal
 from app.gui.session_file import SUFFIX
 from renderer.readers.dicom.opening import SUFFIXES as DICOM
 from renderer.readers.image_files.coded_picture import CODED
-from renderer.readers.image_files.pictures import RARER_VIDEOS, SUFFIXES, VIDEOS
+from renderer.readers.image_files.file_kinds import RARER_VIDEOS, SUFFIXES, VIDEOS
 from renderer.splat_files import SUFFIXES as SPLATS
 
 Kind = Literal["folder", "file", "save"]

@@ -21,16 +21,9 @@ from renderer.clip import ByteImage, ClipError
 from renderer.pyav_presence import has_pyav
 from renderer.readers.dicom.header import holds_stream
 from renderer.readers.image_files.coded_picture import CODED
-from renderer.readers.image_files.picture_files import opened
-from renderer.readers.image_files.pictures import (
-    BROKEN,
-    VIDEOS,
-    is_picture,
-    is_visible,
-    moves,
-    natural_key,
-    read_rgb,
-)
+from renderer.readers.image_files.file_kinds import VIDEOS, is_picture, is_visible, moves, natural_key
+from renderer.readers.image_files.picture_files import BROKEN, opened
+from renderer.readers.image_files.pictures import read_rgb
 from renderer.readers.image_folders.picture_kinds import kind_by_name
 from renderer.utf8_paths import not_utf8
 

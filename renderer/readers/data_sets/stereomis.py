@@ -15,7 +15,8 @@ from renderer.readers.clip_files import ClipFiles, numbered_pictures, those_ther
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.geometry.number_tables import read_table
 from renderer.readers.geometry.poses import pose_matrix
-from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb
+from renderer.readers.image_files.file_kinds import is_picture
+from renderer.readers.image_files.pictures import common_size, read_rgb
 from renderer.readers.lenses.rectification import read_rectified
 from renderer.readers.masks.mask_checks import judged_nonzero
 from renderer.readers.masks.nonzero_masks import read_nonzero, require_shapes

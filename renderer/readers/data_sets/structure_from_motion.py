@@ -16,7 +16,8 @@ from renderer.readers.clip_files import ClipFiles, files_in, numbered_pictures, 
 from renderer.readers.geometry.number_tables import read_table
 from renderer.readers.geometry.point_ply import read_points
 from renderer.readers.geometry.poses import pose_matrix
-from renderer.readers.image_files.pictures import common_size, is_picture, read_rgb, read_stored
+from renderer.readers.image_files.file_kinds import is_picture
+from renderer.readers.image_files.pictures import common_size, read_rgb, read_stored
 from renderer.readers.masks.lit_part import is_displaced, lit_field
 from renderer.readers.masks.tool_masks import marked_pixels
 from renderer.readers.new_clip import Known, new_clip

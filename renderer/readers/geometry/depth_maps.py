@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import ClipError
-from renderer.readers.image_files.pictures import is_array, is_picture, read_stored
+from renderer.readers.image_files.file_kinds import is_array, is_picture
+from renderer.readers.image_files.pictures import read_stored
 
 OUTLIER: Final = 3.0
 """Depth beyond this many times a frame's median, or below its inverse, is a failed match."""

@@ -25,6 +25,8 @@ UNREADABLE_ARRAY = (
     RecursionError, TokenError,
 )  # fmt: skip
 """What numpy's reader raises for headers that make no sense."""
+BROKEN = (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError)
+"""What `opened` raises for what is no picture, and decoding for one that is damaged."""
 NONSENSE = (TypeError, KeyError, IndexError, AttributeError, OverflowError, MemoryError, struct.error)
 """What Pillow raises beside errors of its own, for a header or a chunk that is damaged."""
 WIDTH_TAG, HEIGHT_TAG = 256, 257

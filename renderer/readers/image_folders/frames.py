@@ -12,14 +12,8 @@ from renderer.listing import listed
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.image_files.coded_picture import CODED
-from renderer.readers.image_files.pictures import (
-    SUFFIXES,
-    common_size,
-    is_visible,
-    moves,
-    natural_key,
-    read_rgb,
-)
+from renderer.readers.image_files.file_kinds import SUFFIXES, is_visible, moves, natural_key
+from renderer.readers.image_files.pictures import common_size, read_rgb
 from renderer.readers.image_folders.pages import left_pages
 from renderer.readers.image_folders.passed_over import passed_over
 from renderer.readers.image_folders.picture_kinds import PictureKinds, kinds_of

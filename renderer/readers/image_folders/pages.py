@@ -8,8 +8,7 @@ from typing import Final
 
 from renderer.listing import listed
 from renderer.readers.image_files.coded_picture import is_stereo_pair
-from renderer.readers.image_files.picture_files import opened
-from renderer.readers.image_files.pictures import BROKEN
+from renderer.readers.image_files.picture_files import BROKEN, opened
 
 PAGED = frozenset({".tif", ".tiff", ".webp", ".png", ".dcm", ".dicom", ".avif", ""})
 BESIDE: Final = "MPO"

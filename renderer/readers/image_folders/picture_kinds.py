@@ -18,16 +18,9 @@ import numpy as np
 from renderer.listing import listed
 from renderer.readers.clip_files import folders_in
 from renderer.readers.image_files.coded_picture import CODED
-from renderer.readers.image_files.picture_files import opened
-from renderer.readers.image_files.pictures import (
-    BROKEN,
-    SUFFIXES,
-    is_array,
-    is_frame,
-    is_unnamed,
-    opens,
-    read_stored,
-)
+from renderer.readers.image_files.file_kinds import SUFFIXES, is_array, is_frame, is_unnamed, opens
+from renderer.readers.image_files.picture_files import BROKEN, opened
+from renderer.readers.image_files.pictures import read_stored
 from renderer.readers.image_folders.passed_over import NOT_READABLE
 
 Kind = Literal["depth", "disparity", "mask", "map"]

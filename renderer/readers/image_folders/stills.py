@@ -9,7 +9,8 @@ from renderer.clip import Clip, ClipError
 from renderer.listing import listed
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
-from renderer.readers.image_files.pictures import is_visible, natural_key, read_rgb, upright_size
+from renderer.readers.image_files.file_kinds import is_visible, natural_key
+from renderer.readers.image_files.pictures import read_rgb, upright_size
 from renderer.readers.image_folders.frames import assumed_camera
 from renderer.readers.image_folders.passed_over import NOT_READABLE, passed_over
 from renderer.readers.image_folders.picture_kinds import kinds_of

@@ -16,7 +16,7 @@ from app.files.image_series import open_series
 from app.files.provenance import digest
 from enhance import EnhanceParams
 from renderer.clip import ByteImage, ClipError
-from renderer.readers.image_files import pictures
+from renderer.readers.image_files import file_kinds
 from renderer.readers.image_files.coded_picture import CodedPicture
 from renderer.readers.image_files.pictures import read_rgb, upright_size
 from renderer.readers.image_folders import passed_over
@@ -101,7 +101,7 @@ def test_a_record_is_no_stray_beside_the_file_that_it_tells_of(folder: Path) -> 
 
 def test_without_pyav_they_are_named(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nowhere: Callable[[], bool] = lambda: False  # noqa: E731
-    monkeypatch.setattr(pictures, "has_pyav", nowhere)
+    monkeypatch.setattr(file_kinds, "has_pyav", nowhere)
     monkeypatch.setattr(passed_over, "has_pyav", nowhere)
     said = "left out, not readable without PyAV: b.avif, c.jp2"
     assert open_clip(folder).labels == ("a.png", "d")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from renderer.readers.image_files.pictures import moves
+from renderer.readers.image_files.file_kinds import moves
 from renderer.readers.image_folders.frames import open_images
 from renderer.readers.image_folders.picture_kinds import frame_folder, kind_by_name, kinds_of
 from renderer.sources import open_clip
