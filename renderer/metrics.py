@@ -73,8 +73,8 @@ def ssim(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
         >>> round(ssim(reference, reference, mask), 6)
         1.0
     """
-    similarity = _similarity(image, reference, mask)
-    return float(similarity.mean()) if np.any(mask) else float("nan")
+    total, _ = _similarities(image, reference, mask)
+    return total / image.size if np.any(mask) else float("nan")
 
 
 def ssim_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
@@ -89,31 +89,37 @@ def ssim_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
         >>> ssim_masked(reference * 0.5, reference, mask) < ssim(reference * 0.5, reference, mask)
         True
     """
-    similarity = _similarity(image, reference, mask)
-    return float(similarity[mask].mean()) if np.any(mask) else float("nan")
+    _, counted = _similarities(image, reference, mask)
+    pixels = np.count_nonzero(mask)
+    return counted * mask.size / (image.size * pixels) if pixels else float("nan")
 
 
-def _similarity(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> NDArray[np.float64]:
-    """(H, W, channels), of both images times the mask."""
-    strips = _strips(image, reference, mask, _WINDOW // 2)
-    return np.concatenate([_similarity_of(x, y)[own] for x, y, own in strips])
+def _similarities(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> tuple[float, float]:
+    """Of both images times the mask: the sums over all pixels and channels, and over those of the mask."""
+    total = counted = 0.0
+    for x, y, own, kept in _strips(image, reference, mask, _WINDOW // 2):
+        similarity = _similarity(x, y)[own]
+        total += float(similarity.sum())
+        counted += float(similarity.sum(axis=2)[kept].sum())
+    return total, counted
 
 
 def _strips(
     image: AnyFloat, reference: AnyFloat, mask: BoolImage, beside: int = 0
-) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], slice]]:
+) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], slice, BoolImage]]:
     """Both `masked`, a few rows at a time, so that what is computed on the way stays in the cache: with as
-    many rows beside them as that needs, and which are their own."""
+    many rows beside them as that needs, which are their own, and the mask of those."""
     _check(image, reference, mask)
     each = max(_PIXELS // max(mask.shape[1], 1), _WINDOW)
     for top in range(0, max(len(mask), 1), each):
         first = max(top - beside, 0)
         rows = slice(first, top + each + beside)
         x, y = masked(image[rows], reference[rows], mask[rows])
-        yield x, y, slice(top - first, top - first + each)
+        yield x, y, slice(top - first, top - first + each), mask[top : top + each]
 
 
-def _similarity_of(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+def _similarity(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(h, W, channels), of images of this shape."""
     mean_x, mean_y = _window(x), _window(y)
     variance_x = _window(x * x) - mean_x**2
     variance_y = _window(y * y) - mean_y**2
@@ -212,7 +218,7 @@ def _check(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> None:
 
 def _squared_error(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
     """Its sum."""
-    return sum(float(((x - y) ** 2).sum()) for x, y, _ in _strips(image, reference, mask))
+    return sum(float(((x - y) ** 2).sum()) for x, y, *_ in _strips(image, reference, mask))
 
 
 def _decibel(mean_squared_error: float) -> float:
