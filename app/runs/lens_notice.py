@@ -1,4 +1,4 @@
-"""What is said of the distortion of a lens that nothing is known of."""
+"""The distortion of a lens that nobody has calibrated: what is found and said of it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Final
 
 from renderer.clip import Clip
 from renderer.poses.distortion import RIGID, Distortion
-from renderer.readers.lenses.calibration import LensCalibration
+from renderer.readers.lenses.calibration import Calibration, FoundLens, LensCalibration
 from renderer.readers.lenses.straightening import straightening
 
 UNBENT: Final = (
@@ -18,8 +18,15 @@ UNBENT: Final = (
 """As tests/benchmarks/lens_distortion.py measures it."""
 
 
+def found_lens(clip: Clip, told: Distortion | None) -> Calibration | None:
+    """By which the clip's frames can be undistorted; None: that is not certain, or would fold them."""
+    if told is None or not (told.is_certain and _straightens(clip, told)):
+        return None
+    return Calibration(lens=lens_of(clip, told), found=FoundLens(deviation=round(told.deviation, 4)))
+
+
 def lens_notice(clip: Clip, told: Distortion | None) -> str:
-    """What the motion of the camera tells of the lens of a clip, and how to use it."""
+    """What the motion of the camera tells of the lens of a clip that stays bent, and how to use it."""
     if told is None:
         return UNBENT
     if told.rigid < RIGID:
@@ -28,7 +35,7 @@ def lens_notice(clip: Clip, told: Distortion | None) -> str:
             f"{100 * (1 - told.rigid):.0f} % of the features do not agree with it"
         )
     measured = f"k1 = {told.k1:.3f}, standard deviation {told.deviation:.3f}"
-    if not (told.is_certain and _straightens(clip, told)):
+    if found_lens(clip, told) is None:
         return f"{UNBENT}; the motion of the camera shows no distortion that is certain ({measured})"
     lens = lens_of(clip, told)
     return (

@@ -12,6 +12,7 @@ from app.runs.run_folder import PosesRecord
 from renderer.camera_motion import POSES_MISSING, camera_motion, contradicted
 from renderer.clip import Clip
 from renderer.poses.search import FoundPoses, PosesError, find_poses
+from renderer.readers.lenses.calibration import Calibration
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, Preparing
 
@@ -35,6 +36,8 @@ class Posed:
     """First and last frame of the clip that it was made of; None: all of them."""
     notices: tuple[str, ...] = ()
     omitted: tuple[Omission, ...] = ()
+    lens: Calibration | None = None
+    """That was found with the poses, and by which the clip is undistorted."""
 
 
 def posed(clip: Clip, config: TrainConfig, start: int = 0) -> Generator[Preparing, None, Posed]:

@@ -13,6 +13,7 @@ from tempfile import TemporaryDirectory
 from types import MappingProxyType
 from typing import Annotated, Final, Literal
 
+from app.enhancement.image_mask import NO_MASK
 from app.enhancement.methods import (
     PAPER,
     VESSEL,
@@ -116,7 +117,8 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     require_depth_source(request.clip_path, request.clip_options)
     record = run.record() if run.is_run else None
     part = request.part if record is None else replace(record.clip.part, field_of_view=None, tools=None)
-    whole = yield from told_meanwhile("opening the clip", lambda _: _opened(request, part))
+    options = request.clip_options if record is None else record.clip.options
+    whole = yield from told_meanwhile("opening the clip", lambda _: _opened(request.clip_path, options, part))
     if record is not None:
         _check_same(request, record, whole)
     masks = request.part.tool_masks
@@ -163,15 +165,16 @@ def _through_cameras(
     if record is not None and record.clip.poses is not None:
         return Posed(record.clip.through(clip))
     if clip.depth_origin == "motion":
-        return (yield from structured(clip, request.config, request.clip_options, start))
+        drawn_on = request.part.mask != NO_MASK or request.part.tool_masks is not None
+        return (yield from structured(clip, request.config, request.clip_options, start, drawn_on=drawn_on))
     return (yield from posed(clip, request.config, start))
 
 
-def _opened(request: TrainRequest, part: ClipPart) -> Clip:
+def _opened(path: Path, options: ClipOptions, part: ClipPart) -> Clip:
     """With depth, which may have to be matched first: of a clip that has no such part it is not."""
-    bare = open_bare(request.clip_path, request.clip_options)
+    bare = open_bare(path, options)
     part.require_within(bare)
-    return with_chosen_depth(bare, request.clip_options)
+    return with_chosen_depth(bare, options)
 
 
 def device_of(request: TrainRequest) -> Choice:
@@ -260,7 +263,9 @@ def _new_record(request: TrainRequest, posed: Posed, device: Device, copies: Too
     is_enhanced = request.input == "enhanced"
     asked, is_followed = within_whole(request.part, posed.part), posed.poses is not None
     part = with_found(asked, clip.read_frame, clip.train_indices, request.config.keep, is_followed)
-    measured = part.lit(clip)
+    measured, options = part.lit(clip), request.clip_options
+    if posed.lens is not None:
+        options = replace(options, calibration=posed.lens)
     if copies is not None:
         part = replace(part, tool_masks=replace(copies, folder=FOLDER))
     return RunRecord(
@@ -269,7 +274,7 @@ def _new_record(request: TrainRequest, posed: Posed, device: Device, copies: Too
         clip=ClipRecord(
             path=str(request.clip_path.absolute()),
             name=clip.name,
-            options=request.clip_options,
+            options=options,
             part=part,
             sha256=digest(request.clip_path),
             frames=len(clip),
@@ -311,8 +316,9 @@ def _check_same(request: TrainRequest, record: RunRecord, whole: Clip) -> None:
             "cannot resume: expected the clip the run was started with, got another or a "
             f"changed one: {request.clip_path}"
         )
-    began = {"input": record.input} | vars(record.clip.options) | vars(record.clip.part) | vars(record.config)
-    asked = {"input": request.input} | vars(request.clip_options) | vars(request.part) | vars(request.config)
+    read, reads = record.clip.options.as_asked, request.clip_options.as_asked
+    began = {"input": record.input} | vars(read) | vars(record.clip.part) | vars(record.config)
+    asked = {"input": request.input} | vars(reads) | vars(request.part) | vars(request.config)
     if record.enhancement is not None:
         params = record.enhancement.params
         began |= {"preset": preset_of(params)} | vars(params)

@@ -19,6 +19,7 @@ from app.runs.run_folder import Enhancement, Input
 from app.scenes.backgrounds import Background
 from app.scenes.view_kinds import Scale, ViewKind
 from renderer.camera import Camera
+from renderer.readers.lenses.calibration import Calibration
 from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
 from renderer.unobserved import BLACK
@@ -49,6 +50,8 @@ class ClipSource(Source):
 
     part: ClipPart | None = None
     """None: all of it."""
+    calibration: Calibration | None = None
+    """By which its images are undistorted."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

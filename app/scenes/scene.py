@@ -390,7 +390,7 @@ def _run_record(folder: RunFolder, record: RunRecord, name: str) -> SceneRecord:
     clip, part = record.clip, None if record.clip.part == WHOLE else record.clip.part.of_anywhere
     return SceneRecord(
         run=RunSource(name=name, model_sha256=digest(folder.model_path) if folder.is_finished else None),
-        clip=ClipSource(name=clip.name, sha256=clip.sha256, part=part),
+        clip=ClipSource(name=clip.name, sha256=clip.sha256, part=part, calibration=clip.options.calibration),
         input=record.input,
         enhancement=record.enhancement,
         config=record.config,

@@ -92,10 +92,17 @@ class ClipOptions:
         """The horizontal field of view in degrees, stated or assumed."""
         return FIELD_OF_VIEW if self.field_of_view is None else self.field_of_view
 
+    @property
+    def as_asked(self) -> ClipOptions:
+        """The same without a lens that training found."""
+        is_found = self.calibration is not None and self.calibration.found is not None
+        return replace(self, calibration=None) if is_found else self
+
     def reads_as(self, other: ClipOptions) -> bool:
-        """Whether frames come out the same, whoever states the field of view."""
-        seen = replace(self, field_of_view=self.view_angle)
-        return seen == replace(other, field_of_view=other.view_angle)
+        """Whether training comes to read the same frames, whoever states the field of view, or finds a lens
+        by which they are undistorted."""
+        asked = replace(self.as_asked, field_of_view=self.view_angle)
+        return asked == replace(other.as_asked, field_of_view=other.view_angle)
 
 
 DEFAULTS: Final = ClipOptions()

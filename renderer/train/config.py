@@ -114,7 +114,9 @@ class TrainConfig:
     """How splats narrower than a pixel are rendered, see RenderMode; a run is rendered as it was trained."""
     keep: Annotated[tuple[Part, ...], EachOnce] = ()
     """Parts to keep although the clip does not need them, to measure what they cost."""
-    leave_out: Annotated[tuple[Literal["deformation", "color_curves", "tracks", "poses"], ...], EachOnce] = ()
+    leave_out: Annotated[
+        tuple[Literal["deformation", "color_curves", "tracks", "poses", "lens"], ...], EachOnce
+    ] = ()
     """Parts to leave out whatever the clip needs."""
     hold_out: bool = False
     """Hold every seventh training frame out, or the middle one of fewer than five, and evaluate on it, for

@@ -24,6 +24,7 @@ from app.runs.wall_clock import STEPS, WALL, in_all
 from renderer.json_files import read_json
 from renderer.listing import count
 from renderer.readers.clip_files import files_in
+from renderer.readers.lenses.calibration import Calibration
 from renderer.regular_files import read_regular
 from renderer.splat_files import SplatFileError, read_splats, whole
 from renderer.splat_files.splat_records import RECORD
@@ -72,6 +73,7 @@ def of_run(path: Path) -> Facts:
         Fact("model", count(size, "Gaussian") if size else "none yet", {"gaussians": size}),
         *_time(steps_of, run.wall_seconds()),
         Fact("unit", clip.unit),
+        *_lens(clip.options.calibration),
         *_poses(clip.poses),
         made(record.created, record.version),
     ]
@@ -88,6 +90,22 @@ def of_run(path: Path) -> Facts:
     else:
         steps = [("train", clip.path, "--run", "PATH", "--resume")] if there else []
     return (*facts, next_steps(path, *steps))
+
+
+def _lens(calibration: Calibration | None) -> list[Fact]:
+    """Of a run whose images are undistorted."""
+    if calibration is None:
+        return []
+    lens, found = calibration.lens, calibration.found
+    values = {"model": lens.model, "distortion": lens.distortion}
+    if found is None:
+        return [Fact("lens", "calibrated: images are undistorted", values | {"found": False})]
+    k1 = float(lens.coefficients[0])
+    text = (
+        f"found from the motion of the camera: images are undistorted by k1 = {k1:.3f}, standard deviation "
+        f"{found.deviation:.3f}"
+    )
+    return [Fact("lens", text, values | {"found": True, "k1": k1, "deviation": found.deviation})]
 
 
 def _poses(poses: PosesRecord | None) -> list[Fact]:

@@ -105,14 +105,14 @@ def _set(state: AppState, settings: ClipPart) -> None:
 
 
 def keep_reading(state: AppState, options: ClipOptions) -> None:
-    """Depth, baseline, field of view and eyes that were chosen for this clip."""
+    """Depth, baseline, field of view, eyes and calibration that were chosen for this clip."""
     if state.source.clip is not None:
         chosen = KnownClip(
             depth=options.depth,
             baseline=options.baseline,
             view_angle=options.field_of_view,
             stereo=options.stereo,
-            calibration=options.calibration,
+            calibration=options.as_asked.calibration,
         )
         _keep(state, str(state.source.clip.path), chosen)
 

@@ -107,7 +107,8 @@ def _draw_lens(state: AppState, clip: Clip) -> None:
         return
     row("Lens", LENS_TEXT)
     if clip.calibrated:
-        imgui.text(f"Calibrated, {clip.cameras[0].field_of_view:.0f}° wide")
+        is_given = state.source.options.as_asked.calibration is not None
+        imgui.text(f"{'Calibrated' if is_given else 'Found'}, {clip.cameras[0].field_of_view:.0f}° wide")
         imgui.same_line()
         button("Remove###remove lens", partial(clip_actions.drop_calibration, state), DROP_LENS_TEXT)
     else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import field
 from typing import Annotated, Final, Literal
 
 import numpy as np
@@ -105,9 +106,20 @@ def first_fault(error: ValidationError) -> str:
 
 
 @dataclass(frozen=True, kw_only=True, config=_STRICT)
+class FoundLens:
+    """How the program found a lens that nobody has calibrated."""
+
+    by: Literal["camera motion"] = "camera motion"
+    deviation: Annotated[float, Interval(ge=0, le=1)]
+    """Standard deviation of k1, the first coefficient of its distortion."""
+
+
+@dataclass(frozen=True, kw_only=True, config=_STRICT)
 class Calibration:
     """Of an endoscope with one eye, or with two."""
 
     lens: LensCalibration
     """Of the left eye, or the only one."""
     right: SecondEye | None = None
+    found: FoundLens | None = field(default=None, repr=False)
+    """None: it was given."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from app.gui.actions import actions, browse_actions, clip_actions, live_actions
 from app.gui.state.source import Source
 from app.gui.work.settings import Places, Settings, load_clips
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.lenses.calibration import Calibration, FoundLens
 from tests.app.gui.settling import keep_all
 from tests.app.gui.test_reconstruction_choices import opened, to_choices, turn
 from tests.app.gui.test_window import Driver, is_settled, wait
@@ -91,6 +93,14 @@ def test_one_of_the_start_that_does_not_fit_is_said_and_the_clip_opens(places: P
     assert not state.source.clip.calibrated
     assert state.window.banner is not None
     assert "opened without the calibration" in state.window.banner.message
+
+
+def test_a_lens_that_training_found_is_not_remembered_as_chosen(places: Places, video: Path) -> None:
+    state, _ = opened(places, video)
+    found = Calibration(lens=EYES.lens, found=FoundLens(deviation=0.01))
+    clip_actions.keep_reading(state, replace(state.source.options, depth="motion", calibration=found))
+    known = state.source.known[str(video)]
+    assert (known.depth, known.calibration) == ("motion", None)
 
 
 @pytest.mark.display
