@@ -87,6 +87,7 @@ def test_pictures_lack_depth_and_some_numbers(
     assert "depth" in facts["missing"]
     assert "2_mask.png" in facts["notices"][0]
     assert facts["camera"]["assumed"]
+    assert facts["lens"] == {"distortion": None}
     assert facts["next"][1].endswith("--depth brightness")
 
 
@@ -151,6 +152,9 @@ def test_a_video_by_its_header(tmp_path: Path, vesselsplat: Cli) -> None:
     assert facts["frame_rate"] == {"frames_per_second": 10.0, "steady": True}
     assert facts["size"] == [64, 48]
     assert facts["next"][0] == f"vesselsplat enhance {path} OUT.mp4"
+    assert facts["lens"] == {"distortion": None}
+    said = "treated as free of distortion: of a camera that moves --depth motion finds it"
+    assert f"lens         {said}, --calibration gives it\n" in vesselsplat("info", path).out
 
 
 def test_a_video_has_the_rate_and_the_frames_that_the_window_tells(tmp_path: Path, vesselsplat: Cli) -> None:

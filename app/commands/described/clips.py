@@ -108,6 +108,7 @@ def of_video(path: Path) -> tuple[Fact, ...]:
         Fact("sound", header.sound or "none", header.sound),
         *_eyes(header.stereo),
         Fact("camera", _assumed(), {"field_of_view": DEFAULTS.view_angle, "assumed": True}),
+        _lens(has_motion=header.stereo is None and frames != 1),
         Fact("unit", "scene units"),
         *notices([*filter(None, [cut, hint])]),
         next_steps(path, *_video_steps(header.stereo, looks)),
@@ -152,6 +153,8 @@ def _facts(path: Path, clip: Clip) -> Iterator[Fact]:
     yield _depth(clip, frames)
     yield _masks(frames)
     yield _camera(clip)
+    if is_seen_by_assumption(clip):
+        yield _lens(has_motion=len(clip) > 1 and not stereo)
     yield Fact("unit", clip.unit)
     yield Fact("held out", count(len(clip.test_indices), "frame"), len(clip.test_indices))
     missing = list(_missing(clip))
@@ -254,6 +257,12 @@ def _way(cameras: Sequence[Camera]) -> float:
 
 def _assumed() -> str:
     return f"field of view {DEFAULTS.view_angle:g} degrees assumed (--field-of-view, or --calibration)"
+
+
+def _lens(*, has_motion: bool) -> Fact:
+    """Of which no calibration is known; `has_motion`: that of a camera may tell it."""
+    found = "of a camera that moves --depth motion finds it, " if has_motion else ""
+    return Fact("lens", f"treated as free of distortion: {found}--calibration gives it", {"distortion": None})
 
 
 def _missing(clip: Clip) -> Iterator[str]:
