@@ -84,7 +84,7 @@ def _reading(evaluation: Evaluation) -> tuple[object, ...]:
     """What says which frames there are, and which of them are held out."""
     options = evaluation.record.clip.options
     of_video = (options.deinterlacing, options.stereo) if evaluation.clip.format == "video" else ()
-    return options.frame_step, options.split, *of_video
+    return options.frame_step, options.split, options.calibration, *of_video
 
 
 def _over_the_same_pixels(one: Evaluation, other: Evaluation) -> bool:

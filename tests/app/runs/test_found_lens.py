@@ -35,6 +35,7 @@ from renderer.readers.lenses.calibration import Calibration, LensCalibration
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Progress, Started, TrainEvent, Warned
+from tests.app.conftest import Cli
 
 CONFIG = TrainConfig(iterations=6, n_gaussians=300, checkpoint_every=2)
 LEFT_OUT = replace(CONFIG, leave_out=("lens",))
@@ -218,3 +219,14 @@ def test_images_that_are_masked_by_hand_stay_as_they_are(images: Path, tmp_path:
     enhanced = request_of_images(images, tmp_path / "run", part=part, input="enhanced")
     list(run_training(replace(enhanced, enhance_params=EnhanceParams(d_factor=0.5))))
     assert RunFolder(tmp_path / "run").record().clip.options == MOTION
+
+
+def test_it_is_not_compared_with_a_run_on_images_as_they_are(
+    images: Path, tmp_path: Path, finding: Find, vesselsplat: Cli
+) -> None:
+    finding()
+    list(run_training(request_of_images(images, tmp_path / "run")))
+    list(run_training(request_of_images(images, tmp_path / "bent", config=LEFT_OUT)))
+    call = vesselsplat("evaluate", tmp_path / "run", "--against", tmp_path / "bent")
+    assert call.code == 2
+    assert "expected a run on frames that were read in the same way" in call.error
