@@ -1,7 +1,7 @@
 """What the endoscope sees of a picture: the field of view inside a dark surround.
 
 It is convex, round, octagonal, or either of these cropped by the picture; or several such parts, as of two
-eyes side by side. `field_search` finds it.
+eyes side by side, whether a surround divides them or not. `field_search` finds it.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import product
 from typing import Annotated, Final, Self
 
 import cv2
@@ -62,7 +61,7 @@ class FieldOfView:
     polygon: Annotated[tuple[Corner, ...], Len(3, MOST_CORNERS)] | None = None
     """Corners of a convex outline, in order."""
     parts: Annotated[tuple[FieldOfView, ...], Len(2, MOST_PARTS)] | None = None
-    """A circle or a polygon each, apart from each other. None of all three: the whole picture."""
+    """A circle or a polygon each; they may share pixels. None of all three: the whole picture."""
 
     @model_validator(mode="after")
     def _has_one_outline(self) -> Self:
@@ -204,9 +203,8 @@ def _fill_row(left: float, right: float, width: int, span: NDArray[np.int32]) ->
 def overlap(one: FieldOfView, other: FieldOfView) -> float:
     """Intersection over union of two fields of one picture size, in [0, 1]."""
     ones, others = _bounds(one), _bounds(other)
-    shared = sum(_common(*pair) for pair in product(ones, others))
-    total = sum(_common(bound, bound) for bound in (*ones, *others)) - shared
-    return shared / total if total else 1.0
+    together = _count(ones + others)
+    return (_count(ones) + _count(others) - together) / together if together else 1.0
 
 
 def _bounds(field: FieldOfView) -> list[Spans]:
@@ -216,10 +214,15 @@ def _bounds(field: FieldOfView) -> list[Spans]:
     return [one.spans() for one in field.parts or (field,)]
 
 
-def _common(one: Spans, other: Spans) -> int:
-    """Pixels in both."""
-    ends, firsts = np.minimum(one[:, 1], other[:, 1]), np.maximum(one[:, 0], other[:, 0])
-    return int(np.maximum(ends - firsts, 0).sum())
+def _count(bounds: list[Spans]) -> int:
+    """Pixels in any of these."""
+    spans = np.array(bounds)
+    order = spans[..., :1].argsort(axis=0)
+    first, end = np.moveaxis(np.take_along_axis(spans, order, axis=0), 2, 0)
+    # Of each row, from left to right: what the parts before have not reached.
+    reached = np.maximum.accumulate(end, axis=0)
+    new = reached - np.maximum(first, np.vstack((np.zeros_like(first[:1]), reached[:-1])))
+    return int(np.maximum(new, 0).sum())
 
 
 def typical(fields: Sequence[FieldOfView]) -> FieldOfView:

@@ -11,6 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enhance.field import MOST_CORNERS, FieldOfView, beyond
+from enhance.field_circle import Points, circle_through, median, tolerance_of
 from enhance.image import AnyImage, BoolImage, full_scale
 
 RAYS: Final = MOST_CORNERS
@@ -24,6 +25,8 @@ RUN, MOST_DARK = 5, 1
 """Of so many pixels in a row, at most so many are dark where the field begins: single ones are noise."""
 LEAST_ON_CIRCLE: Final = 0.7
 """Of the rays: with fewer the outline is no circle."""
+LEAST_HALF: Final = 0.5
+"""The same of one of two fields that touch."""
 AHEAD: Final = float(np.cos(np.radians(16)))
 """Of rays so near an upright, level or diagonal one the middle tells how far a circle reaches there."""
 LEAST_CUT: Final = 0.04
@@ -39,10 +42,13 @@ STRAIGHT: Final = 0.97
 MOST_SLANT: Final = 2.0
 """Degrees of a straight rim from upright, level or half way between, as bars and octagons run; the edge of a
 shadow or drape runs anyhow."""
+LEAST_RISE: Final = 15.0
+"""Grey levels from dark to lit, for the width of a rim to be told."""
+SOFT_PX, SOFT = 1.0, 0.0044
+"""Pixels, and a share of the longer side of the picture: a wider rim that the border of the picture crops is
+the edge of a shadow."""
 LEAST_FREE: Final = 0.9
 """Of the rays: a field that ends so often within the picture lies free in it."""
-CIRCLE_TOLERANCE: Final = 1.5
-"""Pixels, or so many thousandths of the radius where that is more, that a point may lie off a circle."""
 BEYOND: Final = 4.0
 """Pixels outside the picture, where the outline goes on: none of the border is left out."""
 NEAR: Final = 2.0
@@ -50,7 +56,6 @@ NEAR: Final = 2.0
 FINE: Final = 16
 """Bins of a grey level."""
 
-Points = NDArray[np.float64]
 Samples = NDArray[np.float32]
 _ANGLES: Final = np.arange(RAYS) * (2 * np.pi / RAYS)
 ALONG: Final = np.stack((np.cos(_ANGLES), np.sin(_ANGLES)), axis=1)
@@ -69,6 +74,9 @@ class Rim:
     """(N,) by the border of the picture."""
     lit: BoolImage
     """(N,) up to there, and dark beyond; not so where a ray sees nothing but dark, and of corners."""
+    width: float
+    """Pixels from dark to lit, the median of what ends within the picture; 0: not told, of a field that lies
+    free of the border among others."""
 
 
 def left_along_rays(pixels: AnyImage, outline: Points, threshold: float, most: float, pixel: int) -> Rim:
@@ -87,7 +95,8 @@ def left_along_rays(pixels: AnyImage, outline: Points, threshold: float, most: f
     values = _unrolled(colors, 255 / full_scale(pixels.dtype), middle, far, REACH * pixel)
     threshold = max(threshold, min(_noise_ends(values, int(REACH * pixel)), most))
     height, width = pixels.shape[:2]
-    return Rim(*_left(values, middle, far, threshold, pixel, np.array([width, height], np.float64)))
+    ends = _left(values, middle, far, threshold, pixel, np.array([width, height], np.float64))
+    return Rim(*ends, width=0.0 if _are_free(ends[1]) else _width(values, ends[2], pixel))
 
 
 @njit(cache=True, error_model="numpy")
@@ -203,6 +212,29 @@ def _left(
     return points[:count], cropped[:count], lit[:count]
 
 
+@njit(cache=True, error_model="numpy")
+def _width(values: Samples, lit: BoolImage, pixel: int) -> float:
+    """`Rim.width`: of each ray between a fifth and four fifths of the way from the mean of its outer samples
+    to that of its inner ones, `pixel` each."""
+    widths, count = np.empty(RAYS), 0
+    for ray in range(RAYS):
+        end = values.shape[1]
+        while end > pixel and values[ray, end - 1] < 0:
+            end -= 1
+        inner, outer = values[ray, :pixel].mean(), values[ray, end - pixel : end].mean()
+        if not lit[ray] or inner - outer < LEAST_RISE:
+            continue
+        first = last = end - 1
+        while first > 0 and values[ray, first] <= outer + 0.2 * (inner - outer):
+            first -= 1
+        last = first
+        while last > 0 and values[ray, last] < outer + 0.8 * (inner - outer):
+            last -= 1
+        widths[count] = first - last
+        count += 1
+    return median(widths[:count]) if count > 0 else 0.0
+
+
 @njit(error_model="numpy")
 def _last_lit(values: Samples, threshold: float) -> int:
     """The place of the outermost sample that begins a bright run inwards; -1: none does."""
@@ -226,29 +258,67 @@ def _move_beyond(point: Points, ends: Points, margin: float) -> None:
             point[axis] = ends[axis] + BEYOND
 
 
+def cropped_by(rim: Rim, other: BoolImage) -> Rim:
+    """Cropped by another field, too: points that lie in it tell nothing of this one."""
+    return replace(rim, cropped=rim.cropped | other, lit=rim.lit & ~other)
+
+
 def fitted(rim: Rim, whole: FieldOfView, least: float) -> FieldOfView:
     """A circle where most points lie on one, without what straight lines cut off it, else the convex hull of
-    all, in the picture that is `whole`; all of it where the hull ends in shade, or where less than
-    `least` of its rim runs as circles and frames do, unless it lies free of the border."""
-    free, arc = rim.points[~rim.cropped], 1.0
-    if len(free) >= RAYS // 6:
-        *circle, share = _circle(free)
-        x, y, radius = (round(value, 2) for value in circle)
-        across, down = (rim.points.max(axis=0) + rim.points.min(axis=0)) / 2
-        # Points on a straight line lie on a circle, too: a large one, on either side.
-        is_round = radius < max(whole.width, whole.height) and np.hypot(across - x, down - y) < radius
-        arc = share if is_round else 0.0
-        if arc >= LEAST_ON_CIRCLE:
-            return _cut(FieldOfView(whole.width, whole.height, circle=(x, y, radius)), rim)
+    all, in the picture that is `whole`; all of it where the rim is that of a shadow, or where less than
+    `least` of it runs as circles and frames do, unless it lies free of the border."""
+    if _fades(rim, whole):
+        return whole
+    through = _through(rim, whole)
+    if through is not None and through[1] >= LEAST_ON_CIRCLE:
+        return _cut(replace(whole, circle=through[0]), rim)
+    # Too few points tell nothing of their shape.
+    arc = 1.0 if through is None else through[1]
     hull = cv2.convexHull(rim.points.astype(np.float32))
     corners = cv2.approxPolyDP(hull, 0.7, closed=True)[:, 0]
     outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
     within = ~(outside & np.roll(outside, -1, axis=0)).any(axis=1)
     sides = (np.roll(corners, -1, axis=0) - corners)[within]
-    shape = 1.0 if len(free) > LEAST_FREE * RAYS else arc + _straight_share(sides)
+    shape = 1.0 if _are_free(rim.cropped) else arc + _straight_share(sides)
     if (arc < LEAST_ARC and _is_shade(sides)) or shape < least:
         return whole
     return _polygon(corners, whole)
+
+
+def are_two_circles(one: Rim, other: Rim, whole: FieldOfView) -> bool:
+    """Whether two rims lie on circles, one of which may be half in the shade, neither about the other's
+    middle."""
+    first, second = _through(one, whole), _through(other, whole)
+    if first is None or second is None:
+        return False
+    shares = sorted((first[1], second[1]))
+    (x, y, radius), (to_x, to_y, to_radius) = first[0], second[0]
+    apart = np.hypot(to_x - x, to_y - y)
+    return bool(shares[0] >= LEAST_HALF and shares[1] >= LEAST_ON_CIRCLE and apart > max(radius, to_radius))
+
+
+def _through(rim: Rim, whole: FieldOfView) -> tuple[tuple[float, float, float], float] | None:
+    """The circle through what ends within the picture, and the share of these points on it, 0 where it is
+    none of the picture; None: too few to tell."""
+    free = rim.points[~rim.cropped]
+    if len(free) < RAYS // 6:
+        return None
+    *circle, share = circle_through(free)
+    x, y, radius = (round(value, 2) for value in circle)
+    across, down = (rim.points.max(axis=0) + rim.points.min(axis=0)) / 2
+    # Points on a straight line lie on a circle, too: a large one, on either side.
+    is_near = radius < max(whole.width, whole.height) and np.hypot(across - x, down - y) < radius
+    return (x, y, radius), share if is_near else 0.0
+
+
+def _are_free(cropped: BoolImage) -> bool:
+    """Whether a field lies free of the border, of which parts of its rim are cropped."""
+    return int(np.count_nonzero(~cropped)) > LEAST_FREE * RAYS
+
+
+def _fades(rim: Rim, whole: FieldOfView) -> bool:
+    """Whether tissue fades towards it, as in a shadow."""
+    return rim.width > SOFT_PX + SOFT * max(whole.width, whole.height)
 
 
 def _polygon(corners: NDArray[Any], whole: FieldOfView) -> FieldOfView:
@@ -273,7 +343,7 @@ def _cut(field: FieldOfView, rim: Rim) -> FieldOfView:
 def _straight_levels(points: Points, lit: BoolImage, radius: float) -> Points:
     """How far from its middle a straight line cuts a circle, in each direction of OUTWARD; the radius where
     none does. points: about the middle."""
-    levels, tolerance = np.full(len(OUTWARD), radius), _tolerance(radius)
+    levels, tolerance = np.full(len(OUTWARD), radius), tolerance_of(radius)
     depths, away = np.empty(RAYS), np.sqrt(points[:, 0] ** 2 + points[:, 1] ** 2)
     for turn in range(len(OUTWARD)):
         count = 0
@@ -282,7 +352,7 @@ def _straight_levels(points: Points, lit: BoolImage, radius: float) -> Points:
             if depth > AHEAD * away[ray]:
                 depths[count] = depth
                 count += 1
-        level = _median(depths[:count]) if count > 0 else radius
+        level = median(depths[:count]) if count > 0 else radius
         if not 0 < level < radius - max(LEAST_CUT * radius, 2 * tolerance):
             continue
         passing, straight = 0, 0
@@ -296,11 +366,6 @@ def _straight_levels(points: Points, lit: BoolImage, radius: float) -> Points:
     return levels
 
 
-@njit(error_model="numpy")
-def _tolerance(radius: float) -> float:
-    return float(max(CIRCLE_TOLERANCE, CIRCLE_TOLERANCE * radius / 1000))
-
-
 def _is_shade(sides: NDArray[Any]) -> bool:
     """Whether (N, 2) sides of a polygon are one straight line that runs as no frame does."""
     whole = sides.sum(axis=0, keepdims=True)
@@ -312,73 +377,3 @@ def _straight_share(sides: NDArray[Any]) -> float:
     """Of the length of (N, 2) sides, what runs as frames do."""
     lengths, turns = np.hypot(sides[:, 0], sides[:, 1]), np.degrees(np.arctan2(sides[:, 1], sides[:, 0])) % 45
     return float(lengths[np.minimum(turns, 45 - turns) <= MOST_SLANT].sum() / max(lengths.sum(), 1.0))
-
-
-@njit(cache=True, error_model="numpy")
-def _circle(points: Points) -> tuple[float, float, float, float]:
-    """Middle, x and y, and radius through most of the points (Kasa, IEEE Trans. Instrum. Meas. 25, 1976; the
-    worst are left out again and again), and the share of points on it."""
-    apart, most = np.zeros(len(points)), 0.0
-    x, y, radius, tolerance = 0.0, 0.0, 0.0, 0.0
-    for _ in range(6):
-        x, y, radius = _kasa(points, apart, most)
-        for i in range(len(points)):
-            apart[i] = abs(np.sqrt((points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2) - radius)
-        tolerance = _tolerance(radius)
-        most = max(tolerance, 2 * _median(apart))
-    near = 0
-    for i in range(len(points)):
-        near += apart[i] <= tolerance
-    return x, y, radius, near / len(points)
-
-
-@njit(error_model="numpy")
-def _median(values: Points) -> float:
-    """Of at least one value (Hoare, CACM 4(7), 1961); numba's own takes seconds to compile."""
-    rest = values.copy()
-    place, low, high = len(rest) // 2, 0, len(rest) - 1
-    while low < high:
-        pivot, i, j = rest[(low + high) // 2], low, high
-        while i <= j:
-            while rest[i] < pivot:
-                i += 1
-            while rest[j] > pivot:
-                j -= 1
-            if i <= j:
-                rest[i], rest[j] = rest[j], rest[i]
-                i, j = i + 1, j - 1
-        low, high = (i if place >= i else low), (j if place <= j else high)
-        if j < place < i:
-            break
-    below = rest[place]
-    if len(rest) % 2 == 0:
-        below = rest[0]
-        for i in range(place):
-            below = max(below, rest[i])
-    return float(0.5 * (below + rest[place]))
-
-
-@njit(error_model="numpy")
-def _kasa(points: Points, apart: Points, most: float) -> tuple[float, float, float]:
-    """Middle and radius of the circle through the points that lie so far apart at most; radius 0 where these
-    lie on a line.
-
-    About their mean the third normal equation, which gives the radius, stands alone.
-    """
-    count, x, y = 0, 0.0, 0.0
-    for i in range(len(points)):
-        if apart[i] <= most:
-            count, x, y = count + 1, x + points[i, 0], y + points[i, 1]
-    x, y = x / count, y / count
-    xx, xy, yy, right_x, right_y = 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(len(points)):
-        if apart[i] <= most:
-            across, down = points[i, 0] - x, points[i, 1] - y
-            square = across * across + down * down
-            xx, xy, yy = xx + across * across, xy + across * down, yy + down * down
-            right_x, right_y = right_x + across * square, right_y + down * square
-    below = 2 * (xx * yy - xy * xy)
-    if below <= 0:
-        return x, y, 0.0
-    to_x, to_y = (yy * right_x - xy * right_y) / below, (xx * right_y - xy * right_x) / below
-    return x + to_x, y + to_y, np.sqrt((xx + yy) / count + to_x**2 + to_y**2)

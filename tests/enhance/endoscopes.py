@@ -18,6 +18,7 @@ APART = (
     "circle and inset",
     "four rectangles",
 )
+TOUCHING = ("two that touch", "two that overlap", "a large and a small one")
 
 
 def outline(name: str, height: int = 240, width: int = 320) -> BoolImage:
@@ -27,6 +28,15 @@ def outline(name: str, height: int = 240, width: int = 320) -> BoolImage:
         across, down = np.abs(x - width / 2), np.abs(y - height / 2)
         cut = 0.72 * (0.45 * width + 0.45 * height)
         return np.asarray((across < 0.45 * width) & (down < 0.45 * height) & (across + down < cut))
+    if name in TOUCHING:
+        # Middles across, and radii, by the width.
+        at, other, radius, small = {
+            "two that touch": (0.28, 0.7, 0.22, 0.21),
+            "two that overlap": (0.3, 0.7, 0.23, 0.23),
+            "a large and a small one": (0.32, 0.7, 0.27, 0.14),
+        }[name]
+        circles = ((np.hypot(x - a * width, y - height / 2), r) for a, r in ((at, radius), (other, small)))
+        return np.asarray(np.any([away < r * width for away, r in circles], axis=0))
     if name in APART:
         return _apart(name, x / width, y / height, width / height)
     if name == "D":

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from enhance.field_circle import CIRCLE_TOLERANCE, Points
 from enhance.field_rim import (
     AHEAD,
     BEYOND,
-    CIRCLE_TOLERANCE,
     DEVIATIONS,
     LEAST_CUT,
     LEAST_STRAIGHT,
@@ -16,7 +16,6 @@ from enhance.field_rim import (
     RAYS,
     REACH,
     RIM,
-    Points,
 )
 from enhance.image import AnyImage, BoolImage, full_scale
 

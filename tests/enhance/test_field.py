@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from enhance.field import FieldOfView, overlap, typical
 from enhance.field_search import find_field
 from enhance.image import BoolImage
-from tests.enhance.endoscopes import APART, OUTLINES, agreement, labelled, outline, seen_in
+from tests.enhance.endoscopes import APART, OUTLINES, TOUCHING, agreement, labelled, outline, seen_in
 from tests.enhance.pictures import as_type
 
 RIM = 8
@@ -107,6 +107,71 @@ def test_fields_beside_each_other_are_found_each(name: str, black: float, noise:
     field = found(labelled(seen_in(fields, black=black, noise=noise)))
     assert_found(field.mask(), fields)
     assert len(field.parts or ()) == cv2.connectedComponents(fields.astype(np.uint8))[0] - 1
+
+
+@pytest.mark.parametrize("name", TOUCHING)
+@pytest.mark.parametrize(("black", "noise"), [(0, 0), (3, 4), (18, 2)])
+@pytest.mark.parametrize("size", [(240, 320), (540, 960)])
+def test_round_fields_that_touch_are_found_each(
+    name: str, black: float, noise: float, size: tuple[int, int]
+) -> None:
+    fields = outline(name, *size)
+    field = found(labelled(seen_in(fields, black=black, noise=noise)))
+    mask = field.mask()
+    assert not mask[~fields].any()
+    assert agreement(mask, fields) > 0.93
+    assert len(field.parts or ()) == 2
+    assert overlap(field, field) == 1
+
+
+@pytest.mark.parametrize("width", [10, 20])
+def test_a_round_field_between_the_tips_of_two_dark_tools_is_one(width: int) -> None:
+    field = outline("circle")
+    y, x = np.mgrid[:240, :320] + 0.5
+    image = seen_in(field & ((abs(x - 160) > width) | (abs(y - 120) < 20)))
+    assert_found(found(image).mask(), field)
+
+
+INSET = np.s_[150:198, 252:308]
+
+
+@pytest.mark.parametrize(("kind", "is_field"), [("tissue", True), ("grey", False), ("even", False)])
+def test_a_small_inset_is_field_where_it_looks_as_the_large_one_does(kind: str, is_field: bool) -> None:
+    """Such as an overview, not a menu or an image of another kind."""
+    y, x = np.mgrid[:240, :320] + 0.5
+    field = np.hypot(x - 120, y - 120) < 108
+    image = labelled(seen_in(field))
+    inset = seen_in(np.ones((48, 56), bool), seed=5)
+    image[INSET] = {"tissue": inset, "grey": inset.mean(axis=2, keepdims=True), "even": (200, 110, 95)}[kind]
+    field[INSET] = is_field
+    assert_found(found(image).mask(), field)
+
+
+@pytest.mark.parametrize("size", [(240, 320), (720, 1280)])
+@pytest.mark.parametrize("turn", [0, 1, 2, 3])
+@pytest.mark.parametrize(("fade", "is_field"), [(0.0008, False), (0.006, True), (0.02, True)])
+def test_an_arc_of_shade_is_tissue_and_one_with_a_sharp_end_is_surround(
+    size: tuple[int, int], turn: int, fade: float, is_field: bool
+) -> None:
+    """A shadow fades within more of the width of the image than the rim of a field is blurred."""
+    height, width = size
+    y, x = np.mgrid[:height, :width] + 0.5
+    away = np.hypot(x - 0.2 * width, y - height / 2) / width - 0.58
+    lit = 0.01 + 0.99 / (1 + np.exp(away / fade))
+    image = np.rot90((seen_in(np.ones(size, bool)) * lit[..., None]).astype(np.uint8), turn)
+    field = found(image)
+    assert field.is_whole == is_field
+    if not is_field:
+        assert_found(field.mask(), np.rot90(away < 0, turn), 8 * width // 320)
+
+
+@given(st.lists(st.tuples(st.floats(0, 60), st.floats(0, 50), st.floats(1, 40)), min_size=2, max_size=4))
+def test_the_overlap_of_parts_that_share_pixels_is_that_of_the_masks(
+    circles: list[tuple[float, float, float]],
+) -> None:
+    parts = tuple(FieldOfView(60, 50, circle=circle) for circle in circles)
+    field, other = FieldOfView(60, 50, parts=parts), FieldOfView(60, 50, circle=(30.0, 20.0, 15.0))
+    assert overlap(field, other) == agreement(field.mask(), other.mask())
 
 
 @pytest.mark.parametrize("turn", [0, 1, 2, 3])

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from enhance import field_rim, field_search
+from enhance import field_circle, field_outline, field_rim, field_search
 from enhance.field import FieldOfView
-from enhance.field_rim import RAYS, Points, left_along_rays
+from enhance.field_circle import Points
+from enhance.field_rim import RAYS, left_along_rays
 from enhance.field_search import find_field
 from tests.enhance import field_oracle
 from tests.enhance.endoscopes import OUTLINES, outline, seen_in
@@ -55,7 +56,7 @@ def test_the_circle_is_the_one_that_numpy_finds(seed: int, stray: float, noise: 
     angles = rng.uniform(0, 2 * np.pi, int(rng.integers(RAYS // 6, RAYS)))
     off = rng.normal(0, noise, len(angles)) + np.where(rng.random(len(angles)) < stray, -30, 0)
     points = middle + (radius + off)[:, None] * np.stack((np.cos(angles), np.sin(angles)), axis=1)
-    *circle, share = field_rim._circle(points)
+    *circle, share = field_circle.circle_through(points)
     exact, exact_share = field_oracle.circle_of(points)
     assert np.allclose(circle, exact, atol=1e-6)
     assert share == pytest.approx(exact_share, abs=1 / len(points))
@@ -77,7 +78,7 @@ def test_a_circle_is_cut_where_numpy_cuts_it(seed: int, depth: float, noise: flo
 
 def test_points_on_a_line_lie_on_no_circle_of_the_picture() -> None:
     points = np.stack((np.linspace(3, 90, 60), np.linspace(2, 31, 60)), axis=1)
-    rim = field_rim.Rim(np.concatenate((points, [(50.0, 60.0)])), np.zeros(61, bool), np.ones(61, bool))
+    rim = field_rim.Rim(np.concatenate((points, [(50.0, 60.0)])), np.zeros(61, bool), np.ones(61, bool), 0.0)
     assert field_rim.fitted(rim, FieldOfView(100, 80), 0.0).circle is None
 
 
@@ -100,7 +101,7 @@ def test_tones_and_surroundings_are_those_of_numpy(seed: int) -> None:
         ring.sum(),
         (low[ring] > threshold + 10).sum(),
     )
-    assert field_search._around(low, lit, field, threshold) == expected
+    assert field_outline.around(low, lit, field, threshold) == expected
 
 
 @given(st.integers(0, 9999))
@@ -109,11 +110,11 @@ def test_large_parts_are_those_of_opencv(seed: int) -> None:
     height, width = rng.integers(2, 40, 2).tolist()
     lit = (rng.random((height, width)) < rng.random()).astype(np.uint8)
     count, labels, facts, _ = cv2.connectedComponentsWithStats(lit, connectivity=4)
-    area, ends = field_search._parts(labels, count)
+    area, ends = field_outline.parts_of(labels, count)
     areas = facts[1:, cv2.CC_STAT_AREA]
     assert area == (areas.max() if len(areas) else 0)
     if area:
-        y, x = np.nonzero(np.isin(labels, 1 + np.flatnonzero(areas >= field_search.LEAST_PART * area)))
+        y, x = np.nonzero(np.isin(labels, 1 + np.flatnonzero(areas >= field_outline.LEAST_PART * area)))
         rows = {row: (x[y == row].min(), x[y == row].max()) for row in set(y.tolist())}
         assert ends.tolist() == [[at, row] for row, both in sorted(rows.items()) for at in both]
 

@@ -1,0 +1,201 @@
+"""What of a small copy of the picture is lit, and whether a surround lies around it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import cv2
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from enhance.field_circle import Points
+
+STEP: Final = 10.0
+"""Grey levels that a field is above the surround at least, and above the threshold within two small pixels
+of a sharp rim."""
+LEAST_SURROUND: Final = 0.01
+"""Of the picture: smaller dark corners are shadow."""
+LEAST_FIELD: Final = 0.05
+"""Of the picture: with less the picture is too dark to tell."""
+LEAST_PART: Final = 0.2
+"""Of the largest lit part: others so large are field, too, as of stereo images and of a field that a tool
+divides; smaller ones are text and boxes."""
+MOST_SWALLOWED: Final = 0.12
+"""Of what is dark and touches the border: a shadow on tissue lies within the convex outline, a surround
+hardly at all."""
+LEAST_DENTS: Final = 0.015
+"""Of the convex outline: with less that is dark in it, it is no outline of two fields that touch."""
+LEAST_DARK: Final = 0.75
+"""Of what lies outside the outline; text and boxes are the rest."""
+LEAST_SHARP: Final = 0.5
+"""Of the outline: there the picture rises by another STEP within two small pixels; a shadow fades."""
+
+SQUARE: Final = np.ones((3, 3), np.uint8)
+Levels = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """What of the small copy is brighter than the threshold."""
+
+    threshold: float
+    pixels: Levels
+    """(h, w), 1 there."""
+    labels: NDArray[np.int32]
+    """(h, w), of connected parts, but for specks, from 1."""
+    count: int
+    """One more than these."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """Of what is lit in the small copy."""
+
+    corners: Points
+    """(N, 2), x and y, of its convex hull; none: it has no surround."""
+    is_convex: bool
+    """What is dark does not dent it."""
+    is_dented: bool
+    """What is dark and touches the border takes some of it, be it little."""
+
+
+def lit_above(low: Levels, threshold: float) -> Lit:
+    lit = np.asarray(cv2.threshold(low, threshold, 1, cv2.THRESH_BINARY)[1], np.uint8)
+    count, labels = cv2.connectedComponents(cv2.morphologyEx(lit, cv2.MORPH_OPEN, SQUARE), connectivity=4)
+    return Lit(threshold, lit, np.asarray(labels, np.int32), count)
+
+
+def outline_of(low: Levels, lit: Lit) -> Outline | None:
+    """Of what is brighter; None: too dark to tell."""
+    area, ends = parts_of(lit.labels, lit.count)
+    if area == 0 or area < LEAST_FIELD * low.size:
+        return None
+    hull = cv2.convexHull(ends)
+    field = filled(low, hull)
+    if not is_framed(low, lit, field):
+        return Outline(np.empty((0, 2)), is_convex=True, is_dented=False)
+    dents, reached = _dents(lit.pixels, field)
+    is_dented = dents >= LEAST_DENTS * int(np.count_nonzero(field))
+    return Outline(hull[:, 0].astype(np.float64), dents <= MOST_SWALLOWED * reached, is_dented)
+
+
+def filled(low: Levels, hull: NDArray[Any]) -> Levels:
+    """1 within, 0 without."""
+    field = np.zeros_like(low)
+    cv2.fillConvexPoly(field, hull, 1)
+    return field
+
+
+@njit(cache=True, error_model="numpy")
+def parts_of(labels: NDArray[np.int32], count: int) -> tuple[int, NDArray[np.int32]]:
+    """Pixels of the largest part, 0 where there is none; the (N, 2) ends, x and y, of rows of large ones."""
+    height, width = labels.shape
+    areas = np.zeros(count, np.int64)
+    for y in range(height):
+        label, since = labels[y, 0], 0
+        for x in range(1, width):
+            if labels[y, x] != label:
+                areas[label] += x - since
+                label, since = labels[y, x], x
+        areas[label] += width - since
+    areas[0] = 0
+    largest = areas.max()
+    is_large = areas >= max(LEAST_PART * largest, 1.0)
+    ends, found = np.empty((2 * height, 2), np.int32), 0
+    for y in range(height if largest > 0 else 0):
+        first, last = 0, width - 1
+        while first < width and not is_large[labels[y, first]]:
+            first += 1
+        if first < width:
+            while not is_large[labels[y, last]]:
+                last -= 1
+            ends[found, 0], ends[found + 1, 0] = first, last
+            ends[found, 1] = ends[found + 1, 1] = y
+            found += 2
+    return largest, ends[:found]
+
+
+def is_framed(low: Levels, lit: Lit, field: Levels) -> bool:
+    """Whether what lies outside the convex field is a surround, not shadow on tissue."""
+    outside, dark, rim, sharp = around(low, lit.pixels, field, lit.threshold)
+    return is_surround(low, outside, dark) and is_sharp(rim, sharp)
+
+
+def is_surround(low: Levels, outside: int, dark: int) -> bool:
+    """Of the pixels outside of a field."""
+    return outside >= LEAST_SURROUND * low.size and dark >= LEAST_DARK * outside
+
+
+def is_sharp(rim: int, sharp: int) -> bool:
+    """Of a field's rim."""
+    return rim > 0 and sharp >= LEAST_SHARP * rim
+
+
+def is_convex(lit: Levels, field: Levels) -> bool:
+    """Whether hardly any of what is dark and touches the border lies within the field."""
+    dents, reached = _dents(lit, field)
+    return dents <= MOST_SWALLOWED * reached
+
+
+def _dents(lit: Levels, field: Levels) -> tuple[int, int]:
+    """Pixels of what is dark and touches the border within the field, and in all."""
+    # From a dark frame around it all.
+    framed = cv2.copyMakeBorder(lit, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    cv2.floodFill(framed, None, (0, 0), 2)
+    reached = framed[1:-1, 1:-1] == 2
+    return int(np.count_nonzero(reached & (field > 0))), int(np.count_nonzero(reached))
+
+
+@njit(cache=True, error_model="numpy")
+def around(low: Levels, lit: Levels, field: Levels, threshold: float) -> tuple[int, int, int, int]:
+    """Pixels outside the field and how many of them are dark; pixels of a ring within it, one away from its
+    outline, and how many of them are bright."""
+    height, width = low.shape
+    spans = np.zeros((height, 2), np.int64)
+    outside, dark = 0, 0
+    for y in range(height):
+        first, end = 0, width
+        while first < width and field[y, first] == 0:
+            first += 1
+        while end > first and field[y, end - 1] == 0:
+            end -= 1
+        if first < end:
+            spans[y, 0], spans[y, 1] = first, end
+        outside += width - (end - first)
+        for x in range(first):
+            dark += 1 - lit[y, x]
+        for x in range(end, width):
+            dark += 1 - lit[y, x]
+    once = _eroded(spans, width)
+    twice = _eroded(once, width)
+    rim, sharp = 0, 0
+    for y in range(height):
+        first, end = once[y, 0], once[y, 1]
+        inner, outer = twice[y, 0], twice[y, 1]
+        if inner >= outer:
+            inner = outer = end
+        rim += inner - first + end - outer
+        for x in range(first, inner):
+            sharp += low[y, x] > threshold + STEP
+        for x in range(outer, end):
+            sharp += low[y, x] > threshold + STEP
+    return outside, dark, rim, sharp
+
+
+@njit(error_model="numpy")
+def _eroded(spans: NDArray[np.int64], width: int) -> NDArray[np.int64]:
+    """First and after last column of each row, less a pixel all around; what lies beyond the picture counts
+    as field."""
+    rows = len(spans)
+    eroded = np.zeros((rows, 2), np.int64)
+    for y in range(rows):
+        first, end = 0, width
+        for beside in range(max(y - 1, 0), min(y + 2, rows)):
+            left, right = spans[beside, 0], spans[beside, 1]
+            first = max(first, left + 1 if left > 0 or right == 0 else 0)
+            end = min(end, right - 1 if right < width else width)
+        if first < end:
+            eroded[y, 0], eroded[y, 1] = first, end
+    return eroded
