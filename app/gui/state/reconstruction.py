@@ -73,6 +73,8 @@ class Reconstruction:
     """On the window's clock."""
     finishing: Finishing | None = None
     """What is done after its last step."""
+    finishing_at: float = 0.0
+    """When that began, on the window's clock."""
     progress: Progress | None = None
     told: TrainingLog = EMPTY_LOG
     """For the curves: also of the run's earlier processes."""

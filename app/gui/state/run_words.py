@@ -18,6 +18,7 @@ STATUS: Final = {
 CANCELLING: Final = "Cancelling…"
 FIRST_STEP: Final = "Preparing the first iteration…"
 COMPILING: Final = "Compiling once…"
+LATE: Final = "longer than expected"
 KEEPS: Final = "The iterations that are done are kept: Continue resumes from there."
 """Of a run that is cancelled."""
 LONG_STEP: Final = 5.0
@@ -33,7 +34,7 @@ def doing(state: AppState) -> str:
         case "starting" if run.preparing is not None:
             return _preparing(run.preparing)
         case "running" if run.finishing is not None:
-            return _finishing(run.finishing)
+            return _finishing(run.finishing, state.window.now - run.finishing_at)
         case "running":
             return _first(state, run) if run.progress is None else _step(run.progress)
         case "paused" if run.progress is not None:
@@ -57,8 +58,10 @@ def _preparing(stage: Preparing) -> str:
     return f"{capital(stage.stage)}{count}{left}"
 
 
-def _finishing(stage: Finishing) -> str:
-    return f"{capital(stage.stage)} · {rounded(stage.seconds_left)} left"
+def _finishing(stage: Finishing, seconds: float) -> str:
+    """It has gone on for so long: what was left when it began has become less, or was too little."""
+    left = stage.seconds_left - seconds
+    return f"{capital(stage.stage)} · {f'{rounded(left)} left' if left > 0 else LATE}"
 
 
 def _first(state: AppState, run: Reconstruction) -> str:

@@ -99,7 +99,7 @@ def _hear(state: AppState, event: object) -> None:
             run.progress = event
             run.told = replace(run.told, progress=(*run.told.progress, event))
         case Finishing():
-            run.finishing = event
+            run.finishing, run.finishing_at = event, state.window.now
         case Evaluated():
             run.told = replace(run.told, evaluated=(*run.told.evaluated, event))
         case Warned():

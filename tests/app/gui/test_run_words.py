@@ -65,6 +65,18 @@ def test_a_run_says_what_it_is_doing_from_its_start_to_its_end(going: AppState) 
     assert share_done(going.runs.reconstruction) is None
 
 
+def test_what_follows_the_last_step_counts_down_and_says_when_it_takes_longer(going: AppState) -> None:
+    """It tells once, as it begins, how long is left."""
+    tell(going, Started(0, 2000, 30, ()), at(2000, 40.0))
+    smoothing = "Smoothing hidden motion"
+    assert tell(going, Finishing("smoothing hidden motion", 40.0)) == f"{smoothing} · about 40 s left"
+    going.window.now += 21
+    assert doing(going) == f"{smoothing} · about 20 s left"
+    going.window.now += 20
+    assert doing(going) == f"{smoothing} · longer than expected"
+    assert tell(going, Finishing("measuring held-out frames", 12.0)).endswith("about 10 s left")
+
+
 def test_a_run_that_resumes_counts_from_its_checkpoint_before_its_first_event(
     going: AppState, model: DynamicGaussians
 ) -> None:
