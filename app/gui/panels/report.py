@@ -6,6 +6,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
 from app.gui.actions import actions
 from app.gui.drawing.textures import ShowsPictures
+from app.gui.panels.overlays import make_room
 from app.gui.panels.swept import MARKERS, draw_swept, nearest, ring
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
@@ -43,6 +44,7 @@ def draw_report(state: AppState, textures: ShowsPictures) -> None:
         )
         return
     report = state.reports.shown
+    make_room(state)
     muted(report.about)
     if report.sweep is not None and report.sweep.jobs:
         draw_swept(state, textures, report.sweep)

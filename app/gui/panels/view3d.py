@@ -13,6 +13,7 @@ from app.gui.commands.camera_commands import second_commands
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.drawing.viewport import OnScreen, Viewport
 from app.gui.panels.menus import draw_commands
+from app.gui.panels.overlays import make_room
 from app.gui.panels.scene_marks import Sight, draw_color_bar, draw_marks, is_on_first
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import frame_share
@@ -79,6 +80,7 @@ def draw_view3d(state: AppState, viewport: Viewport, second: Viewport, textures:
         centered("Waiting for the first preview of the reconstruction…")
         centered(doing(state))
         return
+    make_room(state)
     _draw_toolbar(state)
     space, gap = imgui.get_content_region_avail(), em(0.3)
     corner, count = imgui.get_cursor_screen_pos(), 1 if state.scene.second.model is None else 2

@@ -22,6 +22,7 @@ from tests.app.gui.ui import (
     Draw,
     Shown,
     Ui,
+    view3d,
 )
 
 
@@ -134,6 +135,27 @@ def test_an_error_hides_no_control_of_the_images(
             ui.frame(draw)
         banner = imgui.internal.find_window_by_name(overlays.BANNER)
         assert (tops[0] >= banner.pos.y + banner.size.y) == bool(sentence)
+
+
+def test_an_error_hides_no_control_of_the_3d_view(
+    ui: Ui, seen: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a splat file it takes the place of the images."""
+    tops: list[float] = []
+    monkeypatch.setattr(
+        "app.gui.panels.view3d._draw_toolbar", lambda state: tops.append(imgui.get_cursor_screen_pos().y)
+    )
+
+    def draw() -> None:
+        view3d(seen)
+        overlays.draw_banner(seen)
+
+    actions.fail(seen, "expected an intact image, got a damaged one")
+    for _ in range(4):
+        ui.frame(draw)
+    banner = imgui.internal.find_window_by_name(overlays.BANNER)
+    assert tops[-1] >= banner.pos.y + banner.size.y
+    assert tops[0] < banner.pos.y + banner.size.y
 
 
 def test_an_error_hides_nothing_of_what_floats(ui: Ui, opened: AppState) -> None:
