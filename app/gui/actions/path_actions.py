@@ -16,6 +16,7 @@ from app.scenes.scene import Scene
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera
 from renderer.camera_path import CameraPath, Keyframe
+from renderer.readers.listing import count
 from renderer.view_files import LONGEST, Views, views_json
 
 KEYFRAME_STEP = 2.0
@@ -196,8 +197,8 @@ def add_views(state: AppState, read: Views, path: Path) -> None:
     if not read.path.keyframes:
         added = replace(added, path=now.path, loop=now.loop)
     state.scene.cameras.views = added
-    keys = f" and a path of {len(read.path.keyframes)} keyframes" if read.path.keyframes else ""
-    actions.announce(state, f"{len(read.named)} views{keys} from {path.name}")
+    keys = f" and a path of {count(len(read.path.keyframes), 'keyframe')}" if read.path.keyframes else ""
+    actions.announce(state, f"{count(len(read.named), 'view')}{keys} from {path.name}")
     if model is not None and read.unit not in (Views().unit, model.unit):
         actions.say(state, f"{path.name} is in {read.unit}, this scene in {model.unit}")
 

@@ -33,6 +33,7 @@ from app.sweeps.summary import Summary
 from app.sweeps.table import rows
 from enhance import EnhanceParams
 from enhance.accuracy import named
+from renderer.readers.listing import count
 
 ENHANCEMENT = "enhancement"
 CORNER = (0.3, 0.6)
@@ -148,7 +149,8 @@ def read_sweep_report(folder: Path) -> Reported:
     record = read_sweep(folder)
     table = rows(record, folder)
     summary, found = Summary.of(table, record.varied), sections(record, table)
-    about = f"{folder.name}: {len(summary.rows)} finished jobs of {len(table)}, {len(summary.clips)} clips"
+    finished = f"{len(summary.rows)} of {count(len(table), 'job')} finished"
+    about = f"{folder.name}: {finished}, {count(len(summary.clips), 'clip')}"
     parts = tuple(map(part_of, found.values()))
     swept = swept_jobs(record.task, summary, folder)
     return Reported(about, tuple(charts_of(found)), parts, swept)

@@ -59,6 +59,8 @@ def test_the_folder_and_its_file_open_as_jobs_and_tables(state: AppState, folder
     for path in (folder, folder / "sweep.json"):
         sweep = opened(state, path)
         assert state.source.clip is clip  # It joins what is open.
+        assert state.reports.shown is not None
+        assert state.reports.shown.about == "out: 2 of 2 jobs finished, 1 clip"
         assert [job.setting for job in sweep.jobs] == ["method vessel, strength 1.5", "method clahe"]
         assert set(sweep.series) == {"method vessel", "method clahe"}
         assert sweep.columns[:2] == ("vessel_contrast", "noise_gain")
