@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage
-from enhance.metrics import unit, vessel_and_ring
+from enhance.measured_pixels import unit
+from enhance.metrics import vessel_and_ring
 
 BLOCK: Final = 64
 """Pixels of a block's side."""

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage
-from enhance.metrics import check_sizes, grey_levels, kept
+from enhance.measured_pixels import check_sizes, kept
+from enhance.metrics import grey_levels
 from enhance.ridges import glare
 
 Grey = NDArray[np.float64]

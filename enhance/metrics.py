@@ -15,8 +15,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.brightness import BLACK, Number, value
-from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, Picture, read_mask, read_picture
+from enhance.brightness import BLACK, value
+from enhance.image import AnyImage, BoolImage, Float32Image, ImageError
+from enhance.measured_pixels import check_sizes, green, kept, seen, unit
 from enhance.strips import strips
 
 RING_GAP: Final = 2
@@ -229,47 +230,6 @@ def saturated_share(image: AnyImage, *, tissue_mask: BoolImage | None = None) ->
         0.5
     """
     return _mean(unit(value(seen(image))[kept(image, tissue_mask)]) >= np.float32(SATURATED))
-
-
-def kept(image: AnyImage, mask: BoolImage | None = None) -> BoolImage:
-    """(H, W), True where something is visible and the mask, if any, keeps it.
-
-    Raises:
-        ImageError: an image that cannot be used, or a mask of another size or type.
-    """
-    return read_mask(mask, read_picture(image), "a mask")
-
-
-def colors_of(image: AnyImage) -> Float32Image:
-    """(H, W) or (H, W, 3) in [0, 1]; 0 where nothing is visible. Raises ImageError."""
-    return read_picture(image).seen.colors
-
-
-def seen(image: AnyImage) -> AnyImage:
-    """As `colors_of`, in the image's own type: what only few pixels or rows need is scaled there. Raises
-    ImageError."""
-    return read_picture(image).seen.pixels
-
-
-def unit(pixels: AnyImage) -> Float32Image:
-    """Some of what is `seen`, of any shape, in [0, 1]."""
-    return Picture(pixels, None).colors
-
-
-def check_sizes(image: AnyImage, original: AnyImage) -> None:
-    """Raises ImageError where they differ."""
-    if image.shape != original.shape:
-        raise ImageError(f"expected image and original of one size, got {image.shape} and {original.shape}")
-
-
-def channels(pixels: AnyImage) -> list[AnyImage]:
-    """Each (H, W): three, or that of a grey image."""
-    return [pixels] if pixels.ndim == 2 else [pixels[..., channel] for channel in range(3)]
-
-
-def green(colors: NDArray[Number]) -> NDArray[Number]:
-    """(H, W) of `colors_of` or `seen`: a grey image is its own."""
-    return colors if colors.ndim == 2 else colors[..., 1]
 
 
 def _greens(

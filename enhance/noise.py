@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from enhance.brightness import BLACK, value
 from enhance.image import AnyImage, BoolImage, Float32Image, ImageError
-from enhance.metrics import SATURATED, channels, check_sizes, green, kept, seen, unit
+from enhance.measured_pixels import channels, check_sizes, green, kept, seen, unit
+from enhance.metrics import SATURATED
 from enhance.strips import Strip, strips
 
 FLAT_SIGMA: Final = 2.0

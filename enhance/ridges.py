@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, Picture, read_mask, read_picture
-from enhance.metrics import channels, disc, green, seen, unit
+from enhance.measured_pixels import channels, green, seen, unit
+from enhance.metrics import disc
 
 SIGMAS: Final = (1.5, 2.5, 4.0)
 """Gaussian scales in pixels: vessels some 3 to 12 pixels wide."""

@@ -24,12 +24,12 @@ from app.files.provenance import plain, provenance, strict_json
 from enhance import ImageError
 from enhance.color_difference import vessel_color_difference
 from enhance.image import BoolImage, full_scale, read_picture
+from enhance.measured_pixels import kept
 from enhance.metrics import (
     blackened_share,
     dvbv_local,
     dvbv_otsu,
     flicker,
-    kept,
     saturated_share,
     vessel_cnr,
     vessel_contrast,
