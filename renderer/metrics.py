@@ -185,11 +185,8 @@ def masked(
     _check(image, reference, mask)
     if whole := next((one.dtype for one in (image, reference) if one.dtype.kind != "f"), None):
         raise ValueError(f"expected images of floats in [0, 1], got {whole}: divide uint8 by 255")
-    keep = mask[:, :, None]
-    x, y = (
-        np.where(keep, picture.reshape(*mask.shape, -1).astype(np.float64), 0.0)
-        for picture in (image, reference)
-    )
+    x, y = (picture.reshape(*mask.shape, -1).astype(np.float64) for picture in (image, reference))
+    x[~mask] = y[~mask] = 0.0
     return x, y
 
 
