@@ -128,10 +128,9 @@ def small(image: ArrayImage, width: int) -> ByteImage:
     colors = np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image[..., :3]
     height = max(1, round(colors.shape[0] * width / colors.shape[1]))
     way = cv2.INTER_AREA if colors.shape[1] > width else cv2.INTER_LINEAR
-    scaled = cv2.resize(
-        colors.astype(np.float32) * (255 / full_scale(image.dtype)), (width, height), interpolation=way
-    )
-    return np.rint(np.clip(scaled, 0, 255)).astype(np.uint8)
+    levels = np.multiply(colors, 255 / full_scale(image.dtype), dtype=np.float32)
+    scaled = cv2.resize(levels, (width, height), interpolation=way)
+    return np.asarray(np.rint(np.clip(scaled, 0, 255)), np.uint8)
 
 
 def contact_sheet(title: str, tiles: Sequence[Tile], columns: int, *, breaks: bool) -> ByteImage:
