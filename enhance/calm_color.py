@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from enhance.part import part
 from enhance.pixel_block import BLUE, CHUNK, GREEN, LEAST_COLOR, RED, VALUE, ZERO
 from enhance.rows import ROWS, SOFT, add_down
 from enhance.wide_vectors import wide_vectors
@@ -18,7 +18,7 @@ from enhance.wide_vectors import wide_vectors
 LUMA = (np.float32(0.299), np.float32(0.587), np.float32(0.114))
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def calm(
     lines: NDArray[Any],  # of `read_row`, with the rows around y
     across: NDArray[Any],  # of `read_row`
@@ -35,7 +35,7 @@ def calm(
     _calm(lines[row, 0, x0:], lines[row, 1, x0:], lines[row, 2, x0:], narrow, unit, chunk)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _calm(
     reds: NDArray[Any],
     greens: NDArray[Any],

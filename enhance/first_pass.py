@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance.part import part
 from enhance.pixel_block import (
     BINS,
     BLOCK,
@@ -45,43 +46,79 @@ def first_pass(
     chroma: NDArray[np.float64],  # (blocks,), out: sum of S over the kept pixels
 ) -> None:
     """First pass: V at low resolution, its histogram and the sum of S. An odd edge repeats what is last."""
+    width = fine.shape[2] * subsample
+    for block in prange(len(chroma)):
+        _survey_block(
+            block,
+            image,
+            keep,
+            spans,
+            full,
+            subsample,
+            fine,
+            coarse,
+            histograms,
+            chroma,
+            np.empty((PLANES, CHUNK), np.float32),
+            np.zeros((5, CHUNK), image.dtype),
+            np.empty((3, width + CHUNK), np.float32),
+            np.empty(CHUNK, np.uint16),
+            np.zeros((4, BINS + 1), np.int32),
+            np.zeros(CHUNK),
+        )
+
+
+@part(forceinline=True, fastmath={"contract"})
+def _survey_block(
+    block: int,
+    image: NDArray[Any],
+    keep: NDArray[np.uint8],
+    spans: NDArray[np.int32],
+    full: np.float32,
+    subsample: int,
+    fine: NDArray[np.float32],
+    coarse: NDArray[np.float32],
+    histograms: NDArray[np.int64],
+    chroma: NDArray[np.float64],
+    chunk: NDArray[np.float32],
+    apart: NDArray[Any],
+    lines: NDArray[np.float32],
+    levels: NDArray[np.uint16],
+    counts: NDArray[np.int32],
+    totals: NDArray[np.float64],
+) -> None:
+    """A task's rows; after `chroma` comes memory to work in."""
     rows, columns = image.shape[0], image.shape[1]
+    wide_vectors()
     low_rows, width = fine.shape[1], fine.shape[2] * subsample
     unit = ONE / full
-    for block in prange(len(chroma)):
-        chunk = np.empty((PLANES, CHUNK), np.float32)
-        apart = np.zeros((5, CHUNK), image.dtype)
-        lines = np.empty((3, width + CHUNK), np.float32)
-        levels = np.empty(CHUNK, np.uint16)
-        counts = np.zeros((4, BINS + 1), np.int32)
-        totals = np.zeros(CHUNK)
-        for low_row in range(block * BLOCK, min((block + 1) * BLOCK, low_rows)):
-            chunk[TOTAL] = ZERO
-            for y in range(low_row * subsample, (low_row + 1) * subsample):
-                first, end = (spans[y, 0], spans[y, 1]) if y < len(spans) else (0, columns if y < rows else 0)
-                for step in range((columns + CHUNK - 1) // CHUNK):
-                    x0 = step * CHUNK
-                    count = min(CHUNK, columns - x0)
-                    load(image[min(y, rows - 1), x0 : x0 + count], apart, chunk)
-                    fetch(image, y, x0 + CHUNK)
-                    _gather(chunk, y == low_row * subsample, x0, lines)
-                    if first < x0 + count and x0 < end:
-                        for i in range(CHUNK):
-                            chunk[VALUE, i] = chunk[MOST, i] * unit
-                        load_keep(keep, y, x0, count, chunk)
-                        if first > x0 or end < x0 + count:
-                            keep_within(first, end, x0, chunk)
-                        _tally(chunk, levels, counts, count)
-            for x in range(columns, width):
-                for plane in range(3):
-                    lines[plane, x] = lines[plane, columns - 1]
-            _shrink(lines, subsample, unit, fine[0, low_row], fine[1, low_row])
-            totals += chunk[TOTAL]
-        finish(block, fine, coarse, counts, histograms)
-        chroma[block] = totals.sum()
+    for low_row in range(block * BLOCK, min((block + 1) * BLOCK, low_rows)):
+        chunk[TOTAL] = ZERO
+        for y in range(low_row * subsample, (low_row + 1) * subsample):
+            first, end = (spans[y, 0], spans[y, 1]) if y < len(spans) else (0, columns if y < rows else 0)
+            for step in range((columns + CHUNK - 1) // CHUNK):
+                x0 = step * CHUNK
+                count = min(CHUNK, columns - x0)
+                load(image[min(y, rows - 1), x0 : x0 + count], apart, chunk)
+                fetch(image, y, x0 + CHUNK)
+                _gather(chunk, y == low_row * subsample, x0, lines)
+                if first < x0 + count and x0 < end:
+                    for i in range(CHUNK):
+                        chunk[VALUE, i] = chunk[MOST, i] * unit
+                    load_keep(keep, y, x0, count, chunk)
+                    if first > x0 or end < x0 + count:
+                        keep_within(first, end, x0, chunk)
+                    _tally(chunk, levels, counts, count)
+        for x in range(columns, width):
+            for plane in range(3):
+                lines[plane, x] = lines[plane, columns - 1]
+        _shrink(lines, subsample, unit, fine[0, low_row], fine[1, low_row])
+        totals += chunk[TOTAL]
+    finish(block, fine, coarse, counts, histograms)
+    chroma[block] = totals.sum()
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np.float32]) -> None:
     """Of each column of a block: its first V, and the sum and the squares of what the others differ by.
 
@@ -101,7 +138,7 @@ def _gather(chunk: NDArray[np.float32], begins: bool, x0: int, lines: NDArray[np
             spread[i] += apart * apart
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _tally(
     chunk: NDArray[np.float32], levels: NDArray[np.uint16], counts: NDArray[np.int32], count: int
 ) -> None:
@@ -117,7 +154,7 @@ def _tally(
         counts[i & 3, levels[i]] += np.int32(1)
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def _shrink(
     lines: NDArray[np.float32],
     subsample: int,
@@ -139,7 +176,7 @@ def _shrink(
         _shrink_by(lines, subsample, unit, mean, variance)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _shrink_by(
     lines: NDArray[np.float32],
     subsample: int,
@@ -168,7 +205,7 @@ def _shrink_by(
         variance[x] = spread if spread > ZERO else ZERO
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def finish(
     block: int,
     fine: NDArray[np.float32],
@@ -185,7 +222,7 @@ def finish(
     add_up(block, counts, histograms)
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def add_up(
     task: int,
     counts: NDArray[np.int32],  # (4, more than BINS), the histograms in turn
@@ -196,7 +233,7 @@ def add_up(
         histograms[task, level] = counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def _pool(fine: NDArray[np.float32], first: int, second: int, coarse: NDArray[np.float32]) -> None:
     """A row of the coarse grid from two of the fine one."""
     wide_vectors()

@@ -17,6 +17,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance.part import part
 from enhance.pixel_block import copy_row
 from enhance.wide_vectors import wide_vectors
 from enhance.window_rows import (
@@ -176,45 +177,76 @@ def _fit(
         low = coarse if is_coarse[scale] else fine
         kept = coarse_kept[scale] if is_coarse[scale] else fine_kept[scale]
         out = coarse_out[scale] if is_coarse[scale] else fine_out[scale]
-        reach, rest = whole[scale], part[scale]
         rows, columns = low.shape[1:]
+        reach = whole[scale]
         before, after = max(top - reach - 1, 0), min(bottom + reach + 1, rows)
-        models = np.empty((2, after - before, columns), np.float32)
-        sums, running = np.zeros((2, columns + 2 * EDGE)), np.empty((2, columns + 2 * reach + 3))
-        first, second = sums[0][EDGE : columns + EDGE], sums[1][EDGE : columns + EDGE]
-        shares = _shares(columns, reach, rest)
-        for y in range(before, after):
-            variance, mean = models[0, y - before], models[1, y - before]
-            if stages[scale] == TAKE:
-                copy_row(kept[0, y], variance)
-                copy_row(kept[1, y], mean)
-            else:
-                _move(low, True, y, y == before, reach, rest, first, second)
-                tall = 1.0 / _covered(y, rows, reach, rest)
-                if reach == NARROW:
-                    describe_narrow(sums[0], sums[1], rest, shares, tall, variance, mean)
-                else:
-                    accumulate(first, reach, running[0])
-                    accumulate(second, reach, running[1])
-                    describe(running[0], running[1], reach, rest, shares, tall, variance, mean)
-            if stages[scale] == KEEP and top <= y < bottom:
-                copy_row(variance, kept[0, y])
-                copy_row(mean, kept[1, y])
-            _solve(np.float32(eps[scale]), variance, mean)
-        for y in range(top, bottom):
+        _fit_strip(
+            low,
+            (top, bottom, before, after),
+            reach,
+            part[scale],
+            np.float32(eps[scale]),
+            stages[scale],
+            kept,
+            out,
+            np.empty((2, after - before, columns), np.float32),
+            np.zeros((2, columns + 2 * EDGE)),
+            np.empty((2, columns + 2 * reach + 3)),
+            _shares(columns, reach, part[scale]),
+        )
+
+
+@part(fastmath={"contract"})
+def _fit_strip(
+    low: NDArray[np.float32],
+    ends: tuple[int, int, int, int],  # first row and row after the last, and those of models that they need
+    reach: int,
+    rest: float,
+    eps: np.float32,
+    stage: int,
+    kept: NDArray[np.float32],
+    out: NDArray[np.float32],
+    models: NDArray[np.float32],
+    sums: NDArray[np.float64],
+    running: NDArray[np.float64],
+    shares: NDArray[np.float64],
+) -> None:
+    """One task; `models`, `sums` and `running` are memory to work in."""
+    top, bottom, before, after = ends
+    rows, columns = low.shape[1:]
+    first, second = sums[0][EDGE : columns + EDGE], sums[1][EDGE : columns + EDGE]
+    for y in range(before, after):
+        variance, mean = models[0, y - before], models[1, y - before]
+        if stage == TAKE:
+            copy_row(kept[0, y], variance)
+            copy_row(kept[1, y], mean)
+        else:
+            _move(low, True, y, y == before, reach, rest, first, second)
             tall = 1.0 / _covered(y, rows, reach, rest)
-            _move(models, False, y - before, y == top, reach, rest, first, second)
             if reach == NARROW:
-                for plane in range(2):
-                    mean_narrow(sums[plane], rest, shares, tall, out[plane, y])
+                describe_narrow(sums[0], sums[1], rest, shares, tall, variance, mean)
             else:
                 accumulate(first, reach, running[0])
                 accumulate(second, reach, running[1])
-                for plane in range(2):
-                    mean_of(running[plane], reach, rest, shares, tall, out[plane, y])
+                describe(running[0], running[1], reach, rest, shares, tall, variance, mean)
+        if stage == KEEP and top <= y < bottom:
+            copy_row(variance, kept[0, y])
+            copy_row(mean, kept[1, y])
+        _solve(eps, variance, mean)
+    for y in range(top, bottom):
+        tall = 1.0 / _covered(y, rows, reach, rest)
+        _move(models, False, y - before, y == top, reach, rest, first, second)
+        if reach == NARROW:
+            for plane in range(2):
+                mean_narrow(sums[plane], rest, shares, tall, out[plane, y])
+        else:
+            accumulate(first, reach, running[0])
+            accumulate(second, reach, running[1])
+            for plane in range(2):
+                mean_of(running[plane], reach, rest, shares, tall, out[plane, y])
 
 
-@njit(error_model="numpy")
+@part()
 def _covered(at: int, size: int, whole: int, part: float) -> float:
     """Weight of the part of a window around `at` that lies inside the image, along one axis."""
     inside = min(at + whole, size - 1) - max(at - whole, 0) + 1
@@ -232,7 +264,7 @@ def _shares(columns: int, whole: int, part: float) -> NDArray[np.float64]:
     return out
 
 
-@njit(error_model="numpy")
+@part()
 def _move(
     planes: NDArray[np.float32],  # (2, h, w)
     moments: bool,  # the planes are means and variances: sum V and V^2 of what they are of
@@ -255,7 +287,7 @@ def _move(
         _add(planes, moments, rows, y, begins, whole, part, first, second)
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def _add(
     planes: NDArray[np.float32],
     moments: bool,
@@ -290,7 +322,7 @@ def _add(
             second[x] += above + (w2 * np.float64(v2[x]) + w3 * np.float64(v3[x]))
 
 
-@njit(error_model="numpy")
+@part()
 def _change(row: int, y: int, begins: bool, height: int, whole: int, part: float) -> tuple[int, float]:
     """A row that exists, and how much more `row` counts for row y than it did for y - 1, or than nothing."""
     if row < 0 or row >= height:
@@ -299,12 +331,12 @@ def _change(row: int, y: int, begins: bool, height: int, whole: int, part: float
     return row, gained if begins else gained - _weight(row - y + 1, whole, part)
 
 
-@njit(error_model="numpy")
+@part()
 def _weight(apart: int, whole: int, part: float) -> float:
     return 1.0 if abs(apart) <= whole else part if abs(apart) == whole + 1 else 0.0
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def _solve(eps: np.float32, first: NDArray[np.float32], second: NDArray[np.float32]) -> None:
     """Variance and mean become a and b; (1 - a) as eps / (variance + eps), which does not cancel."""
     wide_vectors()

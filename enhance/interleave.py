@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
+
+from enhance.part import part
 
 STEP = 16
 
@@ -38,9 +40,9 @@ def _take_16(typing_context: Any, pixels: Any, start: Any, planes: Any, at: Any,
         size = context.get_abi_sizeof(long.element)
         whole = builder.load(_at(context, builder, pixels, source, begin, long), align=size)
         for color in range(3):
-            part = _shuffled(builder, whole, whole, [3 * i + color for i in range(STEP)])
+            plane = _shuffled(builder, whole, whole, [3 * i + color for i in range(STEP)])
             index = builder.add(first, builder.mul(step, ir.Constant(step.type, color)))
-            builder.store(part, _at(context, builder, planes, target, index, short), align=size)
+            builder.store(plane, _at(context, builder, planes, target, index, short), align=size)
         return context.get_dummy_value()
 
     return types.void(pixels, types.intp, planes, types.intp, types.intp), codegen
@@ -68,7 +70,7 @@ def _put_16(typing_context: Any, planes: Any, at: Any, stride: Any, pixels: Any,
     return types.void(planes, types.intp, types.intp, pixels, types.intp), codegen
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def deinterleave(pixels: NDArray[Any], planes: NDArray[Any]) -> None:
     """(n, 3) pixels to the first n of the first three rows of `planes`; both C-contiguous, of one type."""
     width = planes.shape[1]
@@ -80,7 +82,7 @@ def deinterleave(pixels: NDArray[Any], planes: NDArray[Any]) -> None:
             planes[color, i] = pixels[i, color]
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def interleave(planes: NDArray[Any], pixels: NDArray[Any]) -> None:
     """The other way round."""
     width = planes.shape[1]

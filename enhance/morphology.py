@@ -13,6 +13,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from enhance.image import Float32Image
+from enhance.part import part
 from enhance.pixel_block import HALF, copy_row
 from enhance.rows import reflected
 from enhance.wide_vectors import wide_vectors
@@ -103,7 +104,7 @@ def _smooth(levels: Levels, low: np.float32, unit: np.float32, out: NDArray[np.f
                 out[y, x] = low + unit * out[y, x]
 
 
-@njit(error_model="numpy")
+@part()
 def _weigh(left: NDArray[Any], middle: NDArray[Any], right: NDArray[Any], out: NDArray[np.float32]) -> None:
     wide_vectors()
     for x in range(min(len(right), len(out))):
@@ -111,21 +112,21 @@ def _weigh(left: NDArray[Any], middle: NDArray[Any], right: NDArray[Any], out: N
         out[x] = MIDDLE * np.float32(middle[x]) + SIDE * beside
 
 
-@njit(error_model="numpy")
+@part()
 def _read(line: NDArray[Any], low: np.float32, inverse: np.float32, flip: np.uint16, out: Levels) -> None:
     wide_vectors()
     for x in range(len(line)):
         out[x] = np.uint16(np.int32((np.float32(line[x]) - low) * inverse + HALF)) ^ flip
 
 
-@njit(error_model="numpy")
+@part()
 def _write(least: Levels, flip: np.uint16, out: Levels) -> None:
     wide_vectors()
     for x in range(len(out)):
         out[x] = least[x] ^ flip
 
 
-@njit(error_model="numpy")
+@part()
 def _count(
     row: Levels,
     at: int,
@@ -148,7 +149,7 @@ def _count(
             _lower(narrow, np.uint64(at + away), least)
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def _widen(row: Levels, left: np.uint64, right: np.uint64, narrow: Levels) -> None:
     """Places, not slices, which would be counted as references."""
     wide_vectors()
@@ -157,7 +158,7 @@ def _widen(row: Levels, left: np.uint64, right: np.uint64, narrow: Levels) -> No
         narrow[i] = outer if outer < narrow[i] else narrow[i]
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def _lower(narrow: Levels, y: np.uint64, least: Levels) -> None:
     wide_vectors()
     for i in range(np.uint64(TILE)):

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from enhance.detail import FLOOR
 from enhance.guided_filter import Window
 from enhance.params import EnhanceParams
+from enhance.part import part
 from enhance.pixel_block import BLOCK, ONE, ZERO
 from enhance.result import Omission
 from enhance.statistics import Statistics
@@ -159,7 +160,7 @@ def _ratios(
         _take_ratios(models, y, darkest, brightest, most)
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def _widen_range(
     low: NDArray[np.float32],
     row: int,
@@ -178,7 +179,7 @@ def _widen_range(
         brightest[x] = bright if bright > brightest[x] else brightest[x]
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def _take_ratios(
     models: NDArray[np.float32],
     y: int,

@@ -12,10 +12,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from enhance.interleave import deinterleave
+from enhance.part import part
 from enhance.wide_vectors import wide_vectors
 
 CHUNK = 256
@@ -34,7 +34,7 @@ LEAST = np.float32(1e-30)
 RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, KEEP, PLANES = range(13)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) -> None:
     """Colours apart in their own, narrow type, and of each pixel the largest and the smallest, MOST and
     LEAST_COLOR, as they come."""
@@ -51,7 +51,7 @@ def load(pixels: NDArray[Any], apart: NDArray[Any], chunk: NDArray[np.float32]) 
             chunk[plane, i] = np.float32(apart[plane, i])
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def load_keep(keep: NDArray[np.uint8], y: int, x0: int, count: int, chunk: NDArray[np.float32]) -> None:
     """1 where a pixel counts, 0 elsewhere; an empty `keep` keeps all."""
     wide_vectors()
@@ -65,7 +65,7 @@ def load_keep(keep: NDArray[np.uint8], y: int, x0: int, count: int, chunk: NDArr
             chunk[KEEP, i] = np.float32(keep[y, x0 + i])
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def keep_within(first: int, end: int, x0: int, chunk: NDArray[np.float32]) -> None:
     """Only columns from `first` on and before `end` count."""
     wide_vectors()
@@ -73,13 +73,13 @@ def keep_within(first: int, end: int, x0: int, chunk: NDArray[np.float32]) -> No
         chunk[KEEP, i] = chunk[KEEP, i] if first <= x0 + i < end else ZERO
 
 
-@njit(error_model="numpy")
+@part()
 def copy_pixels(pixels: NDArray[Any], out: NDArray[Any]) -> None:
     """(n, 3) pixels, both C-contiguous."""
     copy_row(pixels.reshape(-1), out.reshape(-1))
 
 
-@njit(error_model="numpy")
+@part()
 def copy_row(source: NDArray[Any], target: NDArray[Any]) -> None:
     """As many as `target` has: a loop becomes vector code where an assignment of slices does not."""
     wide_vectors()

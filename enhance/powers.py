@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
+
+from enhance.part import part
 
 ONE = np.float32(1.0)
 LEAST_EXPONENT = np.float32(-126.0)
@@ -80,7 +82,7 @@ def _binade(typing_context: Any, value: Any) -> Any:
     return types.float32(types.float32), codegen
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def exp2(x: np.float32) -> np.float32:
     """2**x for float32 x <= 127, as 2**-126 below that; relative error below 2e-7, exactly 1 at 0."""
     whole, f = _split(x)
@@ -89,7 +91,7 @@ def exp2(x: np.float32) -> np.float32:
     return result
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def brief_exp2(x: np.float32) -> np.float32:
     """As `exp2`; relative error below 3e-6."""
     whole, f = _split(x)
@@ -98,7 +100,7 @@ def brief_exp2(x: np.float32) -> np.float32:
     return result
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def _split(x: np.float32) -> tuple[np.float32, np.float32]:
     """The nearest whole number, and what is left."""
     x = x if x > LEAST_EXPONENT else LEAST_EXPONENT
@@ -106,7 +108,7 @@ def _split(x: np.float32) -> tuple[np.float32, np.float32]:
     return whole, x - whole
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def log2(x: np.float32) -> np.float32:
     """log2(x) for float32 x >= 0; error below 2e-7 (|log2 x| + 1), exactly 0 at 1; of 0, LOG2_ZERO."""
     whole, f = _taken_apart(x)
@@ -115,7 +117,7 @@ def log2(x: np.float32) -> np.float32:
     return result if x >= LEAST_NORMAL else LOG2_ZERO
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def brief_log2(x: np.float32) -> np.float32:
     """As `log2`; error below 2e-6."""
     whole, f = _taken_apart(x)
@@ -124,7 +126,7 @@ def brief_log2(x: np.float32) -> np.float32:
     return result if x >= LEAST_NORMAL else LOG2_ZERO
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def _taken_apart(x: np.float32) -> tuple[np.float32, np.float32]:
     """k and f, where x = (1 + f) 2**k and 1 + f is about 1."""
     whole: np.float32 = _binade(x)  # type: ignore[call-arg]

@@ -9,10 +9,11 @@ from __future__ import annotations
 from typing import Any
 
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from enhance.part import part
 from enhance.pixel_block import CHUNK
 
 LINE = 64
@@ -36,7 +37,7 @@ def _fetch_line(typing_context: Any, array: Any, at: Any) -> Any:
     return types.void(array, types.intp), codegen
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def fetch(pixels: NDArray[Any], y: int, x: int) -> None:
     """CHUNK pixels of (H, W, 3) or (H, W) from there on, to be read or written; they need not exist."""
     colors = pixels.shape[2] if pixels.ndim == 3 else 1

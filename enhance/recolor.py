@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from enhance.interleave import interleave
+from enhance.part import part
 from enhance.pixel_block import (
     BINS,
     BLUE,
@@ -34,7 +34,7 @@ from enhance.wide_vectors import wide_vectors
 BLACK = np.float32(24 / 255)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def recolor(
     chunk: NDArray[np.float32], apart: NDArray[Any], pull: np.float32, color: np.float32, full: np.float32
 ) -> None:
@@ -62,7 +62,7 @@ def recolor(
         chunk[BLUE, i] = value - fall * (most - np.float32(apart[BLUE, i]))
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def is_dark(chunk: NDArray[np.float32]) -> bool:
     """Whether any pixel is below V = 24/255; whole numbers, as minima of floats are not reordered."""
     darkest = np.int32(BINS)
@@ -71,7 +71,7 @@ def is_dark(chunk: NDArray[np.float32]) -> bool:
     return bool(darkest < 24)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def faded_to_black(value: np.float32) -> np.float32:
     """`keep_black`: a smoothstep of V that is 0 at V = 0 and 1 from V = 24/255 on."""
     t = value * (ONE / BLACK)
@@ -79,7 +79,7 @@ def faded_to_black(value: np.float32) -> np.float32:
     return t * t * (THREE - TWO * t)
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
     """`keep_black`: back to the original colours below V = 24/255, by a smoothstep that is 0 at V = 0."""
     wide_vectors()
@@ -91,7 +91,7 @@ def fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
             chunk[plane, i] = weight * chunk[plane, i] + (ONE - weight) * np.float32(apart[plane, i])
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def store(chunk: NDArray[np.float32], full: np.float32, apart: NDArray[Any], pixels: NDArray[Any]) -> None:
     wide_vectors()
     if full > ONE:

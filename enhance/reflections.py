@@ -10,6 +10,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from enhance.image import Float32Image
+from enhance.part import part
 from enhance.pixel_block import ONE, ZERO
 from enhance.upscale import bring_up
 from enhance.wide_vectors import wide_vectors
@@ -96,7 +97,7 @@ def _fill(
             _blend(absorbed[y], lines[0, 0], lines[1, 0], weight, seen[y])
 
 
-@njit(error_model="numpy")
+@part()
 def _see(absorbed: NDArray[np.float32], bright: NDArray[np.float32], seen: NDArray[np.float32]) -> None:
     """Soft bounds: noise about them does not flicker."""
     wide_vectors()
@@ -104,7 +105,7 @@ def _see(absorbed: NDArray[np.float32], bright: NDArray[np.float32], seen: NDArr
         seen[i] = ONE - _rise(bright[i], BRIGHT) * (ONE - _rise(absorbed[i], COLORLESS))
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def _rise(value: np.float32, bounds: tuple[np.float32, np.float32]) -> np.float32:
     """0 up to the first bound, 1 from the second on."""
     risen = (value - bounds[0]) * (ONE / (bounds[1] - bounds[0]))
@@ -112,7 +113,7 @@ def _rise(value: np.float32, bounds: tuple[np.float32, np.float32]) -> np.float3
     return risen if risen < ONE else ONE
 
 
-@njit(error_model="numpy")
+@part()
 def _least_of_three(
     a: NDArray[np.float32], b: NDArray[np.float32], c: NDArray[np.float32], out: NDArray[np.float32]
 ) -> None:
@@ -122,7 +123,7 @@ def _least_of_three(
         out[i] = least if least < c[i] else c[i]
 
 
-@njit(error_model="numpy")
+@part()
 def _pile(absorbed: NDArray[np.float32], seen: NDArray[np.float32], piles: NDArray[np.float32]) -> None:
     wide_vectors()
     sums, shares = piles[0], piles[1]
@@ -131,7 +132,7 @@ def _pile(absorbed: NDArray[np.float32], seen: NDArray[np.float32], piles: NDArr
         shares[i] += seen[i]
 
 
-@njit(error_model="numpy")
+@part()
 def _average(piles: NDArray[np.float32], height: int, columns: int, means: NDArray[np.float32]) -> None:
     """Sums of columns to means of blocks; then they begin anew."""
     wide_vectors()
@@ -145,7 +146,7 @@ def _average(piles: NDArray[np.float32], height: int, columns: int, means: NDArr
         pile[:] = ZERO
 
 
-@njit(error_model="numpy")
+@part()
 def _blend(
     absorbed: NDArray[np.float32],
     even: NDArray[np.float32],

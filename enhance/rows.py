@@ -10,10 +10,10 @@ from __future__ import annotations
 from typing import Any, Final
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from enhance.interleave import deinterleave
+from enhance.part import part
 from enhance.pixel_block import CHUNK
 from enhance.wide_vectors import wide_vectors
 
@@ -30,13 +30,13 @@ def sums_of(image: NDArray[Any]) -> NDArray[Any]:
     return np.empty(0, np.uint16 if image.dtype == np.uint8 else np.float32)
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def held_width(columns: int) -> int:
     """Of the rows that are held: whole chunks."""
     return (columns + CHUNK - 1) // CHUNK * CHUNK
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def reflected(at: int, size: int) -> int:
     """The place in [0, size) that stands for one outside."""
     while size > 1 and not 0 <= at < size:
@@ -44,7 +44,7 @@ def reflected(at: int, size: int) -> int:
     return at if size > 1 else 0
 
 
-@njit(error_model="numpy")
+@part()
 def read_row(
     image: NDArray[Any],  # (H, W, 3)
     y: int,  # may lie outside
@@ -63,7 +63,7 @@ def read_row(
             sums[x] = beside + pixels[x] + pixels[x]
 
 
-@njit(error_model="numpy")
+@part()
 def _add_across(left: NDArray[Any], sums: NDArray[Any], count: int) -> None:
     wide_vectors()
     middle, right = left[1:], left[2:]
@@ -71,7 +71,7 @@ def _add_across(left: NDArray[Any], sums: NDArray[Any], count: int) -> None:
         sums[i] = left[i] + right[i] + (middle[i] + middle[i])
 
 
-@njit(error_model="numpy")
+@part()
 def add_down(across: NDArray[Any], y: int, color: int, x0: int, sums: NDArray[Any]) -> None:
     """Weighted (1 2 1) of the rows around y: (CHUNK,) sums of the pixels from column x0 on."""
     wide_vectors()

@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance.part import part
 from enhance.pixel_block import (
     BINS,
     BLOCK,
@@ -74,78 +75,142 @@ def render(
     out: NDArray[Any],  # (H, W, 3), out, of the image's type
 ) -> None:
     """Second pass: Q, E, V*, S* and the colours, read once and written once."""
+    columns, scales = image.shape[1], len(exponents)
+    width = (columns + CHUNK - 1) // CHUNK * CHUNK + 2 * subsample
+    for block in prange(len(sums)):
+        _render_block(
+            block,
+            image,
+            keep,
+            spans,
+            full,
+            subsample,
+            fine,
+            coarse,
+            is_coarse,
+            filtered,
+            measured,
+            exponents,
+            curve,
+            z,
+            pull,
+            color,
+            keep_black,
+            pivot,
+            known,
+            values,
+            stages,
+            kept,
+            sums[block],
+            out,
+            np.empty((PLANES, CHUNK), np.float32),
+            np.zeros((5, CHUNK), image.dtype),
+            np.empty(scales, np.float32),
+            np.zeros((scales, 2, 2, width), np.float32),
+            np.full((scales, 2), -1),
+            np.zeros((scales, 2, CHUNK), np.float32),
+            np.zeros((scales, 2, CHUNK)),
+        )
+
+
+@part(forceinline=True, fastmath={"contract"})
+def _render_block(
+    block: int,
+    image: NDArray[Any],
+    keep: NDArray[np.uint8],
+    spans: NDArray[np.int32],
+    full: np.float32,
+    subsample: int,
+    fine: NDArray[np.float32],
+    coarse: NDArray[np.float32],
+    is_coarse: NDArray[np.bool_],
+    filtered: NDArray[np.bool_],
+    measured: NDArray[np.bool_],
+    exponents: NDArray[np.float32],
+    curve: NDArray[np.float32],
+    z: np.float32,
+    pull: np.float32,
+    color: np.float32,
+    keep_black: bool,
+    pivot: np.float32,
+    known: bool,
+    values: NDArray[np.float32],
+    stages: NDArray[np.int64],
+    kept: NDArray[np.float32],
+    sums: NDArray[np.float64],
+    out: NDArray[Any],
+    chunk: NDArray[np.float32],
+    apart: NDArray[Any],
+    weights: NDArray[np.float32],
+    lines: NDArray[np.float32],
+    held: NDArray[np.int64],
+    moments: NDArray[np.float32],
+    totals: NDArray[np.float64],
+) -> None:
+    """A task's rows; after `out` comes memory to work in.
+
+    lines: of each scale, the rows of its models on either side of y, the even one first, brought up to width.
+    """
     rows, columns = image.shape[0], image.shape[1]
     scales = len(exponents)
     task = BLOCK * subsample
-    steps = (columns + CHUNK - 1) // CHUNK
     unit = ONE / full
-    for block in prange(len(sums)):
-        chunk = np.empty((PLANES, CHUNK), np.float32)
-        apart = np.zeros((5, CHUNK), image.dtype)
-        weights = np.empty(scales, np.float32)
-        moments = np.zeros((scales, 2, CHUNK), np.float32)
-        totals = np.zeros((scales, 2, CHUNK))
-        # Of each scale, the rows of its models on either side of y, the even one first, brought up to width.
-        lines = np.zeros((scales, 2, 2, steps * CHUNK + 2 * subsample), np.float32)
-        held = np.full((scales, 2), -1)
-        top, bottom = block * task, min((block + 1) * task, rows)
-        for y in range(top, bottom):
-            first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
-            for scale in range(scales):
-                if filtered[scale]:
-                    models = coarse[scale] if is_coarse[scale] else fine[scale]
-                    grid = 2 * subsample if is_coarse[scale] else subsample
-                    weights[scale] = bring_up(models, y, grid, lines[scale], held[scale])
-            for step in range(first // CHUNK, (end + CHUNK - 1) // CHUNK if end > first else 0):
-                x0 = step * CHUNK
-                count = min(CHUNK, columns - x0)
-                load(image[y, x0 : x0 + count], apart, chunk)
-                fetch(image, y, x0 + CHUNK)
-                fetch(out, y, x0 + CHUNK)
-                _set_value(chunk, unit)
-                if known:
-                    fetch(values, y, x0 + CHUNK)
-                    copy_row(values[y, x0:], chunk[TOTAL, :count])
-                else:
-                    load_keep(keep, y, x0, count, chunk)
-                    if first > x0 or end < x0 + count:
-                        keep_within(first, end, x0, chunk)
-                    _brighten(chunk, apart, curve, z)
-                    _begin(chunk)
-                    for scale in range(scales):
-                        p = exponents[scale]
-                        by_root = p == HALF and stages[scale] == NOTHING
-                        if by_root and filtered[scale] and measured[scale]:
-                            filter_and_add_by_root(
-                                lines[scale], x0, weights[scale], pivot, moments[scale], chunk
-                            )
-                            continue
-                        if filtered[scale]:
-                            filter_row(lines[scale], x0, weights[scale], chunk)
-                            if measured[scale]:
-                                add_moments(chunk, pivot, moments[scale])
-                        if by_root:
-                            _add_by_root(chunk)
-                        elif p >= ZERO:
-                            if stages[scale] != NOTHING:
-                                fetch(kept[scale], y, x0 + CHUNK)
-                            _raise(chunk, p, stages[scale], kept[scale, y, x0 : x0 + count])
-                            _add_power(chunk)
-                    _mean(chunk, exponents)
-                    if len(values) > 0:
-                        copy_row(chunk[TOTAL], values[y, x0 : x0 + count])
-                recolor(chunk, apart, pull, color, full)
-                if keep_black and is_dark(chunk):
-                    fade(chunk, apart)
-                store(chunk, full, apart, out[y, x0 : x0 + count])
-            copy_pixels(image[y, :first], out[y, :first])
-            copy_pixels(image[y, end:], out[y, end:])
-            if (y - top) % SUMMED == SUMMED - 1 or y == bottom - 1:
-                _pour(moments, totals)
-        _total(totals, sums[block])
+    top, bottom = block * task, min((block + 1) * task, rows)
+    for y in range(top, bottom):
+        first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
+        for scale in range(scales):
+            if filtered[scale]:
+                models = coarse[scale] if is_coarse[scale] else fine[scale]
+                grid = 2 * subsample if is_coarse[scale] else subsample
+                weights[scale] = bring_up(models, y, grid, lines[scale], held[scale])
+        for step in range(first // CHUNK, (end + CHUNK - 1) // CHUNK if end > first else 0):
+            x0 = step * CHUNK
+            count = min(CHUNK, columns - x0)
+            load(image[y, x0 : x0 + count], apart, chunk)
+            fetch(image, y, x0 + CHUNK)
+            fetch(out, y, x0 + CHUNK)
+            _set_value(chunk, unit)
+            if known:
+                fetch(values, y, x0 + CHUNK)
+                copy_row(values[y, x0:], chunk[TOTAL, :count])
+            else:
+                load_keep(keep, y, x0, count, chunk)
+                if first > x0 or end < x0 + count:
+                    keep_within(first, end, x0, chunk)
+                _brighten(chunk, apart, curve, z)
+                _begin(chunk)
+                for scale in range(scales):
+                    p = exponents[scale]
+                    by_root = p == HALF and stages[scale] == NOTHING
+                    if by_root and filtered[scale] and measured[scale]:
+                        filter_and_add_by_root(lines[scale], x0, weights[scale], pivot, moments[scale], chunk)
+                        continue
+                    if filtered[scale]:
+                        filter_row(lines[scale], x0, weights[scale], chunk)
+                        if measured[scale]:
+                            add_moments(chunk, pivot, moments[scale])
+                    if by_root:
+                        _add_by_root(chunk)
+                    elif p >= ZERO:
+                        if stages[scale] != NOTHING:
+                            fetch(kept[scale], y, x0 + CHUNK)
+                        _raise(chunk, p, stages[scale], kept[scale, y, x0 : x0 + count])
+                        _add_power(chunk)
+                _mean(chunk, exponents)
+                if len(values) > 0:
+                    copy_row(chunk[TOTAL], values[y, x0 : x0 + count])
+            recolor(chunk, apart, pull, color, full)
+            if keep_black and is_dark(chunk):
+                fade(chunk, apart)
+            store(chunk, full, apart, out[y, x0 : x0 + count])
+        copy_pixels(image[y, :first], out[y, :first])
+        copy_pixels(image[y, end:], out[y, end:])
+        if (y - top) % SUMMED == SUMMED - 1 or y == bottom - 1:
+            _pour(moments, totals)
+    _total(totals, sums)
 
 
-@njit(error_model="numpy")
+@part()
 def _pour(moments: NDArray[np.float32], totals: NDArray[np.float64]) -> None:
     """Add sums (n, 2, CHUNK) of some rows to those of all; they begin anew."""
     wide_vectors()
@@ -155,7 +220,7 @@ def _pour(moments: NDArray[np.float32], totals: NDArray[np.float64]) -> None:
         parts[i] = ZERO
 
 
-@njit(error_model="numpy")
+@part()
 def _total(totals: NDArray[np.float64], sums: NDArray[np.float64]) -> None:
     """From (n, 2, CHUNK) to (n, 2)."""
     for scale in range(len(totals)):
@@ -166,14 +231,14 @@ def _total(totals: NDArray[np.float64], sums: NDArray[np.float64]) -> None:
         sums[scale, 0], sums[scale, 1] = drift, spread
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _set_value(chunk: NDArray[np.float32], unit: np.float32) -> None:
     wide_vectors()
     for i in range(CHUNK):
         chunk[VALUE, i] = chunk[MOST, i] * unit
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _begin(chunk: NDArray[np.float32]) -> None:
     """What Eq 7 divides by, and no V* yet."""
     wide_vectors()
@@ -182,14 +247,14 @@ def _begin(chunk: NDArray[np.float32]) -> None:
         chunk[TOTAL, i] = ZERO
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _add_power(chunk: NDArray[np.float32]) -> None:
     wide_vectors()
     for i in range(CHUNK):
         chunk[TOTAL, i] += exp2(chunk[SLOPE, i] * chunk[LOG, i])
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def filter_row(lines: NDArray[np.float32], x0: int, weight: np.float32, chunk: NDArray[np.float32]) -> None:
     """Q of Eq 6, into SLOPE, between two rows of a and b."""
     wide_vectors()
@@ -201,7 +266,7 @@ def filter_row(lines: NDArray[np.float32], x0: int, weight: np.float32, chunk: N
         chunk[SLOPE, i] = slope * chunk[VALUE, i] + offset
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _brighten(
     chunk: NDArray[np.float32], apart: NDArray[Any], curve: NDArray[np.float32], z: np.float32
 ) -> None:
@@ -217,7 +282,7 @@ def _brighten(
         _brighten_directly(chunk, z)
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def _brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
     wide_vectors()
     for i in range(CHUNK):
@@ -228,7 +293,7 @@ def _brighten_directly(chunk: NDArray[np.float32], z: np.float32) -> None:
         chunk[LOG, i] = log2(HALF * (root + np.float32(0.4) * (ONE - z) * (ONE - value) + power))
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def add_moments(
     chunk: NDArray[np.float32],
     pivot: np.float32,
@@ -242,7 +307,7 @@ def add_moments(
         spread[i] += apart * apart
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def filter_and_add_by_root(
     lines: NDArray[np.float32],
     x0: int,
@@ -267,7 +332,7 @@ def filter_and_add_by_root(
         chunk[TOTAL, i] += exp2(np.sqrt(ratio) * chunk[LOG, i])
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _add_by_root(chunk: NDArray[np.float32]) -> None:
     """Vn^E of Eq 8 from Q for P = 1/2, onto TOTAL."""
     wide_vectors()
@@ -276,7 +341,7 @@ def _add_by_root(chunk: NDArray[np.float32]) -> None:
         chunk[TOTAL, i] += exp2(np.sqrt(ratio) * chunk[LOG, i])
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _raise(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[np.float32]) -> None:
     """E of Eq 7 from Q, or as far as needed from what is kept of an earlier pass; into SLOPE."""
     wide_vectors()
@@ -303,7 +368,7 @@ def _raise(chunk: NDArray[np.float32], p: np.float32, stage: int, kept: NDArray[
             kept[i] = chunk[SLOPE, i]
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _mean(chunk: NDArray[np.float32], exponents: NDArray[np.float32]) -> None:
     """V* of Eq 10: of the scales added up, and of Vn for each that is left out, or alone if there is none."""
     wide_vectors()

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from enhance.image import Float32Image
+from enhance.part import part
 from enhance.pixel_block import HALF, ONE, ZERO, copy_row
 from enhance.wide_vectors import wide_vectors
 
 
-@njit(error_model="numpy")
+@part()
 def bring_up(
     models: NDArray[np.float32],  # (n, h, w), each pixel a block of the image
     y: int,
@@ -36,7 +36,7 @@ def bring_up(
     return below if first % 2 == 0 else ONE - below
 
 
-@njit(error_model="numpy")
+@part()
 def _widen(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
     """Bring a row up linearly, pixel centres aligned; the border repeats to the left and right."""
     if grid == 1:
@@ -49,7 +49,7 @@ def _widen(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> No
         _widen_by(row, grid, line)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _widen_by(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) -> None:
     """Where `grid` is a constant, this becomes vector code."""
     wide_vectors()
@@ -60,7 +60,7 @@ def _widen_by(row: NDArray[np.float32], grid: int, line: NDArray[np.float32]) ->
     _spread(row[max(last - 1, 0)], row[last], row[last], grid, last * grid, line)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _spread(
     left: np.float32, middle: np.float32, right: np.float32, grid: int, at: int, line: NDArray[np.float32]
 ) -> None:

@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from enhance.brightness import brighten
+from enhance.part import part
 from enhance.pixel_block import ONE, THREE, TWO, ZERO
 
 TERMS: Final = 11
@@ -45,7 +45,7 @@ def _fitted(values: NDArray[np.float64]) -> NDArray[np.float32]:
     return np.asarray(FROM_VALUES @ values, np.float32)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def value_of(terms: tuple[np.float32, ...], place: np.float32) -> np.float32:
     """Of a polynomial, by Horner's scheme."""
     a, b, c, d, e, f, g, h, i, j, k = terms
@@ -53,14 +53,14 @@ def value_of(terms: tuple[np.float32, ...], place: np.float32) -> np.float32:
     return ((((high * place + g) * place + h) * place + i) * place + j) * place + k
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def unpacked(terms: NDArray[np.float32]) -> tuple[np.float32, ...]:
     """As a tuple, which loops keep in registers."""
     low = terms[5], terms[6], terms[7], terms[8], terms[9], terms[10]
     return terms[0], terms[1], terms[2], terms[3], terms[4], *low
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def faded(value: np.float32) -> np.float32:
     """Smoothstep of V between DIM and LIT."""
     t = (value - np.float32(DIM)) * np.float32(1 / (LIT - DIM))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from enhance import morphology
 from enhance.field import Spans
 from enhance.image import Float32Image
+from enhance.part import part
 from enhance.pixel_block import ONE, TWO, ZERO
 from enhance.powers import LOG2_E, brief_exp2
 from enhance.reflections import without_reflections
@@ -105,7 +106,7 @@ def _stand_out(
             _core(absorbed[y], value[y], lines[0, 0], lines[1, 0], weight, noise, density[y])
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def _core(
     absorbed: NDArray[np.float32],
     value: NDArray[np.float32],

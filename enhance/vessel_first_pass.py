@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from enhance.calm_color import calm
 from enhance.first_pass import add_up
+from enhance.part import part
 from enhance.pixel_block import (
     BINS,
     BLOCK,
@@ -67,55 +68,92 @@ def first_pass(
     absorbed: NDArray[np.float32],  # (h, w), out: `shading` log red - log green, what green lacks
 ) -> None:
     """Read once; an odd edge repeats what is last."""
-    rows, columns = image.shape[0], image.shape[1]
-    unit = ONE / full
+    width = held_width(image.shape[1])
     for task in prange(len(chroma)):
-        width = held_width(columns)
-        lines = np.zeros((ROWS, 3, width), image.dtype)
-        across = np.zeros((ROWS, 3, width), sums.dtype)
-        narrow = np.zeros((3, CHUNK), sums.dtype)
-        chunk = np.zeros((PLANES, CHUNK), np.float32)
-        above = np.empty(width, np.float32)
-        reds, greens = np.empty(width, sums.dtype), np.empty(width, sums.dtype)
-        levels = np.empty(CHUNK, np.uint16)
-        counts = np.zeros((4, BINS + 1), np.int32)
-        totals = np.zeros(CHUNK)
-        top, bottom = task * TASK, min((task + 1) * TASK, rows)
-        for y in range(top - REACH, top + REACH):
-            read_row(image, y, lines, across)
-        for y in range(top, bottom):
-            read_row(image, y + REACH, lines, across)
-            first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
-            chunk[TOTAL] = ZERO
-            for x0 in range(0, columns, CHUNK):
-                count = min(CHUNK, columns - x0)
-                fetch(image, y + REACH + 1, x0)
-                calm(lines, across, y, x0, unit, narrow, chunk)
-                if first < x0 + count and x0 < end:
-                    load_keep(keep, y, x0, count, chunk)
-                    if first > x0 or end < x0 + count:
-                        keep_within(first, end, x0, chunk)
-                    _tally(chunk, levels)
-                    for i in range(count):
-                        counts[i & 3, levels[i]] += np.int32(1)
-                low_x, end_x = x0 // SUBSAMPLE, (x0 + count + SUBSAMPLE - 1) // SUBSAMPLE
-                if y % SUBSAMPLE == 0:
-                    _begin(chunk[VALUE], narrow, above[x0:], reds[x0:], greens[x0:])
-                if y % SUBSAMPLE == SUBSAMPLE - 1 or y == rows - 1:
-                    _add(narrow, reds[x0:], greens[x0:])
-                    if count % SUBSAMPLE != 0:
-                        after = x0 + count
-                        above[after], chunk[VALUE, count] = above[after - 1], chunk[VALUE, count - 1]
-                        reds[after], greens[after] = reds[after - 1], greens[after - 1]
-                    low_y = y // SUBSAMPLE
-                    _shrink(above[x0:], chunk[VALUE], bright[low_y, low_x:end_x])
-                    _absorb(reds[x0:], greens[x0:], unit, shading, absorbed[low_y, low_x:end_x])
-            totals += chunk[TOTAL]
-        add_up(task, counts, histograms)
-        chroma[task] = totals.sum()
+        _survey_task(
+            task,
+            image,
+            keep,
+            spans,
+            ONE / full,
+            shading,
+            bright,
+            histograms,
+            chroma,
+            absorbed,
+            np.zeros((ROWS, 3, width), image.dtype),
+            np.zeros((ROWS, 3, width), sums.dtype),
+            np.zeros((3, CHUNK), sums.dtype),
+            np.zeros((PLANES, CHUNK), np.float32),
+            np.empty(width, np.float32),
+            np.empty((2, width), sums.dtype),
+            np.empty(CHUNK, np.uint16),
+            np.zeros((4, BINS + 1), np.int32),
+            np.zeros(CHUNK),
+        )
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
+def _survey_task(
+    task: int,
+    image: NDArray[Any],
+    keep: NDArray[np.uint8],
+    spans: NDArray[np.int32],
+    unit: np.float32,
+    shading: np.float32,
+    bright: NDArray[np.float32],
+    histograms: NDArray[np.int64],
+    chroma: NDArray[np.float64],
+    absorbed: NDArray[np.float32],
+    lines: NDArray[Any],
+    across: NDArray[Any],
+    narrow: NDArray[Any],
+    chunk: NDArray[np.float32],
+    above: NDArray[np.float32],
+    pairs: NDArray[Any],
+    levels: NDArray[np.uint16],
+    counts: NDArray[np.int32],
+    totals: NDArray[np.float64],
+) -> None:
+    """A task's rows; after `absorbed` comes memory to work in."""
+    rows, columns = image.shape[0], image.shape[1]
+    reds, greens = pairs[0], pairs[1]
+    top, bottom = task * TASK, min((task + 1) * TASK, rows)
+    for y in range(top - REACH, top + REACH):
+        read_row(image, y, lines, across)
+    for y in range(top, bottom):
+        read_row(image, y + REACH, lines, across)
+        first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
+        chunk[TOTAL] = ZERO
+        for x0 in range(0, columns, CHUNK):
+            count = min(CHUNK, columns - x0)
+            fetch(image, y + REACH + 1, x0)
+            calm(lines, across, y, x0, unit, narrow, chunk)
+            if first < x0 + count and x0 < end:
+                load_keep(keep, y, x0, count, chunk)
+                if first > x0 or end < x0 + count:
+                    keep_within(first, end, x0, chunk)
+                _tally(chunk, levels)
+                for i in range(count):
+                    counts[i & 3, levels[i]] += np.int32(1)
+            low_x, end_x = x0 // SUBSAMPLE, (x0 + count + SUBSAMPLE - 1) // SUBSAMPLE
+            if y % SUBSAMPLE == 0:
+                _begin(chunk[VALUE], narrow, above[x0:], reds[x0:], greens[x0:])
+            if y % SUBSAMPLE == SUBSAMPLE - 1 or y == rows - 1:
+                _add(narrow, reds[x0:], greens[x0:])
+                if count % SUBSAMPLE != 0:
+                    after = x0 + count
+                    above[after], chunk[VALUE, count] = above[after - 1], chunk[VALUE, count - 1]
+                    reds[after], greens[after] = reds[after - 1], greens[after - 1]
+                low_y = y // SUBSAMPLE
+                _shrink(above[x0:], chunk[VALUE], bright[low_y, low_x:end_x])
+                _absorb(reds[x0:], greens[x0:], unit, shading, absorbed[low_y, low_x:end_x])
+        totals += chunk[TOTAL]
+    add_up(task, counts, histograms)
+    chroma[task] = totals.sum()
+
+
+@part(forceinline=True, fastmath={"contract"})
 def _tally(chunk: NDArray[np.float32], levels: NDArray[np.uint16]) -> None:
     """Add S to its sums; the levels of V, one more than there are of what does not count."""
     wide_vectors()
@@ -127,7 +165,7 @@ def _tally(chunk: NDArray[np.float32], levels: NDArray[np.uint16]) -> None:
         levels[i] = np.int32(level if chunk[KEEP, i] > ZERO else LEVELS + ONE)
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def _begin(
     value: NDArray[np.float32],
     narrow: NDArray[Any],
@@ -142,7 +180,7 @@ def _begin(
         reds[i], greens[i] = narrow[RED, i], narrow[GREEN, i]
 
 
-@njit(forceinline=True, error_model="numpy")
+@part(forceinline=True)
 def _add(narrow: NDArray[Any], reds: NDArray[Any], greens: NDArray[Any]) -> None:
     """The smoothed colours of the last row of blocks."""
     wide_vectors()
@@ -151,7 +189,7 @@ def _add(narrow: NDArray[Any], reds: NDArray[Any], greens: NDArray[Any]) -> None
         greens[i] += narrow[GREEN, i]
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _shrink(above: NDArray[np.float32], value: NDArray[np.float32], means: NDArray[np.float32]) -> None:
     """Mean of V in each 2 x 2 block of two rows."""
     wide_vectors()
@@ -160,7 +198,7 @@ def _shrink(above: NDArray[np.float32], value: NDArray[np.float32], means: NDArr
         means[i] = (above[x] + above[x + NEXT] + value[x] + value[x + NEXT]) * QUARTER
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _absorb(
     reds: NDArray[Any],
     greens: NDArray[Any],

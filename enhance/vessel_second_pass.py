@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from enhance import vessel_curves
 from enhance.calm_color import calm
+from enhance.part import part
 from enhance.pixel_block import (
     BLUE,
     CHUNK,
@@ -61,39 +62,79 @@ def second_pass(
     out: NDArray[Any],  # (H, W, 3), out, of the image's type
 ) -> None:
     """See `enhance.vessel.enhance_vessels`."""
+    rows, width = image.shape[0], held_width(image.shape[1])
+    for task in prange((rows + TASK - 1) // TASK):
+        _render_task(
+            task,
+            image,
+            spans,
+            full,
+            brightness,
+            density,
+            powers,
+            pull,
+            most_color,
+            strength,
+            is_grey,
+            out,
+            np.zeros((ROWS, 3, width), image.dtype),
+            np.zeros((ROWS, 3, width), sums_type.dtype),
+            np.zeros((3, CHUNK), image.dtype),
+            np.zeros((3, CHUNK), sums_type.dtype),
+            np.zeros((PLANES, CHUNK), np.float32),
+            np.zeros((2, 1, width + SUBSAMPLE), np.float32),
+            np.full(2, -1),
+        )
+
+
+@part(forceinline=True, fastmath={"contract"})
+def _render_task(
+    task: int,
+    image: NDArray[Any],
+    spans: NDArray[np.int32],
+    full: np.float32,
+    brightness: NDArray[np.float32],
+    density: NDArray[np.float32],
+    powers: NDArray[np.float32],
+    pull: np.float32,
+    most_color: np.float32,
+    strength: np.float32,
+    is_grey: bool,
+    out: NDArray[Any],
+    lines: NDArray[Any],
+    across: NDArray[Any],
+    apart: NDArray[Any],
+    narrow: NDArray[Any],
+    chunk: NDArray[np.float32],
+    blood: NDArray[np.float32],
+    held: NDArray[np.int64],
+) -> None:
+    """A task's rows; after `out` comes memory to work in."""
     rows, columns = image.shape[0], image.shape[1]
     unit = ONE / full
-    for task in prange((rows + TASK - 1) // TASK):
-        width = held_width(columns)
-        lines = np.zeros((ROWS, 3, width), image.dtype)
-        across = np.zeros((ROWS, 3, width), sums_type.dtype)
-        apart, narrow = np.zeros((3, CHUNK), image.dtype), np.zeros((3, CHUNK), sums_type.dtype)
-        chunk = np.zeros((PLANES, CHUNK), np.float32)
-        blood = np.zeros((2, 1, width + SUBSAMPLE), np.float32)
-        held = np.full(2, -1)
-        top, bottom = task * TASK, min((task + 1) * TASK, rows)
-        for y in range(top - REACH, top + REACH):
-            read_row(image, y, lines, across)
-        for y in range(top, bottom):
-            read_row(image, y + REACH, lines, across)
-            first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
-            weight = bring_up(density, y, SUBSAMPLE, blood, held)
-            for x0 in range(first // CHUNK * CHUNK, end if end > first else 0, CHUNK):
-                count = min(CHUNK, columns - x0)
-                fetch(image, y + REACH + 1, x0)
-                fetch(out, y, x0 + CHUNK)
-                calm(lines, across, y, x0, unit, narrow, chunk)
-                _brighten(chunk, brightness)
-                _finish(
-                    chunk, powers, pull, most_color,
-                    blood[0, 0, x0:], blood[1, 0, x0:], weight, strength, is_grey, full,
-                )  # fmt: skip
-                store(chunk, full, apart, out[y, x0 : x0 + count])
-            copy_pixels(image[y, :first], out[y, :first])
-            copy_pixels(image[y, end:], out[y, end:])
+    top, bottom = task * TASK, min((task + 1) * TASK, rows)
+    for y in range(top - REACH, top + REACH):
+        read_row(image, y, lines, across)
+    for y in range(top, bottom):
+        read_row(image, y + REACH, lines, across)
+        first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
+        weight = bring_up(density, y, SUBSAMPLE, blood, held)
+        for x0 in range(first // CHUNK * CHUNK, end if end > first else 0, CHUNK):
+            count = min(CHUNK, columns - x0)
+            fetch(image, y + REACH + 1, x0)
+            fetch(out, y, x0 + CHUNK)
+            calm(lines, across, y, x0, unit, narrow, chunk)
+            _brighten(chunk, brightness)
+            _finish(
+                chunk, powers, pull, most_color,
+                blood[0, 0, x0:], blood[1, 0, x0:], weight, strength, is_grey, full,
+            )  # fmt: skip
+            store(chunk, full, apart, out[y, x0 : x0 + count])
+        copy_pixels(image[y, :first], out[y, :first])
+        copy_pixels(image[y, end:], out[y, end:])
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _brighten(chunk: NDArray[np.float32], brightness: NDArray[np.float32]) -> None:
     """Vn of Eq 1 from VALUE, into TOTAL."""
     wide_vectors()
@@ -103,7 +144,7 @@ def _brighten(chunk: NDArray[np.float32], brightness: NDArray[np.float32]) -> No
         chunk[TOTAL, i] = value_of(terms, (log if log > LOWEST else LOWEST) * (-TWO / LOWEST) + ONE)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _finish(
     chunk: NDArray[np.float32],
     powers: NDArray[np.float32],
@@ -140,7 +181,7 @@ def _finish(
         chunk[BLUE, i] = blue * ((for_green if is_grey else for_blue) * full)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _deepened(bright: np.float32, value: np.float32, terms: tuple[np.float32, ...]) -> np.float32:
     """Vn, black kept, and `gamma` where it is not dark."""
     bright = value + faded_to_black(value) * (bright - value)
@@ -149,7 +190,7 @@ def _deepened(bright: np.float32, value: np.float32, terms: tuple[np.float32, ..
     return bright + faded(bright) * (deep - bright)
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _color_gain(most: np.float32, least: np.float32, pull: np.float32, most_color: np.float32) -> np.float32:
     """Of S between 1 and its bound, over `most`; the hue stays.
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from enhance.part import part
 from enhance.wide_vectors import wide_vectors
 
 NARROW: Final = 1
@@ -16,7 +16,7 @@ EDGE: Final = NARROW + 1
 """Sums beyond each end of its row, which are 0."""
 
 
-@njit(error_model="numpy")
+@part()
 def accumulate(sums: NDArray[np.float64], whole: int, running: NDArray[np.float64]) -> None:
     """Running sums, 0 before the row and the total after it, so that no window needs a look at the border.
 
@@ -42,7 +42,7 @@ def accumulate(sums: NDArray[np.float64], whole: int, running: NDArray[np.float6
     out[columns:] = total
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def mean_of(
     running: NDArray[np.float64],
     whole: int,
@@ -58,7 +58,7 @@ def mean_of(
         out[x] = np.float32(total * (shares[x] * tall))
 
 
-@njit(forceinline=True, fastmath={"contract"}, error_model="numpy")
+@part(forceinline=True, fastmath={"contract"})
 def _variance(share: float, middle: float, square: float) -> np.float32:
     """Of a window with that mean, and that sum of squares over as much as one by `share`."""
     spread = np.float32(square * share - middle * middle)
@@ -66,7 +66,7 @@ def _variance(share: float, middle: float, square: float) -> np.float32:
     return spread if spread > np.float32(0.0) else np.float32(0.0)
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def describe(
     running_first: NDArray[np.float64],
     running_second: NDArray[np.float64],
@@ -90,7 +90,7 @@ def describe(
         mean[x] = np.float32(middle)
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def mean_narrow(
     sums: NDArray[np.float64],  # (columns + 2 EDGE,)
     part: float,
@@ -106,7 +106,7 @@ def mean_narrow(
         out[x] = np.float32(total * (shares[x] * tall))
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
+@part(fastmath={"contract"})
 def describe_narrow(
     first: NDArray[np.float64],  # (columns + 2 EDGE,)
     second: NDArray[np.float64],
