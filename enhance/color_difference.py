@@ -11,17 +11,18 @@ from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage
 from enhance.measured_pixels import unit
-from enhance.metrics import vessel_and_ring
+from enhance.metrics import scaled, vessel_and_ring
 
 BLOCK: Final = 64
 """Pixels of a block's side."""
+LEAST_BLOCK: Final = 16
 LEAST: Final = 12
 """Pixels of either kind; blocks with fewer say nothing."""
 Lab = NDArray[np.float64]
 
 
 def vessel_color_difference(
-    image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImage | None = None
+    image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImage | None = None, scale: float = 1.0
 ) -> float:
     """Colour difference (CIEDE2000) between vessels and their surroundings: 1 is just noticeable.
 
@@ -31,6 +32,7 @@ def vessel_color_difference(
 
     Args:
         tissue_mask: (H, W), True = keep; the ring lies within.
+        scale: of the blocks and of the ring, as of `enhance.metrics.line_scale`.
 
     Raises:
         ImageError: a mask of another size.
@@ -45,17 +47,19 @@ def vessel_color_difference(
         >>> round(vessel_color_difference(image, vessel), 1)
         13.5
     """
-    pixels, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask)
-    (first, of_vessel), (second, of_ring) = (_by_block(pixels, where) for where in (vessel, ring))
+    pixels, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask, scale)
+    (first, of_vessel), (second, of_ring) = (
+        _by_block(pixels, where, scaled(BLOCK, scale, LEAST_BLOCK)) for where in (vessel, ring)
+    )
     both = (of_vessel >= LEAST) & (of_ring >= LEAST)
     return float(ciede2000(first[both], second[both]).mean()) if both.any() else math.nan
 
 
-def _by_block(pixels: AnyImage, where: BoolImage) -> tuple[Lab, NDArray[np.int64]]:
+def _by_block(pixels: AnyImage, where: BoolImage, side: int) -> tuple[Lab, NDArray[np.int64]]:
     """Mean colour of the chosen pixels of each block, (blocks, 3), and their number."""
     y, x = np.nonzero(where)
-    across, down = (-(-size // BLOCK) for size in (pixels.shape[1], pixels.shape[0]))
-    block = (y // BLOCK) * across + x // BLOCK
+    across, down = (-(-size // side) for size in (pixels.shape[1], pixels.shape[0]))
+    block = (y // side) * across + x // side
     count = np.bincount(block, minlength=across * down)
     chosen = unit(pixels[y, x])
     chosen = chosen if chosen.ndim == 2 else np.repeat(chosen[:, None], 3, axis=1)

@@ -22,6 +22,10 @@ from enhance.strips import strips
 
 RING_GAP: Final = 2
 RING_WIDTH: Final = 5
+FULL_SIDE: Final = 640
+"""Pixels of an image's longer side from which on lengths in pixels stand as they are."""
+LEAST_SCALE: Final = 1 / 3
+"""Vessels of 1 to 4 pixels: of narrower ones nothing is left."""
 SATURATED: Final = 250 / 255
 ROUNDING: Final = 1e-8
 """Grey levels squared: variances below are what rounding leaves of none; one step of 16 bits makes 6e-7."""
@@ -113,8 +117,26 @@ def _whole_windows(mask: BoolImage) -> BoolImage:
     return np.asarray(inside > 0)
 
 
+def line_scale(image: AnyImage) -> float:
+    """What lengths in pixels are multiplied by to measure vessels of a small image as those of a larger one
+    of the same scene: its longer side by 640, between a third and 1.
+
+    Example:
+        >>> import numpy as np
+        >>> from enhance.metrics import line_scale
+        >>> line_scale(np.zeros((240, 320, 3), np.uint8)), line_scale(np.zeros((1080, 1920), np.uint8))
+        (0.5, 1.0)
+    """
+    return float(min(1.0, max(LEAST_SCALE, max(image.shape[:2]) / FULL_SIDE)))
+
+
+def scaled(length: float, scale: float, least: int = 1) -> int:
+    """Whole pixels."""
+    return max(least, round(length * scale))
+
+
 def vessel_contrast(
-    image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImage | None = None
+    image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImage | None = None, scale: float = 1.0
 ) -> float:
     """Weber contrast (ring - vessel) / ring of mean green; positive where vessels are darker than around.
 
@@ -125,6 +147,7 @@ def vessel_contrast(
 
     Args:
         tissue_mask: (H, W), True = keep; the ring lies within.
+        scale: of the ring's gap and width, as of `line_scale`.
 
     Raises:
         ImageError: a mask of another size.
@@ -139,12 +162,14 @@ def vessel_contrast(
         >>> round(vessel_contrast(image, vessel), 3)  # (200 - 150) / 200
         0.25
     """
-    vessel, ring = _greens(image, vessel_mask, tissue_mask)
+    vessel, ring = _greens(image, vessel_mask, tissue_mask, scale)
     around = _mean(ring)
     return (around - _mean(vessel)) / around if around > 0 else math.nan
 
 
-def vessel_cnr(image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImage | None = None) -> float:
+def vessel_cnr(
+    image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImage | None = None, scale: float = 1.0
+) -> float:
     """Contrast to noise ratio (ring - vessel) / std(ring) of green, with the ring of `vessel_contrast`.
 
     The ring's deviation holds texture and uneven light besides noise. NaN: also where it is 0.
@@ -163,7 +188,7 @@ def vessel_cnr(image: AnyImage, vessel_mask: BoolImage, *, tissue_mask: BoolImag
         >>> round(vessel_cnr(image, vessel), 2)  # 50 by a deviation of 5
         10.0
     """
-    vessel, ring = _greens(image, vessel_mask, tissue_mask)
+    vessel, ring = _greens(image, vessel_mask, tissue_mask, scale)
     spread = math.sqrt(_variance(ring))
     return (_mean(ring) - _mean(vessel)) / spread if spread > 0 else math.nan
 
@@ -233,15 +258,15 @@ def saturated_share(image: AnyImage, *, tissue_mask: BoolImage | None = None) ->
 
 
 def _greens(
-    image: AnyImage, vessel_mask: BoolImage, tissue_mask: BoolImage | None
+    image: AnyImage, vessel_mask: BoolImage, tissue_mask: BoolImage | None, scale: float
 ) -> tuple[Float32Image, Float32Image]:
     """Of the vessel's pixels, and of those around it."""
-    pixels, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask)
+    pixels, vessel, ring = vessel_and_ring(image, vessel_mask, tissue_mask, scale)
     return unit(green(pixels)[vessel]), unit(green(pixels)[ring])
 
 
 def vessel_and_ring(
-    image: AnyImage, vessel_mask: BoolImage, tissue_mask: BoolImage | None
+    image: AnyImage, vessel_mask: BoolImage, tissue_mask: BoolImage | None, scale: float
 ) -> tuple[AnyImage, BoolImage, BoolImage]:
     """What is `seen`; and (H, W) the vessel and what lies around it, for comparing the two.
 
@@ -249,7 +274,8 @@ def vessel_and_ring(
         ImageError: an image that cannot be used, or a mask of another size.
     """
     pixels, vessel = seen(image), kept(image, vessel_mask)
-    ring = _dilated(vessel, RING_GAP + RING_WIDTH) & ~_dilated(vessel, RING_GAP)
+    gap, width = scaled(RING_GAP, scale), scaled(RING_WIDTH, scale, 2)
+    ring = _dilated(vessel, gap + width) & ~_dilated(vessel, gap)
     return pixels, vessel, ring & kept(image, tissue_mask)
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, Picture, read_mask, read_picture
 from enhance.measured_pixels import channels, green, seen, unit
-from enhance.metrics import disc
+from enhance.metrics import disc, scaled
 
 SIGMAS: Final = (1.5, 2.5, 4.0)
 """Gaussian scales in pixels: vessels some 3 to 12 pixels wide."""
@@ -32,6 +32,8 @@ LEAST_AREA: Final = 40
 SHADOW: Final = 0.1
 """Share of the mean green that is added to the blurred green, so that noise in the dark is no ridge."""
 
+FINEST: Final = 0.7
+"""Pixels, of the scales for a small image: a line of one pixel is no wider."""
 LEAST_SIGMA: Final = 0.05
 """Pixels: of a narrower Gaussian nothing is left beside its middle."""
 
@@ -93,7 +95,9 @@ def field_of_view(image: AnyImage) -> BoolImage:
     return _field(read_picture(image).seen)
 
 
-def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: float = SHARE) -> BoolImage:
+def vessel_mask(
+    image: AnyImage, *, tissue_mask: AnyImage | None = None, share: float = SHARE, scale: float = 1.0
+) -> BoolImage:
     """The fixed mask of an original, (H, W): the strongest ridges, `share` of the tissue or fewer.
 
     Meant for comparing methods on the same pixels, not for finding vessels: it also takes other dark lines.
@@ -103,6 +107,7 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
             image's and that of what is not visible, and 8 around highlights, are left out, and so are specks
             of fewer than 40 pixels.
         share: of the tissue without margin, in (0, 1].
+        scale: of all these lengths and of the vessels' widths, as of `enhance.metrics.line_scale`.
 
     Raises:
         ImageError: an image that cannot be used, a mask of another size or type, or no such share.
@@ -122,12 +127,12 @@ def vessel_mask(image: AnyImage, *, tissue_mask: AnyImage | None = None, share: 
     tissue = read_mask(tissue_mask, picture)
     if tissue_mask is None:
         tissue &= _field(picture.seen)
-    strength = vesselness(image)
-    inside = _eroded(tissue, MARGIN) & _eroded(~glare(image), GLARE_MARGIN)
+    strength = vesselness(image, _sigmas(scale))
+    inside = _eroded(tissue, scaled(MARGIN, scale, 2)) & _eroded(~glare(image), scaled(GLARE_MARGIN, scale))
     if not inside.any():
         return inside
     threshold = np.quantile(strength[inside], 1 - share)
-    return _without_specks(inside & (strength > threshold))
+    return _without_specks(inside & (strength > threshold), scaled(LEAST_AREA, scale**2))
 
 
 def glare(image: AnyImage) -> BoolImage:
@@ -135,7 +140,7 @@ def glare(image: AnyImage) -> BoolImage:
     return np.asarray(unit(np.minimum.reduce(channels(seen(image)))) >= np.float32(GLARE))
 
 
-def creases(image: AnyImage) -> BoolImage:
+def creases(image: AnyImage, *, scale: float = 1.0) -> BoolImage:
     """Narrow places of less than half of the green around them, (H, W): gaps between folds and the shadows of
     tools, in which `vessel_mask` finds dark lines.
 
@@ -153,8 +158,8 @@ def creases(image: AnyImage) -> BoolImage:
         >>> np.flatnonzero(creases(image)[48]).tolist()
         [60, 61, 62, 63]
     """
-    smooth = cv2.GaussianBlur(unit(green(seen(image))), (0, 0), SIGMAS[0])
-    around = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, disc(CREASE_RADIUS))
+    smooth = cv2.GaussianBlur(unit(green(seen(image))), (0, 0), _sigmas(scale)[0])
+    around = cv2.morphologyEx(smooth, cv2.MORPH_CLOSE, disc(scaled(CREASE_RADIUS, scale, 2)))
     return np.asarray(smooth < CREASE * around)
 
 
@@ -163,6 +168,10 @@ def _field(picture: Picture) -> BoolImage:
     from enhance.shown import found_in
 
     return found_in(picture).mask()
+
+
+def _sigmas(scale: float) -> tuple[float, ...]:
+    return tuple(sigma if scale == 1 else max(FINEST, sigma * scale) for sigma in SIGMAS)
 
 
 def _halves(kernels: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -200,8 +209,8 @@ def _eroded(mask: BoolImage, radius: int) -> BoolImage:
     return np.asarray(kept) > 0
 
 
-def _without_specks(mask: BoolImage) -> BoolImage:
+def _without_specks(mask: BoolImage, least: int) -> BoolImage:
     _, labels, facts, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
-    large = facts[:, cv2.CC_STAT_AREA] >= LEAST_AREA
+    large = facts[:, cv2.CC_STAT_AREA] >= least
     large[0] = False
     return np.asarray(large[labels])

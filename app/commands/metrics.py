@@ -30,6 +30,7 @@ from enhance.metrics import (
     dvbv_local,
     dvbv_otsu,
     flicker,
+    line_scale,
     saturated_share,
     vessel_cnr,
     vessel_contrast,
@@ -49,8 +50,8 @@ DEFINITIONS = {
     "vessel_contrast": "Weber contrast in green of the vessel mask against a ring around it; the mask is the "
     "one given, or the strongest dark ridges of the original",
     "vessel_cnr": "the same difference over the standard deviation of the ring",
-    "color_difference": "CIEDE2000 between the mask and its ring, mean over blocks of 64 pixels; 1 is just "
-    "noticeable",
+    "color_difference": "CIEDE2000 between the mask and its ring, mean over blocks of 64 pixels, of fewer in "
+    "images below 640; 1 is just noticeable",
     "chroma_noise_gain": "as noise_gain, of R - G and B - G, averaged over blocks large enough for the "
     "original's to exceed rounding",
     "noise_gain": "high-frequency noise over that of the original, where the original is flat, without "
@@ -232,7 +233,7 @@ def measure_picture(given: Given, original: Given | None, mask: Given | None) ->
     vessel = None if mask is None else _mask(mask, image)
     if original is None:
         return measured if vessel is None else measured | _contrast(image, vessel, tissue)
-    vessel = vessel_mask(before, tissue_mask=tissue) if vessel is None else vessel
+    vessel = vessel_mask(before, tissue_mask=tissue, scale=line_scale(before)) if vessel is None else vessel
     truth = original.origin | _alone(before, tissue) | _contrast(before, vessel, tissue)
     compared = _contrast(image, vessel, tissue) | _against(image, before, vessel, tissue, shown)
     return measured | {"original": truth} | compared
@@ -275,10 +276,11 @@ def _alone(image: ArrayImage, tissue: BoolImage) -> dict[str, float]:
 
 
 def _contrast(image: ArrayImage, vessel: BoolImage, tissue: BoolImage) -> dict[str, float]:
+    scale = line_scale(image)
     return {
-        "vessel_contrast": vessel_contrast(image, vessel, tissue_mask=tissue),
-        "vessel_cnr": vessel_cnr(image, vessel, tissue_mask=tissue),
-        "color_difference": vessel_color_difference(image, vessel, tissue_mask=tissue),
+        "vessel_contrast": vessel_contrast(image, vessel, tissue_mask=tissue, scale=scale),
+        "vessel_cnr": vessel_cnr(image, vessel, tissue_mask=tissue, scale=scale),
+        "color_difference": vessel_color_difference(image, vessel, tissue_mask=tissue, scale=scale),
     }
 
 

@@ -174,6 +174,7 @@ def _write_summary(
         breaks_labels=True,
         measured_over="field of view",
         noise_cut="unclipped",
+        lengths="by size",
         undefined="none",
         settings=shown,
     )

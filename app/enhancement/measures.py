@@ -12,12 +12,15 @@ from typing import Final, Literal
 from app.files.image_files import ArrayImage
 from enhance.color_difference import vessel_color_difference
 from enhance.image import BoolImage
-from enhance.metrics import dvbv_otsu, saturated_share, vessel_contrast
+from enhance.metrics import dvbv_otsu, line_scale, saturated_share, vessel_contrast
 from enhance.noise import NoiseCut, chroma_noise_gain, flat_tissue, noise_gain
 from enhance.ridges import creases, field_of_view, vessel_mask
 
 MeasuredOver = Literal["field of view", "whole image"]
 """The pixels that DV, BV and the saturated share are of; every other measure is of the field of view."""
+
+Lengths = Literal["by size", "in pixels"]
+"""Widths of vessels and what is left out beside them: in an image below 640 pixels as many fewer."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,8 @@ DEFINITIONS: Final[Mapping[str, str]] = MappingProxyType(
         "noise_gain": "high-frequency noise over that of the original, where the original is flat, without "
         "clipped pixels",
         "saturated_share": "share of the field of view whose largest channel is 250 of 255 or more",
-        "color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 pixels",
+        "color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 "
+        "pixels; of fewer in images below 640 pixels",
         "chroma_noise_gain": "as noise_gain, of the colours alone, averaged over blocks large enough for the "
         "original's to exceed rounding",
         "milliseconds": "for what this cell changes, after the cells computed before it",
@@ -67,6 +71,10 @@ NOISE_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 """Of the noise gains in files that ask for a cut of before."""
+LENGTHS_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
+    {"color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 pixels"}
+)
+"""Of what is measured by lengths in pixels, in files that ask for that."""
 LEAST: Final = 0.5
 """Of the colour difference (CIEDE2000, where 1 is just noticeable): less is nobody's loss."""
 
@@ -80,12 +88,15 @@ class Original:
     """(H, W), True in its field of view."""
     vessels: BoolImage
     """(H, W), True in its strongest dark ridges."""
+    scale: float = 1.0
+    """Of the lengths that these are measured by."""
 
     @classmethod
-    def of(cls, image: ArrayImage) -> Original:
+    def of(cls, image: ArrayImage, lengths: Lengths = "by size") -> Original:
         """Raises ImageError."""
         view = field_of_view(image)
-        return cls(image, view, vessel_mask(image, tissue_mask=view))
+        scale = line_scale(image) if lengths == "by size" else 1.0
+        return cls(image, view, vessel_mask(image, tissue_mask=view, scale=scale), scale)
 
     def measures(
         self,
@@ -101,13 +112,15 @@ class Original:
             dv=otsu.dv,
             bv=otsu.bv,
             dv_bv=otsu.ratio,
-            vessel_contrast=vessel_contrast(enhanced, self.vessels, tissue_mask=self.view),
+            vessel_contrast=vessel_contrast(enhanced, self.vessels, tissue_mask=self.view, scale=self.scale),
             noise_gain=noise_gain(
                 enhanced, self.image, tissue_mask=self.view, cut=noise_cut, flat=self._flat
             ),
             saturated_share=saturated_share(enhanced, tissue_mask=pixels),
             milliseconds=milliseconds,
-            color_difference=vessel_color_difference(enhanced, self.vessels, tissue_mask=self.view),
+            color_difference=vessel_color_difference(
+                enhanced, self.vessels, tissue_mask=self.view, scale=self.scale
+            ),
             chroma_noise_gain=chroma_noise_gain(
                 enhanced, self.image, tissue_mask=self.view, cut=noise_cut, flat=self._flat
             ),
@@ -129,15 +142,16 @@ class Original:
             return False
         vessels, tissue = self._open
         before, after = (
-            vessel_color_difference(image, vessels, tissue_mask=tissue) for image in (self.image, enhanced)
+            vessel_color_difference(image, vessels, tissue_mask=tissue, scale=self.scale)
+            for image in (self.image, enhanced)
         )
         return _loses(before, after)
 
     @cached_property
     def _open(self) -> tuple[BoolImage, BoolImage]:
         """The lines that are no creases, and the tissue without creases."""
-        tissue = self.view & ~creases(self.image)
-        return vessel_mask(self.image, tissue_mask=tissue), tissue
+        tissue = self.view & ~creases(self.image, scale=self.scale)
+        return vessel_mask(self.image, tissue_mask=tissue, scale=self.scale), tissue
 
 
 def _loses(before: float, after: float) -> bool:

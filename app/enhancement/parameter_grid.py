@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from app.console.flags import AUTO, problem
-from app.enhancement.measures import SMALLER_IS_BETTER, MeasuredOver, Measures, Original
+from app.enhancement.measures import SMALLER_IS_BETTER, Lengths, MeasuredOver, Measures, Original
 from app.enhancement.methods import EnhancementSettings, MethodEnhancer, load_kernels
 from app.errors import UserError
 from app.files.image_files import ArrayImage
@@ -147,6 +147,7 @@ def tried(
     pixels: Pixels = "automatic",
     measured_over: MeasuredOver = "field of view",
     noise_cut: NoiseCut = "unclipped",
+    lengths: Lengths = "by size",
 ) -> Iterator[Cell]:
     """Enhance and measure, one after another, in the order in which least is computed twice.
 
@@ -155,11 +156,12 @@ def tried(
         pixels: what is enhanced, as of `enhance.enhance`.
         measured_over: what is measured.
         noise_cut: how its noise is.
+        lengths: what vessels are measured by.
 
     Raises:
         ImageError: a picture that cannot be enhanced.
     """
-    original, order = Original.of(image), working_order(wanted)
+    original, order = Original.of(image, lengths), working_order(wanted)
     for one in order[:1]:
         load_kernels(one.params, image)
     enhancer = MethodEnhancer()

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, PlainSerializer
 from pydantic.dataclasses import dataclass
 
 from app.enhancement.contact_sheet import Undefined
-from app.enhancement.measures import MeasuredOver, Measures
+from app.enhancement.measures import Lengths, MeasuredOver, Measures
 from app.enhancement.methods import RecordedSettings
 from app.enhancement.settable import Pixels
 from app.files.dicom.choices import DicomChoices
@@ -132,6 +132,8 @@ class TuningSheet(Record):
     """What its DV/BV is of; of sheets that do not say, the whole image."""
     noise_cut: NoiseCut = "by level"
     """Of its noise gains; by level, as before 0.4.0, of sheets that do not say."""
+    lengths: Lengths = "in pixels"
+    """That vessels are measured by; in pixels, as before 0.8.0, of sheets that do not say."""
     undefined: Undefined = "nan"
     """What it says of a measure that cannot be taken."""
     settings: tuple[SheetCell, ...]

@@ -177,7 +177,8 @@ def _tuning_sheet(record: TuningSheet, sources: Sources, target: Path) -> None:
     image = series.read(frame)
     mask = inside([image]) if record.pixels == "tissue" else None
     wanted = [Setting((place,), one.label, one.params) for place, one in enumerate(record.settings)]
-    cells = tried(image, wanted, mask, drawn(record.pixels), record.measured_over, record.noise_cut)
+    told = record.measured_over, record.noise_cut, record.lengths
+    cells = tried(image, wanted, mask, drawn(record.pixels), *told)
     tiles = {cell.setting: tile(cell, cell.setting.label, record.undefined) for cell in cells}
     picture = contact_sheet(
         record.title, [tiles[setting] for setting in wanted], record.columns, breaks=record.breaks_labels
@@ -332,7 +333,9 @@ def _page(record: PanesPicture, sources: Sources, target: Path) -> None:
         said = [replace(pane, statistics=one.statistics) for pane, one in pairs]
         if record.measures:
             own = made if Sizing(record.scale, record.width) == Sizing() else maker.made(frame, Sizing())
-            rows = measures_at(frame, record.measures, maker, own, noise_cut=record.noise_cut)
+            rows = measures_at(
+                frame, record.measures, maker, own, noise_cut=record.noise_cut, lengths=record.lengths
+            )
             said = [replace(pane, measured=row) for pane, row in zip(said, rows, strict=True)]
         record = replace(record, panes=tuple(said))
     views: list[ViewRecord] = []

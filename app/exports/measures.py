@@ -10,7 +10,9 @@ from typing import Any
 from app.enhancement.measures import (
     DEFINITIONS,
     DEFINITIONS_BEFORE,
+    LENGTHS_BEFORE,
     NOISE_BEFORE,
+    Lengths,
     MeasuredOver,
     Original,
 )
@@ -32,12 +34,13 @@ def measures_at(
     made: Sequence[Made],
     measured_over: MeasuredOver = "field of view",
     noise_cut: NoiseCut = "unclipped",
+    lengths: Lengths = "by size",
 ) -> list[Row]:
     """Those of these names, of each pane's picture, `made` in its own size; NaN: it cannot be measured.
 
     Raises ClipError or ImageError.
     """
-    original = Original.of(maker.clip.read_image(frame))
+    original = Original.of(maker.clip.read_image(frame), lengths)
     found = (asdict(original.measures(one.panel.image, 0.0, measured_over, noise_cut)) for one in made)
     return [{name: one[name] for name in names} for one in found]
 
@@ -45,9 +48,10 @@ def measures_at(
 def rows_at(frame: int, record: MeasuresTable, maker: PaneMaker) -> list[Row]:
     """At a frame a row a pane. Raises ClipError or ImageError."""
     label, made = maker.clip.labels[frame], maker.made(frame, Sizing())
-    rows = measures_at(frame, record.measures, maker, made, record.measured_over, record.noise_cut)
-    told = zip(record.panes, rows, strict=True)
-    return [{"frame": frame, "label": label, "pane": pane.title} | row for pane, row in told]
+    told = record.measured_over, record.noise_cut, record.lengths
+    rows = measures_at(frame, record.measures, maker, made, *told)
+    pairs = zip(record.panes, rows, strict=True)
+    return [{"frame": frame, "label": label, "pane": pane.title} | row for pane, row in pairs]
 
 
 def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
@@ -55,6 +59,7 @@ def write_measures(path: Path, rows: list[Row], record: MeasuresTable) -> None:
     every = {
         **DEFINITIONS,
         **(DEFINITIONS_BEFORE if record.measured_over == "whole image" else {}),
+        **(LENGTHS_BEFORE if record.lengths == "in pixels" else {}),
         **(NOISE_BEFORE if record.noise_cut != "unclipped" else {}),
     }
     definitions = {name: text for name, text in every.items() if name in record.measures}

@@ -9,7 +9,7 @@ from pydantic import Discriminator, TypeAdapter, model_validator
 from pydantic.dataclasses import dataclass
 
 from app.enhancement.image_mask import NO_MASK, PictureMask
-from app.enhancement.measures import METRICS, MeasuredOver
+from app.enhancement.measures import METRICS, Lengths, MeasuredOver
 from app.enhancement.methods import RecordedSettings
 from app.enhancement.records import EnhancedPicture, EnhancedVideo, TuningSheet
 from app.enhancement.settable import (
@@ -255,6 +255,8 @@ class PanesPicture(PanesRecord):
     """That the file tells of each pane."""
     noise_cut: NoiseCut = "by level"
     """Of the noise gains; by level, as before 0.4.0, of images that do not say."""
+    lengths: Lengths = "in pixels"
+    """That vessels are measured by; in pixels, as before 0.8.0, of images that do not say."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)
@@ -290,6 +292,8 @@ class MeasuresTable(SpanRecord):
     """What DV, BV and the saturated share are of; of tables that do not say, the whole image."""
     noise_cut: NoiseCut = "by level"
     """Of the noise gains; by level, as before 0.4.0, of tables that do not say."""
+    lengths: Lengths = "in pixels"
+    """That vessels are measured by; in pixels, as before 0.8.0, of tables that do not say."""
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

@@ -2,17 +2,21 @@ from __future__ import annotations
 
 from itertools import permutations
 
+import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from enhance import ImageError
+from enhance.color_difference import LEAST, vessel_color_difference
+from enhance.metrics import line_scale, vessel_cnr, vessel_contrast
 from enhance.reference import ridge
 from enhance.ridges import (
     GLARE_MARGIN,
     LEAST_AREA,
     LEAST_SIGMA,
     MARGIN,
+    creases,
     field_of_view,
     vessel_mask,
     vesselness,
@@ -182,3 +186,39 @@ def test_scales_are_any_sequence() -> None:
     found = vesselness(vessels(), np.array(sigmas))  # type: ignore[arg-type]
     assert np.isfinite(found).all()
     assert np.array_equal(found, vesselness(vessels(), sigmas))
+
+
+@pytest.mark.parametrize(("times", "least", "more"), [(2, 0.6, 0.05), (4, 0.4, 0.15)])
+def test_a_small_image_has_the_vessels_of_a_large_one(times: int, least: float, more: float) -> None:
+    """By lengths that are scaled; in pixels, lines of another width are found, or none."""
+    large = cv2.GaussianBlur(vessels(480, 640, 3), (0, 0), 1.0)
+    size = 640 // times, 480 // times
+    small = cv2.resize(large, size, interpolation=cv2.INTER_AREA)
+    found = vessel_mask(large, scale=line_scale(large))
+    shrunk = cv2.resize(found.astype(np.float32), size, interpolation=cv2.INTER_AREA) >= 0.5
+
+    def shared(scale: float) -> float:
+        mask = vessel_mask(small, scale=scale)
+        return float(2 * (mask & shrunk).sum() / (mask.sum() + shrunk.sum()))
+
+    assert np.array_equal(found, vessel_mask(large))
+    assert shared(line_scale(small)) > max(least, shared(1.0) + more)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 60), (3, 2), (16, 16), (48, 48), (64, 64)])
+@pytest.mark.parametrize("level", [None, 0, 128, 255])
+def test_tiny_images_are_measured_without_complaint(shape: tuple[int, int], level: int | None) -> None:
+    rng = np.random.default_rng(0)
+    image = (
+        rng.integers(0, 256, (*shape, 3), np.uint8)
+        if level is None
+        else np.full((*shape, 3), level, np.uint8)
+    )
+    scale = line_scale(image)
+    mask = vessel_mask(image, scale=scale)
+    assert mask.mean() <= 0.05
+    for measure in (vessel_contrast, vessel_cnr):
+        assert np.isfinite(measure(image, mask, scale=scale)) == mask.any()
+    # Too few pixels in every block say nothing.
+    assert np.isfinite(vessel_color_difference(image, mask, scale=scale)) or mask.sum() < 4 * LEAST
+    assert not creases(image, scale=scale).all()

@@ -175,6 +175,7 @@ def _record(
             measures=MEASURES,
             measured_over="field of view",
             noise_cut="unclipped",
+            lengths="by size",
         )
     return extended(PanesVideo, panes, first_frame=first, last_frame=last, frames_per_second=rate)
 

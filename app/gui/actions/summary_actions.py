@@ -40,7 +40,8 @@ def add_shown(state: AppState) -> None:
     if request is None:
         return
     if isinstance(request.record, PanesPicture) and request.record.panes:
-        request = replace(request, record=replace(request.record, measures=MEASURES, noise_cut="unclipped"))
+        measured = replace(request.record, measures=MEASURES, noise_cut="unclipped", lengths="by size")
+        request = replace(request, record=measured)
     state.summary.awaited += (request,)
     export_actions.ask_image(state, request)
 

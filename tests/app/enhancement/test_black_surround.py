@@ -80,13 +80,18 @@ def test_a_sheet_and_a_table_that_do_not_say_are_of_the_whole_image(
     sheet = tmp_path / "out" / "sheet.png"
     assert read_provenance(sheet)["measured_over"] == "field of view"
     assert read_provenance(sheet)["noise_cut"] == "unclipped"
+    assert read_provenance(sheet)["lengths"] == "by size"
     assert "identical" in vesselsplat("replay", sheet, "--source", paths[WIDE]).out
     facts = read_provenance(sheet)
     del facts["measured_over"]
     write_png(sheet, read_image(sheet), facts)
     assert "identical" not in vesselsplat("replay", sheet, "--source", paths[WIDE]).out, "another DV/BV"
     before = MeasuresTable(first_frame=0, last_frame=1)
-    assert (before.measured_over, before.noise_cut) == ("whole image", "by level")
+    assert (before.measured_over, before.noise_cut, before.lengths) == (
+        "whole image",
+        "by level",
+        "in pixels",
+    )
 
 
 def test_metrics_are_of_the_field_of_view_and_say_what_is_not(

@@ -10,6 +10,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 
+from app.enhancement.measures import Lengths
 from app.enhancement.records import EnhancedVideo
 from app.errors import UserError
 from app.exports.measures import write_measures
@@ -46,6 +47,13 @@ def test_a_table_defines_noise_as_it_was_cut(cut: NoiseCut, tmp_path: Path) -> N
     defined = recorded(path)["definitions"]
     assert ("clipped" in defined["noise_gain"]) is (cut == "unclipped")
     assert ("blocks" in defined["chroma_noise_gain"]) is (cut == "unclipped")
+
+
+@pytest.mark.parametrize("lengths", get_args(Lengths))
+def test_a_table_defines_the_colour_difference_by_its_lengths(lengths: Lengths, tmp_path: Path) -> None:
+    path, names = tmp_path / "table.csv", ("color_difference",)
+    write_measures(path, [], MeasuresTable(first_frame=0, last_frame=0, measures=names, lengths=lengths))
+    assert ("640" in recorded(path)["definitions"]["color_difference"]) is (lengths == "by size")
 
 
 def test_a_video_says_of_each_frame_what_differs_from_the_first() -> None:
