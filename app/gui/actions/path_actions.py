@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from renderer.readers.listing import count
-
 from app.exports.camera_set import CameraSet
 from app.files.provenance import stamp
 from app.gui.actions import actions
@@ -18,6 +16,7 @@ from app.scenes.scene import Scene
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera
 from renderer.camera_path import CameraPath, Keyframe
+from renderer.listing import count
 from renderer.view_files import LONGEST, Views, views_json
 
 KEYFRAME_STEP = 2.0

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from renderer.readers.listing import count
 
 from app.gui.work.reported_tables import ReportPart, part_of
 from app.gui.work.swept import Swept, swept_jobs
@@ -34,6 +33,7 @@ from app.sweeps.summary import Summary
 from app.sweeps.table import rows
 from enhance import EnhanceParams
 from enhance.accuracy import named
+from renderer.listing import count
 
 ENHANCEMENT = "enhancement"
 CORNER = (0.3, 0.6)
