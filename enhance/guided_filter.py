@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from enhance.part import part
 from enhance.pixel_block import copy_row
+from enhance.prefetch import fetch_row
 from enhance.wide_vectors import wide_vectors
 from enhance.window_rows import (
     EDGE,
@@ -285,6 +286,9 @@ def _move(
     else:
         rows = (y - whole - 2, y - whole - 1, y + whole, y + whole + 1)
         _add(planes, moments, rows, y, begins, whole, part, first, second)
+        if moments:
+            for plane in range(2):
+                fetch_row(planes[plane], y + whole + 2)
 
 
 @part(fastmath={"contract"})

@@ -44,3 +44,10 @@ def fetch(pixels: NDArray[Any], y: int, x: int) -> None:
     start = colors * (y * pixels.shape[1] + x)
     for at in range(0, colors * CHUNK, LINE // pixels.itemsize):
         _fetch_line(pixels, start + at)  # type: ignore[call-arg]
+
+
+@part(forceinline=True)
+def fetch_row(pixels: NDArray[Any], y: int) -> None:
+    """Row y of (H, W), in whole chunks, to be read; it need not exist."""
+    for x in range(0, pixels.shape[1], CHUNK):
+        fetch(pixels, y, x)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from enhance.image import Float32Image
 from enhance.part import part
 from enhance.pixel_block import HALF, ONE, ZERO, copy_row
+from enhance.prefetch import fetch_row
 from enhance.wide_vectors import wide_vectors
 
 
@@ -32,6 +33,7 @@ def bring_up(
             held[row % 2] = row
             for plane in range(len(models)):
                 _widen(models[plane, min(row, rows - 1)], grid, lines[row % 2, plane])
+                fetch_row(models[plane], row + 1)
     below = at - np.float32(first)
     return below if first % 2 == 0 else ONE - below
 

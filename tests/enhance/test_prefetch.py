@@ -9,7 +9,7 @@ import pytest
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.prefetch import fetch
+from enhance.prefetch import fetch, fetch_row
 
 
 @njit(error_model="numpy")
@@ -28,3 +28,17 @@ def test_what_does_not_exist_may_be_asked_for(
     ask(pixels, *place)
     assert pixels.tobytes() == before
     assert "llvm.prefetch" in "".join(ask.inspect_llvm().values())
+
+
+@njit(error_model="numpy")
+def ask_row(pixels: NDArray[Any], y: int) -> None:
+    fetch_row(pixels, y)
+
+
+@pytest.mark.parametrize("y", [-1, 0, 4, 5, 1 << 40])
+def test_rows_that_do_not_exist_may_be_asked_for(y: int) -> None:
+    pixels = np.arange(5 * 301, dtype=np.float32).reshape(5, 301)
+    before = pixels.tobytes()
+    ask_row(pixels, y)
+    assert pixels.tobytes() == before
+    assert "llvm.prefetch" in "".join(ask_row.inspect_llvm().values())
