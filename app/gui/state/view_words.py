@@ -79,8 +79,9 @@ def _made_by(model: Scene, other: Scene | None) -> str:
 
 def _guess_tags(model: Scene) -> tuple[Tag, ...]:
     """What it rests on that nobody measured."""
-    guesses = (model.is_guessed, "depth"), (model.poses_are_estimated, "camera poses")
-    guessed = " and ".join(name for is_guess, name in guesses if is_guess)
+    depth, poses = (model.is_guessed, "depth"), (model.poses_are_estimated, "camera poses")
+    guesses = [name for is_guess, name in (depth, poses, (model.lens_is_estimated, "lens")) if is_guess]
+    guessed = " and ".join(filter(None, (", ".join(guesses[:-1]), *guesses[-1:])))
     return (Tag(f"ESTIMATED {guessed}", "caution"),) if guessed else ()
 
 

@@ -26,9 +26,11 @@ from app.kernels.progress import Preparation, tasks
 from app.runs.run_folder import RunFolder
 from app.scenes.backgrounds import BackgroundName
 from app.scenes.drawer import draw_view
+from app.scenes.records import ClipSource
 from app.scenes.view_request import read_frame
 from renderer.clip import ByteImage
 from renderer.gaussians import DynamicGaussians
+from renderer.readers.lenses.calibration import Calibration, FoundLens, LensCalibration
 from renderer.train.events import Preparing
 from renderer.unobserved import GREY
 from tests.app.gui.conftest import start_live
@@ -312,12 +314,17 @@ def test_what_nobody_measured_is_said(opened: AppState, model: DynamicGaussians)
     assert shown is not None
     assert "ESTIMATED" not in texts(view_tags(opened, shown))
     scene = shown.scene
-    for depth, poses, said in (
-        (True, False, "ESTIMATED depth"),
-        (False, True, "ESTIMATED camera poses"),
-        (True, True, "ESTIMATED depth and camera poses"),
+    lens = LensCalibration(fx=60, fy=60, cx=31.5, cy=23.5, distortion=(-0.2, 0, 0, 0))
+    found = Calibration(lens=lens, found=FoundLens(deviation=0.01))
+    for depth, poses, calibration, said in (
+        (True, False, None, "ESTIMATED depth"),
+        (False, True, None, "ESTIMATED camera poses"),
+        (True, True, Calibration(lens=lens), "ESTIMATED depth and camera poses"),
+        (True, True, found, "ESTIMATED depth, camera poses and lens"),
     ):
-        guess = replace(scene, is_guessed=depth, poses_are_estimated=poses)
+        clip = ClipSource(name="clip", sha256="", calibration=calibration)
+        record = replace(scene.record, clip=clip)
+        guess = replace(scene, is_guessed=depth, poses_are_estimated=poses, record=record)
         of_guess = replace(shown, scene=guess)
         assert said in texts(view_tags(opened, of_guess)).split(" | ")
 
