@@ -184,6 +184,21 @@ def test_hidden_tissue_has_the_colour_of_before_not_that_beside_the_tool(
     np.testing.assert_allclose(values(still, 0.2)[apart], values(model, 0.2)[apart], atol=0.05)
 
 
+def test_a_sliver_in_sight_does_not_colour_what_a_tool_hides() -> None:
+    """In the second half of the frames a little of the first Gaussian is seen, of the second nothing."""
+    model = gaussians(np.random.default_rng(6)).rows(np.array([COUNT - 3, COUNT - 1]))
+    motion = without_nodes(np.zeros((2, CONTROLS, 3), np.float32), np.zeros((2, CONTROLS, 3), np.float32))
+    motion.color_controls[:, CONTROLS // 2 + 1 :] = -1.0
+    scales = np.full((2, 3), np.log(0.7), np.float32)
+    model = replace(model, raw=replace(model.raw, log_scales=scales), motion=motion)
+    shown = frames(hidden_after=0.5, first_column=18)
+    (_, whole), *_, (_, sliver) = _seen_shares(model, shown, 0.1)
+    still, _ = smooth_occluded_motion(model, shown, near=0.1)
+    assert 0 < sliver[0] < 0.05 * whole[0]
+    assert values(still, 1.0)[0].min() > -0.5
+    np.testing.assert_allclose(values(still, 0.2)[0], values(model, 0.2)[0], atol=0.05)
+
+
 def test_what_no_frame_sees_rests() -> None:
     model = gaussians(np.random.default_rng(3))
     motion = model.motion
