@@ -43,6 +43,11 @@ class TrainFrame:
     n_depths: int
     depth_is_guess: bool
 
+    @property
+    def tissue(self) -> NDArray[np.bool_]:
+        """(H, W) the mask of colours without the padding."""
+        return self.color_mask[: self.camera.height, : self.camera.width]
+
 
 def within_reach(frame: Frame) -> Frame:
     """The frame without depth that is no depth of tissue, as where a program writes a huge number for none;

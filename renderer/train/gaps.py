@@ -72,10 +72,10 @@ def closed_gaps(
     count, camera = len(gaussians), frames[0].camera
     motion = replace(gaussians.motion, opacity_controls=opacity_curves(gaussians.motion, count))
     closed = replace(gaussians, motion=motion)
-    often = np.asarray(sum(_tissue(frame).astype(np.float32) for frame in frames) > OFTEN * len(frames))
+    often = np.asarray(sum(frame.tissue.astype(np.float32) for frame in frames) > OFTEN * len(frames))
     rasterizer = Rasterizer(camera.width, camera.height)
     for place in range(0, len(frames), EVERY):
-        hidden = often & ~_tissue(frames[place])
+        hidden = often & ~frames[place].tissue
         for _ in range(ROUNDS if hidden.any() else 0):
             splats, before = closed.at(frames[place].time), len(closed)
             rasterizer.forward(splats, camera, near, _reached(hidden), mode)
@@ -84,11 +84,6 @@ def closed_gaps(
             if len(closed) == before:
                 break
     return _while_hidden(closed, count, frames, often) if len(closed) > count else gaussians
-
-
-def _tissue(frame: TrainFrame) -> BoolImage:
-    """(H, W) without the padding."""
-    return frame.color_mask[: frame.camera.height, : frame.camera.width]
 
 
 def _reached(hidden: BoolImage) -> BoolImage:
@@ -147,7 +142,7 @@ def _while_hidden(
     copies = gaussians.rows(np.arange(count, len(gaussians)))
     shown = []
     for frame in frames:
-        apart = cv2.erode((~_tissue(frame)).astype(np.uint8), _disc(NEAR_EDGE)) > 0
+        apart = cv2.erode((~frame.tissue).astype(np.uint8), _disc(NEAR_EDGE)) > 0
         shown.append(~_at(often & apart, camera.project(copies.at(frame.time).means.astype(np.float64))[0]))
     visible = np.stack(shown)
     steps = np.where(visible, GONE - THERE, np.float32(0))

@@ -14,8 +14,8 @@ from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
 from renderer.raw_gaussians import RawGaussians
-from renderer.train.fading import FADES, LEAST, TRACE, _shares_beyond, faded_out_of_sight
-from renderer.train.frames import TrainFrame, train_frame, unseen_beyond
+from renderer.train.fading import FADES, LEAST, SHRED, TRACE, _shares_beyond, _shreds, faded_out_of_sight
+from renderer.train.frames import MARGIN, TrainFrame, train_frame, unseen_beyond
 from tests.renderer.splines import without_nodes
 
 CONTROLS, WIDTH, HEIGHT = 9, 96, 64
@@ -118,7 +118,7 @@ def test_shares_are_those_of_what_is_drawn(down: float) -> None:
     """One Gaussian alone, as it is drawn at the last frame."""
     one = model(down).rows(np.array([LEAVES]))
     beyond = hidden()
-    (share,) = list(_shares_beyond(one, [1.0], CAMERA, beyond, 0.1, "default"))
+    (share,) = list(_shares_beyond(one, [(1.0, ~beyond)], CAMERA, beyond, 0.1, "default"))
     alpha = render(one.at(1.0), CAMERA, near=0.1).alpha.astype(np.float64)
     wanted = alpha[beyond].sum() / (alpha.sum() + TRACE)
     assert share[0] == pytest.approx(wanted, abs=1e-3)
@@ -127,3 +127,37 @@ def test_shares_are_those_of_what_is_drawn(down: float) -> None:
         assert kept == pytest.approx(1, abs=1e-6)
     if wanted > FADES[1]:
         assert kept < 3 * LEAST
+
+
+def hidden_frames(shown: float) -> list[TrainFrame]:
+    """A tool covers all but the first rows from time `shown` on."""
+    made = []
+    for index, time in enumerate(TIMES):
+        mask = np.ones((HEIGHT, WIDTH), bool)
+        mask[8 if time > shown else BAR :] = False
+        image = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+        made.append(train_frame(Frame(index, float(time), image, CAMERA, mask, mask)))
+    return made
+
+
+def test_what_hangs_alone_behind_a_tool_fades_there_and_tissue_does_not() -> None:
+    """A sheet of Gaussians two pixels apart, and one eighteen beside it."""
+    rows, columns = np.mgrid[20:44:2, 20:44:2].reshape(2, -1)
+    places = np.append(np.column_stack([columns, rows]), [[60, 32]], axis=0)
+    means = np.column_stack([(places - (WIDTH / 2, HEIGHT / 2)) * DEPTH / FOCAL, np.full(len(places), DEPTH)])
+    one = model(down=0).rows(np.zeros(len(places), np.int64))
+    before = replace(one, raw=replace(one.raw, means=means.astype(np.float32)))
+    after = faded_out_of_sight(before, hidden_frames(0.5), hidden(), near=0.1)
+    shown, behind = (after.at(time).opacities / before.at(time).opacities for time in (0.1, 0.9))
+    np.testing.assert_allclose(shown, 1, atol=0.05)
+    np.testing.assert_allclose(behind[:-1], 1, atol=1e-3)
+    assert behind[-1] < 0.1
+
+
+def test_shreds_are_beyond_what_is_as_wide_as_the_disc() -> None:
+    solid = np.zeros((60, 60), bool)
+    solid[5 : 5 + SHRED - 1, 20:] = True
+    solid[30 : 30 + SHRED, :] = True
+    shreds = _shreds(solid)
+    assert shreds[: 30 - MARGIN].all()
+    assert not shreds[30 : 30 + SHRED].any()
