@@ -213,23 +213,23 @@ def _eliminate(
     by_pose = change @ motion_slopes(places)
     by_point = change @ bundle.poses[bundle.views[group]][:, :3, :3]
 
-    of_points = _summed(by_point.swapaxes(1, 2) @ by_point, of_point, len(points))
-    pull = _summed(_along(by_point, apart), of_point, len(points))
+    of_points = summed(by_point.swapaxes(1, 2) @ by_point, of_point, len(points))
+    pull = summed(_along(by_point, apart), of_point, len(points))
     diagonal = np.einsum("ljj->lj", of_points)
     diagonal *= 1 + damping
     diagonal += 1e-9
     inverse = np.linalg.inv(of_points)
     pairs = of_point * len(views) + of_view
-    across = _summed(by_point.swapaxes(1, 2) @ by_pose, pairs, len(points) * len(views))
+    across = summed(by_point.swapaxes(1, 2) @ by_pose, pairs, len(points) * len(views))
     of_poses = across.reshape(len(points), len(views), 3, 6).swapaxes(1, 2).reshape(len(points), 3, -1)
-    of_lens = _summed(by_point.swapaxes(1, 2) @ by_lens, of_point, len(points))
+    of_lens = summed(by_point.swapaxes(1, 2) @ by_lens, of_point, len(points))
     coupling = np.concatenate([of_poses, of_lens], axis=2)
     solved = inverse @ coupling
     offset = np.einsum("ljk,lk->lj", inverse, pull)
 
     columns = np.r_[(6 * views[:, None] + np.arange(6)).ravel(), 6 * len(bundle.poses) + np.arange(2)]
-    own = _summed(by_pose.swapaxes(1, 2) @ by_pose, of_view, len(views))
-    beside = _summed(by_pose.swapaxes(1, 2) @ by_lens, of_view, len(views)).reshape(-1, 2)
+    own = summed(by_pose.swapaxes(1, 2) @ by_pose, of_view, len(views))
+    beside = summed(by_pose.swapaxes(1, 2) @ by_lens, of_view, len(views)).reshape(-1, 2)
     own_diagonal = np.einsum("mjj->mj", own)
     own_diagonal *= 1 + damping
     own_diagonal += 1e-9
@@ -242,7 +242,7 @@ def _eliminate(
     block[:-2, -2:] += beside
     block[-2:, -2:] += np.einsum("nji,njk->ik", by_lens, by_lens) * (1 + damping * np.eye(2))
     stiffness[np.ix_(columns, columns)] += block
-    turned = _summed(_along(by_pose, apart), of_view, len(views))
+    turned = summed(_along(by_pose, apart), of_view, len(views))
     said = np.r_[turned.ravel(), _along(by_lens, apart).sum(axis=0)]
     against[columns] += said - np.einsum("ljk,lj->k", coupling, offset)
     return _Back(points, columns, offset, solved)
@@ -253,7 +253,7 @@ def _along(change: FloatArray, values: FloatArray) -> FloatArray:
     return np.asarray((change * values[:, :, None]).sum(axis=1))
 
 
-def _summed(values: FloatArray, of: IntArray, count: int) -> FloatArray:
+def summed(values: FloatArray, of: IntArray, count: int) -> FloatArray:
     """(count, ...) sums of the values (N, ...) of each; 0 where it has none."""
     order = np.argsort(of, kind="stable")
     starts = np.flatnonzero(np.diff(of[order], prepend=-1))

@@ -84,6 +84,11 @@ def _refined(lens: Camera, points: FloatArray, seen: Seen, start: FloatArray) ->
     for _ in range(_STAGES):
         weighed = Seen(seen.measured, seen.weights * (1 / _scale(lens, points, seen, pose)))
         pose = _descended(lens, points, weighed, pose)
+    return agreeing(lens, points, seen, pose)
+
+
+def agreeing(lens: Camera, points: FloatArray, seen: Seen, pose: FloatArray) -> Resected:
+    """How well this pose fits."""
     left = (residuals(lens, local(pose, points), seen) ** 2).sum(axis=1)
     scale = _scale(lens, points, seen, pose)
     return Resected(pose, left < (OUTLYING * scale) ** 2, float(np.median(np.sqrt(left))))

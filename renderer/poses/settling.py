@@ -9,8 +9,9 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray, IntArray
 from renderer.poses.bundle import adjusted
-from renderer.poses.resection import resected, trust
+from renderer.poses.resection import agreeing, resected, trust
 from renderer.poses.rigid_motion import Seen, local, projected
+from renderer.poses.tissue_motion import places_of, poses_by_motion
 from renderer.poses.views import DEPTH_NOISE, Rough, View, bundle_of
 
 _PASSES = 4
@@ -86,7 +87,8 @@ def settled(rough: Rough) -> Settled:
     Noise is measured on the steadier half of the points. Points that stray from where they should
     be, over all views, count for little: they are on tissue that moves, or on a tool. First as if the
     tissue deformed; where it turns out not to, or without depth, which alone would tell, by places in the
-    picture, which are the more exact. Where it does deform, those that move least decide at last.
+    picture, which are the more exact. Where it does deform, it is sought how: tissue_motion.py;
+    and where that is in no few ways, those that move least decide at last.
     """
     lens, views, points = rough.lens, rough.views, rough.points
     start = Settled(lens, views, points, _judged(lens, points, views)[0])
@@ -94,7 +96,22 @@ def settled(rough: Rough) -> Settled:
         return _settled(rough, start, _RIGID_SLACK, _WITHOUT_DEPTH)
     soft = _settled(rough, start, _SLACK, first=_FIRST_PX)
     rigid = _settled(rough, soft, _RIGID_SLACK)
-    return rigid if rigid.noise.depth < _TAKEN_UP * soft.noise.depth else _by_the_steadiest(rough, soft)
+    if rigid.noise.depth < _TAKEN_UP * soft.noise.depth:
+        return rigid
+    return _by_motion(soft) or _by_the_steadiest(rough, soft)
+
+
+def _by_motion(soft: Settled) -> Settled | None:
+    """As if all tissue moved in a few ways; None where it does not."""
+    poses = poses_by_motion(soft.lens, soft.views, soft.points)
+    if poses is None:
+        return None
+    views = tuple(replace(view, pose=pose) for view, pose in zip(soft.views, poses, strict=True))
+    points = places_of(soft.lens, views, soft.points)
+    noise, steady = _judged(soft.lens, points, views)
+    return Settled(
+        soft.lens, tuple(_agreeing(soft.lens, points, view, noise, steady) for view in views), points, noise
+    )
 
 
 def _by_the_steadiest(rough: Rough, soft: Settled) -> Settled:
@@ -203,6 +220,12 @@ def _carried(keys: tuple[int, ...], views: tuple[View, ...], poses: FloatArray) 
     numbers = np.searchsorted(keys, np.arange(len(views)), side="right") - 1
     backs = [np.linalg.inv(views[key].pose) @ pose for key, pose in zip(keys, poses, strict=True)]
     return [view.pose @ backs[number] for view, number in zip(views, numbers, strict=True)]
+
+
+def _agreeing(lens: Camera, points: FloatArray, view: View, noise: Noise, steady: FloatArray) -> View:
+    """With the points that agree with its pose."""
+    weighed = _weighed(lens, points, view, noise.beside(_SLACK * noise.pixel, lens), steady)
+    return replace(weighed, inliers=agreeing(lens, points[view.ids], weighed.seen, view.pose).inliers)
 
 
 def _again(lens: Camera, points: FloatArray, view: View, start: FloatArray) -> View:
