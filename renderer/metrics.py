@@ -90,7 +90,7 @@ def ssim_masked(image: AnyFloat, reference: AnyFloat, mask: BoolImage) -> float:
         True
     """
     _, counted = _similarities(image, reference, mask)
-    pixels = np.count_nonzero(mask)
+    pixels = int(np.count_nonzero(mask))
     return counted * mask.size / (image.size * pixels) if pixels else float("nan")
 
 
