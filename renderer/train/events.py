@@ -134,7 +134,7 @@ class Finishing:
     stage: str
     """In a few words."""
     seconds_left: float
-    """About, of this and all that comes after it."""
+    """About, of this and all that comes after it; 0: it is short, or nothing tells."""
 
 
 @dataclass(frozen=True)

@@ -59,7 +59,10 @@ def _preparing(stage: Preparing) -> str:
 
 
 def _finishing(stage: Finishing, seconds: float) -> str:
-    """It has gone on for so long: what was left when it began has become less, or was too little."""
+    """It has gone on for so long: what was left when it began has become less, or was too little; 0: nobody
+    has told."""
+    if stage.seconds_left == 0:
+        return f"{capital(stage.stage)}…"
     left = stage.seconds_left - seconds
     return f"{capital(stage.stage)} · {f'{rounded(left)} left' if left > 0 else LATE}"
 

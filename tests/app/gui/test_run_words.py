@@ -75,6 +75,7 @@ def test_what_follows_the_last_step_counts_down_and_says_when_it_takes_longer(go
     going.window.now += 20
     assert doing(going) == f"{smoothing} · longer than expected"
     assert tell(going, Finishing("measuring held-out frames", 12.0)).endswith("about 10 s left")
+    assert tell(going, Finishing("saving the model", 0.0)) == "Saving the model…", "not late as it begins"
 
 
 def test_a_run_that_resumes_counts_from_its_checkpoint_before_its_first_event(
