@@ -88,9 +88,10 @@ from app.scenes.scene import Scene
 from app.scenes.view_request import read_frame
 
 Server = Literal["first", "second", "third", "apart"]
-"""The first worker, with numba, which pictures wait for; the second, for work without numba that no picture
-waits for; the third, for such work that takes many seconds at a time, which nothing that is saved is to wait
-for; or a thread of its own for each request: what opens files, without numba, may never end."""
+"""The first worker, which pictures wait for; the second, for work that no picture waits for, without kernels
+that have threads of their own; the third, for work of many seconds at a time, which nothing that is saved is
+to wait for: it has such kernels, too. Or a thread of its own for each request: what opens files, without
+numba, may never end."""
 SECOND: Final = "second"
 THIRD: Final = "third"
 

@@ -176,7 +176,7 @@ def _end(work: tuple[Any, Iterator[Any]] | None) -> None:
 
 
 class Worker:
-    """One thread that serves several channels in turn, so that two numba thread pools never meet.
+    """One thread that serves several channels in turn: numba has a pool of threads for each that computes.
 
     `at_rest` is called there once after all work, when no more has come for a while.
     """
@@ -228,7 +228,7 @@ class Apart:
     """Serves a channel whose work may never end, as on a drive that does not answer: each request has a
     thread of its own, so that one that hangs stops neither the next nor any other work.
 
-    Such work does without numba, whose thread pools must not meet.
+    Such work does without numba, which has a pool of threads for each that computes.
     """
 
     def __init__(self, channel: Channel[Any, Any], on_answer: Callable[[], None]) -> None:
