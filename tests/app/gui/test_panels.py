@@ -78,7 +78,7 @@ def test_dragging_a_slider_is_live_and_one_undo(ui: Ui, opened: AppState) -> Non
 
 
 @pytest.mark.parametrize(
-    "status", ["none", "starting", "running", "paused", "finished", "failed", "cancelled"]
+    "status", ["none", "starting", "running", "paused", "finished", "failed", "cancelled", "elsewhere"]
 )
 def test_the_reconstruction_panel_draws_every_state(ui: Ui, opened: AppState, status: str) -> None:
     run = opened.runs.reconstruction
