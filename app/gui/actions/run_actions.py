@@ -58,8 +58,9 @@ def open_again(state: AppState) -> None:
 
 
 def is_as_it_is(state: AppState, run: ListedRun) -> bool:
-    """Of the run that is shown: there is no more of it to show than there was when it was opened."""
-    return run.made == state.runs.reconstruction.status == "finished"
+    """Of the run that is shown: there is no more of it to show, neither of its model nor, as where its
+    training has found the cameras or the lens, of its frames."""
+    return run.made == state.runs.reconstruction.status == "finished" and state.has_frames
 
 
 def why_not_open(state: AppState, run: ListedRun) -> str:

@@ -10,13 +10,18 @@ import pytest
 from imgui_bundle import imgui
 from PIL import Image
 
-from app.gui.actions import actions, browse_actions, clip_actions, live_actions
+from app.enhancement.settable import RENDER
+from app.gui.actions import actions, arriving, browse_actions, clip_actions, live_actions, run_actions
+from app.gui.state import panes
+from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
+from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.settings import Places, Settings, load_clips
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.lenses.calibration import Calibration, FoundLens
 from tests.app.gui.settling import keep_all
 from tests.app.gui.test_reconstruction_choices import opened, to_choices, turn
+from tests.app.gui.test_runs import named
 from tests.app.gui.test_window import Driver, is_settled, wait
 from tests.renderer.raw_eyes import EYES, raw_pairs, write_calibration
 from tests.renderer.readers.numbered import encoded
@@ -101,6 +106,29 @@ def test_a_lens_that_training_found_is_not_remembered_as_chosen(places: Places, 
     clip_actions.keep_reading(state, replace(state.source.options, depth="motion", calibration=found))
     known = state.source.known[str(video)]
     assert (known.depth, known.calibration) == ("motion", None)
+
+
+def test_a_run_on_undistorted_images_is_compared_with_these_alone_and_can_be_opened_for_them(
+    state: AppState, runs: dict[str, Path]
+) -> None:
+    """While it is trained the clip is open as its files are."""
+    path = runs["original"]
+    state.places = replace(state.places, runs=path.parent)
+    (answer,) = open_path(OpenRequest(path))
+    arriving.show_opened(state, path, answer)
+    run, scene = named(state, path.name), state.scene.model
+    assert scene is not None
+    assert scene.record.clip is not None
+    assert panes.why_not(state, RENDER) == ""
+    assert run_actions.is_as_it_is(state, run)
+    found = Calibration(lens=EYES.lens, found=FoundLens(deviation=0.01))
+    cameras = tuple(replace(camera, fx=1.1 * camera.fx) for camera in scene.cameras)
+    record = replace(scene.record, clip=replace(scene.record.clip, calibration=found))
+    state.scene.model = replace(scene, cameras=cameras, record=record)
+    assert panes.why_not(state, RENDER).startswith("Its images are undistorted otherwise")
+    assert not run_actions.is_as_it_is(state, run)
+    state.source.options = replace(state.source.options, calibration=found)
+    assert panes.why_not(state, RENDER) == ""
 
 
 @pytest.mark.display
