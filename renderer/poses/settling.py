@@ -29,6 +29,9 @@ _RIGID_SLACK = 1.0
 _TAKEN_UP = 1.2
 """Times the misfit in depth: where it is more, a fit to the places alone takes up a deformation. Of two
 phantoms at rest and a sinus it is 0.9 to 1.1, of four that deform 1.3 to 3.4."""
+_OFF = 0.5
+"""Pixels by which places are off where all tissue may move together, so that depth does not tell: 0.2 to 0.3
+of phantoms at rest, 0.7 of those that breathe."""
 _SHARES = (0.35, 0.25, 0.2, 0.15, 0.12, 0.1, 0.08, 0.065)
 """Of the points, those that move least; only where tissue deforms, after the steadier half. Of a phantom that
 is pulled, the last four take the error from 1.17 to 0.77 % of the path of 60 frames, from 1.26 to 0.90 % of
@@ -96,9 +99,9 @@ def settled(rough: Rough) -> Settled:
         return _settled(rough, start, _RIGID_SLACK, _WITHOUT_DEPTH)
     soft = _settled(rough, start, _SLACK, first=_FIRST_PX)
     rigid = _settled(rough, soft, _RIGID_SLACK)
-    if rigid.noise.depth < _TAKEN_UP * soft.noise.depth:
-        return rigid
-    return _by_motion(soft) or _by_the_steadiest(rough, soft)
+    deforms = rigid.noise.depth >= _TAKEN_UP * soft.noise.depth
+    by_motion = _by_motion(soft) if deforms or rigid.noise.pixel > _OFF else None
+    return by_motion or (_by_the_steadiest(rough, soft) if deforms else rigid)
 
 
 def _by_motion(soft: Settled) -> Settled | None:

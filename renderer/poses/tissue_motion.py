@@ -35,9 +35,9 @@ _AT_ALL = 10
 """Rounds for the frames between."""
 _SLACK = 1.5
 """By which places and depth count less than their noise, for motions that are not those few."""
-_EXPLAINED = 0.5
+_EXPLAINED = 0.33
 """Of what is left over in the image where points are at rest: where more is left, tissue does not move so. Of
-phantoms that breathe or are pulled 0.1 to 0.25 is left."""
+phantoms that breathe or are pulled 0.2 to 0.3 is left."""
 _LEAST_PX, _LEAST_DEPTH = 0.02, 1e-5
 _TO_DEVIATION = 1.4826
 
