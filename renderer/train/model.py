@@ -18,9 +18,12 @@ from renderer.train.average import Average
 from renderer.train.densify import Densifier, Plan
 from renderer.train.frames import TrainFrame
 from renderer.train.gradient_backend import CpuBackend, GradientBackend
-from renderer.train.guards import Trouble, hold_scales, leave_out_broken
+from renderer.train.guards import Trouble, hold_scales, leave_out_broken, shorten
 from renderer.train.losses import Measured
 from renderer.train.recipe import MotionTrainer, Recipe
+
+SHORTENED_EVERY = 10
+"""Steps."""
 
 
 class TrainModel:
@@ -98,6 +101,8 @@ class TrainModel:
         if moves:
             self._motion.update(frame.time, by, updated, iteration)
         self.trouble.held += hold_scales(self.raw.log_scales, self._size)
+        if recipe.longest is not None and (iteration + 1) % SHORTENED_EVERY == 0:
+            shorten(self.raw.log_scales, recipe.longest)
         if self._density:
             self._density.add(self._pictures.by_centers(), reached, frame.camera)
             if self._density.is_due(iteration + 1):

@@ -78,6 +78,8 @@ class Recipe:
     """What has no gradient in a step goes on by its moments, as Adam is published; else it rests."""
     mode: RenderMode = "default"
     """How splats narrower than a pixel are drawn, in training and after."""
+    longest: float | None = None
+    """Times its middle standard deviation that the largest of a Gaussian may be; None: any."""
     averaged_share: float = 0.0
     """Of the steps, at the end: the result is the mean of the models after them, see Average."""
     sh_degree: int = 0

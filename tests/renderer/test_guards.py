@@ -12,7 +12,7 @@ from renderer.clip import Frame
 from renderer.raw_gaussians import RawGaussians
 from renderer.train.checkpoint import checkpoint_paths, read_checkpoint, write_checkpoint
 from renderer.train.events import Finished, Warned
-from renderer.train.guards import JUDGED, LossWatch, hold_scales, leave_out_broken
+from renderer.train.guards import JUDGED, LossWatch, hold_scales, leave_out_broken, shorten
 from renderer.train.trainer import LOSSES, TROUBLE, TrainingError
 from renderer.train.training import train
 from tests.renderer.sheet import SMALL, moving_sheet
@@ -49,6 +49,15 @@ def test_scales_that_run_away_are_held() -> None:
     assert np.isfinite(np.exp(log_scales)).all()
     assert log_scales[0].tolist() == [0, 1, 2]
     assert hold_scales(log_scales, 50.0) == 0
+
+
+def test_needles_are_shortened_and_discs_stay() -> None:
+    scales = np.float32([[1, 1, 100], [100, 2, 1], [1, 50, 6], [3, 3, 0.01], [5, 0, 1]])
+    with np.errstate(divide="ignore"):
+        log_scales = np.log(scales)
+    shorten(log_scales, 8.0)
+    wanted = np.float32([[1, 1, 8], [16, 2, 1], [1, 48, 6], [3, 3, 0.01], [5, 0, 1]])
+    np.testing.assert_allclose(np.exp(log_scales), wanted, rtol=1e-5)
 
 
 def test_a_loss_that_rises_for_good_is_a_problem_and_one_that_swings_is_not() -> None:
