@@ -149,12 +149,6 @@ class Scene:
         return self.iterations > 0
 
     @property
-    def lens_is_estimated(self) -> bool:
-        """The images that it was made of are undistorted by a lens that the program found."""
-        calibration = self.record.clip.calibration if self.record.clip else None
-        return calibration is not None and calibration.found is not None
-
-    @property
     def is_series(self) -> bool:
         """Of a file per moment: other Gaussians at each."""
         return isinstance(self.model.motion, FrameByFrame)

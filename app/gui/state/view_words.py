@@ -79,8 +79,13 @@ def _made_by(model: Scene, other: Scene | None) -> str:
 
 def _guess_tags(model: Scene) -> tuple[Tag, ...]:
     """What it rests on that nobody measured."""
-    depth, poses = (model.is_guessed, "depth"), (model.poses_are_estimated, "camera poses")
-    guesses = [name for is_guess, name in (depth, poses, (model.lens_is_estimated, "lens")) if is_guess]
+    lens = model.record.clip.calibration if model.record.clip else None
+    is_guess = {
+        "depth": model.is_guessed,
+        "camera poses": model.poses_are_estimated,
+        "lens": lens is not None and lens.found is not None,
+    }
+    guesses = [name for name, is_so in is_guess.items() if is_so]
     guessed = " and ".join(filter(None, (", ".join(guesses[:-1]), *guesses[-1:])))
     return (Tag(f"ESTIMATED {guessed}", "caution"),) if guessed else ()
 

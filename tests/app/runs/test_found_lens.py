@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -26,7 +25,7 @@ from app.runs.trained_clip import run_clip
 from app.scenes.scene import open_scene
 from enhance import EnhanceParams
 from renderer.clip import Clip
-from renderer.phantom import PhantomParams, write_phantom
+from renderer.phantom import PhantomParams
 from renderer.poses.distortion import Distortion
 from renderer.poses.from_motion import FoundStructure, followed_features, structure_of
 from renderer.poses.search import PosesError
@@ -36,6 +35,7 @@ from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Progress, Started, TrainEvent, Warned
 from tests.app.conftest import Cli
+from tests.app.runs.moving_images import moving_images
 
 CONFIG = TrainConfig(iterations=6, n_gaussians=300, checkpoint_every=2)
 LEFT_OUT = replace(CONFIG, leave_out=("lens",))
@@ -48,10 +48,7 @@ Find = Callable[..., None]
 
 @pytest.fixture(scope="module")
 def images(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("moving")
-    write_phantom(path / "clip", PARAMS)
-    shutil.copytree(path / "clip" / "images", path / "images")
-    return path / "images"
+    return moving_images(tmp_path_factory.mktemp("moving"), PARAMS)
 
 
 @pytest.fixture(scope="module")

@@ -22,13 +22,14 @@ from app.runs.structuring import structured
 from app.runs.train_run import TrainRequest, run_training
 from app.runs.trained_clip import run_clip
 from renderer.clip import Clip, ClipError
-from renderer.phantom import PhantomParams, write_phantom
+from renderer.phantom import PhantomParams
 from renderer.poses.from_motion import FoundStructure, followed_features, structure_of
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.lenses.calibration import Calibration, LensCalibration
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, Warned
+from tests.app.runs.moving_images import moving_images
 
 CONFIG = TrainConfig(iterations=4, n_gaussians=500)
 PARAMS = PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
@@ -39,11 +40,7 @@ MOTION = ClipOptions(depth="motion")
 
 @pytest.fixture(scope="module")
 def images(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Nothing else is left of a clip whose camera moves."""
-    path = tmp_path_factory.mktemp("moving")
-    write_phantom(path / "clip", PARAMS)
-    shutil.copytree(path / "clip" / "images", path / "images")
-    return path / "images"
+    return moving_images(tmp_path_factory.mktemp("moving"), PARAMS)
 
 
 @pytest.fixture(scope="module")
