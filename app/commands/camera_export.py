@@ -16,7 +16,6 @@ from renderer.listing import count
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--cameras", type=Path, metavar="FILE|DIR", help="the poses as cameras.json")
     parser.add_argument(
         "--cameras-format",
         choices=ENDINGS,

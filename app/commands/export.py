@@ -16,6 +16,7 @@ from app.commands import (
     view_flags,
     view_selection,
 )
+from app.commands.export_kinds import KINDS
 from app.commands.view_selection import Moment
 from app.console.older_files import say_older
 from app.console.progress import progress
@@ -43,21 +44,8 @@ from renderer.listing import count
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    for name, (_, text) in export_limits.FOLDERS.items():
-        parser.add_argument(export_limits.flag(name), type=Path, metavar="DIR", help=text)
-    parser.add_argument(
-        "--usd",
-        type=Path,
-        metavar="FILE",
-        help="the Gaussians through the clip as one .usdc file: USD's 3D Gaussian splats, time-sampled",
-    )
-    parser.add_argument(
-        "--4dgs",
-        type=Path,
-        metavar="FILE",
-        dest="fourdgs",
-        help="the same as one .4dgs file, half as large, rounded (extra 4dgs); a JSON file beside it",
-    )
+    for name, kind in KINDS.items():
+        parser.add_argument(export_limits.flag(name), type=Path, metavar=kind.metavar, help=kind.text)
     parser.add_argument(
         "--sh-degree",
         type=int,
@@ -71,16 +59,6 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="splat files without Gaussians behind tissue in all frames, as 3D views from beside are drawn; "
         "from where the endoscope was, holes are seen at outlines",
-    )
-    parser.add_argument(
-        "--video", type=Path, metavar="FILE", help="the frames as a video, with a JSON file beside it"
-    )
-    parser.add_argument(
-        "--html",
-        type=Path,
-        metavar="FILE",
-        help="the model over time as one page that any browser plays, without a network; it opens as "
-        "--camera sees it (default the first frame's)",
     )
     mesh_export.add_flags(parser)
     camera_export.add_flags(parser)
@@ -96,7 +74,7 @@ def run(flags: argparse.Namespace) -> None:
         raise UserError(f"--video: expected a name that ends in {endings}, got {flags.video.name}")
     mesh_export.check(flags)
     camera_export.check(flags)
-    moving = [path for path in (flags.usd, flags.fourdgs) if path is not None]
+    moving = [path for name in ("usd", "4dgs") if (path := getattr(flags, name)) is not None]
     for path in moving:
         require_package, _ = MOVING[path.suffix.lower()]
         require_package()
@@ -108,20 +86,18 @@ def run(flags: argparse.Namespace) -> None:
     # What may be refused yet comes before the first file is written.
     pen = drawer(flags.renderer)
     views = view_flags.asked_for(flags, scene, wanted) if flags.video else []
-    speed, unobserved = _speed(flags, scene, wanted), False if flags.without_unobserved else None
-    if flags.without_unobserved:
-        observed(scene)
+    speed, kept = _speed(flags, scene, wanted), observed(scene) if flags.without_unobserved else scene
     mesh_export.require(flags, scene, wanted)
     research_export.write(flags, scene, wanted, pen)
-    for name, (ending, _) in export_limits.FOLDERS.items():
-        if (folder := getattr(flags, name)) is not None:
-            _write_splats(folder, ending, scene, wanted, flags.sh_degree, unobserved)
+    for name, path in export_limits.outputs(flags):
+        if KINDS[name].is_splat_folder:
+            _write_splats(path, KINDS[name].suffix, scene, kept, wanted, flags.sh_degree)
     if flags.video:
         _write_video(flags.video, views, pen, wanted, speed)
     if flags.html:
         _write_page(flags.html, scene, wanted, speed, beyond=flags.unobserved)
     for path in moving:
-        _write_moving(path, scene, speed, unobserved)
+        _write_moving(path, scene, kept, speed)
     if flags.mesh:
         mesh_export.write(flags, scene, wanted, speed)
     if flags.cameras:
@@ -144,14 +120,11 @@ def _speed(flags: argparse.Namespace, scene: Scene, wanted: list[Moment]) -> flo
 
 
 def _write_splats(
-    folder: Path,
-    suffix: str,
-    scene: Scene,
-    wanted: list[Moment],
-    degree: int | None,
-    unobserved: bool | None,
+    folder: Path, suffix: str, scene: Scene, kept: Scene, wanted: list[Moment], degree: int | None
 ) -> None:
-    """The Gaussians where they are at each moment; every file says what it is of."""
+    """The Gaussians that are `kept` of the scene, where they are at each moment; every file says what it is
+    of."""
+    unobserved = None if kept is scene else False
     sources, layout, beyond = Opened(model=scene), layout_of(suffix), list[str]()
     with filled(folder) as staging, progress("export", len(wanted)) as report:
         for done, moment in enumerate(wanted, start=1):
@@ -167,19 +140,17 @@ def _write_splats(
             report(done, moment.name)
     sys.stderr.writelines(f"{notice}\n" for notice in beyond)
     say_older(folder, [f"{moment.name}{suffix}" for moment in wanted])
-    kept = scene if unobserved is None else observed(scene)
     of_each = "" if scene.split_by_time else f" of {count(len(kept.model), 'Gaussian')}"
     sys.stdout.write(f"{folder}: {count(len(wanted), 'splat file')}{of_each}\n")
 
 
-def _write_moving(path: Path, scene: Scene, speed: float, unobserved: bool | None) -> None:
-    """All of the clip."""
-    seconds = len(scene.cameras) / speed
+def _write_moving(path: Path, scene: Scene, kept: Scene, speed: float) -> None:
+    """The Gaussians that are `kept` of the scene, through all of the clip."""
+    seconds, unobserved = len(scene.cameras) / speed, None if kept is scene else False
     record = extended(MovingSplats, scene.record, seconds=seconds, unobserved=unobserved)
     with progress("export", len(scene.cameras)) as report:
         for done in make(record, Opened(model=scene), path):
             report(done, path.name)
-    kept = scene if unobserved is None else observed(scene)
     said = f"{len(kept.model)} Gaussians at {count(len(scene.cameras), 'moment')}"
     if path.suffix.lower() == fourdgs.SUFFIX and scene.model.raw.harmonics.shape[1]:
         sys.stderr.write(f"colours by direction are left out of the file: {path}\n")

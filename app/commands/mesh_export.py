@@ -30,13 +30,6 @@ from renderer.surface.mesh import Mesh
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--mesh",
-        type=Path,
-        metavar="FILE.glb|FILE.usdc|DIR",
-        help="the tissue surface: as glTF or USD with one topology that moves through the clip, or a folder "
-        "with a mesh per frame",
-    )
-    parser.add_argument(
         "--mesh-format",
         choices=[suffix[1:] for suffix in MOMENTS],
         default="ply",

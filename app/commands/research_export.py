@@ -27,18 +27,6 @@ POINT = re.compile(r"(\d{1,9}),(\d{1,9})")
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--npz",
-        type=Path,
-        metavar="FILE",
-        help="Gaussians at each moment, depth and cameras as numpy arrays, with a README inside",
-    )
-    parser.add_argument(
-        "--tracks",
-        type=Path,
-        metavar="FILE",
-        help="where the surface behind --points goes, as .csv; a JSON file beside it",
-    )
-    parser.add_argument(
         "--points",
         nargs="+",
         metavar="X,Y",
