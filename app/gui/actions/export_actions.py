@@ -13,11 +13,7 @@ from app.files.video_encoder import VideoEncoder
 from app.gui.actions import actions, live_actions
 from app.gui.actions.export_lacks import lacks
 from app.gui.actions.export_names import default_name, why_not_name
-from app.gui.actions.export_offers import (
-    FOLDERS,
-    OFFERS,
-    Form,
-)
+from app.gui.actions.export_offers import OFFERS, Form
 from app.gui.actions.export_records import format_of, request_of
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
@@ -54,8 +50,8 @@ def stem_of(state: AppState) -> str:
 
 def suffix_of(state: AppState) -> str:
     """Of what is chosen in the panel; empty for a folder."""
-    form = OFFERS[state.exports.what].form
-    return "" if form in FOLDERS else format_of(state, form)
+    offer = OFFERS[state.exports.what]
+    return "" if offer.traits.is_folder else format_of(state, offer.form)
 
 
 def why_not_start(state: AppState) -> str:
@@ -242,7 +238,7 @@ def type_name(state: AppState, name: str) -> None:
 
 
 def choose_format(state: AppState, form: Form, suffix: str) -> None:
-    """One of its FORMATS."""
+    """One of its formats."""
     state.exports.formats[form] = suffix
 
 

@@ -7,7 +7,7 @@ from typing import Final
 
 from app.exports.splats.writing import COMPRESSED, clipped
 from app.gui.actions.export_actions import suffix_of
-from app.gui.actions.export_offers import OFFERS, ONE_COLOR, THROUGH_TIME
+from app.gui.actions.export_offers import OFFERS, ONE_COLOR
 from app.gui.state.app_state import AppState
 from app.scenes.clip_speed import FRAMES_PER_SECOND
 from renderer.raw_gaussians import RawGaussians
@@ -36,7 +36,7 @@ def _assumes_speed(state: AppState) -> bool:
     model, clip, offer = state.scene.model, state.source.clip, OFFERS[state.exports.what]
     if offer.form in ("panes video", "DICOM video"):
         return clip is not None and len(clip) > 1 and clip.frames_per_second is None
-    plays = offer.form in THROUGH_TIME or offer.sees == "time"
+    plays = offer.traits.plays or offer.sees == "time"
     return plays and model is not None and len(model.cameras) > 1 and model.frames_per_second is None
 
 

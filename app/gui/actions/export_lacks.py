@@ -13,7 +13,7 @@ from app.exports.usd_file import NO_USD, has_usd
 from app.files.codecs import HEVC, WEBM
 from app.files.legible import capital
 from app.files.video_encoder import NO_ENCODER, is_encoded
-from app.gui.actions.export_offers import DICOM, OF_MODEL, OF_TISSUE, Offer
+from app.gui.actions.export_offers import Offer
 from app.gui.actions.export_records import format_of, sized
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import why_not
@@ -42,9 +42,9 @@ def lacks(state: AppState, offer: Offer) -> str:
 
 
 def _lacks_content(state: AppState, offer: Offer) -> str:
-    if offer.form in OF_MODEL:
+    if offer.is_of_model:
         return _lacks_model(state, offer)
-    if offer.form in DICOM:
+    if offer.is_dicom:
         return _lacks_dicom(state, offer)
     needs_view = offer.sees != "no" and not (offer.sides and state.source.clip is not None)
     if needs_view and state.plain_view_request is None:
@@ -125,7 +125,7 @@ def _lacks_model(state: AppState, offer: Offer) -> str:
         return "There is no 3D model yet: reconstruct the clip or open a run."
     if offer.form != "cameras" and model.live:
         return UNFINISHED
-    if model.is_series and offer.form in OF_TISSUE:
+    if model.is_series and offer.traits.is_of_tissue:
         return f"This is {model.split_by_time}, not one model that moves."
     if offer.form == "tracks" and not _is_measured(state):
         return "Nothing is measured yet: press M and click the tissue in the 3D view."

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from app.files.device_names import is_device
-from app.gui.actions.export_offers import DICOM, OF_MODEL, OFFERS, Offer
+from app.gui.actions.export_offers import OFFERS, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 
@@ -20,7 +20,7 @@ REFUSED: Final = re.compile(r'[\x00-\x1f\x7f/\\\\:*?"<>|]')
 def default_name(state: AppState, what: What) -> str:
     """Without suffix: "liver-frame-12-left", "liver-frames-1-40-measures", "still-shown"."""
     offer = OFFERS[what]
-    if offer.form in DICOM:
+    if offer.is_dicom:
         # Files are often named after patients.
         return "-".join(filter(None, (offer.name, _when(state, offer))))
     told = "-".join(filter(None, (_when(state, offer), offer.name, _seen(state, offer))))
@@ -42,7 +42,7 @@ def why_not_name(name: str) -> str:
 def _of(state: AppState, offer: Offer) -> str:
     """The clip, or the model where nothing else is shown."""
     clip, model = state.source.clip, state.scene.model
-    alone = offer.form in ("view video", *OF_MODEL) or offer.sees == "still"
+    alone = offer.is_of_model or offer.form == "view video" or offer.sees == "still"
     name = clip.path.stem if clip is not None and not (alone and not offer.sides) else None
     if name is None and model is not None:
         name = Path(model.name).stem

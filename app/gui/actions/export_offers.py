@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 from app.exports.camera_set import ENDINGS
 from app.files.codecs import HEVC, MP4, WEBM
@@ -15,32 +16,78 @@ Form = Literal[
     "splat folder", "moving splats", "browser model", "surface mesh", "surface folder", "model arrays",
     "tracks", "cameras",
 ]  # fmt: skip
-OF_MODEL: Final[tuple[Form, ...]] = (
-    "splats",
-    "splat folder",
-    "moving splats",
-    "browser model",
-    "surface mesh",
-    "surface folder",
-    "model arrays",
-    "tracks",
-    "cameras",
-)
-"""Of the reconstruction alone."""
-OF_TISSUE: Final[tuple[Form, ...]] = (
-    "moving splats",
-    "browser model",
-    "surface mesh",
-    "model arrays",
-    "surface folder",
-    "tracks",
-)
-"""Of one that says where tissue goes: a splat file per moment does not."""
-THROUGH_TIME: Final[tuple[Form, ...]] = ("moving splats", "browser model", "surface mesh")
-"""One file that plays as fast as the clip."""
-DICOM: Final[tuple[Form, ...]] = ("DICOM still", "DICOM video")
-"""Of the enhanced frames alone."""
-VIDEOS: Final[tuple[Form, ...]] = ("panes video", "view video", "DICOM video")
+Group = Literal["Image", "Video", "Measures", "3D model"]
+GROUPS: Final[tuple[Group, ...]] = get_args(Group)
+
+
+@dataclass(frozen=True)
+class Traits:
+    """What all exports of one form have in common."""
+
+    group: Group
+    formats: Mapping[str, str]
+    """By suffix, in words; the first unless another is chosen."""
+    format_text: str = ""
+    """What is said of the choice, where there is one."""
+    is_folder: bool = False
+    """Of files that have the suffix each."""
+    is_of_tissue: bool = False
+    """It says where tissue goes, which a splat file per moment does not."""
+    plays: bool = False
+    """One file of the reconstruction that plays as fast as the clip."""
+
+
+SPLATS: Final = {
+    ".ply": "PLY, exact",
+    ".compressed.ply": "Compressed PLY (PlayCanvas)",
+    ".spz": "SPZ (Niantic)",
+    ".v4.spz": "SPZ 4 (Niantic), smaller",
+    ".sog": "SOG (PlayCanvas)",
+    ".glb": "glTF (Khronos), in metres",
+}
+SPLATS_TEXT: Final = "What the viewer reads. All but PLY and glTF are a third as large or less, and rounded."
+CODED: Final = {MP4: "MP4, H.264", WEBM: "WebM, VP9", HEVC: "MP4, HEVC"}
+CODED_TEXT: Final = "Which programs play the video, and how large it is."
+FORMS: Final[Mapping[Form, Traits]] = {
+    "picture": Traits(
+        "Image", {".png": "PNG, lossless", ".tiff": "TIFF, lossless", ".jpg": "JPEG"},
+        "Each format records how the image was made. JPEG files are smaller, and lose detail.",
+    ),
+    "DICOM still": Traits("Image", {".dcm": "DICOM"}),
+    "panes video": Traits("Video", CODED, CODED_TEXT),
+    "view video": Traits("Video", CODED, CODED_TEXT),
+    "DICOM video": Traits("Video", {".dcm": "DICOM"}),
+    "measures": Traits("Measures", {".csv": "CSV"}),
+    "splats": Traits("3D model", SPLATS, SPLATS_TEXT),
+    "splat folder": Traits("3D model", SPLATS, SPLATS_TEXT, is_folder=True),
+    "moving splats": Traits(
+        "3D model", {".usdc": "USD, exact", ".4dgs": "4DGS, half as large"},
+        "USD holds the model as it is. 4DGS rounds it, and leaves out colours by direction.",
+        is_of_tissue=True, plays=True,
+    ),
+    "browser model": Traits("3D model", {".html": "HTML"}, is_of_tissue=True, plays=True),
+    "surface mesh": Traits(
+        "3D model", {".glb": "glTF, in metres", ".usdc": "USD, in the clip's unit"},
+        "Both hold one mesh that moves.", is_of_tissue=True, plays=True,
+    ),
+    "surface folder": Traits(
+        "3D model", {".ply": "PLY", ".obj": "OBJ"}, "PLY holds colours as bytes, OBJ is text.",
+        is_folder=True, is_of_tissue=True,
+    ),
+    "model arrays": Traits("3D model", {".npz": "NPZ"}, is_of_tissue=True),
+    "tracks": Traits("3D model", {".csv": "CSV"}, is_of_tissue=True),
+    "cameras": Traits(
+        "3D model",
+        {
+            ENDINGS["splatting"]: "cameras.json (3D Gaussian Splatting)",
+            ENDINGS["transforms"]: "transforms.json (NeRF), with times",
+            ENDINGS["colmap"]: "COLMAP, a folder",
+        },
+        "For whichever program reads it next.",
+    ),
+}  # fmt: skip
+ONE_COLOR: Final = (".4dgs", ".html")
+"""Formats that hold one colour a Gaussian, not colours by direction."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +104,20 @@ class Offer:
     """The panes as the mode of comparison sets them against each other."""
     sees: Literal["no", "still", "time", "path"] = "no"
     """What is made of the 3D view."""
+
+    @property
+    def traits(self) -> Traits:
+        return FORMS[self.form]
+
+    @property
+    def is_of_model(self) -> bool:
+        """Of the reconstruction alone."""
+        return self.traits.group == "3D model"
+
+    @property
+    def is_dicom(self) -> bool:
+        """Of the enhanced frames alone."""
+        return ".dcm" in self.traits.formats
 
     @property
     def within(self) -> str:
@@ -169,42 +230,3 @@ OFFERS: Final[dict[What, Offer]] = {
         "path-cameras", sees="path",
     ),
 }  # fmt: skip
-GROUPS: Final[tuple[tuple[str, tuple[Form, ...]], ...]] = (
-    ("Image", ("picture", "DICOM still")), ("Video", VIDEOS), ("Measures", ("measures",)),
-    ("3D model", OF_MODEL),
-)  # fmt: skip
-SPLATS: Final = {
-    ".ply": "PLY, exact",
-    ".compressed.ply": "Compressed PLY (PlayCanvas)",
-    ".spz": "SPZ (Niantic)",
-    ".v4.spz": "SPZ 4 (Niantic), smaller",
-    ".sog": "SOG (PlayCanvas)",
-    ".glb": "glTF (Khronos), in metres",
-}
-CODED: Final = {MP4: "MP4, H.264", WEBM: "WebM, VP9", HEVC: "MP4, HEVC"}
-FORMATS: Final[dict[Form, dict[str, str]]] = {
-    "picture": {".png": "PNG, lossless", ".tiff": "TIFF, lossless", ".jpg": "JPEG"},
-    "DICOM still": {".dcm": "DICOM"},
-    "DICOM video": {".dcm": "DICOM"},
-    "panes video": CODED,
-    "view video": CODED,
-    "measures": {".csv": "CSV"},
-    "splats": SPLATS,
-    "splat folder": SPLATS,
-    "moving splats": {".usdc": "USD, exact", ".4dgs": "4DGS, half as large"},
-    "browser model": {".html": "HTML"},
-    "surface mesh": {".glb": "glTF, in metres", ".usdc": "USD, in the clip's unit"},
-    "surface folder": {".ply": "PLY", ".obj": "OBJ"},
-    "model arrays": {".npz": "NPZ"},
-    "tracks": {".csv": "CSV"},
-    "cameras": {
-        ENDINGS["splatting"]: "cameras.json (3D Gaussian Splatting)",
-        ENDINGS["transforms"]: "transforms.json (NeRF), with times",
-        ENDINGS["colmap"]: "COLMAP, a folder",
-    },
-}
-"""By suffix, in words; the first unless another is chosen."""
-ONE_COLOR: Final = (".4dgs", ".html")
-"""Formats that hold one colour a Gaussian, not colours by direction."""
-FOLDERS: Final[tuple[Form, ...]] = ("splat folder", "surface folder")
-"""Of which each file has that suffix."""

@@ -31,7 +31,7 @@ from app.exports.sources import Opened
 from app.exports.splats.writing import layout_of
 from app.files.records import extended
 from app.gui.actions import batch_actions, path_actions
-from app.gui.actions.export_offers import DICOM, FOLDERS, FORMATS, OF_MODEL, OFFERS, Form, Offer
+from app.gui.actions.export_offers import FORMS, OFFERS, Form, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
 from app.gui.state.panes import frame_share, other_request, shown_mode
@@ -56,7 +56,7 @@ Frame = FrameImage | FrameRequest
 
 def format_of(state: AppState, form: Form) -> str:
     """The suffix that is chosen for it."""
-    return state.exports.formats.get(form, next(iter(FORMATS[form])))
+    return state.exports.formats.get(form, next(iter(FORMS[form].formats)))
 
 
 def request_of(state: AppState, what: What, stem: str, suffix: str = "") -> ExportRequest:
@@ -66,13 +66,13 @@ def request_of(state: AppState, what: What, stem: str, suffix: str = "") -> Expo
     """
     folder, offer, model = state.export_folder, OFFERS[what], state.scene.model
     suffix = suffix or format_of(state, offer.form)
-    if offer.form in OF_MODEL:
+    if offer.is_of_model:
         assert model is not None
         record = _of_model(state, what, model, suffix)
         return ExportRequest(
-            folder, stem, "" if offer.form in FOLDERS else suffix, record, Opened(model=model)
+            folder, stem, "" if offer.traits.is_folder else suffix, record, Opened(model=model)
         )
-    if offer.form in DICOM:
+    if offer.is_dicom:
         return ExportRequest(folder, stem, suffix, _enhanced(state, offer), Opened())
     clip, moments = state.source.clip, _moments(state, offer)
     views = tuple(view for views in moments for view in views)

@@ -15,9 +15,9 @@ def exporting() -> tuple[Command, ...]:
     """In the order of the panel."""
     return tuple(
         _command(title, what)
-        for title, forms in GROUPS
+        for title in GROUPS
         for what, offer in OFFERS.items()
-        if offer.form in forms
+        if offer.traits.group == title
     )
 
 

@@ -15,7 +15,7 @@ from app.files.legible import legible, located
 from app.gui.actions import actions, export_actions, floating_windows
 from app.gui.actions.export_doubts import doubts
 from app.gui.actions.export_lacks import lacks
-from app.gui.actions.export_offers import DICOM, FORMATS, GROUPS, OFFERS, VIDEOS, Form, Offer
+from app.gui.actions.export_offers import GROUPS, OFFERS, Offer
 from app.gui.actions.export_records import format_of
 from app.gui.panels.overlays import covered, floating_below
 from app.gui.state.app_state import AppState
@@ -53,21 +53,7 @@ FACTOR_TEXT = (
     "Supersampling: rendered with this many times the pixels along each axis, then averaged. "
     "Smoother edges, slower."
 )
-SPLATS_TEXT = "What the viewer reads. All but PLY and glTF are a third as large or less, and rounded."
 QUALITY_TEXT = "Of 100: higher keeps more detail, in larger files."
-VIDEO_TEXT = "Which programs play the video, and how large it is."
-FORMAT_TEXTS: dict[Form, str] = {
-    "picture": "Each format records how the image was made. JPEG files are smaller, and lose detail.",
-    "splats": SPLATS_TEXT,
-    "splat folder": SPLATS_TEXT,
-    "moving splats": "USD holds the model as it is. 4DGS rounds it, and leaves out colours by direction.",
-    "panes video": VIDEO_TEXT,
-    "view video": VIDEO_TEXT,
-    "surface mesh": "Both hold one mesh that moves.",
-    "cameras": "For whichever program reads it next.",
-    "surface folder": "PLY holds colours as bytes, OBJ is text.",
-}
-"""Of what has more than one."""
 DEGREES = {None: "As the model has", 3: "3, for the original viewer"}
 HOLDING_SPLATS = ("splats", "splat folder", "moving splats")
 KEPT = {True: "All Gaussians", False: "Without unobserved parts"}
@@ -142,10 +128,10 @@ def _list_height(state: AppState) -> float:
 
 
 def _draw_list(state: AppState) -> None:
-    for title, forms in GROUPS:
+    for title in GROUPS:
         imgui.separator_text(title)
         for what, offer in OFFERS.items():
-            if offer.form in forms:
+            if offer.traits.group == title:
                 _draw_offer(state, what, offer)
 
 
@@ -164,16 +150,15 @@ def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
 
 def _draw_chosen(state: AppState) -> None:
     offer = OFFERS[state.exports.what]
-    title = next(title for title, forms in GROUPS if offer.form in forms)
-    imgui.separator_text(f"{title}: {offer.within}")
+    imgui.separator_text(f"{offer.traits.group}: {offer.within}")
     note(offer.text)
     if told := doubts(state):
         note(told, theme.now().warning)
     imgui.spacing()
     _draw_name(state)
     _draw_folder(state)
-    if offer.form in FORMAT_TEXTS:
-        _draw_format(state, offer.form)
+    if offer.traits.format_text:
+        _draw_format(state, offer)
     if offer.sides and offer.form != "measures":
         _draw_picture_size(state)
     if offer.sees != "no" and offer.form != "cameras" and state.scene.model is not None:
@@ -184,9 +169,9 @@ def _draw_chosen(state: AppState) -> None:
     if offer.form in HOLDING_SPLATS and state.scene.model is not None and state.scene.model.tells_shown:
         kept = choose_row("Unobserved", state.exports.unobserved, KEPT, KEPT_TEXT, 14)
         export_actions.choose_unobserved(state, kept)
-    if offer.form in DICOM:
+    if offer.is_dicom:
         _draw_dicom(state)
-    if offer.form in VIDEOS:
+    if offer.traits.group == "Video":
         _draw_encoder(state)
     imgui.spacing()
     _draw_progress(state)
@@ -199,7 +184,7 @@ def _draw_chosen(state: AppState) -> None:
 
 def _replay_text(state: AppState, offer: Offer) -> str:
     """Without patients, files that are named after them are not named in DICOM."""
-    is_unnamed = offer.form in DICOM and not state.exports.dicom.keep_identity
+    is_unnamed = offer.is_dicom and not state.exports.dicom.keep_identity
     return REPLAY_UNNAMED if is_unnamed else REPLAY
 
 
@@ -229,9 +214,10 @@ def choose_folder(state: AppState) -> None:
     actions.choose_path(state, "folder", purpose="export")
 
 
-def _draw_format(state: AppState, form: Form) -> None:
-    suffix = choose_row("Format", format_of(state, form), FORMATS[form], FORMAT_TEXTS[form], 14)
-    export_actions.choose_format(state, form, suffix)
+def _draw_format(state: AppState, offer: Offer) -> None:
+    traits = offer.traits
+    suffix = choose_row("Format", format_of(state, offer.form), traits.formats, traits.format_text, 14)
+    export_actions.choose_format(state, offer.form, suffix)
     if suffix == ".jpg":
         imgui.same_line()
         imgui.set_next_item_width(em(8))

@@ -15,7 +15,7 @@ from app.exports.replay.again import replay
 from app.files.dicom.choices import DicomChoices
 from app.files.image_files import read_image, write_image
 from app.gui.actions import actions, export_actions
-from app.gui.actions.export_offers import DICOM, OFFERS
+from app.gui.actions.export_offers import OFFERS
 from app.gui.panels import export
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
@@ -79,7 +79,7 @@ def test_a_clip_is_a_video_and_identity_is_kept_where_it_is_chosen(places: Place
 def test_how_it_comes_again_is_true_of_a_file_that_names_no_source(places: Places) -> None:
     state = AppState(places)
     unnamed = [name for name, offer in OFFERS.items() if "--source" in export._replay_text(state, offer)]
-    assert {OFFERS[name].form for name in unnamed} == set(DICOM)
+    assert unnamed == ["enhanced frame", "enhanced clip"]
     state.exports.dicom = DicomChoices(keep_identity=True)
     assert all("--source" not in export._replay_text(state, offer) for offer in OFFERS.values())
 
