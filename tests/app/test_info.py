@@ -26,9 +26,11 @@ from tests.app.conftest import CONFIG, Cli, request_of, tissue
 from tests.renderer.eyes import look, write_eyes
 from tests.renderer.readers.numbered import encoded, numbered_picture
 
+Told = Callable[[Path], dict[str, Any]]
+
 
 @pytest.fixture
-def told(vesselsplat: Cli) -> Callable[[Path], dict[str, Any]]:
+def told(vesselsplat: Cli) -> Told:
     """What is told of a path as JSON, after a look at the text."""
 
     def tell(path: Path) -> dict[str, Any]:
@@ -48,7 +50,7 @@ def _names(text: str) -> list[str]:
     return [line[:13].strip() for line in text.splitlines() if line[:13].strip()]
 
 
-def test_a_clip_with_everything(clip_path: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+def test_a_clip_with_everything(clip_path: Path, told: Told) -> None:
     facts = told(clip_path)
     assert facts["what"] == {"layout": "endonerf", "stereo": False}
     assert facts["frames"] == {"count": 10, "first": 0, "last": 9, "step": 1, "missing": []}
@@ -64,7 +66,7 @@ def test_a_clip_with_everything(clip_path: Path, told: Callable[[Path], dict[str
     ]
 
 
-def test_a_camera_that_moves(tmp_path: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+def test_a_camera_that_moves(tmp_path: Path, told: Told) -> None:
     write_phantom(
         tmp_path / "clip", PhantomParams(n_frames=4, width=48, height=32, seed=1, camera="moving"), "scared"
     )
@@ -74,9 +76,7 @@ def test_a_camera_that_moves(tmp_path: Path, told: Callable[[Path], dict[str, An
     assert facts["camera"]["way"] > 0
 
 
-def test_pictures_lack_depth_and_some_numbers(
-    folder: Path, vesselsplat: Cli, told: Callable[[Path], dict[str, Any]]
-) -> None:
+def test_pictures_lack_depth_and_some_numbers(folder: Path, vesselsplat: Cli, told: Told) -> None:
     for number in (7, 8, 12):
         cv2.imwrite(str(folder / f"{number}.png"), tissue(number))
     cv2.imwrite(str(folder / "2_mask.png"), tissue(1))
@@ -91,7 +91,7 @@ def test_pictures_lack_depth_and_some_numbers(
     assert facts["next"][1].endswith("--depth brightness")
 
 
-def test_every_other_frame_is_not_missing(tmp_path: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+def test_every_other_frame_is_not_missing(tmp_path: Path, told: Told) -> None:
     path = tmp_path / "in"
     path.mkdir()
     for number in range(0, 40, 10):
@@ -100,15 +100,13 @@ def test_every_other_frame_is_not_missing(tmp_path: Path, told: Callable[[Path],
     assert (facts["frames"]["step"], facts["frames"]["missing"]) == (10, [])
 
 
-def test_a_date_among_numbers_is_told_at_once(folder: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+def test_a_date_among_numbers_is_told_at_once(folder: Path, told: Told) -> None:
     cv2.imwrite(str(folder / "20231128123456789.png"), tissue(3))
     frames = told(folder)["frames"]
     assert (frames["count"], frames["last"], frames["missing"]) == (4, 20231128123456789, None)
 
 
-def test_pairs_that_match_and_pairs_that_do_not(
-    tmp_path: Path, told: Callable[[Path], dict[str, Any]]
-) -> None:
+def test_pairs_that_match_and_pairs_that_do_not(tmp_path: Path, told: Told) -> None:
     path = tmp_path / "clip"
     write_eyes(
         path, "left/{:06d}.png", "right/{:06d}.png", count=2, width=192, height=144, seed=41, noise=0.5
@@ -129,7 +127,7 @@ def test_pairs_that_match_and_pairs_that_do_not(
 
 
 def test_the_commands_that_come_next_work(
-    clip_path: Path, folder: Path, tmp_path: Path, vesselsplat: Cli, told: Callable[[Path], dict[str, Any]]
+    clip_path: Path, folder: Path, tmp_path: Path, vesselsplat: Cli, told: Told
 ) -> None:
     odd = tmp_path / "Jürgen Groß (3)"
     folder.rename(odd)
@@ -185,9 +183,7 @@ def test_of_a_video_whose_halves_look_alike_it_is_said_as_the_window_says_it(
     assert "notices" not in json.loads(vesselsplat("info", other, "--json").out)
 
 
-def test_of_a_video_that_is_cut_off_the_notice_is_that_of_other_commands(
-    tmp_path: Path, told: Callable[[Path], dict[str, Any]]
-) -> None:
+def test_of_a_video_that_is_cut_off_the_notice_is_that_of_other_commands(tmp_path: Path, told: Told) -> None:
     path = encoded(tmp_path / "v.avi", [numbered_picture(number) for number in range(90)])
     assert "notices" not in told(path)
     content = path.read_bytes()
@@ -197,7 +193,7 @@ def test_of_a_video_that_is_cut_off_the_notice_is_that_of_other_commands(
     assert (facts["notices"], facts["frames"]) == ([clip.notices[0]], {"count": len(clip)})
 
 
-def test_floats_are_told_with_their_range(tmp_path: Path, told: Callable[[Path], dict[str, Any]]) -> None:
+def test_floats_are_told_with_their_range(tmp_path: Path, told: Told) -> None:
     values = np.linspace(0.25, 0.75, 20 * 30 * 3, dtype=np.float32).reshape(20, 30, 3)
     write_image(tmp_path / "own.tiff", values, {})
     assert told(tmp_path / "own.tiff")["size"] == [30, 20, 3]
@@ -221,7 +217,7 @@ def test_floats_are_told_with_their_range(tmp_path: Path, told: Callable[[Path],
     ],
 )
 def test_cameras_are_told(
-    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, told: Callable[[Path], dict[str, Any]],
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli, told: Told,
     form: str, name: str, format: str,
 ) -> None:  # fmt: skip
     path = tmp_path / name
@@ -235,7 +231,7 @@ def test_cameras_are_told(
 
 
 def test_a_description_of_a_sweep_and_its_table(
-    folder: Path, tmp_path: Path, vesselsplat: Cli, told: Callable[[Path], dict[str, Any]]
+    folder: Path, tmp_path: Path, vesselsplat: Cli, told: Told
 ) -> None:
     spec = tmp_path / "spec.toml"
     lines = (f'clips = ["{folder}"]', 'task = "enhance"', "frames = 1", "[grid]", "d_factor = [0.5, 1.0]")
@@ -255,9 +251,7 @@ def test_a_description_of_a_sweep_and_its_table(
         assert (call.code, call.error.count("\n")) == (2, 1)
 
 
-def test_an_image_that_a_decoder_of_videos_reads(
-    tmp_path: Path, told: Callable[[Path], dict[str, Any]]
-) -> None:
+def test_an_image_that_a_decoder_of_videos_reads(tmp_path: Path, told: Told) -> None:
     path = tmp_path / "still.avif"
     Image.fromarray(tissue(1)).save(path)
     facts = told(path)
@@ -265,7 +259,7 @@ def test_an_image_that_a_decoder_of_videos_reads(
 
 
 def test_a_finished_run_and_one_that_was_cut_short(
-    runs: dict[str, Path], clip_path: Path, tmp_path: Path, told: Callable[[Path], dict[str, Any]]
+    runs: dict[str, Path], clip_path: Path, tmp_path: Path, told: Told
 ) -> None:
     facts = told(runs["enhanced"])
     assert facts["what"] == {"kind": "run", "state": "finished"}
@@ -289,7 +283,7 @@ def test_splats_and_exports_say_what_they_were_made_from(
     folder: Path,
     tmp_path: Path,
     vesselsplat: Cli,
-    told: Callable[[Path], dict[str, Any]],
+    told: Told,
 ) -> None:
     assert vesselsplat("export", runs["original"], "--ply", tmp_path / "ply", "--frames", 3).code == 0
     (ply,) = (tmp_path / "ply").glob("*.ply")
@@ -310,7 +304,7 @@ def test_splats_and_exports_say_what_they_were_made_from(
 
 
 def test_the_report_of_a_tuning_is_no_provenance_of_a_file_that_is_gone(
-    tmp_path: Path, told: Callable[[Path], dict[str, Any]], vesselsplat: Cli
+    tmp_path: Path, told: Told, vesselsplat: Cli
 ) -> None:
     write_image(tmp_path / "a.png", tissue(1), {})
     out = tmp_path / "out"
@@ -322,7 +316,7 @@ def test_the_report_of_a_tuning_is_no_provenance_of_a_file_that_is_gone(
 
 
 def test_a_session_also_one_whose_source_is_gone(
-    clip_path: Path, tmp_path: Path, told: Callable[[Path], dict[str, Any]], vesselsplat: Cli
+    clip_path: Path, tmp_path: Path, told: Told, vesselsplat: Cli
 ) -> None:
     path = tmp_path / "s.vesselsplat"
     write_session(path, Session(source=SessionSource(str(clip_path)), frame=3, notes="look here"))
@@ -338,9 +332,7 @@ def test_a_session_also_one_whose_source_is_gone(
     assert [entry.name for entry in tmp_path.iterdir()] == ["s.vesselsplat"]
 
 
-def test_folders_that_are_no_clip_themselves(
-    folder: Path, tmp_path: Path, told: Callable[[Path], dict[str, Any]]
-) -> None:
+def test_folders_that_are_no_clip_themselves(folder: Path, tmp_path: Path, told: Told) -> None:
     cases = tmp_path / "cases"
     for name in ("anna", "bert"):
         shutil.copytree(folder, cases / name)
@@ -375,9 +367,7 @@ def test_without_a_path_it_tells_the_versions(vesselsplat: Cli) -> None:
     assert "packages" in facts
 
 
-def test_a_report_is_known_by_its_folder_and_its_page(
-    tmp_path: Path, told: Callable[[Path], dict[str, Any]]
-) -> None:
+def test_a_report_is_known_by_its_folder_and_its_page(tmp_path: Path, told: Told) -> None:
     folder = tmp_path / "report"
     folder.mkdir()
     section = {"title": "Images"}
