@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import fields
 
 from app.console.flags import add_fields, highest, parameters
 from app.enhancement.methods import PAPER, VESSEL, Params
@@ -11,9 +12,12 @@ from app.errors import UserError
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 
-FIELDS = ("z", "p", "radii", "eps", "subsample", "d_factor", "keep_black", "omit_below", "strength")
-VESSEL_FIELDS = ("radius", "shading", "coring", "lift", "gamma", "most_color")
-OWN_FIELDS = {PAPER: set(FIELDS), VESSEL: {*VESSEL_FIELDS, "strength", "d_factor"}}
+OWN_FIELDS = {
+    PAPER: [one.name for one in fields(EnhanceParams) if one.name != "p_form"],
+    VESSEL: [one.name for one in fields(VesselParams)],
+}
+FIELDS = OWN_FIELDS[PAPER]
+VESSEL_FIELDS = [name for name in OWN_FIELDS[VESSEL] if name not in FIELDS]
 MOST = {PAPER: highest(EnhanceParams, "strength"), VESSEL: highest(VesselParams, "strength")}
 """Of the strength, by the method."""
 
@@ -28,7 +32,7 @@ def add_settings(parser: argparse.ArgumentParser, shared: str) -> None:
 def params_of(flags: argparse.Namespace) -> Params:
     """Of the method asked for. Raises UserError when flags of another one are given."""
     for name in (*FIELDS, *VESSEL_FIELDS):
-        if name in flags and name not in OWN_FIELDS.get(flags.method, set()):
+        if name in flags and name not in OWN_FIELDS.get(flags.method, ()):
             raise UserError(f"--{name.replace('_', '-')} has no effect with --method {flags.method}")
     if "strength" in flags:
         _require_strength(flags.method, flags.strength)
