@@ -185,7 +185,7 @@ class Clip:
     name: str
     path: Path
     format: str
-    """"endonerf", "scared", "hamlyn", "stereomis", "structure-from-motion", "images", "video" or "image"."""
+    """The name of its Layout in `layouts.py`; another where it is of no file, such as "live"."""
     cameras: tuple[Camera, ...]
     """One a frame."""
     read_frame: Callable[[int], Frame]
