@@ -242,7 +242,7 @@ def test_maps_beside_pictures_are_not_enhanced_and_it_is_said(
     assert "left out, masks beside the images: 0_mask.png" in call.error
 
 
-def test_train_and_enhance_take_the_same_pictures(folder: Path, vesselsplat: Cli) -> None:
+def test_train_and_enhance_take_the_same_pictures(folder: Path) -> None:
     with_maps(folder)
     names = [Path(label).stem for label in open_clip(folder).labels]
     assert list(open_series(folder).names) == names == ["0", "1", "2"]

@@ -116,7 +116,7 @@ def test_a_changed_splat_file_is_found_out(runs: dict[str, Path], tmp_path: Path
     assert "expected frame-000002.spz.json beside" in call.error
 
 
-def test_what_to_export_is_asked_for(runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli) -> None:
+def test_what_to_export_is_asked_for(runs: dict[str, Path], vesselsplat: Cli) -> None:
     call = vesselsplat("export", runs["original"])
     assert call.code == 2
     assert "--spz DIR, --spz4 DIR, --sog DIR, --glb DIR" in call.error

@@ -114,9 +114,7 @@ def test_what_no_video_holds_is_refused_and_nothing_written(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_encoder_is_told_before_anything_is_written(
-    tmp_path: Path, encoder: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_encoder_is_told_before_anything_is_written(tmp_path: Path, encoder: str) -> None:
     told = video_encoder()
     written = write_video(tmp_path / "out.mp4", iter(frames(3)), Timing(25.0))
     assert written.encoding.startswith(told.said.split(",")[0])

@@ -82,7 +82,7 @@ def test_the_file_says_how_to_make_it_again_and_nothing_private(tmp_path: Path, 
 
 
 def test_the_3d_view_is_drawn_at_the_frame_s_resolution_or_the_size_asked_for(
-    tmp_path: Path, state: AppState, clip: Clip, model: DynamicGaussians
+    tmp_path: Path, clip: Clip, model: DynamicGaussians
 ) -> None:
     shown = scene_of(model, clip.cameras, "run-1")
     view = ViewRequest.fitted(shown, 0.5, None, (24, 20))
@@ -171,7 +171,7 @@ def test_why_an_export_failed_is_not_said_of_another_kind_nor_of_another_clip(
 
 
 def test_a_run_s_view_names_its_own_clip_whatever_is_open(
-    tmp_path: Path, state: AppState, clip: Clip, model: DynamicGaussians
+    tmp_path: Path, clip: Clip, model: DynamicGaussians
 ) -> None:
     run = make_run(tmp_path / "run-1", phantom_path(), model)
     shown = opened(run.path).run
@@ -191,9 +191,7 @@ def test_a_run_s_view_names_its_own_clip_whatever_is_open(
     assert str(phantom_path()) not in json.dumps(facts)
 
 
-def test_a_model_of_this_session_knows_its_run(
-    tmp_path: Path, state: AppState, model: DynamicGaussians
-) -> None:
+def test_a_model_of_this_session_knows_its_run(state: AppState, model: DynamicGaussians) -> None:
     job_actions.start_reconstruction(state)
     start_due(state, FakeJob)
     path = state.runs.reconstruction.run_path
@@ -246,9 +244,7 @@ def test_a_reconstruction_of_some_frames_is_not_set_beside_others(
     assert export_actions.why_not_export(state, what) == ""
 
 
-def test_a_difference_of_two_sides_that_show_the_same_is_one(
-    tmp_path: Path, state: AppState, clip: Clip
-) -> None:
+def test_a_difference_of_two_sides_that_show_the_same_is_one(state: AppState) -> None:
     state.comparing.chosen = replace(state.comparing.chosen, mode="difference", left=ENHANCED, right=ENHANCED)
     request = export_actions.export_request(state, "panes as shown")
     assert isinstance(request.record, PanesPicture)

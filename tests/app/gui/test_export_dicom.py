@@ -96,7 +96,7 @@ def test_another_setting_makes_another_file(places: Places, tmp_path: Path) -> N
 
 
 def test_what_is_lacking_is_said(
-    places: Places, clip_path: Path, source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    places: Places, clip_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = Exporter(places, clip_path)
     export_actions.choose_dicom(run.state, DicomChoices(keep_identity=True))

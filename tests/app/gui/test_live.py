@@ -103,7 +103,7 @@ def _recorded(state: AppState) -> int:
 
 
 @pytest.mark.display
-def test_a_source_that_ends_never_looks_live(places: Places, tmp_path: Path) -> None:
+def test_a_source_that_ends_never_looks_live(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
     state = driver.state
     live_actions.go_live(state, PHANTOM, Wish(frames_per_second=40.0, loop=False))

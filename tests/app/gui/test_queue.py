@@ -24,7 +24,6 @@ from app.runs.job import Cancelled, Failed
 from app.runs.queue_file import queue_file
 from app.runs.train_run import TrainRequest
 from renderer.clip import Clip
-from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.events import Finished, Started
 from tests.app.gui.conftest import FakeJob, make_model
@@ -139,9 +138,7 @@ def test_what_waits_can_be_moved_to_the_front_and_withdrawn(state: AppState, job
     assert state.runs.queue == (four, three)
 
 
-def test_nothing_is_taken_from_under_the_hand_that_edits(
-    state: AppState, jobs: Jobs, model: DynamicGaussians
-) -> None:
+def test_nothing_is_taken_from_under_the_hand_that_edits(state: AppState, jobs: Jobs) -> None:
     queued(state, jobs, 100, 200)
     state.editing.active = True
     jobs.all[0].inbox = [Cancelled()]

@@ -188,7 +188,7 @@ def test_measured_depth_is_the_clip_s_own_again(places: Places, tmp_path: Path) 
         assert depth_actions.chosen_way(state) == way
 
 
-def test_a_depth_that_is_gone_is_no_obstacle_to_open(places: Places, tmp_path: Path) -> None:
+def test_a_depth_that_is_gone_is_no_obstacle_to_open(tmp_path: Path) -> None:
     path = write_video(tmp_path / "video")
     (read,) = open_path(OpenRequest(path, ClipOptions(depth="stereo")))
     assert "without the chosen depth" in read.warning

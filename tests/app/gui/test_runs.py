@@ -30,7 +30,6 @@ from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
 from app.runs.train_run import TrainRequest, run_training
 from app.scenes.scene import Scene
-from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
@@ -281,7 +280,7 @@ def test_without_depth_from_motion_another_depth_is_the_way_out(state: AppState,
     assert "choose Guessed (no scale) for Depth" in run.way_out
 
 
-def test_the_list_draws_every_state(ui: Ui, opened: AppState, clip: Clip, model: DynamicGaussians) -> None:
+def test_the_list_draws_every_state(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
     ui.frame(lambda: draw_runs(opened))
     found(opened)
     ui.frame(lambda: draw_runs(opened))

@@ -199,9 +199,7 @@ def test_a_given_up_file_dialog_saves_and_ends_nothing_later(first: Window, tmp_
     assert not gone
 
 
-def test_the_notes_of_a_session_replace_others_only_after_a_question(
-    first: Window, places: Places, clips: tuple[Path, Path]
-) -> None:
+def test_the_notes_of_a_session_replace_others_only_after_a_question(first: Window, places: Places) -> None:
     state, path = first[0], places.pictures / "a.vesselsplat"
     write_session(path, snapshot(state, path.parent))
     notes_actions.write_notes(state, "polyp")

@@ -76,7 +76,7 @@ def test_a_session_goes_on_in_its_file_with_another_run_of_its_clip(
 
 
 def test_a_run_of_another_clip_ends_the_session_after_a_question(
-    noted: Window, places: Places, tmp_path: Path, file: Path, model: DynamicGaussians
+    noted: Window, places: Places, tmp_path: Path, model: DynamicGaussians
 ) -> None:
     state, other = noted[0], Path(shutil.copytree(phantom_path(), tmp_path / "other" / "liver"))
     actions.open_run(state, make_run(places.runs / "two", other, model).path)
@@ -107,7 +107,7 @@ def test_a_session_goes_on_with_a_run_that_is_renamed(
     assert again.scene.model is not None
 
 
-def test_a_rename_is_a_change_of_a_session_that_has_no_other(noted: Window, run: Path, file: Path) -> None:
+def test_a_rename_is_a_change_of_a_session_that_has_no_other(noted: Window, run: Path) -> None:
     state = noted[0]
     session_actions.save(state)
     settle(noted)

@@ -252,7 +252,7 @@ def test_what_is_lacking_is_said(places: Places) -> None:
     assert state.window.wishes == ()
 
 
-def test_the_panel_draws(ui: Ui, state: AppState, clip_path: Path) -> None:
+def test_the_panel_draws(ui: Ui, state: AppState) -> None:
     state.exports.shown = True
     for _ in range(2):
         ui.frame(lambda: draw_export(state))

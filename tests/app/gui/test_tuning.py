@@ -125,7 +125,7 @@ def test_the_order_is_that_of_the_measure(state: AppState, channels: Channels) -
     assert len(values) == 12
 
 
-def test_whole_numbers_stay_whole(state: AppState, channels: Channels) -> None:
+def test_whole_numbers_stay_whole(state: AppState) -> None:
     state.tuning.choices = (Choice("subsample", 1, 4, 6), Choice())
     tuning_actions.start_grid(state)
     assert state.tuning.grid is not None
@@ -134,7 +134,7 @@ def test_whole_numbers_stay_whole(state: AppState, channels: Channels) -> None:
     ]
 
 
-def test_what_cannot_be_tried_is_a_sentence(state: AppState, channels: Channels) -> None:
+def test_what_cannot_be_tried_is_a_sentence(state: AppState) -> None:
     state.tuning.choices = (Choice("p"), Choice("p"))
     tuning_actions.start_grid(state)
     assert state.window.banner is not None
@@ -273,7 +273,7 @@ class NoTextures:
     def lay(self, *args: object) -> None: ...
 
 
-def test_the_panel_draws_in_every_state(ui: Ui, state: AppState, channels: Channels, clip: Clip) -> None:
+def test_the_panel_draws_in_every_state(ui: Ui, state: AppState, channels: Channels) -> None:
     textures = NoTextures()
     ui.frame(lambda: draw_tuning(AppState(state.places), textures))
     ui.frame(lambda: draw_tuning(state, textures))

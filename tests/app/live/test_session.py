@@ -20,7 +20,6 @@ from renderer.clip import ByteImage
 from tests.app.live.painted import PaintedSource, painted, wait_for
 
 PLAIN = LiveSetting(None)
-Sources = Iterator[PaintedSource | Exception]
 
 
 @contextmanager

@@ -9,7 +9,6 @@ import pytest
 
 from app.runs.memory import give_back
 
-MEGABYTE = 1 << 20
 PIECE = 8192
 PIECES = 20_000
 

@@ -97,7 +97,7 @@ def test_blocks_of_processes_that_are_gone_are_removed(
 
 
 @pytest.mark.skipif(not shared_model.SHARED.is_dir(), reason="blocks are listed on Linux alone")
-def test_no_semaphore_or_block_outlives_processes_that_are_killed_together(tmp_path: Path) -> None:
+def test_no_semaphore_or_block_outlives_processes_that_are_killed_together() -> None:
     """Their group is killed, the tracker of shared memory with them; the next start clears what is left."""
     before = set(shared_model.SHARED.iterdir())
     script = (

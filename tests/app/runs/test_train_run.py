@@ -208,7 +208,7 @@ def test_frames_without_depth_are_refused_until_it_may_be_guessed(
 
 
 def test_a_clip_that_changed_is_not_evaluated(
-    clip_path: Path, runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
+    runs: dict[str, Path], tmp_path: Path, vesselsplat: Cli
 ) -> None:
     text = RunFolder(runs["original"]).record_path.read_text()
     copy = RunFolder(tmp_path / "copy")

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-Change = Callable[[bytes, np.random.Generator], bytes]
 HEAD = 400
 """Bytes in which most formats keep their sizes."""
 WORDS = (b"\xff\xff\xff\xff", b"\xff\xff\xff\x7f", b"\0\0\0\x80", b"\0\0\0\0", b"\1\0\0\0", b"\0\0\xc0\x7f")

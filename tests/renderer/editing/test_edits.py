@@ -19,7 +19,6 @@ from renderer.gaussians import DynamicGaussians
 from tests.renderer.editing.models import COUNT, models
 
 MODELS = models()
-Sets = tuple[set[int], set[int], set[int]]
 
 
 def masks(count: int = 13) -> st.SearchStrategy[Mask]:
@@ -98,7 +97,7 @@ def test_what_is_kept_moves_as_before_at_every_time(kind: str) -> None:
                 np.testing.assert_array_equal(old[kept], new)
 
 
-def test_an_edited_model_is_a_model_of_its_own(tmp_path: object) -> None:
+def test_an_edited_model_is_a_model_of_its_own() -> None:
     edits = Edits.none(COUNT).selecting(Mask(COUNT, 7), "replace").hiding()
     edited = edits.applied(MODELS["spline"])
     again = edits.applied(MODELS["spline"])
