@@ -15,6 +15,7 @@ from app.enhancement.amounts import (
     brightness_of,
     color_of,
     d_factor_of,
+    spaced,
     z_of,
 )
 from enhance import EnhanceParams
@@ -56,6 +57,14 @@ def test_nothing_is_unchanged_and_the_paper_s_is_in_the_middle() -> None:
     assert (z_of(0.0), brightness_of(1.0)) == (1.0, 0.0)
     assert (d_factor_of(0.0), color_of(0.0)) == (0.0, 0.0)
     assert (d_factor_of(0.5), color_of(1.0)) == (1.0, 0.5)
+    assert (d_factor_of(0.09), d_factor_of(0.1), d_factor_of(0.2)) == (0.0, MOST_D, MOST_D)
+
+
+def test_values_are_evenly_spaced_in_what_they_do() -> None:
+    assert spaced("z", 1.0, 0.0, 3) == (1.0, 0.5, 0.0)
+    assert spaced("d_factor", 4.0, 0.25, 3) == (4.0, 1.0, 0.25)
+    assert spaced("d_factor", 1.0, 1.0, 2) == spaced("d_factor", 1.0, 4.0, 1) == (1.0,)
+    assert spaced("eps", 0.01, 0.1, 3) is None
 
 
 @given(st.floats(0.05, 0.95), D_FACTOR)
