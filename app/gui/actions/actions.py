@@ -124,6 +124,15 @@ def choose_path(
     state.window.choosing = Choosing(kind, partial(take, state), wanted, start, name)
 
 
+def visit(state: AppState, folder: Path, *purposes: Purpose) -> None:
+    """A person was there last for these purposes of a dialog; settings remember it where they may."""
+    state.window.folders = {**state.window.folders, **dict.fromkeys(purposes, folder)}
+    settings = state.settings
+    for purpose in purposes:
+        settings = settings.visited(purpose, folder)
+    use_settings(state, settings)
+
+
 def _first_folder(state: AppState, purpose: Purpose) -> Path:
     """Where a dialog begins that was never open."""
     if purpose == "run":

@@ -14,6 +14,7 @@ from app.gui.views.picture_view import PictureView
 from app.gui.work.depths import DepthRequest
 from app.gui.work.opening import Opened
 from app.gui.work.settings import UNKNOWN
+from assets import phantom_path
 from renderer.clip import Clip
 from renderer.view_files import Views
 
@@ -46,6 +47,8 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     # What a crash left is this process's own from now on: nothing to open another time.
     if not opened.in_passing and path.parent != state.places.config:
         actions.use_settings(state, state.settings.opened(path))
+        if path != phantom_path() and not path.is_relative_to(state.places.runs):
+            actions.visit(state, path.parent, "file", "folder")  # What is opened next often lies beside it.
 
 
 def _take_source(state: AppState, path: Path, opened: Opened) -> None:

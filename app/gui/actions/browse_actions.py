@@ -158,8 +158,7 @@ def choose(state: AppState, browsing: Browsing) -> None:
 def chosen(state: AppState, choosing: Choosing, path: Path) -> None:
     """A person has chosen it, in this dialog or the desktop's: where that was is remembered."""
     folder = path if choosing.question.keeps_itself else path.parent
-    state.window.folders = {**state.window.folders, choosing.purpose: folder}
-    actions.use_settings(state, state.settings.visited(choosing.purpose, folder))
+    actions.visit(state, folder, choosing.purpose)
     choosing.then(path)
 
 

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from app.gui.actions import actions, comparing, history_actions, remembered
+from app.gui.actions import actions, arriving, comparing, history_actions, remembered
 from app.gui.state.app_state import AppState
+from app.gui.state.choosing import Kind
+from app.gui.work.opening import Opened
 from app.gui.work.settings import load_settings
+from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
+from renderer.sources import open_clip
+from tests.app.gui.conftest import make_clip
 from tests.app.gui.settling import keep_all
 
 
@@ -67,3 +74,17 @@ def test_what_is_undone_or_reset_does_not_come_back(begun: AppState) -> None:
     actions.reset_params(begun)
     later = next_start(begun).enhancement
     assert (later.params, later.pixels) == (VesselParams(), "automatic")
+
+
+def test_dialogs_begin_beside_what_was_opened_last_however_that_was(begun: AppState, tmp_path: Path) -> None:
+    clip = make_clip(tmp_path / "study" / "dropped")
+    arriving.show_opened(begun, clip.path, Opened(clip))
+    # Neither lies where a person keeps clips.
+    arriving.show_opened(begun, phantom_path(), Opened(open_clip(phantom_path())))
+    arriving.show_opened(begun, begun.places.runs / "run-1", Opened(clip))
+    kinds: tuple[Kind, ...] = ("file", "folder")
+    for state in (begun, next_start(begun)):
+        for kind in kinds:
+            actions.choose_path(state, kind)
+            assert (choosing := actions.taken_choice(state)) is not None
+            assert choosing.start == tmp_path / "study"
