@@ -14,7 +14,7 @@ from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 from annotated_types import Interval
-from pydantic import ConfigDict, PlainSerializer, PlainValidator, TypeAdapter, model_validator
+from pydantic import ConfigDict, TypeAdapter, model_validator
 from pydantic.dataclasses import dataclass
 
 from app.console.flags import shortened
@@ -43,6 +43,7 @@ from app.files.atomic import write_bytes
 from app.files.mended import mended
 from app.files.process_files import left_behind, own_file
 from app.files.provenance import strict_json, version
+from app.gui.recorded_views import RecordedViews
 from app.gui.views.comparison import Comparison
 from app.runs.clip_selection import ClipPart
 from app.runs.run_edits import MOST, MaskText
@@ -54,7 +55,6 @@ from renderer.json_files import parsed
 from renderer.readers.clip_options import DEFAULTS, FIELD_OF_VIEW, ClipOptions
 from renderer.regular_files import read_regular
 from renderer.train.config import TrainConfig
-from renderer.view_files import Views, views_json, views_of
 
 SUFFIX: Final = ".vesselsplat"
 AUTOSAVE: Final = "autosave"
@@ -100,14 +100,6 @@ class SessionSource:
     def place(self, session: Path) -> Path:
         """Where it lay when that session was saved there."""
         return Path(os.path.normpath(session.absolute().parent / self.path))
-
-
-def _views_facts(views: Views) -> Any:
-    return parsed(views_json(views))
-
-
-def _views(given: Any) -> Views:
-    return given if isinstance(given, Views) else views_of(given)
 
 
 @dataclass(frozen=True, config=ConfigDict(extra="ignore", allow_inf_nan=False))
@@ -219,7 +211,7 @@ class Session:
     view_time: Share = 0.0
     free: FreeView | None = None
     """Where the 3D view is seen from, away from the clip's camera."""
-    views: Annotated[Views, PlainValidator(_views), PlainSerializer(_views_facts)] | None = None
+    views: RecordedViews | None = None
     """Named views and the camera path, as their own files hold them."""
     view_kind: ViewKind = "color"
     snapped: bool = False

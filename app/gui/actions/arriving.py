@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.gui.actions import actions, masking_actions, session_actions
+from app.gui.actions import actions, clip_actions, masking_actions, session_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.masking import Masking
 from app.gui.state.reconstruction import Reconstruction
@@ -54,10 +54,12 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
 def _take_source(state: AppState, path: Path, opened: Opened) -> None:
     """What is open, how it was read, and what is known of it."""
     source, clip = state.source, opened.clip
+    clip_actions.keep_views(state)
     if not goes_on(state, opened):
         state.session.path, state.session.discarded, state.session.is_unsaved = None, None, False
     if clip is None or source.clip is None or clip.path != source.clip.path:
-        _change_views(state, clip.path if clip is not None else opened.path or path)
+        known = source.known.get(str(clip.path if clip is not None else opened.path or path), UNKNOWN)
+        state.scene.cameras = CameraList(known.views or Views())
     source.opening, source.asked = None, True
     # A session of notes alone has no source.
     source.path = opened.path if opened.session is not None else opened.path or path
@@ -67,15 +69,6 @@ def _take_source(state: AppState, path: Path, opened: Opened) -> None:
     source.tool_masks = None
     said = source.known.get(str(clip.path), UNKNOWN) if clip is not None else UNKNOWN
     source.part = opened.run.record.clip.part if opened.run is not None else said.part
-
-
-def _change_views(state: AppState, path: Path) -> None:
-    """To those of what was opened: its own of before, or none. What is left keeps its own, made by hand."""
-    source, scene = state.source, state.scene
-    before = source.clip.path if source.clip is not None else source.path
-    if before is not None:
-        scene.views_left[before] = scene.cameras.views
-    scene.cameras = CameraList(scene.views_left.get(path, Views()))
 
 
 def _look_anew(state: AppState, opened: Opened, *, again: bool) -> None:

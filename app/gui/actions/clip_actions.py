@@ -107,14 +107,16 @@ def _set(state: AppState, settings: ClipPart) -> None:
 def keep_reading(state: AppState, options: ClipOptions) -> None:
     """Depth, baseline, field of view, eyes and calibration that were chosen for this clip."""
     if state.source.clip is not None:
-        chosen = KnownClip(
+        path = str(state.source.clip.path)
+        chosen = replace(
+            state.source.known.get(path, UNKNOWN),
             depth=options.depth,
             baseline=options.baseline,
             view_angle=options.field_of_view,
             stereo=options.stereo,
             calibration=options.as_asked.calibration,
         )
-        _keep(state, str(state.source.clip.path), chosen)
+        _keep(state, path, chosen)
 
 
 def is_video(state: AppState) -> bool:
@@ -179,7 +181,23 @@ def keep_settings(state: AppState) -> None:
 def _keep(state: AppState, path: str, reading: KnownClip) -> None:
     """The part as it is now, and how the clip is read."""
     part = state.source.part
-    known = replace(reading, trim=part.trim, mask=part.mask)
+    _know(state, path, replace(reading, trim=part.trim, mask=part.mask))
+
+
+def keep_views(state: AppState) -> None:
+    """Named views and the camera path for the next time that what they are of is opened, unless a session's
+    file holds them."""
+    source, views = state.source, state.scene.cameras.views
+    path = source.clip.path if source.clip is not None else source.path
+    if path is None or state.session.path is not None:
+        return
+    known = source.known.get(str(path), UNKNOWN)
+    made = views if views.named or views.path.keyframes else None
+    if made != known.views:
+        _know(state, str(path), replace(known, views=made))
+
+
+def _know(state: AppState, path: str, known: KnownClip) -> None:
     state.source.known = {**state.source.known, path: known}
     if state.settings.remember_recent:
         state.window.wishes += (KeepClip(state.places.config, path, known),)

@@ -1,12 +1,12 @@
-"""What a user works with comes back at the next start: method, statistics, pixels, comparison, and where the
-second window is."""
+"""What a user works with comes back at the next start: method, statistics, pixels, comparison, where the
+second window is, and the views of what is open."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from app.enhancement.methods import preset_of
-from app.gui.actions import actions
+from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
 from app.gui.work.presets import BUILT_IN
 
@@ -40,3 +40,4 @@ def remember(state: AppState) -> None:
         settings = replace(settings, second_place=second.place, second_full_screen=second.full_screen)
     if settings != state.settings:
         actions.use_settings(state, settings)
+    clip_actions.keep_views(state)

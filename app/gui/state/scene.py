@@ -101,8 +101,6 @@ class ShownScene(Viewed):
     dragged: bool = False
     viewer: Viewer = field(default_factory=Viewer)
     cameras: CameraList = field(default_factory=CameraList)
-    views_left: dict[Path, Views] = field(default_factory=dict)
-    """Of clips and files that were open before in this window, for when they are opened again."""
     second: Second = field(default_factory=Second)
     models: tuple[Path, ...] = ()
     """Of what was opened lately, what can be seen beside the first."""

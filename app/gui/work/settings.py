@@ -20,6 +20,7 @@ from app.enhancement.methods import VESSEL, Preset
 from app.enhancement.settable import FrameNumber, Mode, Name, PathText, Pixels, Scope, at_most
 from app.files.mended import mended_file
 from app.files.provenance import strict_json
+from app.gui.recorded_views import RecordedViews
 from app.runs.clip_selection import ClipPart
 from app.runs.runs_place import runs_place
 from app.scenes.backgrounds import BackgroundName
@@ -182,6 +183,8 @@ class KnownClip:
     stereo: Stereo = "auto"
     """How both eyes lie in the frames."""
     calibration: Calibration | None = None
+    views: RecordedViews | None = None
+    """Named views and a camera path, also of a model without a clip; None: none."""
 
     @model_validator(mode="before")
     @classmethod

@@ -9,11 +9,21 @@ import numpy as np
 import pytest
 
 from app.exports.exporting import export
-from app.gui.actions import actions, arriving, camera_actions, export_actions, path_actions
+from app.gui.actions import (
+    actions,
+    arriving,
+    camera_actions,
+    clip_actions,
+    export_actions,
+    path_actions,
+    remembered,
+)
 from app.gui.state.app_state import AppState
+from app.gui.state.source import Source
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import Opened
+from app.gui.work.settings import Places, load_clips
 from renderer.camera import Camera
 from renderer.camera_files import NamedCamera, read_cameras, splatting_json
 from renderer.camera_path import Keyframe
@@ -82,6 +92,37 @@ def test_views_and_path_are_there_again_when_their_clip_is_opened_again(seen: Ap
     arriving.show_opened(seen, clip.path, Opened(clip))
     assert seen.scene.cameras.views == made
     assert not seen.scene.cameras.playing
+
+
+def test_they_are_there_in_a_window_that_is_opened_later(seen: AppState, places: Places) -> None:
+    """Closing asks about none of it, and what a person chose for the clip before stays."""
+    clip = seen.source.clip
+    assert clip is not None
+    actions.seek(seen, 1)
+    clip_actions.trim_here(seen, start=True)
+    with_path(seen)
+    path_actions.save_view(seen)
+    remembered.remember(seen)
+    clip_actions.keep_reading(seen, replace(seen.source.reading, baseline=4.0))
+    keep_all(seen)
+    later = AppState(places, source=Source(known=load_clips(places.config)))
+    arriving.show_opened(later, clip.path, Opened(clip))
+    assert later.scene.cameras.views == seen.scene.cameras.views
+    assert later.source.part.trim == (1, 5)
+    later.scene.cameras.views = Views()
+    remembered.remember(later)
+    keep_all(later)
+    assert load_clips(places.config)[str(clip.path)].views is None
+
+
+def test_those_of_a_session_are_kept_in_its_file_alone(seen: AppState, tmp_path: Path) -> None:
+    path_actions.save_view(seen)
+    remembered.remember(seen)
+    known = seen.source.known
+    seen.session.path = tmp_path / "monday.vesselsplat"
+    path_actions.save_view(seen)
+    remembered.remember(seen)
+    assert seen.source.known == known
 
 
 def test_keyframes_are_the_views_and_times_that_were_shown(seen: AppState) -> None:
