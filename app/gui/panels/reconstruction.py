@@ -60,13 +60,14 @@ def draw_reconstruction(state: AppState) -> None:
     if run.is_alive:
         _draw_hold(state)
         _draw_status(state, run)
-        _draw_curves(run)
-        _draw_messages(run)
+        # Above the diagrams, which would move it out of sight.
         waiting = f" ({len(state.runs.queue)} waiting, see Runs)" if state.runs.queue else ""
         if imgui.tree_node(f"Queue another{waiting}###another"):
             _draw_next(state)
             _draw_start(state)
             imgui.tree_pop()
+        _draw_curves(run)
+        _draw_messages(run)
         return
     room = imgui.get_content_region_avail() - ImVec2(0, imgui.get_frame_height_with_spacing())
     # As high as what is in it, or as there is room above the button.

@@ -194,14 +194,15 @@ def _indented(text: str) -> None:
 
 
 def _quality(run: Reconstruction) -> int:
-    """The iterations that are chosen by a word, and what they will take where that is known."""
-    now, took = quality_of(run.config.iterations), expected_seconds(run)
+    """The iterations that are chosen by a word, and what each would take where that is known."""
+    now = quality_of(run.config.iterations)
+    offered = QUALITIES | {now: run.config.iterations}
+    took = {name: expected_seconds(run, count) for name, count in offered.items()}
+    shown = {name: f"{name}, {rounded(each)}" if each else name for name, each in took.items()}
     steps = ", ".join(f"{name.lower()} {count}" for name, count in QUALITIES.items())
     text = f"Number of iterations: {steps}. More are slower and better."
-    shown = {name: name for name in (*QUALITIES, now)}
-    if took is not None:
-        text += f" {rounded(took).capitalize()} at the speed of the run shown."
-        shown |= {now: f"{now}, {rounded(took)}" if took else now}
+    if took[now] is not None:
+        text += " Times are at the speed of the run shown."
     return QUALITIES.get(choose_row("Quality", now, shown, text), run.config.iterations)
 
 

@@ -202,14 +202,14 @@ def _pace(run: Reconstruction, now: Progress) -> float:
     return (now.seconds - first.seconds) / (now.iteration - first.iteration)
 
 
-def expected_seconds(run: Reconstruction) -> float | None:
-    """In all, of what is chosen: steps at the pace of the run shown, and what that takes beside them, for
-    each of its runs. None where it is of another method or has no pace yet."""
+def expected_seconds(run: Reconstruction, iterations: int) -> float | None:
+    """In all, of what is chosen, with so many iterations: steps at the pace of the run shown, and what that
+    takes beside them, for each of its runs. None where it is of another method or has no pace yet."""
     begun, progress = run.request, run.progress
     if begun is None or progress is None or progress.iteration < 1:
         return None
     if (begun.config.method, begun.config.n_gaussians) != (run.config.method, run.config.n_gaussians):
         return None
-    steps = _pace(run, progress) * run.config.iterations
+    steps = _pace(run, progress) * iterations
     beside = 0.0 if progress.wall_seconds is None else max(progress.wall_seconds - progress.seconds, 0.0)
     return (steps + beside) * (2 if run.input == "both in turn" else 1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from imgui_bundle import imgui
+from imgui_bundle import imgui, implot
 
 from app.gui.actions import actions, history_actions, job_actions, path_actions
 from app.gui.panels import reconstruction
@@ -107,6 +107,19 @@ def test_what_waits_for_edits_stands_below_what_became_of_the_run(
     (took,) = (text for text in said if text.endswith(("training", "in total")))
     at = said.index(took)
     assert said[at - 1 : at + 2] == [doing(opened), took, WAITS_FOR_EDITS]
+
+
+def test_the_queue_stands_above_the_diagrams_of_what_is_trained(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run, drawn = opened.runs.reconstruction, []
+    run.status, run.progress = "running", Progress(50, 100, 0.1, 25.0, 61.0, 3700.0, 30_000)
+    run.told = TrainingLog((Progress(1, 100, 0.5, 10.0, 1.0, 99.0, 20_000), run.progress), ())
+    unfold, plot = imgui.tree_node, implot.begin_plot
+    monkeypatch.setattr(imgui, "tree_node", lambda label: drawn.append(label) or unfold(label))
+    monkeypatch.setattr(implot, "begin_plot", lambda name, *rest: drawn.append(name) or plot(name, *rest))
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert drawn[:2] == ["Queue another###another", "##PSNR"]
 
 
 def test_a_warning_names_no_flag_of_the_command_line(
