@@ -81,7 +81,7 @@ def _open(run: Path) -> None:
 
     take_turns_where_needed()
     try:
-        run_app(run)
+        run_app((run,))
     except UserError as error:
         sys.stderr.write(f"{error}\n")
 

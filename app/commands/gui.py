@@ -1,4 +1,4 @@
-"""`vesselsplat [gui] [PATH]`: the app."""
+"""`vesselsplat [gui] [PATH ...]`: the app."""
 
 from __future__ import annotations
 
@@ -17,7 +17,11 @@ from renderer.readers.clip_options import EVERY_OPTION, ClipOptions, Stereo
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "path", metavar="CLIP|IMAGE|VIDEO|RUN|SPLATFILE", nargs="?", type=Path, help="what to open"
+        "paths",
+        metavar="CLIP|IMAGE|VIDEO|RUN|SPLATFILE",
+        nargs="*",
+        type=Path,
+        help="what to open, the first of several",
     )
     parser.add_argument("--live", metavar="SOURCE", help="show a live source, as of `vesselsplat live`")
     parser.add_argument(
@@ -34,12 +38,12 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def run(flags: argparse.Namespace) -> None:
-    if flags.path is not None and not flags.path.exists():
+    if missing := next((path for path in flags.paths if not path.exists()), None):
         raise UserError(
-            f"expected a clip, image, video, run or splat file, got no such file or folder: {flags.path}"
+            f"expected a clip, image, video, run or splat file, got no such file or folder: {missing}"
         )
-    if flags.path is not None and flags.live is not None:
-        raise UserError(f"expected a path or --live, got both: {flags.path} and {flags.live}")
+    if flags.paths and flags.live is not None:
+        raise UserError(f"expected a path or --live, got both: {flags.paths[0]} and {flags.live}")
     options = parameters(ClipOptions, flags)
     live = _start(flags, options.stereo)
     if not has_display():
@@ -53,7 +57,7 @@ def run(flags: argparse.Namespace) -> None:
             ) from error
         raise
     take_turns_where_needed()
-    run_app(None if flags.path is None else _plain(flags.path), options, live)
+    run_app(tuple(map(_plain, flags.paths)), options, live)
 
 
 def _plain(path: Path) -> Path:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -89,9 +89,10 @@ RUNNER = WindowServices(dockings.restore, dockings.quit_app, dockings.toggle, do
 
 
 def run_app(
-    path: Path | None = None, clip_options: ClipOptions = DEFAULTS, live: LiveStart | None = None
+    paths: Sequence[Path] = (), clip_options: ClipOptions = DEFAULTS, live: LiveStart | None = None
 ) -> None:
-    """Open the window, on a clip, a run or a live source if given, and return when it is closed.
+    """Open the window, on a clip, a run or a live source if given, and return when it is closed; of several
+    paths on the first.
 
     `clip_options` are for all clips that are opened in it; a run keeps those it was begun with.
 
@@ -104,8 +105,8 @@ def run_app(
     if not is_prepared():
         window.prepare(Preparer(preset_of(window.state.enhancement.params)))
     recovering.offer_recovery(window.state)
-    if path is not None:
-        actions.open_path(window.state, path)
+    if paths:
+        actions.open_first(window.state, paths)
     elif live is not None:
         live_actions.begin(window.state, live)
     with logged(
@@ -264,7 +265,7 @@ class Window:
     def _advance(self) -> None:
         """Before each frame: news from the background, what can be done, how soon the next is wanted."""
         if self._dropped:
-            actions.open_dropped(self.state, self._dropped)
+            actions.open_first(self.state, [Path(text) for text in self._dropped])
             self._dropped = []
         follow_preparation(self.state, self._preparer)
         follow_live(self.state, _session)

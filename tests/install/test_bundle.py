@@ -97,7 +97,7 @@ def test_the_desktop_knows_the_files_that_the_window_opens() -> None:
     entry.read(LINUX / "vesselsplat.desktop", encoding="utf-8")
     told = entry["Desktop Entry"]
     types = set(told["MimeType"].strip(";").split(";"))
-    assert told["Exec"].endswith("gui %f")
+    assert told["Exec"].endswith("gui %F")
     own = ElementTree.parse(LINUX / "vesselsplat-mime.xml").getroot()
     defined = {
         kind.attrib["type"]: kind.find(f"{NAMESPACE}glob").attrib["pattern"]  # type: ignore[union-attr]
@@ -125,7 +125,7 @@ def test_the_entry_is_installed_with_its_whole_path_and_removed(tmp_path: Path) 
     subprocess.run([folder / "install-for-user"], check=True, env=environment)
     entry = (data / "applications" / "vesselsplat.desktop").read_text().splitlines()
     path = f"{folder}/vesselsplat".replace("$", "\\\\$").replace("`", "\\\\`").replace("%", "%%")
-    assert f'Exec="{path}" gui %f' in entry
+    assert f'Exec="{path}" gui %F' in entry
     assert (data / "icons/hicolor/scalable/apps/vesselsplat.svg").is_file()
     assert (data / "mime/packages/vesselsplat-mime.xml").is_file()
     subprocess.run([folder / "install-for-user", "--remove"], check=True, env=environment)

@@ -163,12 +163,12 @@ def open_path(state: AppState, path: Path) -> None:
         _begin_opening(state, _request_of(state, path))  # It ends no edits.
 
 
-def open_dropped(state: AppState, paths: Sequence[str]) -> None:
-    """Of what was dropped on the window together the first opens: one case is open at a time."""
-    first, *others = map(Path, paths)
+def open_first(state: AppState, paths: Sequence[Path]) -> None:
+    """Of what was dropped on the window or given to it together: one case is open at a time."""
+    first, *others = paths
     open_path(state, first)
     if others:
-        said = f"of {len(paths)} dropped items only {first.name} opens; a folder of images opens as one clip"
+        said = f"of {len(paths)} items only {first.name} opens; a folder of images opens as one clip"
         announce(state, said)
 
 

@@ -67,4 +67,4 @@ def test_windows_without_the_redistributable_is_told_of_it(monkeypatch: pytest.M
     monkeypatch.delitem(sys.modules, "app.gui.window", raising=False)
     monkeypatch.setattr(sys, "platform", "win32")
     with pytest.raises(UserError, match="needs Microsoft's Visual C"):
-        gui.run(argparse.Namespace(path=None, live=None, igtl=None, right=None, **vars(ClipOptions())))
+        gui.run(argparse.Namespace(paths=[], live=None, igtl=None, right=None, **vars(ClipOptions())))

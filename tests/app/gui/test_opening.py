@@ -222,18 +222,23 @@ def test_what_is_said_at_the_start_reaches_the_clip_and_its_reconstruction(
 def test_the_flags_of_the_app_are_those_of_the_refusals(
     inverted: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    started: list[tuple[Path | None, ClipOptions]] = []
+    started: list[tuple[tuple[Path, ...], ClipOptions]] = []
 
-    def run_app(path: Path | None, options: ClipOptions, live: object) -> None:
+    def run_app(paths: tuple[Path, ...], options: ClipOptions, live: object) -> None:
         assert live is None
-        started.append((path, options))
+        started.append((paths, options))
 
     monkeypatch.setattr("app.gui.window.run_app", run_app)
     monkeypatch.setattr("app.commands.gui.has_display", lambda: True)
     command, parser = load("gui"), argparse.ArgumentParser()
     command.add_flags(parser)
     command.run(parser.parse_args([str(inverted), "--mask-polarity", "tissue", "--bottom-rows", "4"]))
-    assert started == [(inverted, ClipOptions(mask_polarity="tissue", bottom_rows=4))]
+    assert started == [((inverted,), ClipOptions(mask_polarity="tissue", bottom_rows=4))]
+    # As a file manager gives what is marked.
+    command.run(parser.parse_args([str(inverted), str(inverted.parent)]))
+    assert started[1:] == [((inverted, inverted.parent), ClipOptions())]
+    with pytest.raises(UserError, match="no such file or folder: missing"):
+        command.run(parser.parse_args([str(inverted), "missing.mp4"]))
     with pytest.raises(UserError, match="--mask-polarity"):
         command.run(parser.parse_args([str(inverted), "--mask-polarity", "tisue"]))
 
