@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from imgui_bundle import imgui, implot
+from imgui_bundle import ImVec2, imgui, implot
 
 from app.gui.actions import actions, history_actions, job_actions, path_actions
 from app.gui.panels import reconstruction
@@ -120,6 +120,28 @@ def test_the_queue_stands_above_the_diagrams_of_what_is_trained(
     monkeypatch.setattr(implot, "begin_plot", lambda name, *rest: drawn.append(name) or plot(name, *rest))
     ui.frame(lambda: draw_reconstruction(opened))
     assert drawn[:2] == ["Queue another###another", "##PSNR"]
+
+
+def test_what_became_of_a_run_is_in_sight_when_it_ends(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However far the choices were scrolled to begin it."""
+    run, scrolled = opened.runs.reconstruction, []
+    monkeypatch.setattr(reconstruction, "_draw_next", lambda state: scrolled.append(imgui.get_scroll_y()))
+    draw: Draw = lambda: draw_reconstruction(opened)  # noqa: E731
+    monkeypatch.setattr(reconstruction, "_draw_messages", lambda run: imgui.dummy(ImVec2(0, 3000)))
+    for _ in range(3):
+        ui.frame(draw)
+    ui.scroll(draw, (400, 300), -20)
+    for _ in range(3):
+        ui.frame(draw)
+    assert scrolled[-1] > 0
+    run.status = "running"
+    ui.frame(draw)
+    run.status = "finished"
+    for _ in range(3):
+        ui.frame(draw)
+    assert scrolled[-1] == 0
 
 
 def test_a_warning_names_no_flag_of_the_command_line(
