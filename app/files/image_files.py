@@ -204,6 +204,8 @@ def _checked(path: Path) -> int:
             picture.load()
             told = picture.getexif().get(ExifTags.Base.Orientation, UPRIGHT)
             return UPRIGHT if picture.format == "JPEG" else int(told)
+    except PermissionError:
+        raise
     except BROKEN as error:
         if isinstance(error, UnidentifiedImageError) and (kind := what_it_is(path)):
             raise UserError(f"expected an image, got {kind}: {path}") from error

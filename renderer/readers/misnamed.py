@@ -61,8 +61,20 @@ def what_it_is(path: Path) -> str | None:
     return UNMARKED if found is None and path.suffix.lower() in SUFFIXES else found
 
 
+def barred(error: PermissionError) -> str:
+    """What a file is that the system does not let us read."""
+    return f"a file that may not be read ({error.strerror})"
+
+
 def neither(path: Path) -> str:
-    """The refusal of a file that is neither a picture nor a video."""
+    """The refusal of a file that is neither a picture nor a video, or that nobody lets us look into."""
+    try:
+        require_regular(path)
+        path.open("rb").close()
+    except PermissionError as error:
+        return f"expected an image or a video, got {barred(error)}: {path}"
+    except OSError:
+        pass
     kind = what_it_is(path) or "a file that is neither, or a damaged one"
     if kind == DICOM:
         return f"expected a DICOM file with an image or a video, got one whose video is damaged: {path}"

@@ -19,7 +19,7 @@ from renderer.readers.byte_levels import in_bytes
 from renderer.readers.image_files.file_kinds import ARRAY
 from renderer.readers.image_files.picture_files import BROKEN, mapped_npy, opened
 from renderer.readers.image_files.tiff_layouts import TiffLayout, tiff_layout
-from renderer.readers.misnamed import what_it_is
+from renderer.readers.misnamed import barred, what_it_is
 from renderer.regular_files import what_else
 
 
@@ -186,6 +186,8 @@ def _unreadable(path: Path, error: Exception) -> ClipError:
         return ClipError(f"{error}: {path}")
     if not path.is_file():
         return ClipError(f"expected an image, got {what_else(path)}: {path}")
+    if isinstance(error, PermissionError):
+        return ClipError(f"expected an image, got {barred(error)}: {path}")
     if isinstance(error, UnidentifiedImageError):
         return ClipError(
             f"expected an image, got {what_it_is(path) or 'a file that is not an image'}: {path}"

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import builtins
 import gzip
+import io
+import re
 import zipfile
 from pathlib import Path
+from types import ModuleType
 
 import av
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from app.errors import UserError
 from app.files.image_files import read_image
 from renderer.clip import ClipError
-from renderer.readers.misnamed import VIDEO, what_it_is
+from renderer.readers.misnamed import VIDEO, neither, what_it_is
 from renderer.readers.video_header import read_counted_header
 from renderer.sources import open_clip
 from tests.renderer.readers.numbered import encoded, opencv_video
@@ -49,6 +54,35 @@ def test_a_refusal_names_what_came_under_the_name_of_a_picture(tmp_path: Path) -
         for reads, error in ((open_clip, ClipError), (read_image, UserError)):
             with pytest.raises(error, match=f"expected an image, got {said}"):
                 reads(path)
+
+
+def test_a_file_that_may_not_be_read_is_not_called_damaged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    paths = [tmp_path / name for name in ("frame.png", "frame.tif")]
+    for path in paths:
+        Image.fromarray(PICTURE[0]).save(path)
+
+    def bar(module: ModuleType) -> None:
+        """The system lets a superuser read all."""
+        free = module.open
+
+        def barred(given: object, *rest: object, **more: object) -> object:
+            if str(given).startswith(str(tmp_path)):
+                raise PermissionError(13, "Permission denied", str(given))
+            return free(given, *rest, **more)
+
+        monkeypatch.setattr(module, "open", barred)
+
+    bar(builtins)
+    bar(io)
+    said = r"got a file that may not be read \(Permission denied\)"
+    for path in paths:
+        with pytest.raises(ClipError, match=f"expected an image, {said}"):
+            open_clip(path)
+        with pytest.raises(PermissionError, match="Permission denied"):
+            read_image(path)
+        assert re.match(f"expected an image or a video, {said}", neither(path))
 
 
 @pytest.mark.parametrize("kind", ["a zip archive", "a JPEG XL image", "a PDF document", "an empty file"])
