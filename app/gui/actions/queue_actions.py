@@ -10,7 +10,7 @@ from app.gui.actions import actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.work.background import Failure
-from app.gui.work.taking_up import TakenUp, TakeUpRequest
+from app.gui.work.queued_clips import QueuedClip, QueuedClipRequest
 from app.runs.queue_file import keep_queue, queue_file, take_over
 from app.runs.train_run import TrainRequest
 
@@ -88,7 +88,7 @@ def wake(state: AppState) -> None:
     )
 
 
-def take_clip(state: AppState, request: TakeUpRequest, answer: TakenUp | Failure) -> None:
+def take_clip(state: AppState, request: QueuedClipRequest, answer: QueuedClip | Failure) -> None:
     """Its clip is open: where it is the one that is shown, that very one. Else it waits until it is asked for
     again, or taken out."""
     wanted, shown = request.request, state.source.clip

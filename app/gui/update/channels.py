@@ -69,6 +69,7 @@ from app.gui.work.neighbours import find_neighbours
 from app.gui.work.omissions import look
 from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.presets import KeepPresets, keep_presets
+from app.gui.work.queued_clips import QueuedClipRequest, open_queued
 from app.gui.work.recents import find_recents
 from app.gui.work.revealing import RevealRequest, reveal
 from app.gui.work.run_measures import measure_run
@@ -78,7 +79,6 @@ from app.gui.work.selecting import Selector, pick
 from app.gui.work.shipped import read_guide, read_welcome
 from app.gui.work.strip import make_strip
 from app.gui.work.swept import read_swept_image
-from app.gui.work.taking_up import TakeUpRequest, take_up
 from app.gui.work.thumbnails import make_thumbnails
 from app.gui.work.tidying import clear_places, clear_results
 from app.gui.work.tuning import CellMaker
@@ -143,7 +143,7 @@ class Channels:
         self.second_opening = row(NewestChannel(open_path), second_actions.take_second,
                                   lambda s: s.scene.second.opening, "apart",
                                   patience=Patience(_still_waiting))
-        self.clips = row(NewestChannel(take_up), queue_actions.take_clip, wishes.clip_wish, "apart",
+        self.clips = row(NewestChannel(open_queued), queue_actions.take_clip, wishes.clip_wish, "apart",
                          forgets=False, patience=Patience(_waits_for_clip, can_stop=False))
         self.ways = row(NewestChannel(find_ways),
                         noted("where depth can come from cannot be told", depth_actions.take_ways),
@@ -316,5 +316,5 @@ def _still_waiting(request: OpenRequest) -> str:
     return f"still waiting for {request.path}"
 
 
-def _waits_for_clip(wanted: TakeUpRequest) -> str:
+def _waits_for_clip(wanted: QueuedClipRequest) -> str:
     return f"{wanted.request.run_path.name} waits for its clip {wanted.request.clip_path}"

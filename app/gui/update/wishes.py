@@ -21,10 +21,10 @@ from app.gui.work.kept_layout import NAME, SealRequest
 from app.gui.work.masking import LeftOutRequest
 from app.gui.work.neighbours import NeighboursRequest
 from app.gui.work.presets import presets_with
+from app.gui.work.queued_clips import QueuedClipRequest
 from app.gui.work.recents import RecentsRequest
 from app.gui.work.run_measures import RunMeasuresRequest
 from app.gui.work.strip import StripRequest
-from app.gui.work.taking_up import TakeUpRequest
 from app.gui.work.thumbnails import ThumbnailsRequest
 from app.gui.work.tuning import CellRequest
 from app.gui.work.writing import KeepRequest
@@ -208,12 +208,12 @@ def layout_wish(state: AppState) -> SealRequest | None:
     return SealRequest(state.places.config / NAME, changes) if changes else None
 
 
-def clip_wish(state: AppState) -> TakeUpRequest | None:
+def clip_wish(state: AppState) -> QueuedClipRequest | None:
     """The clip of the reconstruction that is to be made next, where it is of an earlier session."""
     first = state.runs.next_waiting
     if first is None or first.clip is not None:
         return None
-    return TakeUpRequest(first.request, state.runs.wakings)
+    return QueuedClipRequest(first.request, state.runs.wakings)
 
 
 def results_wish(state: AppState) -> frozenset[Path]:

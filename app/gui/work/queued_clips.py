@@ -13,7 +13,7 @@ from renderer.sources import open_clip
 
 
 @dataclass(frozen=True)
-class TakeUpRequest:
+class QueuedClipRequest:
     """Which one is to be made; `attempt` grows when a person tries again."""
 
     request: TrainRequest
@@ -21,7 +21,7 @@ class TakeUpRequest:
 
 
 @dataclass(frozen=True, eq=False)
-class TakenUp:
+class QueuedClip:
     """What the window needs beside the request."""
 
     clip: Clip
@@ -29,9 +29,9 @@ class TakenUp:
     """Of a run that goes on: what it has said so far."""
 
 
-def take_up(request: TakeUpRequest) -> Iterator[TakenUp]:
+def open_queued(request: QueuedClipRequest) -> Iterator[QueuedClip]:
     """Raises ClipError or UserError: the clip cannot be opened any more, or has no such part."""
     wanted = request.request
     clip = open_clip(wanted.clip_path, wanted.clip_options)
     wanted.part.of(clip)
-    yield TakenUp(clip, told(RunFolder(wanted.run_path)))
+    yield QueuedClip(clip, told(RunFolder(wanted.run_path)))
