@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from renderer.camera import Camera
-from renderer.camera_path import TRACK, CameraPath, Keyframe, velocities
+from renderer.camera_path import TRACK, CameraPath, Keyframe, monotone, velocities
 from renderer.rotations import conjugate, exponential, logarithm, matrix, product, quaternion
 
 LENS = Camera(500.0, 480.0, 310.0, 250.0, 640, 512)
@@ -214,3 +214,9 @@ def test_logarithm_and_exponential_are_inverse_and_the_sign_does_not_matter(
             math.copysign(1, turn[0]), abs=1e-9
         )
     assert abs(quaternion(matrix(turn)) @ turn) == pytest.approx(1.0)
+
+
+def test_speeds_of_uneven_steps_are_the_weighted_harmonic_mean_of_their_slopes() -> None:
+    slopes, steps = np.array([2.0, 1.0, -1.0, -4.0]), np.array([1.0, 3.0, 2.0, 2.0])
+    middle = (7 + 5) / (7 / 2 + 5 / 1), 0.0, (6 + 6) / (6 / -1 + 6 / -4)
+    np.testing.assert_allclose(monotone(slopes * steps, steps)[:, 0], [2, *middle, -4])
