@@ -6,7 +6,7 @@ import gzip
 import io
 import struct
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,8 @@ import zstandard
 from numpy.typing import NDArray
 
 from renderer.raw_gaussians import RawGaussians
+from renderer.splat_files import SplatFileError
+from renderer.splat_files.splat_file import SplatFile
 
 NAMES = ("x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
          "rot_0", "rot_1", "rot_2", "rot_3")  # fmt: skip
@@ -124,3 +126,16 @@ def damaged(content: bytes, rng: np.random.Generator) -> bytes:
         if not out:
             break
     return bytes(out)
+
+
+def is_refused(read: Callable[..., SplatFile], *given: Any) -> bool:
+    """In one line; else all values of what is read are finite."""
+    try:
+        got = read(*given)
+    except SplatFileError as error:
+        said = str(error)
+    else:
+        assert all(np.isfinite(value).all() for value in got.raw.arrays().values())
+        return False
+    assert "\n" not in said
+    return True

@@ -15,7 +15,7 @@ from PIL import Image
 
 from renderer.raw_gaussians import RawGaussians, sigmoid
 from renderer.splat_files import SplatFile, SplatFileError, is_named_as_splats, read_splats, whole
-from tests.renderer.splat_files.files import damaged, gaussians
+from tests.renderer.splat_files.files import damaged, gaussians, is_refused
 from tests.renderer.splat_files.sog_files import Files, bundled, picture, sog, webp
 
 
@@ -183,16 +183,10 @@ def test_damaged_files_are_read_or_refused(tmp_path: Path) -> None:
     """The archive itself, and each of its files."""
     rng = np.random.default_rng(0)
     archive = bundled(GOOD)
-    refused = []
+    refused = 0
     for case in range(1000):
         name = list(GOOD)[case % len(GOOD)]
         bent = damaged(archive, rng) if case % 3 == 0 else bundled({**GOOD, name: damaged(GOOD[name], rng)})
         (tmp_path / "a.sog").write_bytes(bent)
-        try:
-            got = read_splats(tmp_path / "a.sog")
-        except SplatFileError as error:
-            refused.append(str(error))
-        else:
-            assert all(np.isfinite(value).all() for value in got.raw.arrays().values())
-    assert 300 < len(refused) < 1000
-    assert not any("\n" in said for said in refused)
+        refused += is_refused(read_splats, tmp_path / "a.sog")
+    assert 300 < refused < 1000

@@ -11,7 +11,7 @@ import pytest
 import zstandard
 
 from renderer.splat_files import SplatFile, SplatFileError, read_splats
-from tests.renderer.splat_files.files import at, damaged, spz, spz_streams
+from tests.renderer.splat_files.files import at, damaged, is_refused, spz, spz_streams
 
 
 def read(folder: Path, content: bytes) -> SplatFile:
@@ -102,13 +102,4 @@ def test_what_a_file_says_of_itself_takes_no_memory(tmp_path: Path) -> None:
 
 def test_damaged_files_are_read_or_refused(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
-    refused = []
-    for _ in range(3000):
-        try:
-            got = read(tmp_path, damaged(GOOD, rng))
-        except SplatFileError as error:
-            refused.append(str(error))
-        else:
-            assert all(np.isfinite(value).all() for value in got.raw.arrays().values())
-    assert 500 < len(refused) < 3000
-    assert not any("\n" in said for said in refused)
+    assert 500 < sum(is_refused(read, tmp_path, damaged(GOOD, rng)) for _ in range(3000)) < 3000
