@@ -71,21 +71,8 @@ def browser_page(
         "antialiased": mode == "mip",
         "frames": record.clip_frames,
         "seconds": record.seconds,
+        **_optional(record, cameras, within, shown),
     }
-    sides = [] if within is None else within.sides.tolist()
-    field = sides[IMAGE_SIDES:]
-    if record.start:
-        scene["start"] = record.start
-    if shown is not None:
-        scene["hidden"] = np.flatnonzero(~shown).tolist()
-    if shown is not None or field:
-        scene["free"] = not (record.moves or all(map(record.camera.has_pose_of, cameras)))
-    if sides:
-        scene["sides"] = sides[:IMAGE_SIDES]
-    if field:
-        scene["field"] = field
-    if record.moves:
-        scene["poses"] = [np.asarray(one.camera_from_world)[:3].tolist() for one in cameras]
     content = base64.b64encode(gzip.compress(b"".join(parts_of_content), LEVEL, mtime=0)).decode()
     if len(content) > LONGEST:
         raise UserError(
@@ -103,6 +90,28 @@ def browser_page(
         "CODE": "\n".join(_own(name) for name in CODE),
     }
     return filled_in(_own("viewer.html"), parts)
+
+
+def _optional(
+    record: BrowserModel, cameras: Sequence[Camera], within: InView | None, shown: BoolArray | None
+) -> dict[str, Any]:
+    """What the page is told of some models and not of others; arguments as of `browser_page`."""
+    told: dict[str, Any] = {}
+    sides = [] if within is None else within.sides.tolist()
+    field = sides[IMAGE_SIDES:]
+    if record.start:
+        told["start"] = record.start
+    if shown is not None:
+        told["hidden"] = np.flatnonzero(~shown).tolist()
+    if shown is not None or field:
+        told["free"] = not (record.moves or all(map(record.camera.has_pose_of, cameras)))
+    if sides:
+        told["sides"] = sides[:IMAGE_SIDES]
+    if field:
+        told["field"] = field
+    if record.moves:
+        told["poses"] = [np.asarray(one.camera_from_world)[:3].tolist() for one in cameras]
+    return told
 
 
 def _told(windows: Sequence[PageWindow], contents: Sequence[bytes]) -> Iterator[dict[str, Any]]:
