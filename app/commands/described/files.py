@@ -45,8 +45,7 @@ def of_run(path: Path) -> Facts:
     there = Path(clip.path).exists()
     told = {event["event"]: event for event in events}
     done = told.get("Finished", told.get("Progress", {})).get("iteration", 0)
-    process = holder(path)
-    state = "finished" if run.is_finished else "being trained" if process else "not finished"
+    state = "finished" if run.is_finished else "being trained" if holder(path) else "not finished"
     counted = (told.get(name, {}).get("n_gaussians") for name in ("Finished", "Progress", "Started"))
     size = next(filter(None, counted), None)
     wanted = told.get("Started", {}).get("iterations", config.iterations)
@@ -82,14 +81,17 @@ def of_run(path: Path) -> Facts:
     if run.edits_path.exists():
         facts.append(Fact("edits", "edited in the app", True))
     facts += notices([event["message"] for event in events if event["event"] == "Warned"])
-    if run.is_finished:
-        evaluate = [("evaluate", "PATH")] if there else []
-        steps = [("render", "PATH", "--out", "OUT"), *evaluate, ("export", "PATH", "--ply", "OUT")]
-    elif process:
-        steps = [("gui", "PATH")]
-    else:
-        steps = [("train", clip.path, "--run", "PATH", "--resume")] if there else []
-    return (*facts, next_steps(path, *steps))
+    return (*facts, next_steps(path, *_steps(state, clip.path if there else None)))
+
+
+def _steps(state: str, clip: str | None) -> list[tuple[str, ...]]:
+    """What to do with a run; `clip`: where its clip is, None where that is gone."""
+    if state == "finished":
+        evaluate = [("evaluate", "PATH")] if clip else []
+        return [("render", "PATH", "--out", "OUT"), *evaluate, ("export", "PATH", "--ply", "OUT")]
+    if state == "being trained":
+        return [("gui", "PATH")]
+    return [("train", clip, "--run", "PATH", "--resume")] if clip else []
 
 
 def _lens(calibration: Calibration | None) -> list[Fact]:
