@@ -68,7 +68,9 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def run(flags: argparse.Namespace) -> None:
-    export_limits.check(flags)
+    parser = argparse.ArgumentParser()
+    add_flags(parser)
+    export_limits.check(flags, parser.get_default)
     if flags.video and not ending_of(flags.video):
         endings = ", ".join(CODECS)
         raise UserError(f"--video: expected a name that ends in {endings}, got {flags.video.name}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final
 
 from app.exports.splats import fourdgs
@@ -41,53 +40,51 @@ def _splats(suffix: str, text: str) -> Kind:
     return Kind(text, "DIR", suffix, is_of_tissue=False, heeds=LIKE_SPLATS)
 
 
-KINDS: Final[Mapping[str, Kind]] = MappingProxyType(
-    {
-        "ply": _splats(".ply", "one numbered splat file per frame, as viewers play them"),
-        "compressed_ply": _splats(
-            COMPRESSED, "the same as PLY of 16 bytes per Gaussian, for PlayCanvas and SuperSplat"
-        ),
-        "spz": _splats(
-            ".spz", "the same as SPZ 3, a third as large or less: sizes to 3 %%; a JSON file beside each"
-        ),
-        "spz4": _splats(".v4.spz", "the same as SPZ 4, for newer programs, a little smaller"),
-        "sog": _splats(
-            ".sog", "the same as SOG, for PlayCanvas and SuperSplat: 8 bits a value; a JSON file beside each"
-        ),
-        "glb": _splats(".glb", "the same as glTF, in metres, by its extension KHR_gaussian_splatting"),
-        "usd": Kind(
-            "the Gaussians through the clip as one .usdc file: USD's 3D Gaussian splats, time-sampled",
-            suffix=".usdc", is_whole=True, heeds=("without_unobserved",),
-        ),
-        "4dgs": Kind(
-            "the same as one .4dgs file, half as large, rounded (extra 4dgs); a JSON file beside it",
-            suffix=fourdgs.SUFFIX, is_whole=True, heeds=("without_unobserved",),
-        ),
-        "mesh": Kind(
-            "the tissue surface: as glTF or USD with one topology that moves through the clip, or a folder "
-            "with a mesh per frame",
-            "FILE.glb|FILE.usdc|DIR", heeds=("mesh_format", "vertices", "faces"),
-        ),
-        "video": Kind(
-            "the frames as a video, with a JSON file beside it", is_of_tissue=False,
-            heeds=(*SEEN, "supersampling", "background", "unobserved", "view", "renderer"),
-        ),
-        "html": Kind(
-            "the model over time as one page that any browser plays, without a network; it opens as "
-            "--camera sees it (default the first frame's)",
-            suffix=".html", is_whole=True, heeds=(*SEEN, "unobserved"),
-        ),
-        "npz": Kind(
-            "Gaussians at each moment, depth and cameras as numpy arrays, with a README inside",
-            suffix=".npz", heeds=(*SEEN, "renderer"),
-        ),
-        "tracks": Kind(
-            "where the surface behind --points goes, as .csv; a JSON file beside it",
-            suffix=".csv", heeds=SEEN,
-        ),
-        "cameras": Kind(
-            "the poses as cameras.json", "FILE|DIR", is_of_tissue=False, heeds=(*SEEN, "cameras_format")
-        ),
-    }
-)  # fmt: skip
+KINDS: Final[Mapping[str, Kind]] = {
+    "ply": _splats(".ply", "one numbered splat file per frame, as viewers play them"),
+    "compressed_ply": _splats(
+        COMPRESSED, "the same as PLY of 16 bytes per Gaussian, for PlayCanvas and SuperSplat"
+    ),
+    "spz": _splats(
+        ".spz", "the same as SPZ 3, a third as large or less: sizes to 3 %%; a JSON file beside each"
+    ),
+    "spz4": _splats(".v4.spz", "the same as SPZ 4, for newer programs, a little smaller"),
+    "sog": _splats(
+        ".sog", "the same as SOG, for PlayCanvas and SuperSplat: 8 bits a value; a JSON file beside each"
+    ),
+    "glb": _splats(".glb", "the same as glTF, in metres, by its extension KHR_gaussian_splatting"),
+    "usd": Kind(
+        "the Gaussians through the clip as one .usdc file: USD's 3D Gaussian splats, time-sampled",
+        suffix=".usdc", is_whole=True, heeds=("without_unobserved",),
+    ),
+    "4dgs": Kind(
+        "the same as one .4dgs file, half as large, rounded (extra 4dgs); a JSON file beside it",
+        suffix=fourdgs.SUFFIX, is_whole=True, heeds=("without_unobserved",),
+    ),
+    "mesh": Kind(
+        "the tissue surface: as glTF or USD with one topology that moves through the clip, or a folder "
+        "with a mesh per frame",
+        "FILE.glb|FILE.usdc|DIR", heeds=("mesh_format", "vertices", "faces"),
+    ),
+    "video": Kind(
+        "the frames as a video, with a JSON file beside it", is_of_tissue=False,
+        heeds=(*SEEN, "supersampling", "background", "unobserved", "view", "renderer"),
+    ),
+    "html": Kind(
+        "the model over time as one page that any browser plays, without a network; it opens as "
+        "--camera sees it (default the first frame's)",
+        suffix=".html", is_whole=True, heeds=(*SEEN, "unobserved"),
+    ),
+    "npz": Kind(
+        "Gaussians at each moment, depth and cameras as numpy arrays, with a README inside",
+        suffix=".npz", heeds=(*SEEN, "renderer"),
+    ),
+    "tracks": Kind(
+        "where the surface behind --points goes, as .csv; a JSON file beside it",
+        suffix=".csv", heeds=SEEN,
+    ),
+    "cameras": Kind(
+        "the poses as cameras.json", "FILE|DIR", is_of_tissue=False, heeds=(*SEEN, "cameras_format")
+    ),
+}  # fmt: skip
 """By the name of the flag, in the order of the help."""

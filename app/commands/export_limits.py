@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from app.commands.export_kinds import KINDS
@@ -15,27 +14,8 @@ from app.errors import UserError
 from app.exports.meshes.writing import CLIPS
 from app.scenes.scene import Scene
 from renderer.listing import listed
-from renderer.surface.fineness import VERTICES
 
 MOMENTS: Final = ("frames", "time", "path")
-UNGIVEN: Final[Mapping[str, object]] = MappingProxyType(
-    {
-        "camera": None,
-        "size": None,
-        "sh_degree": None,
-        "supersampling": 1,
-        "background": "grey",
-        "without_unobserved": False,
-        "unobserved": False,
-        "view": "color",
-        "mesh_format": "ply",
-        "vertices": VERTICES,
-        "faces": None,
-        "cameras_format": "splatting",
-        "renderer": "cpu",
-    }
-)
-"""What each flag is where it is not given, of those that only some exports heed."""
 
 
 def outputs(flags: argparse.Namespace) -> Iterator[tuple[str, Path]]:
@@ -45,9 +25,11 @@ def outputs(flags: argparse.Namespace) -> Iterator[tuple[str, Path]]:
             yield name, path
 
 
-def check(flags: argparse.Namespace) -> None:
-    """Raises UserError: nothing is asked for, a file whose name is of another format, or a flag without
-    effect."""
+def check(flags: argparse.Namespace, usual: Callable[[str], object]) -> None:
+    """`usual`: what a flag is where it is not given.
+
+    Raises UserError: nothing is asked for, a file whose name is of another format, or a flag without effect.
+    """
     asked = dict(outputs(flags))
     if not asked:
         *most, last = (f"{flag(name)} {kind.metavar}" for name, kind in KINDS.items())
@@ -63,9 +45,9 @@ def check(flags: argparse.Namespace) -> None:
             raise UserError(
                 f"{flag(name)}: {flag(whole[0])} holds all of the clip; export it without this flag"
             )
-    for name, ungiven in UNGIVEN.items():
+    for name in dict.fromkeys(name for kind in KINDS.values() for name in kind.heeds):
         heeding = [one for one, kind in KINDS.items() if name in kind.heeds]
-        if getattr(flags, name) != ungiven and not set(heeding) & set(asked):
+        if getattr(flags, name) != usual(name) and not set(heeding) & set(asked):
             which = listed([flag(one) for one in heeding])
             raise UserError(f"{flag(name)}: expected an export that it applies to, such as {which}")
     if flags.frames_per_second is not None and flags.path is None and not goes_through_time(flags):

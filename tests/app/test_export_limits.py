@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from pathlib import Path
 
 import pytest
 
-from app.commands import export
-from app.commands.export_kinds import KINDS
-from app.commands.export_limits import UNGIVEN
 from app.exports.replay.recorded import recorded
 from app.runs.run_folder import RunFolder
 from tests.app.conftest import Cli
@@ -131,10 +127,3 @@ def test_nothing_is_written_among_the_files_of_a_run_or_its_clip(
             assert (call.code, call.error.count("\n")) == (2, 1)
             assert f"{flag}: expected a place outside the {what}, got {out}" in call.error
             assert sorted(out.glob("*")) == before
-
-
-def test_what_only_some_exports_heed_is_known_by_what_it_is_where_it_is_not_given() -> None:
-    parser = argparse.ArgumentParser()
-    export.add_flags(parser)
-    heeded = {name for kind in KINDS.values() for name in kind.heeds}
-    assert {name: parser.get_default(name) for name in heeded} == dict(UNGIVEN)
