@@ -7,7 +7,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import Final
 
 import cv2
@@ -176,17 +175,15 @@ def jiang2019(image: ByteImage) -> ByteImage:
     )
 
 
-BASELINES: Final[Mapping[str, Method]] = MappingProxyType(
-    {
-        "clahe": clahe,
-        "unsharp": unsharp,
-        "msrcr": msrcr,
-        "aindane": aindane,
-        "aindane-green": aindane_green,
-        "wang2020": wang2020,
-        "jiang2019": jiang2019,
-    }
-)
+BASELINES: Final[Mapping[str, Method]] = {
+    "clahe": clahe,
+    "unsharp": unsharp,
+    "msrcr": msrcr,
+    "aindane": aindane,
+    "aindane-green": aindane_green,
+    "wang2020": wang2020,
+    "jiang2019": jiang2019,
+}
 """By the names of the command line and of the comparison table."""
 TAO_STAND_INS: Final = ("msrcr", "aindane", "aindane-green")
 

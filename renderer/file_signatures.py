@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from types import MappingProxyType
 from typing import Final
 
-ANYWHERE: Final = MappingProxyType(
-    {
-        b"7z\xbc\xaf\x27\x1c": "a 7z archive: unpack it first",
-        b"version https://git-lfs": "a Git LFS pointer: fetch the file itself with git lfs pull",
-        b"<!DOCTYPE html": "a web page: download the file itself",
-        b"<html": "a web page: download the file itself",
-    }
-)
+ANYWHERE: Final = {
+    b"7z\xbc\xaf\x27\x1c": "a 7z archive: unpack it first",
+    b"version https://git-lfs": "a Git LFS pointer: fetch the file itself with git lfs pull",
+    b"<!DOCTYPE html": "a web page: download the file itself",
+    b"<html": "a web page: download the file itself",
+}

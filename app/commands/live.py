@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Final
 
 from app.commands.method_flags import add_settings, params_of
@@ -35,19 +34,21 @@ LOOK: Final = 0.05
 """Seconds from one look at the session to the next."""
 PATIENCE: Final = 10.0
 """Seconds without any picture after which a source that never gave one is given up."""
-HEEDED: Final[Mapping[str, frozenset[Kind]]] = MappingProxyType(
-    {
-        "once": frozenset({"file"}),
-        "size": frozenset({"device"}),
-        "fps": frozenset({"device", "file"}),
-        "pixel_format": frozenset({"device"}),
-    }
-)
+HEEDED: Final[Mapping[str, frozenset[Kind]]] = {
+    "once": frozenset({"file"}),
+    "size": frozenset({"device"}),
+    "fps": frozenset({"device", "file"}),
+    "pixel_format": frozenset({"device"}),
+}
 """Flags that not every kind of source heeds."""
-NOT_GIVEN: Final[Mapping[str, object]] = MappingProxyType(
-    {"right": None, "seconds": None, "record": None, "what": None, "igtl": None, "once": False}
-    | {"size": None, "fps": None, "pixel_format": None}
-)
+NOT_GIVEN: Final[Mapping[str, object]] = {
+    "right": None,
+    "seconds": None,
+    "record": None,
+    "what": None,
+    "igtl": None,
+    "once": False,
+} | {"size": None, "fps": None, "pixel_format": None}
 """Flags of a source, where they are not given."""
 
 

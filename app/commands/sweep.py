@@ -7,7 +7,6 @@ import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Final
 
 from rich.table import Table
@@ -33,7 +32,7 @@ from app.sweeps.worker import sweep_locked
 from renderer.listing import count
 
 PAGE = "sweep.html"
-NO_ENGINE: Final[Mapping[str, object]] = MappingProxyType({"on": "local", "workers": None, "retry": False})
+NO_ENGINE: Final[Mapping[str, object]] = {"on": "local", "workers": None, "retry": False}
 """The flags of `add_engine_flags` where they are not given."""
 PRINTED = 24
 """Rows of a table; the page has all."""

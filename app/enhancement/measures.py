@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
-from types import MappingProxyType
 from typing import Final, Literal
 
 from app.files.image_files import ArrayImage
@@ -42,38 +41,32 @@ METRICS: Final = tuple(item.name for item in fields(Measures))
 SMALLER_IS_BETTER: Final = frozenset(
     {"bv", "noise_gain", "saturated_share", "milliseconds", "chroma_noise_gain"}
 )
-DEFINITIONS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold, "
-        "over the field of view",
-        "vessel_contrast": "Weber contrast in green of the original's strongest dark ridges against a ring",
-        "noise_gain": "high-frequency noise over that of the original, where the original is flat, without "
-        "clipped pixels",
-        "saturated_share": "share of the field of view whose largest channel is 250 of 255 or more",
-        "color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 "
-        "pixels; of fewer in images below 640 pixels",
-        "chroma_noise_gain": "as noise_gain, of the colours alone, averaged over blocks large enough for the "
-        "original's to exceed rounding",
-        "milliseconds": "for what this cell changes, after the cells computed before it",
-    }
-)
-DEFINITIONS_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
-        "saturated_share": "share of pixels whose largest channel is 250 of 255 or more",
-    }
-)
+DEFINITIONS: Final[Mapping[str, str]] = {
+    "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold, "
+    "over the field of view",
+    "vessel_contrast": "Weber contrast in green of the original's strongest dark ridges against a ring",
+    "noise_gain": "high-frequency noise over that of the original, where the original is flat, without "
+    "clipped pixels",
+    "saturated_share": "share of the field of view whose largest channel is 250 of 255 or more",
+    "color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 "
+    "pixels; of fewer in images below 640 pixels",
+    "chroma_noise_gain": "as noise_gain, of the colours alone, averaged over blocks large enough for the "
+    "original's to exceed rounding",
+    "milliseconds": "for what this cell changes, after the cells computed before it",
+}
+DEFINITIONS_BEFORE: Final[Mapping[str, str]] = {
+    "dv_bv": "inferred definition: variances of grey above and below the image's own Otsu threshold",
+    "saturated_share": "share of pixels whose largest channel is 250 of 255 or more",
+}
 """Of those that are of the whole image, its black surround included, in files that ask for that."""
-NOISE_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "noise_gain": "high-frequency noise over that of the original, where the original is flat",
-        "chroma_noise_gain": "as noise_gain, of the colours alone",
-    }
-)
+NOISE_BEFORE: Final[Mapping[str, str]] = {
+    "noise_gain": "high-frequency noise over that of the original, where the original is flat",
+    "chroma_noise_gain": "as noise_gain, of the colours alone",
+}
 """Of the noise gains in files that ask for a cut of before."""
-LENGTHS_BEFORE: Final[Mapping[str, str]] = MappingProxyType(
-    {"color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 pixels"}
-)
+LENGTHS_BEFORE: Final[Mapping[str, str]] = {
+    "color_difference": "CIEDE2000 between the same ridges and their ring, mean over blocks of 64 pixels"
+}
 """Of what is measured by lengths in pixels, in files that ask for that."""
 LEAST: Final = 0.5
 """Of the colour difference (CIEDE2000, where 1 is just noticeable): less is nobody's loss."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import cv2
@@ -38,17 +37,15 @@ TIFF = frozenset({".tif", ".tiff"})
 JPEGS = frozenset({".jpg", ".jpeg"})
 WEBP = ".webp"
 UPRIGHT = 1
-TURNS: Mapping[int, Callable[[ArrayImage], ArrayImage]] = MappingProxyType(
-    {
-        2: np.fliplr,
-        3: lambda picture: np.rot90(picture, 2),
-        4: np.flipud,
-        5: lambda picture: np.swapaxes(picture, 0, 1),
-        6: lambda picture: np.rot90(picture, -1),
-        7: lambda picture: np.swapaxes(np.rot90(picture, 2), 0, 1),
-        8: np.rot90,
-    }
-)
+TURNS: Mapping[int, Callable[[ArrayImage], ArrayImage]] = {
+    2: np.fliplr,
+    3: lambda picture: np.rot90(picture, 2),
+    4: np.flipud,
+    5: lambda picture: np.swapaxes(picture, 0, 1),
+    6: lambda picture: np.rot90(picture, -1),
+    7: lambda picture: np.swapaxes(np.rot90(picture, 2), 0, 1),
+    8: np.rot90,
+}
 """What makes a picture upright, by its EXIF orientation."""
 PLAIN_NETPBM = (b"P1", b"P2", b"P3")
 """How images of numbers in ASCII begin."""

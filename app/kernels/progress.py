@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Final, Literal, get_args
 
 from app.enhancement.methods import PAPER, VESSEL, Preset
@@ -12,9 +11,15 @@ from renderer.train.config import Method
 
 Kind = Preset | Literal["3D view", "training", "16 bits"]
 """What can be used once its steps are done."""
-SECONDS: Final[Mapping[str, float]] = MappingProxyType(
-    {VESSEL: 25, PAPER: 2, "3D view": 4, "vesselsplat": 25, "deform3dgs": 6, "endogaussian": 12, "static": 1}
-)
+SECONDS: Final[Mapping[str, float]] = {
+    VESSEL: 25,
+    PAPER: 2,
+    "3D view": 4,
+    "vesselsplat": 25,
+    "deform3dgs": 6,
+    "endogaussian": 12,
+    "static": 1,
+}
 """About how long each step takes on an ordinary computer."""
 SHARED: Final = 35.0
 """More of the first of the two methods, for what both have in common."""

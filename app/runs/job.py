@@ -13,7 +13,6 @@ import threading
 from collections.abc import Mapping
 from contextlib import suppress
 from queue import SimpleQueue
-from types import MappingProxyType
 from typing import Final, Literal
 
 from app.runs.run_folder import RunFolder
@@ -39,9 +38,13 @@ Ending = Finished | Cancelled | Failed
 JobEvent = (
     Preparing | Planned | Started | Progress | Evaluated | Finishing | Warned | Paused | Resumed | Ending
 )
-STATE_AFTER: Final[Mapping[type, State]] = MappingProxyType(
-    {Paused: "paused", Resumed: "running", Finished: "finished", Cancelled: "cancelled", Failed: "failed"}
-)
+STATE_AFTER: Final[Mapping[type, State]] = {
+    Paused: "paused",
+    Resumed: "running",
+    Finished: "finished",
+    Cancelled: "cancelled",
+    Failed: "failed",
+}
 """Of a job, by the event; after any other it stays."""
 
 SECONDS_TO_END = 5.0

@@ -10,7 +10,6 @@ from functools import partial
 from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import MappingProxyType
 from typing import Annotated, Final, Literal
 
 from app.enhancement.image_mask import NO_MASK
@@ -67,9 +66,7 @@ RECONSTRUCTION_PARAMS = EnhanceParams(d_factor=0.5)
 """For frames that are reconstructed (Tables 1-2 of the paper)."""
 Measured = Literal["tissue", "whole image"]
 """The pixels that statistics of enhanced frames are of; the paper's Eqs 2 and 12 take the whole image."""
-PRESETS: Final[Mapping[Preset, EnhancementSettings]] = MappingProxyType(
-    {PAPER: RECONSTRUCTION_PARAMS, VESSEL: VesselParams()}
-)
+PRESETS: Final[Mapping[Preset, EnhancementSettings]] = {PAPER: RECONSTRUCTION_PARAMS, VESSEL: VesselParams()}
 """For frames that are reconstructed, by the names of --preset."""
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Final, Literal
 
 import cv2
@@ -14,17 +13,18 @@ from renderer.unobserved import BLACK, GREY, LINES, Rgb, line_mask
 
 Background = Rgb | Literal["hatched", "smooth"]
 BackgroundName = Literal["grey", "hatched", "smooth", "black"]
-BACKGROUNDS: Final[Mapping[BackgroundName, Background]] = MappingProxyType(
-    {"grey": GREY, "hatched": "hatched", "smooth": "smooth", "black": BLACK}
-)
-EXPLAINED: Final[Mapping[BackgroundName, str]] = MappingProxyType(
-    {
-        "grey": "Plain grey where nothing was observed.",
-        "hatched": "Diagonal lines where nothing was observed.",
-        "smooth": "The colours of the surroundings, hatched, where nothing was observed.",
-        "black": "Black where nothing was observed.",
-    }
-)
+BACKGROUNDS: Final[Mapping[BackgroundName, Background]] = {
+    "grey": GREY,
+    "hatched": "hatched",
+    "smooth": "smooth",
+    "black": BLACK,
+}
+EXPLAINED: Final[Mapping[BackgroundName, str]] = {
+    "grey": "Plain grey where nothing was observed.",
+    "hatched": "Diagonal lines where nothing was observed.",
+    "smooth": "The colours of the surroundings, hatched, where nothing was observed.",
+    "black": "Black where nothing was observed.",
+}
 _LINE_SHARE = np.float32(0.5)
 """Of the colour of the lines in a smooth background."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Final, Literal, Protocol
 
 import cv2
@@ -27,30 +26,26 @@ from renderer.unobserved import BLACK
 ViewKind = Literal[
     "color", "depth", "normals", "opacity", "ellipsoids", "points", "motion", "difference", "surface"
 ]
-SHAPES: Final[Mapping[ViewKind, Shape]] = MappingProxyType(
-    {
-        "color": "soft", "depth": "soft", "normals": "soft", "opacity": "soft", "motion": "soft",
-        "difference": "soft", "surface": "soft", "ellipsoids": "ellipsoid", "points": "point",
-    }
-)  # fmt: skip
-EXPLAINED: Final[Mapping[ViewKind, str]] = MappingProxyType(
-    {
-        "color": "The reconstruction as it looks.",
-        "depth": "Distance along the optical axis, averaged over the Gaussians seen in a pixel.",
-        "normals": "Orientation of the surface: red right, green up, blue towards the camera.",
-        "opacity": "How much of the background the Gaussians hide.",
-        "ellipsoids": "Every Gaussian of 10 % opacity or more as a solid of 1.5 standard deviations.",
-        "points": "The centre of every Gaussian.",
-        "motion": "How far each point has moved since the start of the clip, in a long clip of its window.",
-        "difference": "Difference to the frame, averaged over the channels, in grey levels of 255.",
-        "surface": "The tissue as one mesh that moves, as it is exported; lit from the camera.",
-    }
-)
+SHAPES: Final[Mapping[ViewKind, Shape]] = {
+    "color": "soft", "depth": "soft", "normals": "soft", "opacity": "soft", "motion": "soft",
+    "difference": "soft", "surface": "soft", "ellipsoids": "ellipsoid", "points": "point",
+}  # fmt: skip
+EXPLAINED: Final[Mapping[ViewKind, str]] = {
+    "color": "The reconstruction as it looks.",
+    "depth": "Distance along the optical axis, averaged over the Gaussians seen in a pixel.",
+    "normals": "Orientation of the surface: red right, green up, blue towards the camera.",
+    "opacity": "How much of the background the Gaussians hide.",
+    "ellipsoids": "Every Gaussian of 10 % opacity or more as a solid of 1.5 standard deviations.",
+    "points": "The centre of every Gaussian.",
+    "motion": "How far each point has moved since the start of the clip, in a long clip of its window.",
+    "difference": "Difference to the frame, averaged over the channels, in grey levels of 255.",
+    "surface": "The tissue as one mesh that moves, as it is exported; lit from the camera.",
+}
 BY_PROCESSOR: Final[tuple[ViewKind, ...]] = ("surface",)
 """Views that the numba rasteriser draws, whatever graphics card there is."""
 SCENE_UNITS = "scene units"
 ColorMap = Literal["viridis", "inferno", "grey"]
-_MAPS = MappingProxyType({"viridis": cv2.COLORMAP_VIRIDIS, "inferno": cv2.COLORMAP_INFERNO})
+_MAPS = {"viridis": cv2.COLORMAP_VIRIDIS, "inferno": cv2.COLORMAP_INFERNO}
 LEAST_DIFFERENCE = 8.0
 """Grey levels at the end of the scale, at least. It ends at the 90th percentile: tools, which are not
 reconstructed, do not flatten it."""

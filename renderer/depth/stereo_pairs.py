@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +45,7 @@ _REMEMBERED_PAIRS = 32  # Whether they show one scene, which opening a folder as
 _LEFT = re.compile(r"left|(?<=[\d_-])l$|^l(?=$|[\d_-])", re.IGNORECASE)
 _RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT", "l": "r", "L": "R"}
 
-_CAMERAS = MappingProxyType({"image_02": "image_03", "image_00": "image_01", "cam0": "cam1"})
+_CAMERAS = {"image_02": "image_03", "image_00": "image_01", "cam0": "cam1"}
 """Folders of the left eye and of the right one, as KITTI and EuRoC call them."""
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from renderer.file_signatures import ANYWHERE
@@ -18,25 +17,23 @@ JPEG_XL: Final = "a JPEG XL image: convert it to PNG or JPEG first"
 UNMARKED: Final = "a file without the mark of DICOM: dcmconv of DCMTK writes it with one"
 HEIC: Final = "a HEIC image"
 CONVERT: Final = "convert it to PNG or TIFF first"
-BRANDS: Final = MappingProxyType({b"heic": HEIC, b"heix": HEIC, b"mif1": HEIC, b"avif": "an AVIF image"})
+BRANDS: Final = {b"heic": HEIC, b"heix": HEIC, b"mif1": HEIC, b"avif": "an AVIF image"}
 """Of ISO media files that are pictures."""
-STARTS: Final = MappingProxyType(
-    {
-        **ANYWHERE,
-        b"\xff\x0a": JPEG_XL,
-        b"\x00\x00\x00\x0cJXL ": JPEG_XL,
-        b"\x1a\x45\xdf\xa3": VIDEO,
-        b"\x00\x00\x01\xba": VIDEO,
-        b"\x00\x00\x01\xb3": VIDEO,
-        b"\x30\x26\xb2\x75\x8e\x66\xcf\x11": VIDEO,
-        b"\x76\x2f\x31\x01": f"an OpenEXR image: {CONVERT}",
-        b"#?RADIANCE": f"a Radiance HDR image: {CONVERT}",
-        b"%PDF": "a PDF document: export its images first",
-        b"PK\x03\x04": "a zip archive: unpack it first",
-        b"Rar!": "a RAR archive: unpack it first",
-        b"\x1f\x8b": "a gzip file: unzip it first",
-    }
-)
+STARTS: Final = {
+    **ANYWHERE,
+    b"\xff\x0a": JPEG_XL,
+    b"\x00\x00\x00\x0cJXL ": JPEG_XL,
+    b"\x1a\x45\xdf\xa3": VIDEO,
+    b"\x00\x00\x01\xba": VIDEO,
+    b"\x00\x00\x01\xb3": VIDEO,
+    b"\x30\x26\xb2\x75\x8e\x66\xcf\x11": VIDEO,
+    b"\x76\x2f\x31\x01": f"an OpenEXR image: {CONVERT}",
+    b"#?RADIANCE": f"a Radiance HDR image: {CONVERT}",
+    b"%PDF": "a PDF document: export its images first",
+    b"PK\x03\x04": "a zip archive: unpack it first",
+    b"Rar!": "a RAR archive: unpack it first",
+    b"\x1f\x8b": "a gzip file: unzip it first",
+}
 """First bytes of what is met under names of pictures and videos."""
 
 

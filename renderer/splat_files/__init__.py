@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from renderer import glb
@@ -28,15 +27,13 @@ from renderer.splat_files.spz_writing import spz_bytes, spz_streams_bytes
 from renderer.splats import RenderMode, require_mode
 
 SUFFIXES = (".ply", ".splat", ".spz", ".sog", ".ksplat", ".glb")
-WRITERS: Final[Mapping[str, Callable[[RawGaussians, RenderMode], bytes]]] = MappingProxyType(
-    {
-        ".compressed.ply": packed_ply_bytes,
-        ".ply": inria_ply.ply_bytes,
-        ".v4.spz": spz_streams_bytes,
-        ".spz": spz_bytes,
-        ".sog": sog_bytes,
-    }
-)
+WRITERS: Final[Mapping[str, Callable[[RawGaussians, RenderMode], bytes]]] = {
+    ".compressed.ply": packed_ply_bytes,
+    ".ply": inria_ply.ply_bytes,
+    ".v4.spz": spz_streams_bytes,
+    ".spz": spz_bytes,
+    ".sog": sog_bytes,
+}
 """By how names end, of several that fit the first."""
 KINDS = "a PLY, SPZ, SOG, .splat, .ksplat or .glb file"
 __all__ = [

@@ -5,28 +5,23 @@ from __future__ import annotations
 import io
 import zipfile
 from pathlib import PurePath
-from types import MappingProxyType
 from typing import Final
 
 from renderer.file_signatures import ANYWHERE
 
 CONVERT: Final = "convert it to .ply with SuperSplat or splat-transform"
-SUFFIXES: Final = MappingProxyType(
-    {
-        ".sog": "a damaged .sog file: not a zip archive",
-        ".safetensors": "a model: give the folder of its run",
-    }
-)
+SUFFIXES: Final = {
+    ".sog": "a damaged .sog file: not a zip archive",
+    ".safetensors": "a model: give the folder of its run",
+}
 """What a name alone tells."""
 ZIP: Final = b"PK\x03\x04"
-STARTS: Final = MappingProxyType(
-    {
-        **ANYWHERE,
-        b"\x89PNG\r\n\x1a\n": "a PNG image",
-        b"\xff\xd8\xff": "a JPEG image",
-        b"\x28\xb5\x2f\xfd": "a zstd file: decompress it first",
-    }
-)
+STARTS: Final = {
+    **ANYWHERE,
+    b"\x89PNG\r\n\x1a\n": "a PNG image",
+    b"\xff\xd8\xff": "a JPEG image",
+    b"\x28\xb5\x2f\xfd": "a zstd file: decompress it first",
+}
 """First bytes of kinds that come with the wrong name."""
 
 

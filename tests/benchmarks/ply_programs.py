@@ -16,7 +16,6 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from renderer.harmonics import BANDS
@@ -46,15 +45,13 @@ assert sum(name.startswith("f_rest_") for name in names) == 3 * (3 + 1) ** 2 - 3
 assert sum(name.startswith("scale_") for name in names) == 3
 assert sum(name.startswith("rot") for name in names) == 4
 print(version("plyfile"), vertex.count)"""
-PACKAGES: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
-    {
-        "Open3D": ("open3d", OPEN3D),
-        "PyMeshLab": ("pymeshlab", MESHLAB),
-        "plyfile": ("plyfile", PLYFILE),
-        "trimesh": ("trimesh", TRIMESH),
-        "first loader": ("plyfile", FIRST_LOADER),
-    }
-)
+PACKAGES: Final[Mapping[str, tuple[str, str]]] = {
+    "Open3D": ("open3d", OPEN3D),
+    "PyMeshLab": ("pymeshlab", MESHLAB),
+    "plyfile": ("plyfile", PLYFILE),
+    "trimesh": ("trimesh", TRIMESH),
+    "first loader": ("plyfile", FIRST_LOADER),
+}
 """By name: the package that it needs, and what prints its version and the points that it reads."""
 
 

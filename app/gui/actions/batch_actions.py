@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from app.enhancement.enhance_files import Setting
@@ -20,16 +19,16 @@ from app.gui.work.batching import NAMED, BatchRequest, Progressed
 from app.gui.work.revealing import RevealRequest
 from renderer.readers.clip_options import ClipOptions
 
-SCOPES_SAID: Final[Mapping[Scope, str]] = MappingProxyType(
-    {
-        "automatic": "each recording as a whole",
-        "image": "each image on its own",
-        "clip": "each clip as a whole",
-    }
-)
-PIXELS_SAID: Final[Mapping[Pixels, str]] = MappingProxyType(
-    {"automatic": "field of view alone", "all": "all pixels", "tissue": "statistics of tissue only"}
-)
+SCOPES_SAID: Final[Mapping[Scope, str]] = {
+    "automatic": "each recording as a whole",
+    "image": "each image on its own",
+    "clip": "each clip as a whole",
+}
+PIXELS_SAID: Final[Mapping[Pixels, str]] = {
+    "automatic": "field of view alone",
+    "all": "all pixels",
+    "tissue": "statistics of tissue only",
+}
 
 
 def add_input(state: AppState, path: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from app.gui.state.app_state import AppState
@@ -12,14 +11,12 @@ from app.gui.work.shipped import Guide
 COUNT: Final = 6
 """Pages."""
 TITLE: Final = "Guide"
-PAGES: Final = MappingProxyType(
-    {
-        "Images": 0, "Enhancement": 1, "Report": 2, "Tuning": 1, "Enhance files and folders": 1,
-        "Reconstruction": 3, "Masks": 3, "Runs": 3, "Log": 3,
-        "3D view": 4, "Splat file": 4, "Cameras": 4, "Edit": 4,
-        "Export": 5, "Notes": 5,
-    }
-)  # fmt: skip
+PAGES: Final = {
+    "Images": 0, "Enhancement": 1, "Report": 2, "Tuning": 1, "Enhance files and folders": 1,
+    "Reconstruction": 3, "Masks": 3, "Runs": 3, "Log": 3,
+    "3D view": 4, "Splat file": 4, "Cameras": 4, "Edit": 4,
+    "Export": 5, "Notes": 5,
+}  # fmt: skip
 """Of each panel, the page that is about it."""
 
 

@@ -8,7 +8,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, count
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final
 
 from pydantic import TypeAdapter
@@ -26,16 +25,14 @@ from enhance import EnhanceParams
 from enhance.vessel import VesselParams
 from renderer.json_files import read_json
 
-BUILT_IN: Final[Mapping[str, EnhancementSettings]] = MappingProxyType(
-    {
-        "Vessels": VesselParams(),
-        "Gentle": VesselParams(strength=1.0, lift=0.12, gamma=0.975, d_factor=0.85, most_color=1.2),
-        "Paper": EnhanceParams(),
-        "Paper, colour 0.50": EnhanceParams(d_factor=1.0),
-        "Paper, colour 0.67 (3D)": RECONSTRUCTION_PARAMS,
-        "Brighten dark areas": EnhanceParams(z=0.0, p=0.0, d_factor=0.0),
-    }
-)
+BUILT_IN: Final[Mapping[str, EnhancementSettings]] = {
+    "Vessels": VesselParams(),
+    "Gentle": VesselParams(strength=1.0, lift=0.12, gamma=0.975, d_factor=0.85, most_color=1.2),
+    "Paper": EnhanceParams(),
+    "Paper, colour 0.50": EnhanceParams(d_factor=1.0),
+    "Paper, colour 0.67 (3D)": RECONSTRUCTION_PARAMS,
+    "Brighten dark areas": EnhanceParams(z=0.0, p=0.0, d_factor=0.0),
+}
 CUSTOM: Final = "Custom"
 """What parameters are called that no preset has."""
 RESERVED: Final = frozenset((*BUILT_IN, CUSTOM))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
@@ -14,20 +13,18 @@ from renderer.readers.dicom.header import DicomHeader
 if TYPE_CHECKING:
     from av import VideoCodecContext
 
-CODECS: Final = MappingProxyType(
-    {
-        "1.2.840.10008.1.2.4.57": "mjpeg",
-        "1.2.840.10008.1.2.4.70": "mjpeg",
-        "1.2.840.10008.1.2.4.80": "jpegls",
-        "1.2.840.10008.1.2.4.81": "jpegls",
-    }
-)
+CODECS: Final = {
+    "1.2.840.10008.1.2.4.57": "mjpeg",
+    "1.2.840.10008.1.2.4.70": "mjpeg",
+    "1.2.840.10008.1.2.4.80": "jpegls",
+    "1.2.840.10008.1.2.4.81": "jpegls",
+}
 """By transfer syntax, as FFmpeg calls them."""
 FRAMES: Final = (0xC3, 0xF7)
 """Second bytes of the markers that begin the header of a frame of JPEG Lossless and of JPEG-LS."""
 SCAN: Final = 0xDA
 """That of the marker that begins its data."""
-FORMS: Final = MappingProxyType({1: ("gray", "gray16le"), 3: ("rgb24", "bgr24", "rgb48le", "bgr48le")})
+FORMS: Final = {1: ("gray", "gray16le"), 3: ("rgb24", "bgr24", "rgb48le", "bgr48le")}
 """By values of a pixel: those of which nothing is changed."""
 
 

@@ -10,7 +10,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import Final, Literal, get_args
 
 import numpy as np
@@ -26,20 +25,19 @@ from renderer.readers.image_folders.passed_over import NOT_READABLE
 Kind = Literal["depth", "disparity", "mask", "map"]
 """A "map" is a picture of numbers that nothing tells more about."""
 
-WORDS: Final[Mapping[str, Kind]] = MappingProxyType(
-    {
-        **dict.fromkeys(("depth", "depths", "depthmap", "depthmaps", "zmap"), "depth"),
-        **dict.fromkeys(("disp", "disparity", "disparities", "disparitymap"), "disparity"),
-        **dict.fromkeys(("mask", "masks", "seg", "segm", "segmentation", "segmentations"), "mask"),
-        **dict.fromkeys(
-            ("label", "labels", "labelmap", "annotation", "annotations", "occ", "occlusion"), "mask"
-        ),
-        **dict.fromkeys(("normals", "flow", "heatmap", "overlay"), "map"),
-    }
-)
-PLURAL: Final[Mapping[Kind, str]] = MappingProxyType(
-    {"depth": "depth maps", "disparity": "disparity maps", "mask": "masks", "map": "maps of numbers"}
-)
+WORDS: Final[Mapping[str, Kind]] = {
+    **dict.fromkeys(("depth", "depths", "depthmap", "depthmaps", "zmap"), "depth"),
+    **dict.fromkeys(("disp", "disparity", "disparities", "disparitymap"), "disparity"),
+    **dict.fromkeys(("mask", "masks", "seg", "segm", "segmentation", "segmentations"), "mask"),
+    **dict.fromkeys(("label", "labels", "labelmap", "annotation", "annotations", "occ", "occlusion"), "mask"),
+    **dict.fromkeys(("normals", "flow", "heatmap", "overlay"), "map"),
+}
+PLURAL: Final[Mapping[Kind, str]] = {
+    "depth": "depth maps",
+    "disparity": "disparity maps",
+    "mask": "masks",
+    "map": "maps of numbers",
+}
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
 TWINS: Final = "left out, beside an image of the same name"
 FEW_VALUES = 16
