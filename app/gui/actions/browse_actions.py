@@ -13,7 +13,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.browsing import MOST_THUMBNAILS, Browsing, Column
 from app.gui.state.choosing import Choosing
 from app.gui.work.background import Failure
-from app.gui.work.listing import Entry, Listing, ListRequest, is_folder
+from app.gui.work.listing import Entry, Listing, ListRequest, entry_at, is_folder
 from renderer.clip import ByteImage
 
 
@@ -94,13 +94,28 @@ def typed_path(browsing: Browsing) -> Path:
         path = browsing.folder / browsing.text
     only = browsing.entries[0] if browsing.begun and len(browsing.entries) == 1 else None
     is_beginning = only is not None and only.name.casefold().startswith(browsing.begun)
-    return only.path if only is not None and is_beginning and not os.path.lexists(path) else path
+    return only.path if only is not None and is_beginning and _listed(browsing, path) is None else path
+
+
+def _listed(browsing: Browsing, path: Path) -> Entry | None:
+    found = browsing.listing.entries if browsing.listing is not None else ()
+    return next((entry for entry in found if entry.path == path), None)
+
+
+def _kind_at(browsing: Browsing, path: Path) -> str | None:
+    """Of what lies there, as listed, else looked up once: every frame asks, and the disk may be far away."""
+    if path == browsing.folder:
+        return "folder"
+    key = (path, browsing.listing)
+    if browsing.looked is None or browsing.looked[0] != key:
+        browsing.looked = key, _listed(browsing, path) or entry_at(path)
+    return browsing.looked[1].kind
 
 
 def opens(state: AppState, browsing: Browsing) -> None:
     """Enter, or a double click: goes into the folder, or chooses the file."""
     path = typed_path(browsing)
-    if path != browsing.folder and is_folder(path):
+    if path != browsing.folder and _kind_at(browsing, path) == "folder":
         enter(browsing, path)
     elif not why_not(browsing) and not (browsing.choosing.kind == "save" and replaces(browsing)):
         choose(state, browsing)
@@ -110,13 +125,13 @@ def why_not(browsing: Browsing) -> str:
     """What keeps `choose` from going on, in a sentence; empty for nothing."""
     if browsing.choosing.kind == "save":
         return _why_not_saved(browsing)
-    path = typed_path(browsing)
+    kind = _kind_at(browsing, typed_path(browsing))
     if browsing.choosing.kind == "folder":
-        taken = is_folder(path) or (browsing.choosing.question.takes_files and os.path.isfile(path))
-        return "" if taken else "Choose a folder." if os.path.isfile(path) else "There is no such folder."
-    if os.path.isfile(path):
+        taken = kind == "folder" or (browsing.choosing.question.takes_files and kind == "file")
+        return "" if taken else "Choose a folder." if kind == "file" else "There is no such folder."
+    if kind == "file":
         return ""
-    return "Choose a file." if is_folder(path) else "There is no such file."
+    return "Choose a file." if kind == "folder" else "There is no such file."
 
 
 def _why_not_saved(browsing: Browsing) -> str:

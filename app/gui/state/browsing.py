@@ -56,6 +56,8 @@ class Browsing:
     its own text."""
     scroll: bool = False
     """The marked entry is to come into sight."""
+    looked: tuple[object, Entry] | None = None
+    """What was looked up last, and for what."""
     _shown: tuple[object, tuple[Entry, ...]] | None = None
 
     @property

@@ -93,7 +93,7 @@ def list_folder(request: ListRequest) -> Iterator[Listing]:
     except OSError as error:
         yield Listing(folder, trouble=f"The folder cannot be read: {error.strerror}.")
         return
-    yield Listing(folder, tuple(map(_entry, sorted(paths))))
+    yield Listing(folder, tuple(map(entry_at, sorted(paths))))
 
 
 def nearest(folder: Path) -> Path | None:
@@ -109,7 +109,8 @@ def is_folder(path: Path) -> bool:
         return False
 
 
-def _entry(path: Path) -> Entry:
+def entry_at(path: Path) -> Entry:
+    """What lies there."""
     try:
         found = path.stat()
     except (OSError, ValueError):

@@ -18,7 +18,7 @@ from app.gui.panels import file_browser
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing
 from app.gui.state.choosing import OPENED, QUESTIONS, Choosing
-from app.gui.work.listing import SIDE, Entry, Listing, ListRequest, list_folder
+from app.gui.work.listing import SIDE, Entry, Listing, ListRequest, entry_at, list_folder
 from app.gui.work.settings import Places, load_settings
 from tests.app.gui.chooser import Chooser
 from tests.app.gui.settling import keep_all
@@ -253,6 +253,22 @@ def test_each_purpose_begins_where_it_was_also_after_a_restart(
     assert again.window.choosing is not None
     assert again.window.choosing.start == folder
     assert again.folder_of("run") is None
+
+
+def test_the_disk_is_asked_once_for_what_is_typed_and_never_for_what_is_listed(
+    chooser: Chooser, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A folder on a network may take long to answer, and a window that asks in each frame stands still."""
+    asked: list[Path] = []
+    monkeypatch.setattr(browse_actions, "entry_at", lambda path: asked.append(path) or entry_at(path))
+    chooser.ask("file", "file", folder)
+    browse_actions.mark(chooser.browsing, chooser.browsing.entries[-1])
+    chooser.frames(5)
+    assert not asked
+    chooser.type("nowhere/a.png")
+    chooser.frames(5)
+    assert asked == [folder / "nowhere" / "a.png"]
+    assert browse_actions.why_not(chooser.browsing) == "There is no such file."
 
 
 def test_a_folder_that_is_gone_gives_way_to_the_nearest_above(chooser: Chooser, folder: Path) -> None:
