@@ -21,6 +21,8 @@ from app.live.picture import LIVE
 from renderer.readers.dicom.opening import NO_PYDICOM, has_pydicom, is_dicom
 
 NO_CLIP: Final = "Open a clip first."
+NO_MODEL: Final = "There is no 3D model yet: reconstruct the clip or open a run."
+HIDDEN: Final = "The 3D view is hidden: bring its tab to the front first."
 NO_PATH: Final = "There is no camera path yet: create one in the Cameras panel."
 UNFINISHED: Final = "The reconstruction is not finished: wait for it or continue it."
 SIZES_DIFFER: Final = "The images differ in size: no video can show them."
@@ -48,7 +50,7 @@ def _lacks_content(state: AppState, offer: Offer) -> str:
         return _lacks_dicom(state, offer)
     needs_view = offer.sees != "no" and not (offer.sides and state.source.clip is not None)
     if needs_view and state.plain_view_request is None:
-        return "There is no 3D view yet."
+        return NO_MODEL if state.scene.model is None else HIDDEN
     if offer.sees != "no" and (reason := _too_large(state)):
         return reason
     if offer.form == "view video" and state.scene.model is not None and state.scene.model.live:
@@ -122,7 +124,7 @@ def _too_large(state: AppState) -> str:
 def _lacks_model(state: AppState, offer: Offer) -> str:
     model = state.scene.model
     if model is None:
-        return "There is no 3D model yet: reconstruct the clip or open a run."
+        return NO_MODEL
     if offer.form != "cameras" and model.live:
         return UNFINISHED
     if model.is_series and offer.traits.is_of_tissue:

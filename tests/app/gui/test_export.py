@@ -244,6 +244,16 @@ def test_a_reconstruction_of_some_frames_is_not_set_beside_others(
     assert export_actions.why_not_export(state, what) == ""
 
 
+def test_a_3d_view_that_is_hidden_is_told_from_none(
+    state: AppState, clip: Clip, model: DynamicGaussians
+) -> None:
+    assert "no 3D model yet" in export_actions.why_not_export(state, "3D view")
+    state.scene.model = scene_of(model, clip.cameras)
+    assert "is hidden: bring its tab" in export_actions.why_not_export(state, "3D view")
+    state.scene.size = (48, 40)
+    assert export_actions.why_not_export(state, "3D view") == ""
+
+
 def test_a_difference_of_two_sides_that_show_the_same_is_one(state: AppState) -> None:
     state.comparing.chosen = replace(state.comparing.chosen, mode="difference", left=ENHANCED, right=ENHANCED)
     request = export_actions.export_request(state, "panes as shown")

@@ -244,8 +244,7 @@ def test_a_full_disk_is_a_sentence_and_leaves_nothing(run: Exporter, monkeypatch
 def test_what_is_lacking_is_said(places: Places) -> None:
     state = AppState(places)
     assert {export_actions.why_not_export(state, what) for what in OFFERS if what != "window"} == {
-        "Open a clip first.", "There is no 3D view yet.",
-        "There is no 3D model yet: reconstruct the clip or open a run.",
+        "Open a clip first.", "There is no 3D model yet: reconstruct the clip or open a run.",
     }  # fmt: skip
     assert export_actions.export_request(state, "left pane") is None
     export_actions.save_picture(state)
