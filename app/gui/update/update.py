@@ -26,8 +26,7 @@ PATIENCE = 0.3
 def update(state: AppState, channels: Channels, now: float) -> None:
     """Advance to `now`, seconds on the window's clock."""
     elapsed, state.window.now = now - state.window.now, now
-    if state.window.toast is not None and now > state.window.toast.until:
-        state.window.toast = None
+    _time_toast(state)
     for row in channels.rows:
         row.answer(state)
         # Another model may have come: what comes after is to be of that one.
@@ -90,6 +89,17 @@ def _may_show(state: AppState, pictures: Pictures) -> bool:
 
 LATELY = 1.5
 """Seconds that the pace of playing is of, about."""
+
+
+def _time_toast(state: AppState) -> None:
+    """It goes after its time, which begins when the questions of the start are answered: they lie over it."""
+    toast, now = state.window.toast, state.window.now
+    if toast is None:
+        return
+    if not state.settings.acknowledged or state.session.recoverable is not None:
+        state.window.toast = replace(toast, until=now + actions.TOAST_SECONDS)
+    elif now > toast.until:
+        state.window.toast = None
 
 
 def _play(state: AppState, elapsed: float) -> None:

@@ -381,3 +381,17 @@ def test_toasts_go_away_by_themselves(state: AppState, channels: Channels) -> No
     assert state.window.toast is not None
     update(state, channels, 60.0)
     assert state.window.toast is None
+
+
+def test_but_not_behind_the_questions_of_the_start(
+    state: AppState, channels: Channels, tmp_path: Path
+) -> None:
+    state.session.recoverable = tmp_path / "left.vesselsplat"
+    actions.announce(state, "of 2 items only a.png opens")
+    update(state, channels, 60.0)
+    assert state.window.toast is not None
+    state.session.recoverable = None
+    update(state, channels, 62.0)
+    assert state.window.toast is not None
+    update(state, channels, 70.0)
+    assert state.window.toast is None
