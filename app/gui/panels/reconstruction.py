@@ -72,9 +72,9 @@ def draw_reconstruction(state: AppState) -> None:
     room = imgui.get_content_region_avail() - ImVec2(0, imgui.get_frame_height_with_spacing())
     # As high as what is in it, or as there is room above the button.
     imgui.set_next_window_size_constraints(ImVec2(0, 0), ImVec2(room.x, max(room.y, em())))
-    # What became of a run begins at the top, however far what was there before is scrolled.
-    name = f"choices {run.run_path} {run.status}"
-    with imgui_ctx.begin_child(name, ImVec2(0, 0), imgui.ChildFlags_.auto_resize_y):
+    with imgui_ctx.begin_child("choices", ImVec2(0, 0), imgui.ChildFlags_.auto_resize_y):
+        if imgui.is_window_appearing():
+            imgui.set_scroll_y(0)  # What became of a run stands at the top.
         _draw_ended(state, run)
         _draw_next(state)
         if state.source.clip is not None:
