@@ -44,6 +44,8 @@ COMMANDS = {
 
 
 GENERAL = ("--help", "--version")
+NAMED = r"-[^-=][^=]*\.[A-Za-z]\w*"
+"""What looks like the name of a file, and not like a flag or a number."""
 UNKNOWN = "unrecognized arguments: "
 """How argparse begins to say so."""
 
@@ -111,8 +113,10 @@ def run(arguments: Sequence[str]) -> None:
 
 
 def _of_dashes(arguments: Sequence[str]) -> str:
-    """What to do about the first file that is taken for a flag, as the end of a sentence; else empty."""
-    name = next((one for one in arguments if one.startswith("-") and os.path.exists(one)), None)
+    """What to do about the first file that is taken for a flag, as the end of a sentence; else empty. One
+    that is not there yet, as an output, is told by its suffix."""
+    dashed = (one for one in arguments if one.startswith("-"))
+    name = next((one for one in dashed if os.path.exists(one) or re.fullmatch(NAMED, one)), None)
     return "" if name is None else f" (a name that begins with a dash is given as {os.path.join('.', name)})"
 
 

@@ -91,7 +91,8 @@ def _range(name: str, said: str) -> tuple[object, ...]:
         first = last = math.nan
         count = 0
     if len(parts) != 3 or not (math.isfinite(last - first) and 1 <= count <= MOST_CELLS):
-        raise UserError(f"--vary: expected {name}=FROM:TO:COUNT with numbers and COUNT >= 1, got {said!r}")
+        wanted = f"{name}=FROM:TO:COUNT with numbers and COUNT from 1 to {MOST_CELLS}"
+        raise UserError(f"--vary: expected {wanted}, got {said!r}")
     if count == 1 and first != last:
         raise UserError(f"--vary: expected COUNT >= 2 from {parts[0]} to {parts[1]}, got {name}={said}")
     step = abs(last - first) / max(count - 1, 1)

@@ -28,8 +28,10 @@ from renderer.readers.image_files.coded_picture import is_coded, is_coded_still
 from renderer.readers.image_files.file_kinds import SUFFIXES, is_picture, moves, natural_key
 from renderer.readers.image_files.picture_files import BROKEN, opened, read_npy, require_size
 from renderer.readers.image_files.tiff_layouts import TiffLayout, tiff_layout
+from renderer.readers.image_folders.passed_over import broken_links
 from renderer.readers.image_folders.picture_kinds import PictureKinds, frame_folder, kinds_of
 from renderer.readers.misnamed import what_it_is
+from renderer.regular_files import what_else
 
 ArrayImage = NDArray[Any]
 
@@ -77,7 +79,10 @@ def frames_in(folder: Path) -> PictureKinds:
         folders = ", ".join(path.name for path in folders_in(folder))
         one = "name one of these, or add --recursive for all of them"
         hint = f", which holds the folders {folders}: {one}" if folders else ""
-        raise UserError(f"expected a folder with images, found none in {folder}{hint or _videos(files)}")
+        lost = "".join(f"; {said}" for said in broken_links(inside.iterdir()))
+        raise UserError(
+            f"expected a folder with images, found none in {folder}{hint or _videos(files)}{lost}"
+        )
     return kinds
 
 
@@ -96,7 +101,9 @@ def read_image(path: Path) -> ArrayImage:
         UserError: missing, truncated, or no picture. The values are for the caller to judge.
     """
     if not path.is_file():
-        raise UserError(f"expected an image, got no such file: {path}")
+        raise UserError(
+            f"expected an image, got {what_else(path) if path.exists() else 'no such file'}: {path}"
+        )
     if path.suffix.lower() == ".npy":
         return _read_array(path)
     if is_dicom(path):
@@ -250,7 +257,8 @@ def _encoded(path: Path, image: ArrayImage, quality: int | None, profile: bytes)
     if suffix not in SUFFIXES:
         raise UserError(f"expected an output named {', '.join(sorted(SUFFIXES))} or .npy, got {path.name}")
     if image.dtype != np.uint8 and suffix not in TIFF:
-        raise UserError(f"{suffix} cannot hold {image.dtype} values; name the output .tiff or .npy: {path}")
+        able = ".png, .tiff or .npy" if image.dtype == np.uint16 else ".tiff or .npy"
+        raise UserError(f"{suffix} cannot hold {image.dtype} values; name the output {able}: {path}")
     # OpenCV would make bytes of half floats, which float32 holds exactly.
     storable = image.astype(np.float32) if image.dtype == np.float16 else image
     kinds, carried = list[int](), list[NDArray[np.uint8]]()

@@ -20,7 +20,7 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.dicom.header import holds_stream
 from renderer.readers.image_files.file_kinds import is_visible
 from renderer.readers.image_folders.pages import left_pages
-from renderer.readers.image_folders.passed_over import passed_over
+from renderer.readers.image_folders.passed_over import broken_links, passed_over
 from renderer.readers.image_folders.picture_kinds import PictureKinds, frame_folder, left_out, map_folders
 from renderer.readers.lenses.calibration import LensCalibration
 from renderer.readers.lenses.straightening import straightening
@@ -119,6 +119,7 @@ def _passed_over(path: Path, kinds: PictureKinds, apart: Container[Path]) -> Ite
     told = {*kinds.frames, *kinds.told}
     files = filter(is_visible, files_in(frame_folder(path)))
     yield from passed_over((each for each in files if each not in told), apart)
+    yield from broken_links(frame_folder(path).iterdir())
 
 
 def _of_files(paths: tuple[Path, ...]) -> Series:

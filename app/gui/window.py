@@ -164,7 +164,7 @@ class Window:
         except (RuntimeError, moderngl.Error) as error:
             if self._canvas is not None:
                 raise
-            raise UserError(f"expected a display with OpenGL 3.3 for the window, got: {error}") from error
+            raise UserError(starting.why_none_opens(error)) from error
         finally:
             self._end_work()
 

@@ -47,6 +47,7 @@ def test_a_pipe_is_refused_and_never_waited_for(
     assert done.code == 2, done.error
     assert "Traceback" not in done.error
     assert done.error.count("\n") == 1
+    assert "no such file" not in done.error
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
 

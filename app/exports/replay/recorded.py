@@ -18,7 +18,7 @@ from app.files.provenance import facts_of, read_provenance
 from renderer.ply_comments import joined
 from renderer.ply_elements import PlyError, read_ply
 from renderer.readers.dicom.opening import is_dicom
-from renderer.regular_files import read_whole
+from renderer.regular_files import read_whole, what_else
 
 Facts = dict[str, Any]
 
@@ -26,8 +26,9 @@ Facts = dict[str, Any]
 def recorded(path: Path) -> Facts:
     """Raises UserError: no such file, or nothing that VesselSplat wrote about it."""
     if not path.is_file():
-        what = "a folder; name one of its files" if path.is_dir() else "no such file"
-        raise UserError(f"expected a file that VesselSplat wrote, got {what}: {path}")
+        what = what_else(path) if path.exists() else "no such file"
+        hint = "; name one of its files" if path.is_dir() else ""
+        raise UserError(f"expected a file that VesselSplat wrote, got {what}{hint}: {path}")
     suffix = path.suffix.lower()
     if suffix in INSIDE:
         return INSIDE[suffix](path)

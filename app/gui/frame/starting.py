@@ -33,6 +33,20 @@ def can_hold_files(folder: Path) -> bool:
     return os.access(folder, os.W_OK)
 
 
+def why_none_opens(error: Exception) -> str:
+    """One line for a window that cannot be opened; the runner tells it by the line of its own code."""
+    if "glfwInit" in str(error):
+        named = [
+            f"{name}={os.environ[name]}" for name in ("WAYLAND_DISPLAY", "DISPLAY") if os.environ.get(name)
+        ]
+        got = f"none that opens ({', '.join(named)})" if named else "none that opens"
+    elif str(error).startswith("IM_ASSERT"):
+        got = "one without"
+    else:
+        got = f"an error: {error}"
+    return f"expected a display with OpenGL 3.3 for the window, got {got}"
+
+
 def attach() -> moderngl.Context:
     """The window's own context; named, so that one left by an earlier window is never taken for it."""
     current = glcontext.default_backend()(mode="detect", glversion=330)

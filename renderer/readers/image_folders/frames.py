@@ -15,7 +15,7 @@ from renderer.readers.image_files.coded_picture import CODED
 from renderer.readers.image_files.file_kinds import SUFFIXES, is_visible, moves, natural_key
 from renderer.readers.image_files.pictures import common_size, read_rgb
 from renderer.readers.image_folders.pages import left_pages
-from renderer.readers.image_folders.passed_over import passed_over
+from renderer.readers.image_folders.passed_over import broken_links, passed_over
 from renderer.readers.image_folders.picture_kinds import PictureKinds, kinds_of
 from renderer.readers.new_clip import new_clip
 from renderer.readers.numbered_files import number_of
@@ -39,11 +39,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
         raise ClipError(f"expected images in the folder, got none{_instead(visible, files)}: {path}")
     _check_names(paths, path)
     told = {*paths, *kinds.told}
-    lost = sorted(entry.name for entry in visible if not entry.exists())
-    said = (
-        *passed_over(files, told, "numbered images"),
-        *((f"left out, broken links: {listed(lost)}",) if lost else ()),
-    )
+    said = (*passed_over(files, told, "numbered images"), *broken_links(visible))
     camera = assumed_camera(field_of_view, common_size(paths))
     return new_clip(
         path,

@@ -8,6 +8,7 @@ from pathlib import Path
 from renderer.listing import listed
 from renderer.pyav_presence import has_pyav
 from renderer.readers.image_files.coded_picture import CODED
+from renderer.readers.image_files.file_kinds import is_visible
 
 NOT_READABLE = "left out, not readable"
 
@@ -23,6 +24,12 @@ def passed_over(files: Iterable[Path], told: Container[Path], wanted: str = "ima
         yield f"{NOT_READABLE} without PyAV: {listed(coded)}"
     if others:
         yield f"left out, not {wanted}: {listed(others)}"
+
+
+def broken_links(entries: Iterable[Path]) -> Iterator[str]:
+    """A sentence about those of a folder that are links to nothing, which may have been frames."""
+    if lost := sorted(entry.name for entry in entries if is_visible(entry) and not entry.exists()):
+        yield f"left out, broken links: {listed(lost)}"
 
 
 def _is_record(path: Path) -> bool:

@@ -12,7 +12,7 @@ from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.image_files.file_kinds import is_visible, natural_key
 from renderer.readers.image_files.pictures import read_rgb, upright_size
 from renderer.readers.image_folders.frames import assumed_camera
-from renderer.readers.image_folders.passed_over import NOT_READABLE, passed_over
+from renderer.readers.image_folders.passed_over import NOT_READABLE, broken_links, passed_over
 from renderer.readers.image_folders.picture_kinds import kinds_of
 from renderer.readers.new_clip import new_clip
 
@@ -53,6 +53,7 @@ def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
             *kinds.notices(),
             *((f"{NOT_READABLE}: {listed(unreadable)}",) if unreadable else ()),
             *passed_over(files, {*kinds.frames, *kinds.told}),
+            *broken_links(path.iterdir()),
         ),
     )
     return replace(clip, why_no_depth=NOT_ONE_SIZE)

@@ -12,6 +12,7 @@ from PIL import Image
 from app.commands.described.paths import described
 from app.enhancement.batch import enhance_batch, items_in
 from app.enhancement.enhance_files import Setting
+from app.errors import UserError
 from app.files.image_series import open_series
 from app.files.provenance import digest
 from enhance import EnhanceParams
@@ -20,7 +21,7 @@ from renderer.readers.image_files import file_kinds
 from renderer.readers.image_files.coded_picture import CodedPicture
 from renderer.readers.image_files.pictures import read_rgb, upright_size
 from renderer.readers.image_folders import passed_over
-from renderer.readers.image_folders.stills import images_in
+from renderer.readers.image_folders.stills import images_in, open_stills
 from renderer.sources import open_case, open_clip
 from tests.renderer.readers.numbered import encoded
 from tests.renderer.readers.tiled_avif import tiled
@@ -91,6 +92,17 @@ def test_a_video_beside_the_images_is_named_where_it_is_not_enhanced_too(
 
     assert said in notices("alone", below=False)
     assert said not in notices("all", below=True)
+
+
+def test_a_link_to_nothing_is_named(folder: Path, tmp_path: Path) -> None:
+    said = "left out, broken links: lost.png"
+    (folder / "lost.png").symlink_to(tmp_path / "nowhere.png")
+    assert said in open_series(folder).notices
+    assert said in open_stills(folder).notices
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "empty/lost.png").symlink_to("lost.png")
+    with pytest.raises(UserError, match=rf"found none in .*; {said}$"):
+        open_series(tmp_path / "empty")
 
 
 def test_a_record_is_no_stray_beside_the_file_that_it_tells_of(folder: Path) -> None:

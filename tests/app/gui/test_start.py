@@ -59,7 +59,23 @@ def test_a_display_that_is_gone_is_one_line(tmp_path: Path) -> None:
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 2
     assert "Traceback" not in done.stderr
-    assert done.stderr.splitlines()[-1].startswith("vesselsplat: expected a display")
+    *_, last = done.stderr.splitlines()
+    wanted = "vesselsplat: expected a display with OpenGL 3.3 for the window"
+    assert last == f"{wanted}, got none that opens (DISPLAY=:4095)"
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        (
+            'IM_ASSERT( false && "Failed to create temporary window." ) --- opengl_setup_glfw.cpp:27',
+            "one without",
+        ),
+        ("no such display", "an error: no such display"),
+    ],
+)
+def test_a_display_without_opengl_is_named_in_plain_words(told: str, said: str) -> None:
+    assert starting.why_none_opens(RuntimeError(told)).endswith(f"for the window, got {said}")
 
 
 def test_the_demo_s_results_are_there_without_a_window(
