@@ -26,6 +26,8 @@ PLATFORMS = {
 PYTHONS = ("3.11", "3.12", "3.13")
 LOCAL = ("PIP_", "UV_")
 """Beginnings of the names of what a machine sets for itself."""
+CARD = ("cuda-", "nvidia-", "triton")
+"""Beginnings of the names of what torch's build for NVIDIA cards brings, in versions of its own."""
 EXTRAS = ("--extra", "test", "--extra", "bundle")
 
 
@@ -80,9 +82,12 @@ def test_the_pins_resolve_on_every_system_and_python(cache: Path) -> None:
     cases = [(system, python) for system in PLATFORMS for python in PYTHONS]
     with ThreadPoolExecutor(len(cases)) as pool:
         answers = dict(zip(cases, pool.map(one, cases), strict=True))
-    torch = pins()["torch"]
+    torch, pinned = pins()["torch"], {plain(name) for name in pins()}
     for case, text in answers.items():
         assert f"torch=={torch}\n" in text, case
+        if case[0] == "Linux":  # Where the tests run.
+            names = {plain(line.partition("==")[0]) for line in text.splitlines() if "==" in line}
+            assert not {name for name in names - pinned if not name.startswith(CARD)}, case
     assert "colorama" in answers["Windows", "3.12"], "the markers of another system were not heard"
 
 
@@ -107,6 +112,11 @@ def test_every_dependency_is_pinned_to_a_version_of_the_public_index() -> None:
         assert name.partition(">")[0] in pins(), name
     # A label after a plus sign names a build of one machine or of another index.
     assert not [version for version in pins().values() if "+" in version]
+
+
+def plain(name: str) -> str:
+    """As an index compares names."""
+    return name.replace("_", "-").lower()
 
 
 def pins() -> dict[str, str]:
