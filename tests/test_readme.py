@@ -33,6 +33,19 @@ def listed() -> list[str]:
     return found
 
 
+def test_what_is_to_be_installed_is_one_of_the_packages_alone() -> None:
+    """Not `vesselsplat[...]`: with it pip also installs torch where that was left out (`make TORCH=no`)."""
+    files = [
+        path for top in ("app", "renderer", "assets/manual") for path in (ROOT / top).rglob("*.[pm][yd]")
+    ]
+    said = "\n".join(path.read_text(encoding="utf-8") for path in files)
+    named = re.findall(r"pip install (?:-U )?((?:[a-z][\w-]*(?: |\b))+)", said)
+    asked = {name for names in named for name in names.split()}
+    pinned = {line.split("==")[0] for line in (ROOT / "constraints.txt").read_text().splitlines()}
+    assert {"dask", "pydicom", "usd-core"} <= asked <= pinned
+    assert "vesselsplat[" not in said
+
+
 @pytest.mark.parametrize("path", listed())
 def test_what_the_tree_names_is_there(path: str) -> None:
     found = list(ROOT.glob(path.rstrip("/")))

@@ -58,7 +58,7 @@ KINDS: Final[Mapping[str, Kind]] = {
         suffix=".usdc", is_whole=True, heeds=("without_unobserved",),
     ),
     "4dgs": Kind(
-        "the same as one .4dgs file, half as large, rounded (extra 4dgs); a JSON file beside it",
+        "the same as one .4dgs file, half as large, rounded (needs fourdgs); a JSON file beside it",
         suffix=fourdgs.SUFFIX, is_whole=True, heeds=("without_unobserved",),
     ),
     "mesh": Kind(

@@ -52,7 +52,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--onnx",
         type=Path,
         metavar="FILE",
-        help="a segmentation network of yours that finds the tools in all other frames; needs the extra onnx",
+        help="a segmentation network of yours that finds the tools in all other frames; needs onnxruntime",
     )
     parser.add_argument(
         "--onnx-values",

@@ -46,7 +46,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--faces",
         type=int,
         metavar="N",
-        help="simplify it to so many triangles (needs the extra mesh)",
+        help="simplify it to so many triangles (needs fast-simplification)",
     )
 
 

@@ -22,7 +22,7 @@ from app.files.atomic import replaced
 from app.files.embedded import KEYWORD
 from app.files.provenance import NOTICE, ascii_json, facts_of
 
-NO_USD: Final = "a .usdc file needs usd-core: pip install 'vesselsplat[usd]'"
+NO_USD: Final = "a .usdc file needs usd-core: pip install usd-core"
 
 
 def require_usd() -> None:

@@ -60,7 +60,7 @@ def missing() -> str:
     if not has_torch():
         lacks.append(NO_TORCH)
     elif find_spec("gsplat") is None:
-        lacks.append("gsplat is not installed (pip install 'vesselsplat[cuda]')")
+        lacks.append("gsplat is not installed (pip install gsplat)")
     return " and ".join(lacks)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from renderer.surface.mesh import Mesh
 
-NO_SIMPLIFICATION = "simplifying a surface needs fast-simplification: pip install 'vesselsplat[mesh]'"
+NO_SIMPLIFICATION = "simplifying a surface needs fast-simplification: pip install fast-simplification"
 
 
 def simplified(mesh: Mesh, faces: int) -> Mesh:

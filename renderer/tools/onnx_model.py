@@ -17,7 +17,7 @@ from renderer.clip import BoolImage, ByteImage
 Values = Literal["imagenet", "unit", "bytes"]
 """Of the pixels that a network takes: less ImageNet's mean, by its spread; in [0, 1]; in [0, 255]."""
 VALUES: Final[tuple[Values, ...]] = get_args(Values)
-NO_ONNX: Final = "expected onnxruntime to run a network (pip install 'vesselsplat[onnx]'), got none"
+NO_ONNX: Final = "expected onnxruntime to run a network (pip install onnxruntime), got none"
 
 _MEAN, _SPREAD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 _LONGEST, _STEP = 640, 32

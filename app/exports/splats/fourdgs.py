@@ -29,7 +29,7 @@ from renderer.splat_files.y_up import y_up
 from renderer.splats import Float32Array, Splats
 
 SUFFIX: Final = ".4dgs"
-NO_FOURDGS: Final = "a .4dgs file needs fourdgs: pip install 'vesselsplat[4dgs]'"
+NO_FOURDGS: Final = "a .4dgs file needs fourdgs: pip install fourdgs"
 PROFILE: Final = "fine"
 """Positions within 2 % of the median size, sizes within 0.5 %, colours within half a grey level."""
 DECIMALS: Final = 3

@@ -29,7 +29,7 @@ def dask(address: str | None, workers: int | None, threads: int) -> Iterator[Eng
         import dask
         from distributed import Client, LocalCluster
     except ImportError as error:
-        raise UserError("--on dask: expected dask.distributed: pip install 'vesselsplat[sweep]'") from error
+        raise UserError("--on dask: expected dask.distributed: pip install dask distributed") from error
     variables = {"NUMBA_NUM_THREADS": threads, "OMP_NUM_THREADS": threads}
     settings = {
         "distributed.scheduler.allowed-failures": LOSSES,

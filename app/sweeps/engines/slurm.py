@@ -41,7 +41,7 @@ def submitted_by(cluster: str, threads: int, wanted: Slurm, folder: Path) -> Ite
     try:
         import submitit
     except ImportError as error:
-        raise UserError("--on slurm: expected submitit: pip install 'vesselsplat[sweep]'") from error
+        raise UserError("--on slurm: expected submitit: pip install submitit") from error
     with TemporaryDirectory(prefix=".slurm-", dir=folder) as place:
         jobs = submitit.AutoExecutor(folder=place, cluster=cluster)
         jobs.update_parameters(

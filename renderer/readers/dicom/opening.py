@@ -18,7 +18,7 @@ SUFFIXES: Final = frozenset({".dcm", ".dicom"})
 NO_PYDICOM: Final = (
     "a DICOM file needs pydicom, which is not part of this bundle (see Start in the README)"
     if getattr(sys, "frozen", False)
-    else "a DICOM file needs pydicom: pip install 'vesselsplat[dicom]'"
+    else "a DICOM file needs pydicom: pip install pydicom"
 )
 LONGEST: Final = 200
 """Characters of what pydicom says."""

@@ -104,7 +104,7 @@ def test_what_is_lacking_is_said(
     export_actions.choose_dicom(run.state, DicomChoices())
     assert export_actions.why_not_export(run.state, CLIP) == ""
     monkeypatch.setattr(opening, "find_spec", lambda name: None)
-    assert "pip install 'vesselsplat[dicom]'" in export_actions.why_not_export(run.state, CLIP)
+    assert "pip install pydicom" in export_actions.why_not_export(run.state, CLIP)
     monkeypatch.undo()
     one = Exporter(places, saved(stills(picture())["rgb"][0], tmp_path / "one.dcm"))
     assert "One image is no video" in export_actions.why_not_export(one.state, CLIP)
