@@ -12,6 +12,7 @@ from typing import Any, Literal, TypeVar, cast, get_args, get_origin
 from annotated_types import Interval, Unit
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
 
 from app.errors import UserError
 from renderer.readers.lenses.calibration import Calibration
@@ -19,6 +20,8 @@ from renderer.readers.lenses.calibration import Calibration
 AUTO = "auto"
 LONGEST = 120
 """Characters of a wrong value that are shown."""
+KINDS = r"str|bool|int|float|list\[.*"
+"""How pydantic names those of a value that may be of several."""
 
 
 T = TypeVar("T")
@@ -63,16 +66,26 @@ def refuse(flags: argparse.Namespace, absent: Mapping[str, object], beside: str)
 
 def problem(error: ValidationError, flag_of: Mapping[str, str] | None = None) -> str:
     """The first thing wrong, in one line: which field or flag, what was expected, what came."""
-    first = error.errors(include_url=False, include_context=False)[0]
+    first, at = _first(error)
     wanted = first["msg"].replace("Value error, ", "").replace(" after validation", "")
     wanted = re.sub(r"^\w+ should (be|have)", "expected", wanted)
     if not first["loc"]:
         return wanted if flag_of else f"{error.title}: {wanted}"
-    place = ".".join(str(part) for part in first["loc"])
-    shown = flag_of[str(first["loc"][0])] if flag_of else place
+    shown = flag_of[str(at[0])] if flag_of else ".".join(map(str, at))
     if isinstance(first["input"], Path):  # What is wrong is said of its content.
         return f"{shown}: {wanted}"
     return f"{shown}: {wanted}, got {shortened(first['input'])}"
+
+
+def _first(error: ValidationError) -> tuple[ErrorDetails, tuple[int | str, ...]]:
+    """The first mistake and its place. A value that may be of several kinds is refused once as each, with the
+    kind behind its place: what counts is the kind that it is."""
+    errors = error.errors(include_url=False, include_context=False)
+    first, place = errors[0], errors[0]["loc"]
+    if len(place) < 2 or not re.fullmatch(KINDS, str(place[-1])):
+        return first, place
+    each = [one for one in errors if one["loc"][:-1] == place[:-1]]
+    return next((one for one in each if not one["type"].endswith("_type")), first), place[:-1]
 
 
 def shortened(given: object) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -76,6 +77,8 @@ def test_combinations_that_say_the_same_are_one_job() -> None:
         ({"task": "mesh", "settings": {"faces": 2.5}}, "faces: expected a whole number from 50"),
         ({"colour": 1}, "colour"),
         ({"grid": {"z": []}}, "grid.z"),
+        ({"grid": {"z": [0.5, math.nan]}}, "grid.z.1: expected a finite number, got nan"),
+        ({"variants": [{"eps": math.inf}]}, "variants.0.eps: expected a finite number, got inf"),
         ({"settings": {"z": 2.0}}, "z: expected"),
         ({"settings": {"z": 16**5000}}, "got a number of thousands of digits"),
         ({"frames": 16**5000}, "got a number of thousands of digits"),
