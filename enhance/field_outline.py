@@ -41,6 +41,8 @@ class Lit:
     """What of the small copy is brighter than the threshold."""
 
     threshold: float
+    sharp: float
+    """Within two small pixels of a sharp rim it is brighter than this."""
     pixels: Levels
     """(h, w), 1 there."""
     labels: NDArray[np.int32]
@@ -61,10 +63,11 @@ class Outline:
     """What is dark and touches the border takes some of it, be it little."""
 
 
-def lit_above(low: Levels, threshold: float) -> Lit:
+def lit_above(low: Levels, threshold: float, step: float = STEP) -> Lit:
+    """step: from the threshold to what lies within a sharp rim."""
     lit = np.asarray(cv2.threshold(low, threshold, 1, cv2.THRESH_BINARY)[1], np.uint8)
     count, labels = cv2.connectedComponents(cv2.morphologyEx(lit, cv2.MORPH_OPEN, SQUARE), connectivity=4)
-    return Lit(threshold, lit, np.asarray(labels, np.int32), count)
+    return Lit(threshold, threshold + step, lit, np.asarray(labels, np.int32), count)
 
 
 def outline_of(low: Levels, lit: Lit) -> Outline | None:
@@ -119,7 +122,7 @@ def parts_of(labels: NDArray[np.int32], count: int) -> tuple[int, NDArray[np.int
 
 def is_framed(low: Levels, lit: Lit, field: Levels) -> bool:
     """Whether what lies outside the convex field is a surround, not shadow on tissue."""
-    outside, dark, rim, sharp = around(low, lit.pixels, field, lit.threshold)
+    outside, dark, rim, sharp = around(low, lit.pixels, field, lit.sharp)
     return is_surround(low, outside, dark) and is_sharp(rim, sharp)
 
 
@@ -149,9 +152,9 @@ def _dents(lit: Levels, field: Levels) -> tuple[int, int]:
 
 
 @njit(cache=True, error_model="numpy")
-def around(low: Levels, lit: Levels, field: Levels, threshold: float) -> tuple[int, int, int, int]:
+def around(low: Levels, lit: Levels, field: Levels, sharp_level: float) -> tuple[int, int, int, int]:
     """Pixels outside the field and how many of them are dark; pixels of a ring within it, one away from its
-    outline, and how many of them are bright."""
+    outline, and how many of them are brighter than `sharp_level`."""
     height, width = low.shape
     spans = np.zeros((height, 2), np.int64)
     outside, dark = 0, 0
@@ -178,9 +181,9 @@ def around(low: Levels, lit: Levels, field: Levels, threshold: float) -> tuple[i
             inner = outer = end
         rim += inner - first + end - outer
         for x in range(first, inner):
-            sharp += low[y, x] > threshold + STEP
+            sharp += low[y, x] > sharp_level
         for x in range(outer, end):
-            sharp += low[y, x] > threshold + STEP
+            sharp += low[y, x] > sharp_level
     return outside, dark, rim, sharp
 
 

@@ -124,7 +124,7 @@ def _are_divided(low: Levels, lit: Lit, hulls: list[NDArray[Any]], most: float) 
     outside, dark = int((together == 0).sum()), int(((together == 0) & (lit.pixels == 0)).sum())
     shared = int((together > 1).sum())
     is_apart = bool(shared <= most * (together > 0).sum()) and is_convex(lit.pixels, together)
-    rim, sharp = np.sum([around(low, lit.pixels, one, lit.threshold)[2:] for one in fields], axis=0).tolist()
+    rim, sharp = np.sum([around(low, lit.pixels, one, lit.sharp)[2:] for one in fields], axis=0).tolist()
     return is_apart and is_surround(low, outside, dark) and is_sharp(rim, sharp)
 
 

@@ -34,11 +34,14 @@ this is tissue in the shade; stray light is a narrow band, or fades."""
 FAINT, MOST_FAINT = 0.4, 0.25
 """The way from the surround's V to what no noise reaches, and how many pixels beside a sharp end may be
 brighter than that."""
+FAINT_STEP: Final = 4.0
+"""Grey levels, as STEP, of a field whose rim is in the dark."""
 LEAST_SIDE: Final = 16
 """Pixels: smaller pictures are too small for a surround with a rim."""
 
-MOSTLY, NEVER = 0.5, 2.0
-"""How much of a polygon's rim runs as circles and frames do: of parts, as no tool runs so; more than any."""
+MOSTLY, ALL_BUT, NEVER = 0.5, 0.7, 2.0
+"""How much of a polygon's rim runs as circles and frames do: of parts, as no tool runs so; where the rim is
+faint, as shade does not; more than any."""
 
 LEVELS: Final = 256
 
@@ -49,6 +52,8 @@ class Tones:
 
     level: float
     """In the middle."""
+    noise: float
+    """Deviation."""
     least: float
     """Darker pixels are noise of the surround."""
     threshold: float
@@ -92,10 +97,12 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
         return whole
     lit = lit_above(low, tones.threshold)
     outline = outline_of(low, lit)
-    if outline is None:
-        return None
     search = _Search(pixels, whole, factor, low, tones)
-    return search.with_insets(search.field(lit, outline), small, lit, outline)
+    if outline is None:
+        faint = search.faint()
+        return None if faint.is_whole else faint
+    field = search.field(lit, outline)
+    return search.faint() if field.is_whole else search.with_insets(field, small, lit, outline)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +133,15 @@ class _Search:
             field = fitted(rim, self.whole, NEVER)
             return parts if field.is_whole else field
         return fitted(rim, self.whole, 0.0 if outline.is_convex else NEVER)
+
+    def faint(self) -> FieldOfView:
+        """A field whose rim is hardly brighter than the surround, as lenses that darken towards it have; all
+        of the picture where it does not run as circles and frames do."""
+        step = max(FAINT_STEP, DEVIATIONS * self.tones.noise)
+        outline = outline_of(self.low, lit_above(self.low, self.tones.level + step, step))
+        if outline is None or len(outline.corners) == 0 or not outline.is_convex:
+            return self.whole
+        return fitted(self._rim(outline.corners, self.tones.level + step), self.whole, ALL_BUT)
 
     def _touching(self, lit: Lit) -> FieldOfView:
         """Two round fields; all of the picture where there are none that touch."""
@@ -198,7 +214,7 @@ def _tones(low: Levels) -> Tones | None:
     beyond = _middle_above(low, level + STEP) - level
     least = level + max(STEP, DEVIATIONS * noise)
     threshold = max(least, level + STRAY * beyond)
-    return Tones(level, least, threshold, max(threshold, level + MOST_STRAY * beyond))
+    return Tones(level, noise, least, threshold, max(threshold, level + MOST_STRAY * beyond))
 
 
 @njit(cache=True, error_model="numpy")
