@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from enhance.field import MOST_PARTS, FieldOfView
 from enhance.field_circle import Points
+from enhance.field_even import apart_from, even_surround
 from enhance.field_outline import SQUARE, STEP, Levels, Lit, Outline, filled, lit_above, outline_of
 from enhance.field_parts import apart, beside, insets, touching
 from enhance.field_rim import Rim, are_two_circles, cropped_by, fitted, left_along_rays
@@ -66,8 +67,8 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     """The field of view of a picture; the whole picture where there is no surround, None where it is too dark
     to tell.
 
-    A surround is dark, even but for noise and text, reaches a corner of the picture, and the convex rest of
-    the picture rises sharply from it.
+    A surround is dark, or of one colour in all four corners, even but for noise and text, reaches a corner of
+    the picture, and the convex rest of the picture rises sharply from it.
 
     Raises:
         ImageError: an image that cannot be used.
@@ -91,8 +92,16 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
         pixels = pixels.astype(np.float32)
     factor = -(-max(height, width) // LOW_SIDE)
     small = _small(pixels, factor)
+    surround = even_surround(small)
+    if surround is None:
+        return _found(pixels, small, small, factor)
+    return _found(apart_from(pixels, surround), apart_from(small, surround), small, factor) or whole
+
+
+def _found(pixels: AnyImage, small: Levels, colors: Levels, factor: int) -> FieldOfView | None:
+    """small: a copy of the pixels, by this factor; colors: as they are shown there."""
     low = np.asarray(cv2.medianBlur(_values(small), 3), np.uint8)
-    tones = _tones(low)
+    tones, whole = _tones(low), FieldOfView(pixels.shape[1], pixels.shape[0])
     if tones is None:
         return whole
     lit = lit_above(low, tones.threshold)
@@ -102,7 +111,7 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
         faint = search.faint()
         return None if faint.is_whole else faint
     field = search.field(lit, outline)
-    return search.faint() if field.is_whole else search.with_insets(field, small, lit, outline)
+    return search.faint() if field.is_whole else search.with_insets(field, colors, lit, outline)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,46 @@
+"""A surround of one colour that is not black: a page, a slide, or the window of another program."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from enhance.brightness import BLACK
+from enhance.field_outline import Levels
+from enhance.image import AnyImage, full_scale
+
+EVEN: Final = 3
+"""Grey levels from its colour that a corner lies within: cameras leave more noise."""
+ALIKE: Final = 3
+"""Corners at least, of four: there may be text in one."""
+CORNER: Final = 24
+"""Times a corner's side in the shorter one of the small copy."""
+
+
+def even_surround(small: Levels) -> NDArray[np.int16] | None:
+    """The colour, (3,) or (1,) in grey levels, that the corners of a small copy have; None: they are of
+    several, or black, in which V tells the field."""
+    colors = small[..., None] if small.ndim == 2 else small
+    # Of values of which three are alike, the two in the middle are: nearly every image is told by that.
+    _, low, high, _ = np.sort(colors[(0, 0, -1, -1), (0, -1, 0, -1)].astype(np.int16), axis=0)
+    if high.max() < 255 * BLACK or (high - low).max() > 2 * EVEN:
+        return None
+    side = max(2, min(colors.shape[:2]) // CORNER)
+    rows = np.stack((colors[:side], colors[-side:]))
+    corners = np.stack((rows[:, :, :side], rows[:, :, -side:])).reshape(4, -1, colors.shape[2])
+    least, most = corners.min(axis=1).astype(np.int16), corners.max(axis=1).astype(np.int16)
+    color = np.sort(least + most, axis=0)[1:3].sum(axis=0) // 4
+    alike = ((most <= color + EVEN) & (least >= color - EVEN)).all(axis=1)
+    return color.astype(np.int16) if np.count_nonzero(alike) >= ALIKE else None
+
+
+def apart_from(pixels: AnyImage, color: NDArray[np.int16]) -> NDArray[Any]:
+    """How far each channel is from a colour in grey levels: black where it is that. uint8 of uint8, else
+    float32 in [0, 1]; shaped as the pixels."""
+    target: NDArray[Any] = color if pixels.ndim == 3 else color[0]
+    if pixels.dtype == np.uint8:
+        return np.asarray(np.abs(pixels - target).astype(np.uint8))
+    scale = np.float32(1 / full_scale(pixels.dtype))
+    return np.asarray(np.abs(pixels.astype(np.float32) * scale - target.astype(np.float32) / 255))
