@@ -24,8 +24,9 @@ def even_surround(small: Levels) -> NDArray[np.int16] | None:
     several, or black, in which V tells the field."""
     colors = small[..., None] if small.ndim == 2 else small
     # Of values of which three are alike, the two in the middle are: nearly every image is told by that.
-    _, low, high, _ = np.sort(colors[(0, 0, -1, -1), (0, -1, 0, -1)].astype(np.int16), axis=0)
-    if high.max() < 255 * BLACK or (high - low).max() > 2 * EVEN:
+    ends = (colors[row, column].tolist() for row in (0, -1) for column in (0, -1))
+    middle = [sorted(values)[1:3] for values in zip(*ends, strict=True)]
+    if max(high for _, high in middle) < 255 * BLACK or any(high - low > 2 * EVEN for low, high in middle):
         return None
     side = max(2, min(colors.shape[:2]) // CORNER)
     rows = np.stack((colors[:side], colors[-side:]))

@@ -13,7 +13,17 @@ from numpy.typing import NDArray
 from enhance.field import MOST_PARTS, FieldOfView
 from enhance.field_circle import Points
 from enhance.field_even import apart_from, even_surround
-from enhance.field_outline import SQUARE, STEP, Levels, Lit, Outline, filled, lit_above, outline_of
+from enhance.field_outline import (
+    LEAST_SURROUND,
+    SQUARE,
+    STEP,
+    Levels,
+    Lit,
+    Outline,
+    filled,
+    lit_above,
+    outline_of,
+)
 from enhance.field_parts import apart, beside, insets, touching
 from enhance.field_rim import Rim, are_two_circles, cropped_by, fitted, left_along_rays
 from enhance.image import AnyImage, Picture, full_scale, read_picture
@@ -94,14 +104,16 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     small = _small(pixels, factor)
     surround = even_surround(small)
     if surround is None:
-        return _found(pixels, small, small, factor)
-    return _found(apart_from(pixels, surround), apart_from(small, surround), small, factor) or whole
+        return _found(pixels, small, small, whole, factor)
+    return _found(apart_from(pixels, surround), apart_from(small, surround), small, whole, factor) or whole
 
 
-def _found(pixels: AnyImage, small: Levels, colors: Levels, factor: int) -> FieldOfView | None:
+def _found(
+    pixels: AnyImage, small: Levels, colors: Levels, whole: FieldOfView, factor: int
+) -> FieldOfView | None:
     """small: a copy of the pixels, by this factor; colors: as they are shown there."""
     low = np.asarray(cv2.medianBlur(_values(small), 3), np.uint8)
-    tones, whole = _tones(low), FieldOfView(pixels.shape[1], pixels.shape[0])
+    tones = _tones(low)
     if tones is None:
         return whole
     lit = lit_above(low, tones.threshold)
@@ -147,6 +159,8 @@ class _Search:
         """A field whose rim is hardly brighter than the surround, as lenses that darken towards it have; all
         of the picture where it does not run as circles and frames do."""
         step = max(FAINT_STEP, DEVIATIONS * self.tones.noise)
+        if np.count_nonzero(self.low <= self.tones.level + step) < LEAST_SURROUND * self.low.size:
+            return self.whole
         outline = outline_of(self.low, lit_above(self.low, self.tones.level + step, step))
         if outline is None or len(outline.corners) == 0 or not outline.is_convex:
             return self.whole
