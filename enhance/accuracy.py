@@ -219,7 +219,7 @@ def _on_one_grid(radius: int, eps: float, subsample: int) -> Window:
 def _rounded(radius: int, eps: float, subsample: int) -> Window:
     """Of r / s whole pixels on each side, halves up."""
     one = window(radius, eps, subsample)
-    return replace(one, whole=max(1, math.floor(one.whole + one.part + 0.5)), part=0.0)
+    return one._replace(whole=max(1, math.floor(one.whole + one.part + 0.5)), part=0.0)
 
 
 def _coarser(image: NDArray[np.uint8], subsample: int, *, decimated: bool) -> AnyImage:

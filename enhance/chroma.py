@@ -9,6 +9,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from enhance.field_circle import median
+from enhance.part import part
+
 SAMPLES: Final = 1024
 SIZE: Final = 6
 """Pixels of a sample's side: 3 x 3 means of 2 x 2 pixels, as cameras and codecs halve the colours."""
@@ -20,61 +23,77 @@ ROUNDING: Final = 1.0
 """Grey levels: less noise than this is taken for it, as a screen shows no finer steps."""
 
 
-def chroma_snr(
-    pixels: NDArray[Any], keep: NDArray[np.uint8], spans: NDArray[np.int32], full: int
-) -> float | None:
+def places(height: int, width: int) -> tuple[int, int, int]:
+    """How far apart some SAMPLES evenly spread places of an image are, and how many rows and columns of them
+    there are."""
+    step = max(SIZE, int(math.sqrt(height * width / SAMPLES)))
+    return step, max(0, (height - SIZE) // step + 1), max(0, (width - SIZE) // step + 1)
+
+
+def chroma_snr(samples: NDArray[np.float64], full: int) -> float | None:
     """Mean of max - min of R, G and B over the noise of R - G or B - G, whichever is noisier, of the pixels
     that count; None: an image too small to tell.
 
-    Some SAMPLES evenly spread places are looked at. Noise is the median response to a kernel that is blind to
-    planes, so that edges do not count.
+    Noise is the median response to a kernel that is blind to planes, so that edges do not count.
 
     Args:
-        pixels: (H, W, 3); keep, spans: as of `first_pass`; full: the image's value of 1.0.
+        samples: (3, n, m) of `sample_rows`; full: the image's value of 1.0.
     """
-    height, width = pixels.shape[:2]
-    step = max(SIZE, int(math.sqrt(height * width / SAMPLES)))
-    rows, columns = max(0, (height - SIZE) // step + 1), max(0, (width - SIZE) // step + 1)
-    found = np.empty((3, rows * columns), np.float64)
-    count = _sample(pixels, keep, spans, step, columns, found)
+    found = samples.reshape(3, -1).copy()
+    count, response = _noise(found)
     if count == 0:
         return None
     to_levels = 255 / full
-    # As np.median, in a fraction of its time.
-    middle = [(count - 1) // 2, count // 2]
-    medians = np.partition(found[1:, :count], middle, axis=1)[:, middle].mean(axis=1)
-    noise = to_levels * float(medians.max()) / PER_DEVIATION
-    return float((found[0, :count] * to_levels).mean()) / max(noise, ROUNDING)
+    noise = to_levels * response / PER_DEVIATION
+    return float((found[0, :count] * to_levels).sum() / count) / max(noise, ROUNDING)
 
 
 @njit(cache=True, error_model="numpy")
-def _sample(
-    pixels: NDArray[Any],
-    keep: NDArray[np.uint8],
-    spans: NDArray[np.int32],
-    step: int,
-    columns: int,
-    found: NDArray[np.float64],  # (3, most), out: chroma, and responses of R - G and of B - G
-) -> int:
-    """Look at places `step` apart, so many in a row; the number of those that count."""
+def _noise(found: NDArray[np.float64]) -> tuple[int, float]:
+    """Those of (3, n) samples that count come first; their number, and the larger of the median responses."""
     count = 0
     for place in range(found.shape[1]):
-        y, x = place // columns * step, place % columns * step
-        counts = len(keep) == 0 or keep[y + SIZE // 2, x + SIZE // 2] > 0
-        for end in (y, y + SIZE - 1):
-            if len(spans) > 0:
-                counts = counts and spans[end, 0] <= x and x + SIZE <= spans[end, 1]
-        if counts:
-            red, blue = 0.0, 0.0
-            for v in range(SIZE):
-                for u in range(SIZE):
-                    weight = 0.25 * KERNEL[v // 2][u // 2]
-                    green = np.float64(pixels[y + v, x + u, 1])
-                    red += weight * (np.float64(pixels[y + v, x + u, 0]) - green)
-                    blue += weight * (np.float64(pixels[y + v, x + u, 2]) - green)
-            one = pixels[y + SIZE // 2, x + SIZE // 2]
-            most, least = max(one[0], one[1], one[2]), min(one[0], one[1], one[2])
-            found[0, count] = np.float64(most) - np.float64(least)
-            found[1, count], found[2, count] = abs(red), abs(blue)
+        if found[0, place] >= 0:
+            for plane in range(3):
+                found[plane, count] = found[plane, place]
             count += 1
-    return count
+    return count, max(median(found[1, :count]), median(found[2, :count])) if count > 0 else 0.0
+
+
+@part()
+def sample_rows(
+    pixels: NDArray[Any],  # (H, W, 3)
+    keep: NDArray[np.uint8],  # as of `first_pass`
+    spans: NDArray[np.int32],
+    top: int,
+    bottom: int,
+    step: int,
+    samples: NDArray[np.float64],  # (3, n, m), out: chroma, or -1; and responses of R - G and of B - G
+) -> None:
+    """Look at the `places` that begin in these rows of the image; -1 where one does not count."""
+    for row in range((top + step - 1) // step, min((bottom + step - 1) // step, samples.shape[1])):
+        for column in range(samples.shape[2]):
+            y, x = row * step, column * step
+            counts = len(keep) == 0 or keep[y + SIZE // 2, x + SIZE // 2] > 0
+            for end in (y, y + SIZE - 1):
+                if len(spans) > 0:
+                    counts = counts and spans[end, 0] <= x and x + SIZE <= spans[end, 1]
+            samples[0, row, column] = -1.0
+            if counts:
+                _sample(pixels, y, x, samples[:, row, column])
+
+
+@part()
+def _sample(pixels: NDArray[Any], y: int, x: int, sample: NDArray[np.float64]) -> None:
+    """One place."""
+    red, blue = 0.0, 0.0
+    for v in range(SIZE):
+        for u in range(SIZE):
+            weight = 0.25 * KERNEL[v // 2][u // 2]
+            green = np.float64(pixels[y + v, x + u, 1])
+            red += weight * (np.float64(pixels[y + v, x + u, 0]) - green)
+            blue += weight * (np.float64(pixels[y + v, x + u, 2]) - green)
+    one = pixels[y + SIZE // 2, x + SIZE // 2]
+    most, least = max(one[0], one[1], one[2]), min(one[0], one[1], one[2])
+    sample[0] = np.float64(most) - np.float64(least)
+    sample[1], sample[2] = abs(red), abs(blue)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from enhance import brightness, needs, saturation
-from enhance.chroma import chroma_snr
+from enhance.chroma import places
 from enhance.field import FieldOfView
 from enhance.first_pass import first_pass
 from enhance.guided_filter import Grids, Window, WindowModels, Windows, window
@@ -37,8 +37,7 @@ NO_VALUES: Final = np.empty((0, 0), np.float32)
 NO_CURVE: Final = np.empty(0, np.float32)
 
 
-@dataclass(frozen=True)
-class _Scale:
+class _Scale(NamedTuple):
     """What a scale's E is made from."""
 
     window: Window
@@ -46,8 +45,7 @@ class _Scale:
     """Rounded as in the kernels. None: of the logarithm of its ratio, which is the same for every P."""
 
 
-@dataclass(frozen=True)
-class _Made:
+class _Made(NamedTuple):
     """What V* is made from."""
 
     z: float
@@ -85,7 +83,6 @@ class Enhancer:
         self._stream = Stream(live)
         self._shown: Shown | None = None
         self._survey: Survey | None = None
-        self._chroma: float | None = None
         self._models = WindowModels()
         self._low = Grids(np.empty((0, 0, 0), np.float32), np.empty((0, 0, 0), np.float32))
         self._moments: dict[Window, Moments] = {}
@@ -108,7 +105,7 @@ class Enhancer:
 
     def _take(self, shown: Shown) -> None:
         self._shown = shown
-        self._survey = self._made = self._values_of = self._chroma = None
+        self._survey = self._made = self._values_of = None
         self._moments, self._reaches, self._kept_of = {}, {}, []
         self._models.forget()
 
@@ -150,7 +147,7 @@ class Enhancer:
             self._render(params, windows, _Made(1.0, (None,) * len(windows)), (0.0, 1.0), unknown)
         seen = self._surveyed(params.subsample)
         moments = np.array([self._moments[one] for one in windows]).reshape(-1, 2)
-        snr = self._chroma_snr(params)
+        snr = seen.chroma_snr if params.d_factor is None else None
         colored = (0, 0.0) if snr is None else (seen.count, snr)
         return Tally(seen.count, seen.histogram, seen.chroma, moments[:, 0], moments[:, 1], *colored)
 
@@ -179,26 +176,23 @@ class Enhancer:
                 low = self._low = Grids(*(np.empty(shape, np.float32) for shape in shapes))
             blocks = -(-rows // BLOCK)
             histograms, chroma = np.empty((blocks, BINS), np.int64), np.empty(blocks)
+            step, *spread = places(*now.pixels.shape[:2])
+            samples = np.empty((3, *spread) if not now.is_grey else (3, 0, 0))
+            full = np.float32(now.full)
             first_pass(
-                now.pixels, now.keep, now.spans, np.float32(now.full), subsample, *low, histograms, chroma
+                now.pixels, now.keep, now.spans, full, subsample, *low, histograms, chroma, step, samples
             )
-            self._survey = Survey(subsample, low, histograms.sum(axis=0), float(chroma.sum()))
+            total, colors = histograms.sum(axis=0), float(chroma.sum())
+            self._survey = Survey(subsample, low, total, colors, samples, now.full)
         return self._survey
 
     def _statistics(self, params: EnhanceParams, windows: Windows) -> Statistics:
         """Those of the shown image, smoothed if the stream is live; likely sigmas where Q is not measured."""
         seen, known = self._surveyed(params.subsample), self._moments
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
-        snr, field = self._chroma_snr(params), self._now.field
+        snr, field = seen.chroma_snr if params.d_factor is None else None, self._now.field
         measured = from_sums("image", seen.count, seen.level, seen.chroma, sigmas, snr, field)
         return self._stream.smoothed(measured, seen.histogram).resolved(params)
-
-    def _chroma_snr(self, params: EnhanceParams) -> float | None:
-        """Where it is needed."""
-        now = self._now
-        if self._chroma is None and params.d_factor is None and not now.is_grey:
-            self._chroma = chroma_snr(now.pixels, now.keep, now.spans, now.full)
-        return self._chroma if params.d_factor is None else None
 
     def _draw(
         self,
@@ -304,7 +298,7 @@ class Enhancer:
 
     def _stage(self, index: int, now: _Scale, before: _Scale | None) -> int:
         """E if the scale stays as it was, a logarithm if only its P moves: the first time, it is kept."""
-        ratio = replace(now, p=None)
+        ratio = now._replace(p=None)
         if self._kept_of[index] == now:
             return FROM_POWER
         if self._kept_of[index] == ratio and now.p != 0.5:
@@ -325,11 +319,13 @@ class Enhancer:
         rounding = 0.0 if now.full > 1 else 0.5
         loose = needs.range_reach(*(seen.range(rounding) if now.counts_all else (0.0, 1.0)))
         reaches = [loose] * len(windows)
+        if not tight:
+            return tuple(reaches)
 
         def matters(index: int, reach: float) -> bool:
             return needs.scale_bound(used.p[index], reach, len(windows)) >= params.omit_below > 0
 
-        unsure = [tight and matters(index, loose) for index in range(len(windows))]
+        unsure = [matters(index, loose) for index in range(len(windows))]
         models = self._models.of(seen.low, windows, unsure)
         for index in np.flatnonzero(unsure).tolist():
             one = windows[index]

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from enhance.chroma import sample_rows
 from enhance.part import part
 from enhance.pixel_block import (
     BINS,
@@ -44,8 +45,13 @@ def first_pass(
     coarse: NDArray[np.float32],  # (2, h / 2, w / 2) rounded up, out: the same of 2 x 2 blocks; or empty
     histograms: NDArray[np.int64],  # (blocks, BINS), out: of V in grey levels, over the kept pixels
     chroma: NDArray[np.float64],  # (blocks,), out: sum of S over the kept pixels
+    step: int,
+    samples: NDArray[np.float64],  # (3, n, m), out: of `sample_rows`, `step` pixels apart; or empty
 ) -> None:
-    """First pass: V at low resolution, its histogram and the sum of S. An odd edge repeats what is last."""
+    """First pass: V at low resolution, its histogram and the sum of S, and samples of colour and its noise.
+
+    An odd edge repeats what is last.
+    """
     width = fine.shape[2] * subsample
     for block in prange(len(chroma)):
         _survey_block(
@@ -59,6 +65,8 @@ def first_pass(
             coarse,
             histograms,
             chroma,
+            step,
+            samples,
             np.empty((PLANES, CHUNK), np.float32),
             np.zeros((5, CHUNK), image.dtype),
             np.empty((3, width + CHUNK), np.float32),
@@ -80,6 +88,8 @@ def _survey_block(
     coarse: NDArray[np.float32],
     histograms: NDArray[np.int64],
     chroma: NDArray[np.float64],
+    step: int,
+    samples: NDArray[np.float64],
     chunk: NDArray[np.float32],
     apart: NDArray[Any],
     lines: NDArray[np.float32],
@@ -87,7 +97,7 @@ def _survey_block(
     counts: NDArray[np.int32],
     totals: NDArray[np.float64],
 ) -> None:
-    """A task's rows; after `chroma` comes memory to work in."""
+    """A task's rows; after `samples` comes memory to work in."""
     rows, columns = image.shape[0], image.shape[1]
     wide_vectors()
     low_rows, width = fine.shape[1], fine.shape[2] * subsample
@@ -96,8 +106,8 @@ def _survey_block(
         chunk[TOTAL] = ZERO
         for y in range(low_row * subsample, (low_row + 1) * subsample):
             first, end = (spans[y, 0], spans[y, 1]) if y < len(spans) else (0, columns if y < rows else 0)
-            for step in range((columns + CHUNK - 1) // CHUNK):
-                x0 = step * CHUNK
+            for run in range((columns + CHUNK - 1) // CHUNK):
+                x0 = run * CHUNK
                 count = min(CHUNK, columns - x0)
                 load(image[min(y, rows - 1), x0 : x0 + count], apart, chunk)
                 fetch(image, y, x0 + CHUNK)
@@ -114,6 +124,9 @@ def _survey_block(
                 lines[plane, x] = lines[plane, columns - 1]
         _shrink(lines, subsample, unit, fine[0, low_row], fine[1, low_row])
         totals += chunk[TOTAL]
+    # While its rows are in the cache.
+    task = BLOCK * subsample
+    sample_rows(image, keep, spans, block * task, min((block + 1) * task, rows), step, samples)
     finish(block, fine, coarse, counts, histograms)
     chroma[block] = totals.sum()
 

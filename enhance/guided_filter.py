@@ -8,7 +8,6 @@ large windows can do with a coarser one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import Final, NamedTuple
@@ -42,8 +41,7 @@ within 0.05 grey levels of no grid on training frames, SCARED and retina picture
 PASS, KEEP, TAKE = range(3)
 
 
-@dataclass(frozen=True)
-class Window:
+class Window(NamedTuple):
     """A scale's window on its grid, whose pixels are blocks of the image."""
 
     subsample: int
@@ -130,13 +128,14 @@ class WindowModels:
 
     def _stage(self, index: int, now: Window) -> int:
         before = self._done[index]
-        if self._kept_of[index] == replace(now, eps=0.0):
+        anyhow = now._replace(eps=0.0)
+        if self._kept_of[index] == anyhow:
             return TAKE
-        if before is None or replace(before, eps=now.eps) != now:
+        if before is None or before._replace(eps=0.0) != anyhow:
             return PASS
         if self._kept is self._models:
             self._kept = _memory([plane.shape for plane in self._models])
-        self._kept_of[index] = replace(now, eps=0.0)
+        self._kept_of[index] = anyhow
         return KEEP
 
 

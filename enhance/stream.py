@@ -58,7 +58,8 @@ class Stream:
         self._before, self._looked = self._last, False
         if self._live is None or pixels != "automatic":
             return shown
-        return replace(shown, wanted=self._tracker.follow(shown.picture))
+        field = self._tracker.follow(shown.picture)
+        return replace(shown, wanted=field, field=field)
 
     def smoothed(self, measured: Statistics, histogram: NDArray[np.int64]) -> Statistics:
         """What is used of the image in place of what was measured on it; z and P are to be resolved again."""

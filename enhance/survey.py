@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance import brightness
+from enhance.chroma import chroma_snr
 from enhance.guided_filter import Grids
 from enhance.pixel_block import BINS
 
@@ -29,6 +30,15 @@ class Survey:
     """(256,) of V over the kept pixels."""
     chroma: float
     """Sum of S over the kept pixels."""
+    samples: NDArray[np.float64]
+    """(3, n, m) of `chroma.sample_rows`."""
+    full: int
+    """The image's value of 1.0."""
+
+    @cached_property
+    def chroma_snr(self) -> float | None:
+        """None: an image without colours, or too small to tell."""
+        return chroma_snr(self.samples, self.full)
 
     @cached_property
     def count(self) -> int:
