@@ -236,6 +236,8 @@ def _fit_strip(
     for y in range(top, bottom):
         tall = 1.0 / _covered(y, rows, reach, rest)
         _move(models, False, y - before, y == top, reach, rest, first, second)
+        for plane in range(2):
+            fetch_row(out[plane], y + 1)
         if reach == NARROW:
             for plane in range(2):
                 mean_narrow(sums[plane], rest, shares, tall, out[plane, y])
