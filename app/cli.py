@@ -29,7 +29,7 @@ COMMANDS = {
     "masks": "mask the tools in a clip, by their colour or as learned from masks of some frames",
     "train": "reconstruct a clip as dynamic 3D Gaussians",
     "render": "render the frames of a finished run, or a splat file",
-    "export": "export a finished run as splat files, a video or camera poses",
+    "export": "export a finished run as splat files, meshes, arrays, a video, a web page or poses",
     "evaluate": "measure a finished run on its held-out frames",
     "metrics": "measure DV/BV and contrast of images",
     "sweep": "every clip with every setting, measured, on this machine or a cluster; one table",

@@ -64,6 +64,8 @@ def read_cameras(path: Path) -> tuple[NamedCamera, ...]:
 def _told(error: Exception) -> str:
     if isinstance(error, KeyError):
         return f"no {error}"
+    if isinstance(error, json.JSONDecodeError):
+        return f"text that is no JSON ({error})"
     return "too few words in a line" if isinstance(error, IndexError) else str(error)
 
 

@@ -251,6 +251,12 @@ def test_what_is_wrong_is_told_in_words_with_its_camera(tmp_path: Path, content:
         read_cameras(path)
 
 
+def test_another_text_is_told_as_such(tmp_path: Path) -> None:
+    (tmp_path / "cameras.json").write_text("hello")
+    with pytest.raises(CameraFileError, match=r"a camera or several, got text that is no JSON \(.*\): "):
+        read_cameras(tmp_path / "cameras.json")
+
+
 def test_distorted_or_missing_colmap_cameras_are_refused(tmp_path: Path) -> None:
     write_colmap(tmp_path, "OPENCV 640 480 500 510 320 240 0.1 0 0 0")
     with pytest.raises(CameraFileError, match="OPENCV"):
