@@ -24,7 +24,7 @@ from app.runs.run_folder import RunFolder, RunRecord
 from app.runs.trained_clip import input_clip, run_clip
 from app.runs.wall_clock import STEPS, WALL
 from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
-from enhance.metrics import dvbv_local, dvbv_otsu, saturated_share, vessel_contrast
+from enhance.metrics import dvbv_local, dvbv_otsu, line_scale, saturated_share, vessel_contrast
 from enhance.ridges import vessel_mask
 from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, Frame, Split
@@ -67,7 +67,8 @@ DEFINITIONS = {
     "whole_picture": "the same over every pixel of the render, black where nothing was reconstructed",
     "visibility": "beside dv_bv, over the evaluated pixels of the render: Weber contrast in green of the "
     "strongest dark ridges of the clip's own frame, the share of pixels at 250 of 255 or more, and the ratio "
-    "of local variances over detail and background, with one mask from the clip's own frame",
+    "of local variances over detail and background, with one mask from the clip's own frame; ridges are "
+    "looked for and compared at widths that shrink with frames below 640 pixels",
     "ms_per_frame": f"median of {REPEATS} renderings after one warm-up, from the parameters to the "
     "image and its depth, all threads done; parts_ms: the deformation; projection and sort, as a rendering "
     "without any tile; the rest; timed_with: threads, and the machine's load average over the last minute "
@@ -278,7 +279,7 @@ def measure_frame(
     """
     render, mask = drawn.bytes, frame.evaluation_mask
     original = clip.read_image(frame.index)
-    vessels = vessel_mask(original, tissue_mask=mask)
+    vessels = vessel_mask(original, tissue_mask=mask, scale=line_scale(original))
     pair = None if frame.measured_depth is None else (drawn.depth, frame.measured_depth)
     return FrameMeasures(
         index=frame.index,
@@ -307,7 +308,7 @@ def _dvbv(image: ByteImage, mask: BoolImage | None = None) -> Numbers:
 def _visibility(image: ByteImage, original: ByteImage, mask: BoolImage, vessels: BoolImage) -> Numbers:
     """Over the pixels of the mask; the ridges are the same for every picture of a frame."""
     return {
-        "vessel_contrast": vessel_contrast(image, vessels, tissue_mask=mask),
+        "vessel_contrast": vessel_contrast(image, vessels, tissue_mask=mask, scale=line_scale(image)),
         "saturated_share": saturated_share(image, tissue_mask=mask),
         "dv_bv_local": dvbv_local(image, original, tissue_mask=mask).ratio,
     }

@@ -19,6 +19,7 @@ from enhance.metrics import (
     blackened_share,
     dvbv_local,
     dvbv_otsu,
+    line_scale,
     saturated_share,
     vessel_cnr,
     vessel_contrast,
@@ -53,11 +54,16 @@ class Sample:
     tissue: BoolImage
     vessels: BoolImage
 
+    @property
+    def scale(self) -> float:
+        """Of the lengths that its vessels are measured by."""
+        return line_scale(self.image)
+
 
 def sample(image: ByteImage, tissue: BoolImage | None = None) -> Sample:
     """With the strongest dark ridges for vessels; without a mask all is tissue."""
     keep = np.ones(image.shape[:2], dtype=bool) if tissue is None else tissue
-    return Sample(image, keep, vessel_mask(image, tissue_mask=keep))
+    return Sample(image, keep, vessel_mask(image, tissue_mask=keep, scale=line_scale(image)))
 
 
 def of_clip(path: Path, count: int) -> Iterator[Sample]:
@@ -118,9 +124,9 @@ def _measures(image: ByteImage, one: Sample) -> tuple[float, ...]:
     local = dvbv_local(image, one.image, tissue_mask=one.tissue)
     return (
         *(otsu.dv, otsu.bv, otsu.ratio, dvbv_otsu(image).ratio, local.dv, local.bv, local.ratio),
-        vessel_contrast(image, one.vessels, tissue_mask=one.tissue),
-        vessel_cnr(image, one.vessels, tissue_mask=one.tissue),
-        vessel_color_difference(image, one.vessels, tissue_mask=one.tissue),
+        vessel_contrast(image, one.vessels, tissue_mask=one.tissue, scale=one.scale),
+        vessel_cnr(image, one.vessels, tissue_mask=one.tissue, scale=one.scale),
+        vessel_color_difference(image, one.vessels, tissue_mask=one.tissue, scale=one.scale),
         100 * saturated_share(image, tissue_mask=one.tissue),
         noise_gain(image, one.image, tissue_mask=one.tissue),
         chroma_noise_gain(image, one.image, tissue_mask=one.tissue),

@@ -166,13 +166,13 @@ def area_under_curve(image: ByteImage, one: Sample) -> float:
 
 def _amounts(image: ByteImage, one: Sample) -> NDArray[np.float64]:
     """What gains are of: contrast, of thin vessels, CNR and colour difference."""
-    mask = one.tissue
+    mask, scale = one.tissue, one.scale
     return np.array(
         [
-            vessel_contrast(image, one.vessels, tissue_mask=mask),
-            vessel_contrast(image, thin_part(one.vessels), tissue_mask=mask),
-            vessel_cnr(image, one.vessels, tissue_mask=mask),
-            vessel_color_difference(image, one.vessels, tissue_mask=mask),
+            vessel_contrast(image, one.vessels, tissue_mask=mask, scale=scale),
+            vessel_contrast(image, thin_part(one.vessels), tissue_mask=mask, scale=scale),
+            vessel_cnr(image, one.vessels, tissue_mask=mask, scale=scale),
+            vessel_color_difference(image, one.vessels, tissue_mask=mask, scale=scale),
         ]
     )
 

@@ -20,7 +20,7 @@ from app.report.paper_rows import PAPER
 from app.runs.processor import load_average
 from app.runs.run_folder import RunFolder
 from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
-from enhance.metrics import vessel_contrast
+from enhance.metrics import line_scale, vessel_contrast
 from enhance.ridges import vessel_mask
 from renderer.clip import Clip
 from renderer.lpips import LAYERS, read_lpips
@@ -147,14 +147,18 @@ def test_what_is_seldom_seen_is_so_in_few_training_frames(runs: dict[str, Path])
 def test_the_ridges_are_those_of_the_original_frame(large_clip: Clip) -> None:
     frame = large_clip.read_frame(1)
     mask = frame.evaluation_mask
-    ridges = vessel_mask(frame.image, tissue_mask=mask)
+    scale = line_scale(frame.image)
+    assert scale < 1
+    ridges = vessel_mask(frame.image, tissue_mask=mask, scale=scale)
     darker = np.where(ridges[..., None], frame.image // 2, frame.image)
     empty = np.zeros(mask.shape, np.float32)
     shown = Rendered(darker.astype(np.float32) / 255, empty, empty)
     # The frame that a run was trained on has vessels elsewhere, which must not matter.
     turned = replace(frame, image=np.ascontiguousarray(frame.image[::-1]))
     measures = measure_frame(turned, shown, large_clip, None, {})
-    assert measures.visibility["vessel_contrast"] == vessel_contrast(darker, ridges, tissue_mask=mask)
+    assert measures.visibility["vessel_contrast"] == vessel_contrast(
+        darker, ridges, tissue_mask=mask, scale=scale
+    )
     assert measures.visibility["vessel_contrast"] > measures.original_photo["vessel_contrast"] + 0.3
     # A render without any depth has no depth error, and says how little was compared.
     assert math.isnan(measures.depth_rmse_mm)

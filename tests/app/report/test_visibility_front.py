@@ -71,7 +71,7 @@ def of_gains(noise: float, contrast: float) -> Visibility:
 
 
 def direct(result: np.ndarray) -> tuple[float, float]:
-    before, after = (vessel_contrast(image, one().vessels) for image in (one().image, result))
+    before, after = (vessel_contrast(image, one().vessels, scale=0.25) for image in (one().image, result))
     return noise_gain(result, one().image), after / before
 
 
@@ -237,8 +237,9 @@ def test_what_there_is_no_time_for_is_named(
     assert "over 1 image." in part.sentences[0]
 
 
-def test_a_clip_without_vessels_is_reported_as_such(clip_path: Path, tmp_path: Path) -> None:
-    part = visibility.measure(bench(clip_path, tmp_path), Clock.of(1000))
+def test_a_clip_without_vessels_is_reported_as_such(tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "even.png"), np.full((64, 80, 3), 120, np.uint8))
+    part = visibility.measure(bench(tmp_path / "even.png", tmp_path), Clock.of(1000))
     assert part.not_measured == ("contrast: no vessels were found",)
     assert part.gain_diagrams == ()
 
