@@ -12,7 +12,7 @@ from enhance.field_outline import Levels
 from enhance.image import AnyImage, full_scale
 
 EVEN: Final = 3
-"""Grey levels from its colour that a corner lies within: cameras leave more noise."""
+"""Grey levels from the surround's colour that a corner lies within: cameras leave more noise."""
 ALIKE: Final = 3
 """Corners at least, of four: there may be text in one."""
 CORNER: Final = 24

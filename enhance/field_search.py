@@ -46,7 +46,7 @@ FAINT, MOST_FAINT = 0.4, 0.25
 """The way from the surround's V to what no noise reaches, and how many pixels beside a sharp end may be
 brighter than that."""
 FAINT_STEP: Final = 4.0
-"""Grey levels, as STEP, of a field whose rim is in the dark."""
+"""Grey levels, as STEP, of a field whose rim is nearly as dark as the surround."""
 LEAST_SIDE: Final = 16
 """Pixels: smaller pictures are too small for a surround with a rim."""
 
@@ -77,8 +77,8 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     """The field of view of a picture; the whole picture where there is no surround, None where it is too dark
     to tell.
 
-    A surround is dark, or of one colour in all four corners, even but for noise and text, reaches a corner of
-    the picture, and the convex rest of the picture rises sharply from it.
+    A surround is dark, or of one colour in three of the four corners at least, even but for noise and text,
+    reaches a corner of the picture, and the convex rest of the picture rises sharply from it.
 
     Raises:
         ImageError: an image that cannot be used.
