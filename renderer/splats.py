@@ -42,7 +42,7 @@ class Splats:
     are not finite `render` leaves the splat out, and `SplatView` refuses them.
 
     Raises:
-        ValueError: shapes that do not agree. The message names the field.
+        ValueError: shapes that do not agree, or colours of bytes. The message names the field.
 
     Example:
         >>> import numpy as np
@@ -71,6 +71,8 @@ class Splats:
             object.__setattr__(self, "harmonics", np.zeros((count, 0, 3), np.float32))
         if bands not in BANDS:
             raise ValueError(f"Splats.harmonics must have one of {BANDS} functions, got {bands}")
+        if getattr(self.colors, "dtype", None) == np.uint8:
+            raise ValueError("Splats.colors must be floats in [0, 1], got uint8: divide by 255")
         shapes = {"means": (3,), "quats": (4,), "scales": (3,), "opacities": (), "colors": (3,)}
         for name, tail in (shapes | {"harmonics": (bands, 3)}).items():
             value = np.ascontiguousarray(getattr(self, name), dtype=np.float32)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +53,12 @@ MOMENT: Any = SPLATS
 def test_arguments_of_another_class_are_refused(call: Callable[[], object], says: str) -> None:
     with pytest.raises(TypeError, match=says):
         call()
+
+
+def test_colours_of_bytes_are_refused_and_whole_numbers_are_not() -> None:
+    with pytest.raises(ValueError, match=r"Splats\.colors must be floats in \[0, 1\], got uint8"):
+        replace(SPLATS, colors=np.uint8([[200, 50, 50]]))
+    assert replace(SPLATS, colors=np.array([[1, 0, 0]])).colors.tolist() == [[1, 0, 0]]
 
 
 def test_a_clip_without_frames_is_refused() -> None:
