@@ -257,8 +257,9 @@ def _encoded(path: Path, image: ArrayImage, quality: int | None, profile: bytes)
     if suffix not in SUFFIXES:
         raise UserError(f"expected an output named {', '.join(sorted(SUFFIXES))} or .npy, got {path.name}")
     if image.dtype != np.uint8 and suffix not in TIFF:
-        able = ".png, .tiff or .npy" if image.dtype == np.uint16 else ".tiff or .npy"
-        raise UserError(f"{suffix} cannot hold {image.dtype} values; name the output {able}: {path}")
+        raise UserError(
+            f"{suffix} cannot hold {image.dtype} values; name the output {wide_formats(image)}: {path}"
+        )
     # OpenCV would make bytes of half floats, which float32 holds exactly.
     storable = image.astype(np.float32) if image.dtype == np.float16 else image
     kinds, carried = list[int](), list[NDArray[np.uint8]]()
@@ -269,6 +270,11 @@ def _encoded(path: Path, image: ArrayImage, quality: int | None, profile: bytes)
     if not done:
         raise UserError(f"{suffix} cannot hold an image of shape {image.shape}: {path}")
     return encoded.tobytes()
+
+
+def wide_formats(image: ArrayImage) -> str:
+    """The formats that hold an image of more than 8 bits, in words."""
+    return ".png, .tiff or .npy" if image.dtype == np.uint16 else ".tiff or .npy"
 
 
 def _settings(suffix: str, quality: int | None) -> list[int]:

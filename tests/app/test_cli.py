@@ -94,6 +94,7 @@ MISTAKES = [
     (["enhance", "{bad}/mixed", "{out}.png"], "2 images"),
     (["enhance", "{bad}/small.npy", "{out}.png"], ".png cannot hold float32"),
     (["enhance", "{bad}/deep.png", "{out}.jpg"], "name the output .png, .tiff or .npy"),
+    (["enhance", "{bad}/small.npy", "{out}.dcm"], "not float32; name the output .tiff or .npy"),
     (["enhance", "{bad}/small.npy", "{out}.mp4"], "8-bit"),
     (["enhance", "{bad}/whole.png", "{out}.png", "--z", "7"], "--z"),
     (["enhance", "{bad}/whole.png", "{out}.png", "--z", "nan"], "--z"),

@@ -18,7 +18,7 @@ from app.files.atomic import replaced
 from app.files.dicom.choices import DicomChoices
 from app.files.dicom.labels import CREATOR, GROUP, Kind, code, labelled
 from app.files.dicom.sources import Sources
-from app.files.image_files import ArrayImage
+from app.files.image_files import ArrayImage, wide_formats
 from app.files.provenance import ascii_json
 from app.files.timing import Timing
 from renderer.clip import ClipError
@@ -67,7 +67,7 @@ def write_dicom_still(path: Path, image: ArrayImage, facts: dict[str, Any], deri
     require_pydicom()
     if image.dtype != np.uint8:
         named = f"{path.suffix} holds 8 bits a value, not {image.dtype}"
-        raise UserError(f"{named}; name the output .png, .tiff or .npy: {path}")
+        raise UserError(f"{named}; name the output {wide_formats(image)}: {path}")
     pixels = np.ascontiguousarray(image[..., :3] if image.ndim == 3 else image)
     with quiet(), replaced(path) as place:
         made = derived.labels("still", facts)
