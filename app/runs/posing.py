@@ -12,6 +12,7 @@ from app.runs.run_folder import PosesRecord
 from renderer.camera_motion import POSES_MISSING, camera_motion, contradicted
 from renderer.clip import Clip
 from renderer.poses.search import FoundPoses, PosesError, find_poses
+from renderer.poses.told_apart import TISSUE
 from renderer.readers.lenses.calibration import Calibration
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, Preparing
@@ -79,7 +80,9 @@ def _may_be_posed(clip: Clip) -> bool:
 def through_found(clip: Clip, found: FoundPoses, start: int = 0) -> Posed:
     """The part of the clip that has poses, as seen from these; `start`: see `posed`."""
     bridged = tuple(at for at, residual in enumerate(found.residuals) if residual is None)
-    record = PosesRecord(residuals=found.residuals, points=found.points, lost=found.lost, bridged=bridged)
+    record = PosesRecord(
+        residuals=found.residuals, points=found.points, lost=found.lost, bridged=bridged, tissue=found.tissue
+    )
     whole = (found.first, found.last) == (0, len(clip) - 1)
     held = clip if whole else clip.between(found.first, found.last)
     part = None if whole else (found.first, found.last)
@@ -92,7 +95,7 @@ def _notices(clip: Clip, found: FoundPoses, start: int) -> list[str]:
     typical, most = residuals[len(residuals) // 2], residuals[-1]
     said = [
         f"camera poses are estimated: points lie {typical:.1f} px (median) from where they are expected, "
-        f"{most:.1f} px in the worst frame; what all of the tissue does together counts as camera motion"
+        f"{most:.1f} px in the worst frame; {TISSUE[found.tissue]}"
     ]
     if len(found.cameras) < len(clip):
         held = f"frames {start + found.first + 1} to {start + found.last + 1}"

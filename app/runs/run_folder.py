@@ -38,6 +38,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.json_files import parsed
 from renderer.leftovers import written_as
 from renderer.poses.lost_frame import LostFrame
+from renderer.poses.told_apart import TissueMotion
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.regular_files import read_regular
 from renderer.train.config import TrainConfig
@@ -60,6 +61,9 @@ class PosesRecord:
     """Those of the part that are neither trained on nor measured; none where the record does not say."""
     structure: tuple[FiniteFloat, ...] = ()
     """Points of the tissue, where they were found with the poses, in lack of depth: x, y and z in turn."""
+    tissue: TissueMotion | None = None
+    """Whether poses are told apart from motions of the tissue; None: the record does not say, as of earlier
+    versions."""
 
     def __post_init__(self) -> None:
         """Raises ValueError: points that are not all of three numbers."""

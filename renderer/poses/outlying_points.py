@@ -32,13 +32,13 @@ def outlying(lens: Camera, poses: FloatArray, points: FloatArray) -> BoolArray:
         if len(visible) <= _AROUND:
             continue
         depth = np.log(seen[visible, 2])
-        beside = _nearest(np.stack([column, row], axis=1)[visible].astype(np.float32))
+        beside = nearest(np.stack([column, row], axis=1)[visible].astype(np.float32))
         shown[visible] += 1
         far[visible] += np.abs(depth - np.median(depth[beside], axis=1)) > _FARTHEST
     return np.asarray((shown > 0) & (far >= shown / 2))
 
 
-def _nearest(places: NDArray[np.float32]) -> NDArray[np.int64]:
-    """(V, _AROUND) the nearest others of (V, 2)."""
+def nearest(places: NDArray[np.float32]) -> NDArray[np.int64]:
+    """(V, _AROUND) the nearest others of (V, D)."""
     found = cv2.BFMatcher(cv2.NORM_L2).knnMatch(places, places, k=_AROUND + 1)
     return np.array([[each.trainIdx for each in row[1:]] for row in found])

@@ -88,19 +88,37 @@ def _path(now: Deforming) -> FloatArray:
 
 
 def _smoothed_path(now: Deforming, fast: Sequence[int]) -> Deforming:
-    """With what these motions share as a rigid body divided so that second differences of the path are
-    least."""
+    """With what these motions share as a rigid body divided so that the path is nearest to a smooth one,
+    which takes up half of what is as fast as the slowest of them (Whittaker, "On a new method of
+    graduation", 1923). Second differences alone would follow the noise of poses and courses.
+    """
     around = now.rest - now.rest.mean(axis=0)
     lever = np.linalg.norm(around, axis=1).mean()
     path = _path(now) * np.r_[[lever] * 3, [1.0] * 3]
     change = motion_slopes(_path(now)[:, 3:] - now.rest.mean(axis=0))
     change = np.concatenate([np.broadcast_to(-lever * np.eye(3, 6), change.shape), change], axis=1)
-    effects = [now.courses[:, motion, None, None] * change for motion in fast]
-    bends = np.diff(np.concatenate(effects, axis=2), 2, axis=0).reshape(-1, 6 * len(fast))
-    found = np.linalg.lstsq(bends, -np.diff(path, 2, axis=0).ravel(), rcond=None)[0]
+    effects = np.concatenate([now.courses[:, motion, None, None] * change for motion in fast], axis=2)
+    rough = _roughness(len(path), float(_speeds(now.courses[:, fast]).min()))
+    normal = np.einsum("fdi,fg,gdj->ij", effects, rough, effects, optimize=True)
+    against = np.einsum("fdi,fg,gd->i", effects, rough, path, optimize=True)
     rigid = np.zeros((now.courses.shape[1], 6))
-    rigid[fast] = found.reshape(-1, 6)
+    rigid[fast] = -np.linalg.solve(normal + 1e-12 * np.eye(len(normal)), against).reshape(-1, 6)
     return _shared(now, rigid)
+
+
+def _roughness(count: int, speed: float) -> FloatArray:
+    """(F, F), symmetric, of which a series has all that is much faster than `speed`, half of what is as fast,
+    nothing of what is straight."""
+    bends = np.diff(np.eye(count), 2, axis=0)
+    return np.asarray(np.eye(count) - np.linalg.inv(np.eye(count) + bends.T @ bends / speed**4))
+
+
+def rigid_part(now: Deforming) -> FloatArray:
+    """(P, K, 3) of the shifts, what is nearest to a turn and a shift of all points."""
+    turns = motion_slopes(now.rest - now.rest.mean(axis=0))
+    even = np.ones(len(now.rest))
+    parts = [-turns @ _weighted(turns, shifts, even) for shifts in now.shifts.swapaxes(0, 1)]
+    return np.stack(parts, axis=1)
 
 
 def _areas(places: FloatArray) -> FloatArray:

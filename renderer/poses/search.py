@@ -16,6 +16,7 @@ from renderer.poses.parts import SHORTEST, commonest, parts_of, pictures_of
 from renderer.poses.pictures import small_lens
 from renderer.poses.rigid_motion import in_unit, inverse
 from renderer.poses.settling import Settled, apart, settled
+from renderer.poses.told_apart import TissueMotion
 from renderer.poses.tracking import Tracker
 
 _ELSEWHERE = "shows nothing that the others do"
@@ -35,6 +36,7 @@ class FoundPoses:
     """That agree with the pose."""
     lost: tuple[LostFrame, ...]
     """Of the whole clip."""
+    tissue: TissueMotion = "not sought"
 
     @property
     def last(self) -> int:
@@ -96,6 +98,7 @@ def found_poses(clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame
         residuals=tuple(residuals.get(at) for at in range(first, last + 1)),
         points=tuple(points.get(at, 0) for at in range(first, last + 1)),
         lost=tuple(sorted((*lost, *elsewhere), key=lambda each: each.frame)),
+        tissue=done.tissue,
     )
 
 

@@ -12,6 +12,7 @@ from renderer.poses.bundle import adjusted
 from renderer.poses.resection import agreeing, resected, trust
 from renderer.poses.rigid_motion import Seen, local, projected
 from renderer.poses.tissue_motion import places_of, poses_by_motion
+from renderer.poses.told_apart import TissueMotion
 from renderer.poses.views import DEPTH_NOISE, Rough, View, bundle_of
 
 _PASSES = 4
@@ -29,9 +30,10 @@ _RIGID_SLACK = 1.0
 _TAKEN_UP = 1.2
 """Times the misfit in depth: where it is more, a fit to the places alone takes up a deformation. Of two
 phantoms at rest and a sinus it is 0.9 to 1.1, of four that deform 1.3 to 3.4."""
-_OFF = 0.5
-"""Pixels by which places are off where all tissue may move together, so that depth does not tell: 0.2 to 0.3
-of phantoms at rest, 0.7 of those that breathe."""
+_OFF = 0.3
+"""Pixels by which places are off where all tissue may move together, or too little of it for the depth of
+most to tell: 0.1 to 0.3 of phantoms at rest, 0.4 of one whose pull the depth misses, 0.7 of those that
+breathe."""
 _SHARES = (0.35, 0.25, 0.2, 0.15, 0.12, 0.1, 0.08, 0.065)
 """Of the points, those that move least; only where tissue deforms, after the steadier half. Of a phantom that
 is pulled, the last four take the error from 1.17 to 0.77 % of the path of 60 frames, from 1.26 to 0.90 % of
@@ -82,6 +84,7 @@ class Settled:
     points: FloatArray
     """(L, 3) in world coordinates, the axes of the first view."""
     noise: Noise
+    tissue: TissueMotion = "not sought"
 
 
 def settled(rough: Rough) -> Settled:
@@ -100,8 +103,11 @@ def settled(rough: Rough) -> Settled:
     soft = _settled(rough, start, _SLACK, first=_FIRST_PX)
     rigid = _settled(rough, soft, _RIGID_SLACK)
     deforms = rigid.noise.depth >= _TAKEN_UP * soft.noise.depth
-    by_motion = _by_motion(soft) if deforms or rigid.noise.pixel > _OFF else None
-    return by_motion or (_by_the_steadiest(rough, soft) if deforms else rigid)
+    if not deforms and rigid.noise.pixel <= _OFF:
+        return rigid
+    if (by_motion := _by_motion(soft)) is not None:
+        return by_motion
+    return replace(_by_the_steadiest(rough, soft) if deforms else rigid, tissue="not found")
 
 
 def _by_motion(soft: Settled) -> Settled | None:
@@ -113,8 +119,9 @@ def _by_motion(soft: Settled) -> Settled | None:
     points = places_of(soft.lens, views, soft.points)
     noise, steady = _judged(soft.lens, points, views)
     return Settled(
-        soft.lens, tuple(_agreeing(soft.lens, points, view, noise, steady) for view in views), points, noise
-    )
+        soft.lens, tuple(_agreeing(soft.lens, points, view, noise, steady) for view in views), points, noise,
+        "found",
+    )  # fmt: skip
 
 
 def _by_the_steadiest(rough: Rough, soft: Settled) -> Settled:

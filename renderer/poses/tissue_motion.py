@@ -9,6 +9,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray, IntArray
 from renderer.evenly import evenly
+from renderer.poses.alike import left_by_neighbours
 from renderer.poses.between import between
 from renderer.poses.bundle import summed
 from renderer.poses.deforming import Deforming, fitted
@@ -35,9 +36,13 @@ _AT_ALL = 10
 """Rounds for the frames between."""
 _SLACK = 1.5
 """By which places and depth count less than their noise, for motions that are not those few."""
-_EXPLAINED = 0.33
+_LEFT = 0.25
 """Of what is left over in the image where points are at rest: where more is left, tissue does not move so. Of
-phantoms that breathe or are pulled 0.2 to 0.3 is left."""
+phantoms that breathe or are pulled 0.08 to 0.16 is left (seeds 0 and 2), of a real wall, whose depth is from
+eyes without calibration, 0.34."""
+_BY_NEIGHBOURS = 0.6
+"""Of what is left over where tissue moves as one rigid body: of those phantoms 0.15 to 0.43 is left where
+points move as those around them, of one at rest 0.77, and 0.83 where its depth is off by 0.3 px."""
 _LEAST_PX, _LEAST_DEPTH = 0.02, 1e-5
 _TO_DEVIATION = 1.4826
 
@@ -51,11 +56,11 @@ def poses_by_motion(lens: Camera, views: Sequence[View], points: FloatArray) -> 
     ids = _chosen([views[place] for place in looked_at], len(points))
     if len(ids) < _FEWEST_POINTS:
         return None
-    now = _begun(lens, [views[place] for place in looked_at], points, ids)
-    before = _noise(now)[0]
+    still = _still(lens, [views[place] for place in looked_at], points, ids)
+    now = _begun(still)
     for _ in range(_STAGES):
         now = fitted(_weighed(now), _ROUNDS)
-    if _noise(now)[0] > _EXPLAINED * before:
+    if _noise(now)[0] > _LEFT * _noise(still)[0] or left_by_neighbours(now) > _BY_NEIGHBOURS:
         return None
     for _ in range(_DIVISIONS):
         now = fitted(divided(now), _BETWEEN)
@@ -69,29 +74,48 @@ def _chosen(views: Sequence[View], count: int) -> IntArray:
     return np.sort(order[often[order] >= max(2 * _MOTIONS, _OFTEN * len(views))])
 
 
-def _begun(lens: Camera, views: Sequence[View], points: FloatArray, ids: IntArray) -> Deforming:
-    """With the time courses that what is left over has most in common (principal components)."""
+def _still(lens: Camera, views: Sequence[View], points: FloatArray, ids: IntArray) -> Deforming:
+    """As if the points chosen were at rest."""
     frames, of, seen = _observed(views, ids, len(points))
-    poses = np.stack([view.pose for view in views])
-    still = Deforming(
-        lens=lens, poses=poses, courses=np.zeros((len(views), _MOTIONS)), rest=points[ids],
-        shifts=np.zeros((len(ids), _MOTIONS, 3)), held_to=np.zeros((len(ids), _MOTIONS, 3)),
-        frames=frames, points=of, seen=seen,
+    none = np.zeros((len(ids), _MOTIONS, 3))
+    return Deforming(
+        lens=lens, poses=np.stack([view.pose for view in views]), courses=np.zeros((len(views), _MOTIONS)),
+        rest=points[ids], shifts=none, held_to=none, frames=frames, points=of, seen=seen,
     )  # fmt: skip
+
+
+def _begun(still: Deforming) -> Deforming:
+    """With time courses of what is left over (principal components)."""
+    seen, frames, of = still.seen, still.frames, still.points
+    courses = _common(still)
     known = seen.weights[:, 2] > 0
-    at = poses[frames[known]]
-    places = lifted(lens, seen.measured[known])
-    moved = np.zeros((len(views), len(ids), 3))
+    at = still.poses[frames[known]]
+    places = lifted(still.lens, seen.measured[known])
+    moved = np.zeros((len(still.poses), len(still.rest), 3))
     moved[frames[known], of[known]] = np.einsum("nji,nj->ni", at[:, :3, :3], places - at[:, :3, 3])
-    moved[frames[known], of[known]] -= points[ids][of[known]]
-    shown = np.zeros((len(views), len(ids)))
+    moved[frames[known], of[known]] -= still.rest[of[known]]
+    shown = np.zeros(moved.shape[:2])
     shown[frames, of] = 1
-    flat = moved.reshape(len(views), -1)
-    alike = (flat @ flat.T) / np.maximum(shown @ shown.T, 1)
-    courses = np.linalg.eigh(alike)[1][:, : -_MOTIONS - 1 : -1] * np.sqrt(len(views))
     of_points = np.einsum("fp,fk,fl->pkl", shown, courses, courses) + _MOTIONS * np.eye(_MOTIONS)
     shifts = np.linalg.solve(of_points, np.einsum("fk,fpi->pki", courses, moved))
     return replace(still, courses=courses, shifts=shifts)
+
+
+def _common(still: Deforming) -> FloatArray:
+    """(F, K) time courses that what is left over has most in common, about its mean of each point: in units
+    of its noise, as depth may be far less exact than places, and of what the point strays, so that no few
+    points that are followed wrongly decide."""
+    weighed = _weighed(still)
+    shape = len(still.poses), len(still.rest)
+    left, shown = np.zeros((*shape, 3)), np.zeros(shape)
+    left[still.frames, still.points] = weighed.apart() * weighed.seen.weights
+    shown[still.frames, still.points] = 1
+    often = np.maximum(shown.sum(axis=0), 1)
+    left -= shown[:, :, None] * (left.sum(axis=0) / often[:, None])
+    sizes = (left**2).sum(axis=(0, 2)) / often
+    flat = (left / np.sqrt(sizes + np.median(sizes) + 1e-12)[:, None]).reshape(len(left), -1)
+    alike = (flat @ flat.T) / np.maximum(shown @ shown.T, 1)
+    return np.asarray(np.linalg.eigh(alike)[1][:, : -_MOTIONS - 1 : -1] * np.sqrt(len(left)))
 
 
 def _observed(views: Sequence[View], ids: IntArray, count: int) -> tuple[IntArray, IntArray, Seen]:

@@ -23,6 +23,7 @@ from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all
 from renderer.json_files import read_json
 from renderer.listing import count
+from renderer.poses.told_apart import TISSUE
 from renderer.readers.clip_files import files_in
 from renderer.readers.lenses.calibration import Calibration
 from renderer.regular_files import read_regular
@@ -119,13 +120,10 @@ def _poses(poses: PosesRecord | None) -> list[Fact]:
     text = (
         f"estimated, {typical:.1f} px from where points are expected (median), {worst:.1f} in the worst frame"
     )
-    return [
-        Fact(
-            "poses",
-            text,
-            {"estimated": True, "residual_px": typical, "worst_px": worst, "lost": len(poses.lost)},
-        )
-    ]
+    if poses.tissue is not None:
+        text += f"; {TISSUE[poses.tissue]}"
+    facts = {"estimated": True, "residual_px": typical, "worst_px": worst, "lost": len(poses.lost)}
+    return [Fact("poses", text, facts | {"tissue": poses.tissue})]
 
 
 def _time(steps: object, wall: float | None) -> Facts:

@@ -16,6 +16,7 @@ from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
 from app.runs.trained_clip import run_clip
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.poses.told_apart import TISSUE
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, Warned
@@ -46,7 +47,8 @@ def test_poses_are_recorded_with_how_well_they_fit(trained):
     assert len({camera.position.tobytes() for camera in record.cameras}) == 12
     assert max(each for each in record.clip.poses.residuals if each is not None) < 1
     said = [event.message for event in trained[1] if isinstance(event, Warned)]
-    assert any("camera poses are estimated" in message for message in said)
+    tissue = TISSUE[record.clip.poses.tissue]
+    assert any(m.startswith("camera poses are estimated") and m.endswith(tissue) for m in said)
 
 
 def test_evaluation_and_the_window_see_through_them(trained):

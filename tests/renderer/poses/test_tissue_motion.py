@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from renderer.camera import Camera
+from renderer.poses.alike import left_by_neighbours
 from renderer.poses.deforming import Deforming, fitted
 from renderer.poses.rigid_motion import Seen, local, moved, projected
 from renderer.poses.rigid_share import divided
@@ -94,6 +95,16 @@ def test_tissue_that_moves_in_no_few_ways_is_left_to_others():
         return replace(view, seen=replace(view.seen, measured=measured))
 
     assert poses_by_motion(LENS, [shaken(view) for view in views], rest) is None
+
+
+def test_points_that_move_as_those_around_them_are_told_from_points_that_stray_alone():
+    smooth = made_up()
+    rng = np.random.default_rng(0)
+    alone = replace(smooth, shifts=0.02 * rng.standard_normal(smooth.shifts.shape))
+    told = projected(LENS, local(alone.poses[alone.frames], alone.places()))
+    strayed = replace(alone, seen=replace(alone.seen, measured=told))
+    assert left_by_neighbours(smooth) < 0.6
+    assert left_by_neighbours(strayed) > 0.9
 
 
 def test_too_few_frames_tell_no_motion():
