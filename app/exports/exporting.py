@@ -159,9 +159,11 @@ def export(request: ExportRequest) -> Iterator[Step]:
         path = request.folder / free_name(request.folder, request.stem)
         yield from _made(request, path)
     else:
+        # Where the disk is full, that is told of the name that the file would have had.
+        name = free_name(request.folder, request.stem, request.suffix)
         with filled(request.folder) as staging:
-            yield from _made(request, staging / f"{request.stem}{request.suffix}")
-            path = request.folder / _renamed(staging, request)
+            yield from _made(request, staging / name)
+            path = request.folder / _renamed(staging, request, name)
     yield Step(request.steps, path)
 
 
@@ -209,11 +211,10 @@ def _kept(clip: Clip, folder: Path) -> Path:
     return path
 
 
-def _renamed(staging: Path, request: ExportRequest) -> str:
-    """What was made, and lies beside it, by the name that is free now: another export may have ended
-    meanwhile."""
+def _renamed(staging: Path, request: ExportRequest, name: str) -> str:
+    """What was made by this name, and lies beside it, by the name that is free now: another export may have
+    ended meanwhile."""
     made = [item.name for item in staging.iterdir()]
-    name = f"{request.stem}{request.suffix}"
     free = free_name(
         request.folder, request.stem, request.suffix, beside=[item[len(name) :] for item in made]
     )

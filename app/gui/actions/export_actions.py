@@ -174,9 +174,8 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
     if state.exports.under_way is not request:
         return
     if isinstance(answer, Failure):
-        state.exports.under_way, state.exports.last = None, None
-        state.exports.failure = answer.message
-        actions.fail(state, f"the export failed: {answer.message}")
+        state.exports.under_way = None
+        _not_written(state, "the export failed", request, answer)
     elif answer.path is not None:
         state.exports.under_way = None
         _written(state, "exported", answer.path)
@@ -184,14 +183,24 @@ def take_step(state: AppState, request: ExportRequest, answer: Step | Failure) -
         state.exports.pace = state.exports.pace.after(answer.done, state.window.now)
 
 
-def take_saved(state: AppState, request: object, answer: Step | Failure) -> None:
+def take_saved(state: AppState, request: ExportRequest, answer: Step | Failure) -> None:
     """The picture of what is shown has been written, or has not."""
     if isinstance(answer, Failure) or answer.path is not None:
         state.exports.saving = tuple(one for one in state.exports.saving if one is not request)
     if isinstance(answer, Failure):
-        actions.fail(state, f"the image was not saved: {answer.message}")
+        _not_written(state, "the image was not saved", request, answer)
     elif answer.path is not None:
         _written(state, "saved", answer.path)
+
+
+def _not_written(state: AppState, how: str, request: ExportRequest, answer: Failure) -> None:
+    """What the system says of the file to be written is told with its folder: it may be on another disk than
+    one thinks."""
+    file = answer.error.filename if isinstance(answer.error, OSError) else None
+    is_ours = file is not None and Path(str(file)).is_relative_to(request.folder)
+    place = f" in {located(request.folder)}" if is_ours else ""
+    state.exports.last, state.exports.failure = None, f"{answer.message}{place}"
+    actions.fail(state, f"{how}: {state.exports.failure}")
 
 
 def _written(state: AppState, how: str, path: Path) -> None:

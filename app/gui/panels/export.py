@@ -327,7 +327,7 @@ def _draw_last(state: AppState) -> None:
     """What was written, and the way to it; or why nothing was."""
     if state.exports.failure:
         imgui.spacing()
-        note(f"Not exported: {legible(state.exports.failure)}", theme.now().danger)
+        note(f"Not saved: {legible(state.exports.failure)}", theme.now().danger)
     if state.exports.last is None or state.exports.under_way is not None:
         return
     imgui.spacing()

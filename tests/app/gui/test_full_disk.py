@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from app.files.legible import located
 from app.gui.actions import actions, clip_actions, export_actions, job_actions, preset_actions
 from app.gui.actions.export_offers import OFFERS
 from app.gui.session_file import autosave_path, mended_session
@@ -79,7 +80,13 @@ def test_under_the_pictures(disk: Disk, places: Places, own_clip: Path) -> None:
     before = contents(app.state.places.pictures)
     disk.fill()
     app.save()
-    assert app.trouble().startswith(f"the image was not saved: {NO_SPACE}: clip-")
+    (earlier,) = app.state.places.pictures.glob("*.png")
+    folder = located(app.state.places.pictures)
+    why = f"{NO_SPACE}: {earlier.stem}-2.png in {folder}"
+    assert app.trouble() == f"the image was not saved: {why}"
+    # The panel no longer shows the file before as if it were this one.
+    assert app.state.exports.last is None
+    assert app.state.exports.failure == why
     for what in OFFERS:
         request = export_actions.export_request(app.state, what)
         if request is None:
