@@ -23,6 +23,7 @@ from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, Preparing
 
 FOLLOWING, PLACING = "following features", "finding camera and shape from motion"
+NO_DEPTH = "no depth follows from the camera's motion"
 DOUBTFUL = 0.05
 """Share of a point's depth by which it may be off before that is said. On a sinus 3 %, on a fetoscopy 7 %."""
 DIGITS = 2
@@ -53,7 +54,7 @@ def structured(
         found = yield from _structure(clip, focal_is_known=is_known)
     except PosesError as error:
         way = "--depth brightness estimates it, without a scale"
-        raise ClipError(f"no depth follows from the camera's motion: {error} ({way}): {clip.path}") from error
+        raise ClipError(f"{NO_DEPTH}: {error} ({way}): {clip.path}") from error
     lens, straight = found_lens(clip, found.distortion), None
     is_refused = "lens" in config.leave_out
     if lens is not None and not (is_refused or drawn_on):

@@ -11,7 +11,7 @@ from app.gui.state.reconstruction import Waiting
 from app.gui.state.scene import Second
 from app.gui.work.background import Failure
 from app.gui.work.runs import FoundRuns, Left, LeftRequest, ListedRun, RunsRequest
-from app.runs.train_run import TrainRequest
+from app.runs.structuring import NO_DEPTH
 
 
 def take_found(state: AppState, request: RunsRequest, answer: FoundRuns | Failure) -> None:
@@ -124,13 +124,13 @@ def take_left(state: AppState, request: LeftRequest, left: Left) -> None:
     if request is run.ended and run.request is not None:
         run.has_checkpoint = left.has_checkpoint
         run.saved_nothing = run.status == "failed" and not left.is_run
-        run.way_out = way_out(left, run.request) if run.status == "failed" else ""
+        run.way_out = way_out(left, run.failure) if run.status == "failed" else ""
 
 
-def way_out(left: Left, request: TrainRequest) -> str:
+def way_out(left: Left, failure: str) -> str:
     """What can be done with a run that failed, in a sentence or two."""
-    if not left.is_run and request.clip_options.depth == "motion":
-        return "Nothing was saved. If motion gives no depth, choose Guessed (no scale) for Depth."
+    if not left.is_run and failure.startswith(NO_DEPTH):
+        return "Nothing was saved: choose Guessed (no scale) for Depth, and start again."
     if not left.is_run:
         return "Nothing was saved: correct the problem named above and start again."
     if left.has_checkpoint:

@@ -28,6 +28,7 @@ from app.gui.work.runs import FoundRuns, ListedRun, RunFinder, RunsRequest
 from app.runs.job import Failed
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
+from app.runs.structuring import NO_DEPTH
 from app.runs.train_run import TrainRequest, run_training
 from app.scenes.scene import Scene
 from renderer.gaussians import DynamicGaussians
@@ -268,16 +269,23 @@ def test_a_failure_says_what_can_be_done(
     assert state.scene.model.model is model
 
 
-def test_without_depth_from_motion_another_depth_is_the_way_out(state: AppState, make_job: MakeFake) -> None:
+@pytest.mark.parametrize(
+    ("reason", "is_of_depth"),
+    [(f"{NO_DEPTH}: the camera only turns", True), ("No space left on device: run.json", False)],
+)
+def test_without_depth_from_motion_another_depth_is_the_way_out(
+    state: AppState, make_job: MakeFake, reason: str, is_of_depth: bool
+) -> None:
     state.source.options = ClipOptions(depth="motion")
     job_actions.start_reconstruction(state)
     start_due(state, make_job)
     run = state.runs.reconstruction
     assert isinstance(run.job, FakeJob)
-    run.job.inbox = [Failed("the camera only turns")]
+    run.job.inbox = [Failed(reason)]
     update(state, Channels(), 0.1)
     follow_run(state)
-    assert "choose Guessed (no scale) for Depth" in run.way_out
+    assert ("choose Guessed (no scale) for Depth" in run.way_out) == is_of_depth
+    assert "start again" in run.way_out
 
 
 def test_the_list_draws_every_state(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
