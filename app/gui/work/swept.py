@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.settable import Pixels, Scope
+from app.enhancement.setting_words import LABELS
 from app.errors import UserError
 from app.files.image_files import read_image
 from app.report.section import is_number
@@ -30,8 +31,11 @@ WORDS: Final = {"dv": "DV", "bv": "BV", "dv_bv": "DV/BV", "ssim": "SSIM", "lpips
 
 
 def in_words(name: str) -> str:
-    """A measure or a setting, as a person calls it."""
-    return WORDS.get(name, name.replace("_", " ").replace("color", "colour").replace("psnr", "PSNR"))
+    """A measure or a setting, as a person calls it; a setting whose slider has another name, with that name:
+    its numbers are those of files and commands, and may not be the slider's."""
+    said = WORDS.get(name, name.replace("_", " ").replace("color", "colour").replace("psnr", "PSNR"))
+    label = LABELS.get(name)
+    return said if label is None or label.lower() == said else f"{said} ({label})"
 
 
 @dataclass(frozen=True, eq=False)

@@ -143,3 +143,9 @@ def test_names_are_words_of_the_field() -> None:
         "colour difference",
         "PSNR seldom",
     ]
+    # What the slider "Colour" shows are not the numbers of d_factor.
+    assert [in_words(name) for name in ("d_factor", "lift", "radius")] == [
+        "d factor (Colour)",
+        "lift (Brightening)",
+        "radius",
+    ]
