@@ -164,10 +164,10 @@ def _draw_frame(state: AppState) -> None:
 
 
 def _said(shown: FrameMask) -> str:
-    share = f"{percent(shown.mask.mean())} of this frame" if shown.mask.any() else "No tool in this frame"
+    share = f"{percent(shown.mask.mean())} of this frame" if shown.mask.any() else "no tool in this frame"
     if shown.origin is None and shown.own.any():
         return f"{percent(shown.own.mean())} masked by the clip's own masks, which stay"
-    return f"{share}: {ORIGINS[shown.origin]}"
+    return f"{capital(ORIGINS[shown.origin])}: {share}"
 
 
 def _draw_by_hand(state: AppState) -> None:

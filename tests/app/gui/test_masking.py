@@ -67,6 +67,17 @@ def test_the_images_come_to_the_front_to_be_painted_on(opened: AppState) -> None
     assert not opened.source.asked
 
 
+def test_who_masked_a_frame_is_said_before_how_much(
+    masking: AppState, monkeypatch: pytest.MonkeyPatch, ui: Ui
+) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(masking_panel, "note", lambda text, *_: said.append(text))
+    masking_actions.clear_frame(masking)
+    settle(masking)
+    ui.frame(lambda: masking_panel.draw_masking(masking))
+    assert "Masked by hand: no tool in this frame" in said
+
+
 def shown(state: AppState) -> FrameMask:
     assert state.masking.shown is not None
     return state.masking.shown
