@@ -83,7 +83,7 @@ def eyes_hint(first: ByteImage) -> str:
     if layout is None:
         return ""
     way = f"set Eyes (--stereo {layout})"
-    return f"the {HALVES[layout]} of a frame look alike; if they are the two eyes: {way}"
+    return f"the {HALVES[layout]} of a frame look alike; if they are the two eyes, {way}"
 
 
 def _eye(image: ByteImage, layout: StereoLayout, number: int) -> ByteImage:

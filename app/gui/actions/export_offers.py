@@ -137,7 +137,8 @@ OFFERS: Final[dict[What, Offer]] = {
     "right pane": Offer("Right pane", "picture", "What the right side shows.", "right", ("right",)),
     "both panes": Offer("Both panes", "picture", "Side by side, whatever the mode.", "both", SIDES),
     "3D view": Offer(
-        "3D view", "picture", "The 3D view as shown, with the second one.", "3d-view", sees="still"
+        "3D view", "picture", "The 3D view as shown, and the second view where there is one.",
+        "3d-view", sees="still",
     ),
     "window": Offer(
         "Whole window", "picture",
@@ -167,11 +168,13 @@ OFFERS: Final[dict[What, Offer]] = {
         "enhanced",
     ),
     "video through time": Offer(
-        "3D through time", "view video", "The 3D view as shown, and the second one, through the clip.",
+        "3D through time", "view video",
+        "The 3D view through the clip, and the second view where there is one.",
         "through-time", sees="time",
     ),
     "video along the path": Offer(
-        "3D along the path", "view video", "The 3D view, and the second one, along the camera path.",
+        "3D along the path", "view video",
+        "The 3D view along the camera path, and the second view where there is one.",
         "along-path", sees="path",
     ),
     "measures of both panes": Offer(

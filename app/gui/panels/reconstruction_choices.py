@@ -63,8 +63,8 @@ POINTS: Final = "Sparse points"
 EYES: Final[dict[Stereo, str]] = {
     "auto": "As the video says",
     "off": "One eye",
-    "side-by-side": "Left and right half",
-    "top-bottom": "Upper and lower half",
+    "side-by-side": "Left and right halves",
+    "top-bottom": "Upper and lower halves",
 }
 EYES_TEXT: Final = (
     "How the two eyes of a stereo endoscope are arranged in each frame, the left one first. The left eye is "

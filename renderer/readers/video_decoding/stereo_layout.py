@@ -39,8 +39,8 @@ ALIKE: Final = 0.45
 FLAT: Final = 0.5
 """Grey levels, standard deviation: too little to compare."""
 HALVES: Final[Mapping[StereoLayout, str]] = {
-    "side-by-side": "left and right half",
-    "top-bottom": "upper and lower half",
+    "side-by-side": "left and right halves",
+    "top-bottom": "upper and lower halves",
 }
 
 
