@@ -331,7 +331,9 @@ class AppState:
             return None
         known = shown.record.clip  # It knows the surround that training found.
         part = run.request.part if known is None else (known.part or WHOLE).kept_in(run.request.run_path)
-        return RunMeasuresRequest(shown, clip, part, run.request.config)
+        lens = None if known is None else known.calibration
+        found = None if lens == self.source.options.calibration else lens
+        return RunMeasuresRequest(shown, clip, part, run.request.config, found)
 
     @property
     def plain_view_request(self) -> ViewRequest | None:

@@ -13,8 +13,10 @@ from app.runs.trained_clip import enhanced_clip
 from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from app.scenes.scene import Scene
 from renderer.clip import BoolImage, Clip
+from renderer.depth.calibrated import with_calibration
 from renderer.measuring.closeness import Closeness, closeness
 from renderer.near_plane import near_plane
+from renderer.readers.lenses.calibration import Calibration
 from renderer.train.config import TrainConfig
 
 
@@ -26,6 +28,14 @@ class RunMeasuresRequest:
     clip: Clip
     part: ClipPart
     config: TrainConfig
+    lens: Calibration | None = None
+    """That training found: the images of the open clip are undistorted by it first."""
+
+    def as_trained(self) -> Clip:
+        """The part of the clip as training saw it. Raises ClipError: it does not fit the lens."""
+        clip = self.clip if self.lens is None else with_calibration(self.clip, self.lens)
+        seen = self.part.of(clip)
+        return seen.through(self.scene.cameras) if self.scene.poses_are_estimated else seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +63,7 @@ class RunMeasures:
 
 def measure_run(request: RunMeasuresRequest) -> Iterator[RunMeasures]:
     """Measures as `evaluate` does. Raises ClipError: a frame cannot be read."""
-    scene, clip = request.scene, request.part.of(request.clip)
+    scene, clip = request.scene, request.as_trained()
     indices = scene.test_indices or clip.train_indices
     nothing = RunMeasures(request, len(indices))
     seldom: BoolImage | None = None

@@ -6,11 +6,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from imgui_bundle import ImVec4
 
 from app.evaluation.evaluate import measure_frame, open_evaluation
 from app.evaluation.mean import mean_of_finite
+from app.files.provenance import write_png
 from app.gui.actions import arriving, edit_actions, run_actions
 from app.gui.panels import run_measures
 from app.gui.panels.reconstruction import draw_reconstruction
@@ -20,12 +22,18 @@ from app.gui.style import widgets
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
 from app.gui.work.opening import OpenRequest, open_path
+from app.gui.work.run_measures import RunMeasuresRequest, measure_run
 from app.gui.work.settings import Places
+from app.runs.clip_selection import WHOLE
 from app.runs.train_run import TrainRequest, run_training
 from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
+from app.scenes.scene import open_scene
+from renderer.measuring.closeness import closeness
 from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
+from renderer.readers.lenses.calibration import Calibration, FoundLens, LensCalibration
+from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from tests.app.gui.ui import Ui
 
@@ -106,6 +114,46 @@ def test_a_finished_run_is_measured_as_evaluate_does_and_says_so(
     covered = found.mean("coverage")
     assert covered is not None
     assert lines[-2:] == ["Covered tissue", f"{int(1000 * covered) / 10:.1f} %"]
+
+
+def test_cameras_that_training_estimated_are_measured_through(tmp_path: Path) -> None:
+    """Also beside the clip as it was opened, which does not know them."""
+    clip = tmp_path / "clip"
+    whole = PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
+    write_phantom(clip, whole)
+    bounds = np.load(clip / "poses_bounds.npy")
+    np.save(clip / "poses_bounds.npy", np.repeat(bounds[:1], len(bounds), axis=0))
+    config = TrainConfig(iterations=4, n_gaussians=500)
+    list(run_training(TrainRequest(clip_path=clip, run_path=tmp_path / "run", config=config)))
+    scene, evaluation = open_scene(tmp_path / "run"), open_evaluation(tmp_path / "run")
+    assert scene.poses_are_estimated
+    *_, last = measure_run(RunMeasuresRequest(scene, open_clip(clip), WHOLE, config))
+    frames = (evaluation.trained_clip.read_frame(index) for index in evaluation.indices)
+    drawn = (
+        (frame, evaluation.drawn(index)) for frame, index in zip(frames, evaluation.indices, strict=True)
+    )
+    wanted = [closeness(seen.bytes, seen.alpha, frame, None) for frame, seen in drawn]
+    assert last.mean("psnr") == pytest.approx(mean_of_finite(each.psnr for each in wanted))
+
+
+def test_images_are_undistorted_by_a_lens_that_training_found(opened: AppState, tmp_path: Path) -> None:
+    """While the clip is open as its files are."""
+    scene, images = opened.scene.model, tmp_path / "images"
+    assert scene is not None
+    assert scene.record.clip is not None
+    lens = LensCalibration(fx=60, fy=60, cx=31.5, cy=23.5, distortion=(-0.2, 0, 0, 0))
+    found = Calibration(lens=lens, found=FoundLens(deviation=0.01))
+    record = replace(scene.record, clip=replace(scene.record.clip, calibration=found))
+    opened.scene.model = replace(scene, record=record)
+    asked = opened.run_measures_request
+    assert asked is not None
+    assert asked.lens == found
+    images.mkdir()
+    for at in range(3):
+        write_png(images / f"{at}.png", np.random.default_rng(at).integers(0, 256, (48, 64, 3), np.uint8), {})
+    seen = replace(asked, clip=open_clip(images), part=WHOLE).as_trained()
+    straight = open_clip(images, ClipOptions(calibration=found))
+    np.testing.assert_array_equal(seen.read_image(1), straight.read_image(1))
 
 
 def test_measures_of_the_trained_model_say_so_beside_an_edited_one(
