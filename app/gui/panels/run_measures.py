@@ -49,7 +49,9 @@ def draw_run_measures(state: AppState) -> None:
     if request is None:
         return
     if found is None or found.request != request or not found.is_whole:
-        muted("Measuring the held-out frames…")
+        ours = found if found is not None and found.request == request else None
+        done = f": {len(ours.frames)} of {ours.count}" if ours is not None and ours.frames else "…"
+        muted(f"Measuring the held-out frames{done}")
         # As high as it will be: what is below stays where it is.
         _draw_rows(lambda name, said: "…")
         return

@@ -108,6 +108,11 @@ def test_a_finished_run_is_measured_as_evaluate_does_and_says_so(
     for _, name, _, _ in ROWS:
         expected = mean_of_finite(getattr(each, name) for each in wanted)
         assert found.mean(name) == (None if expected is None else pytest.approx(expected))
+    opened.runs.measures = replace(found, frames=found.frames[:1])
+    lines.clear()
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert lines[0] == "Measuring the held-out frames: 1 of 3"
+    opened.runs.measures = found
     lines.clear()
     ui.frame(lambda: draw_reconstruction(opened))
     assert lines[:2] == ["Mean of 3 held-out frames", "PSNR"]
