@@ -107,7 +107,7 @@ class ClipPart:
     def cleared(self, frame: Frame) -> Frame:
         """The same for a frame, of the size of the field of view."""
         lit = frame if self.field_of_view is None else within(frame, self.field_of_view.mask())
-        return lit if self.tools is None else without_tools(lit)
+        return lit if self.tools is None else without_tools(lit, self.tools.still)
 
     def _trimmed(self, clip: Clip) -> Clip:
         self.require_within(clip)

@@ -10,7 +10,8 @@ from typing import Annotated, Final
 
 from annotated_types import Ge, Interval
 
-from app.runs.dark_surround import lit_part
+from app.runs.dark_surround import lit_part, spread
+from app.runs.unmasked_tools import tools_in
 from renderer.clip import BoolImage, Clip, Frame
 from renderer.evenly import evenly
 from renderer.readers.masks.nonzero_masks import read_nonzero
@@ -65,7 +66,7 @@ def make_masks(
     examples = [_example(lit, index, by_hand) for index in taught_by]
     report = MaskReport(0, len(by_hand.files), learned_well(examples), notices=by_hand.notices)
     yield report
-    find, found_by = _finder(examples, model)
+    find, found_by = _finder(lit, examples, model)
     shares, scores, agreement = list[float](), dict[int, float](), Agreement()
     for index, name in enumerate(mask_names(clip.labels)):
         frame = lit.read_frame(index)
@@ -101,11 +102,13 @@ def _size(frame: Frame) -> tuple[int, int]:
     return width, height
 
 
-def _finder(examples: list[Example], model: OnnxTools | None) -> tuple[Find, MaskOrigin]:
+def _finder(lit: Clip, examples: list[Example], model: OnnxTools | None) -> tuple[Find, MaskOrigin]:
     if model is not None:
         return lambda frame: model.find(frame.image, frame.tissue_mask), "by a model"
     if not examples:
-        return lambda frame: find_tools(frame.image, frame.tissue_mask), "by colour"
+        found = tools_in(map(lit.read_frame, spread(range(len(lit)))))
+        still = () if found is None else found.still
+        return lambda frame: find_tools(frame.image, frame.tissue_mask, still), "by colour"
     learned = LearnedTools.of(examples)
     return lambda frame: learned.find(frame.image, frame.tissue_mask), "learned"
 

@@ -8,8 +8,10 @@ from typing import Annotated
 
 from annotated_types import Ge, Interval
 
-from renderer.clip import BoolImage, Frame
-from renderer.tools.search import find_tools
+from renderer.clip import BoolImage, ByteImage, Frame
+from renderer.tools.search import tools_alone, with_margin, with_still
+from renderer.tools.shrinking import shrunk
+from renderer.tools.still import StillArea, still_areas
 from renderer.train.events import Omission
 
 
@@ -22,12 +24,14 @@ class FoundTools:
     looked_at: Annotated[int, Ge(1)]
     share: Annotated[float, Interval(gt=0, le=1)]
     """Of the pixels of all frames looked at."""
+    still: tuple[StillArea, ...] = ()
+    """Of them; runs of versions before have none, and find each frame's tools by that frame alone."""
 
 
 def tools_in(frames: Iterable[Frame]) -> FoundTools | None:
     """What these frames show, but for those whose tools are known; None where there is nothing, or where the
     clip's own masks change from frame to frame: then they are masks of tools."""
-    first, shares = list[BoolImage](), list[float]()
+    first, images, alone = list[BoolImage](), list[ByteImage](), list[ByteImage]()
     for frame in frames:
         if frame.tools_are_known:
             continue
@@ -35,9 +39,15 @@ def tools_in(frames: Iterable[Frame]) -> FoundTools | None:
         first = first or [mask]
         if mask.shape != first[0].shape or (mask != first[0]).any():
             return None
-        shares.append(float(find_tools(frame.image, mask).mean()))
+        images.append(shrunk(frame.image))
+        alone.append(tools_alone(images[-1], mask))
+    still = still_areas(images, alone)
+    shares = [
+        float(with_margin(with_still(one, small, still), first[0].shape).mean())
+        for small, one in zip(images, alone, strict=True)
+    ]
     found = sum(share > 0 for share in shares)
-    return FoundTools(found, len(shares), sum(shares) / len(shares)) if found else None
+    return FoundTools(found, len(shares), sum(shares) / len(shares), still) if found else None
 
 
 def omission_of(found: FoundTools) -> Omission:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ByteImage
-from renderer.tools.search import shrunk, shrunk_mask
+from renderer.tools.shrinking import shrunk, shrunk_mask
 
 WEAK: Final = 0.6
 """IoU with the frame before, below which a mask should be looked at."""

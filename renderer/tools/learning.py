@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from renderer.clip import BoolImage, ByteImage
 from renderer.tools.network import Network, train_network
 from renderer.tools.pixel_features import COUNT, Features, features
-from renderer.tools.search import SMALLEST, disc, shrunk, shrunk_mask
+from renderer.tools.shrinking import SMALLEST, disc, shrunk, shrunk_mask
 
 PER_FRAME: Final = 3000
 """Pixels of each kind that are learned from, of a frame."""

@@ -23,7 +23,7 @@ _QUIET = 0.02  # Of ln(brightness): less variation is noise.
 
 
 def features(small: ByteImage) -> Features:
-    """(h, w, COUNT) of an RGB image (h, w, 3) as `renderer.tools.search.shrunk` gives it.
+    """(h, w, COUNT) of an RGB image (h, w, 3) as `renderer.tools.shrinking.shrunk` gives it.
 
     At each scale ln(R / G) and ln(G / B), which the lamp's distance does not change, and the logarithm of
     brightness; then how much that varies nearby, as a logarithm.

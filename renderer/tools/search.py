@@ -3,6 +3,7 @@ plastic are grey, white or blue, and tissue is red."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ByteImage, Frame, within
+from renderer.tools.shrinking import SMALLEST, disc, shrunk
+from renderer.tools.still import StillArea
 
-SIDE: Final = 320
-"""Pixels of the longer side of what is looked at: reflections and vessels are small there."""
 GREY: Final = 0.08
 """ln(R / G) of steel, white balanced: no redder."""
 MIXED: Final = 0.2
@@ -26,8 +27,6 @@ GREY_SHARE: Final = 0.2
 """Of a tool, reflections left out, that is grey: pale tissue is of mixed colour alone."""
 STEP: Final = 0.27
 """Of the tissue's redness, from within a tool to what lies beside it; pale tissue fades into red."""
-SMALLEST: Final = 0.003
-"""Of the image."""
 MARGIN: Final = 0.025
 """Of the longer side: edges are blurred, and tools throw shadows."""
 
@@ -39,31 +38,50 @@ _RIM = 4  # px of the small image: what ends there comes from beyond the view.
 _OPENING = 5  # px of the small image: thinner than that are reflections and vessels.
 
 
-def find_tools(image: ByteImage, seen: BoolImage) -> BoolImage:
+def find_tools(image: ByteImage, seen: BoolImage, still: Iterable[StillArea] = ()) -> BoolImage:
     """(H, W), True = tool and its margin, of an RGB image (H, W, 3).
 
-    `seen` (H, W) is True where the endoscope sees something. A tool is a connected area of grey and mixed
-    colour that enters from the edge of what is seen, and ends sharply. Colour is ln(R / G): brightness, and
-    so the distance of the lamp, cancels. Nothing is found where tissue itself is grey.
+    `seen` (H, W) is True where the endoscope sees something; what stands `still` over its clip is found
+    where it looks the same. Else a tool is a connected area of grey and mixed colour that enters from the
+    edge of what is seen, and ends sharply. Colour is ln(R / G): brightness, and so the distance of the lamp,
+    cancels. Nothing is found where tissue itself is grey.
 
     The constants were chosen on training frames of the pulling and mesentery clips, whose tools are
     known, and of the wall, which has none: edges step by 0.34 to 1.3 of the tissue's redness where a tool
     ends, and by up to 0.21 where pale tissue does. What it cannot tell: tips that mirror tissue all over,
     and tissue as blue as steel.
     """
-    height, width = seen.shape
     small = shrunk(image)
+    return with_margin(with_still(tools_alone(small, seen), small, still), seen.shape)
+
+
+def tools_alone(small: ByteImage, seen: BoolImage) -> ByteImage:
+    """(h, w), 1 where a tool is, without its margin, else 0: of an image (h, w, 3) as `shrunk` makes it."""
     size = small.shape[1], small.shape[0]
     colors = _Colors.of(small, cv2.resize(seen.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0)
-    if colors.tissue < LEAST_REDNESS:
-        return np.zeros_like(seen)
-    wide = cv2.dilate(_entering(colors), disc(2 * round(MARGIN * max(size)) + 1))
-    return np.asarray(cv2.resize(wide, (width, height), interpolation=cv2.INTER_LINEAR) > 0)
+    return _entering(colors) if colors.tissue >= LEAST_REDNESS else np.zeros(small.shape[:2], np.uint8)
 
 
-def without_tools(frame: Frame) -> Frame:
+def with_still(alone: ByteImage, small: ByteImage, still: Iterable[StillArea]) -> ByteImage:
+    """The same with what stands still, where the image looks so."""
+    for area in still:
+        alone = area.added(alone, small)
+    return alone
+
+
+def with_margin(alone: ByteImage, size: tuple[int, ...]) -> BoolImage:
+    """(H, W) of that size, True = tool and its margin."""
+    if not alone.any():
+        return np.zeros(size, bool)
+    wide = cv2.dilate(alone, disc(2 * round(MARGIN * max(alone.shape)) + 1))
+    return np.asarray(cv2.resize(wide, (size[1], size[0]), interpolation=cv2.INTER_LINEAR) > 0)
+
+
+def without_tools(frame: Frame, still: Iterable[StillArea] = ()) -> Frame:
     """The frame where tools, as `find_tools` sees them, are no tissue; as it is where they are known."""
-    return frame if frame.tools_are_known else within(frame, ~find_tools(frame.image, frame.tissue_mask))
+    if frame.tools_are_known:
+        return frame
+    return within(frame, ~find_tools(frame.image, frame.tissue_mask, still))
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,24 +132,6 @@ def _step(colors: _Colors, area: BoolImage, clear: BoolImage) -> float:
     if not within_it.any() or not around.any():
         return 0.0
     return float(np.median(colors.red[around]) - np.median(colors.red[within_it]))
-
-
-def shrunk(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """(h, w, ...) of `SIDE` pixels at its longer side, of (H, W, ...)."""
-    height, width = image.shape[:2]
-    scale = SIDE / max(width, height)
-    size = max(1, round(width * scale)), max(1, round(height * scale))
-    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-
-
-def shrunk_mask(mask: BoolImage) -> BoolImage:
-    """(h, w) of (H, W), as `shrunk`: what most of a pixel is."""
-    return shrunk(mask.astype(np.uint8) * 255) > 127
-
-
-def disc(across: int) -> ByteImage:
-    """To open, close, grow and shrink areas with."""
-    return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (across, across)), dtype=np.uint8)
 
 
 def _grown(mask: BoolImage, radius: int) -> BoolImage:

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from pydantic import TypeAdapter
+from pydantic_core import to_json
 
 from app.enhancement.image_mask import NO_MASK
 from app.gui.work.masking import LeftOutRequest, left_out
 from app.gui.work.omissions import OmissionsRequest, look
+from app.runs.clip_selection import ClipPart
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.runs.trained_clip import run_clip
 from app.runs.unmasked_tools import tools_in
+from renderer.camera import Camera
+from renderer.clip import Frame
 from renderer.sources import open_clip
+from renderer.tools.search import find_tools
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started
 from tests.app.conftest import Cli, request_of
+
+PANEL = np.s_[215:240, 0:90]
 
 
 def test_a_run_leaves_them_out_and_says_so(unmasked: Path, clip_path: Path, tmp_path: Path) -> None:
@@ -73,3 +82,30 @@ def test_the_tint_shows_them(unmasked: Path, clip_path: Path) -> None:
     assert answer.pixels[~truth.read_frame(5).tissue_mask].all()
     (own,) = left_out(LeftOutRequest(truth, 5, NO_MASK))
     assert np.array_equal(own.pixels, ~truth.read_frame(5).tissue_mask)
+
+
+def test_a_panel_is_masked_in_every_frame_but_in_runs_of_versions_before() -> None:
+    frames = [with_panel(index, is_pale=index == 5) for index in range(8)]
+    found = tools_in(frames)
+    assert found is not None
+    assert (found.frames, found.looked_at) == (8, 8)
+    told = to_json(ClipPart(tools=found))
+    now = TypeAdapter(ClipPart).validate_json(told)
+    assert now == ClipPart(tools=found)
+    facts = json.loads(told)
+    del facts["tools"]["still"]
+    before = TypeAdapter(ClipPart).validate_python(facts)
+    for index, frame in enumerate(frames):
+        alone = ~find_tools(frame.image, frame.tissue_mask)
+        assert np.array_equal(before.cleared(frame).tissue_mask, alone)
+        assert alone[PANEL].any() == (index == 5)
+        assert now.cleared(frame).tissue_mask[PANEL].mean() < 0.02
+        assert now.cleared(frame).tissue_mask.mean() > 0.8
+
+
+def with_panel(index: int, is_pale: bool) -> Frame:
+    """A grey panel at the bottom left of red tissue, or of tissue that is told from no tool."""
+    image = np.full((240, 320, 3), (170, 160, 160) if is_pale else (150, 70, 60), np.uint8)
+    image[PANEL] = 60
+    every = np.ones((240, 320), bool)
+    return Frame(index, index / 8, image, Camera.from_fov(60, 320, 240), every, every)
