@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 from pydantic import TypeAdapter
 from pydantic_core import to_json
@@ -20,6 +21,7 @@ from app.runs.trained_clip import run_clip
 from app.runs.unmasked_tools import tools_in
 from renderer.camera import Camera
 from renderer.clip import Frame
+from renderer.readers.masks.nonzero_masks import read_nonzero
 from renderer.sources import open_clip
 from renderer.tools.search import find_tools
 from renderer.train.config import TrainConfig
@@ -101,6 +103,17 @@ def test_a_panel_is_masked_in_every_frame_but_in_runs_of_versions_before() -> No
         assert alone[PANEL].any() == (index == 5)
         assert now.cleared(frame).tissue_mask[PANEL].mean() < 0.02
         assert now.cleared(frame).tissue_mask.mean() > 0.8
+
+
+def test_masks_that_are_made_by_colour_hold_it_in_every_frame(tmp_path: Path, vesselsplat: Cli) -> None:
+    (tmp_path / "clip").mkdir()
+    for index in range(8):
+        frame = with_panel(index, is_pale=index == 5)
+        cv2.imwrite(str(tmp_path / "clip" / f"{index}.png"), frame.image[:, :, ::-1])
+    call = vesselsplat("masks", tmp_path / "clip", "--out", tmp_path / "masks")
+    assert call.code == 0, call.error
+    masks = sorted((tmp_path / "masks").glob("*.png"))
+    assert [read_nonzero(path, (320, 240))[PANEL].mean() > 0.98 for path in masks] == [True] * 8
 
 
 def with_panel(index: int, is_pale: bool) -> Frame:
