@@ -29,10 +29,10 @@ def value_histogram(value: Float32Image) -> NDArray[np.int64]:
     return np.bincount(levels, minlength=256)
 
 
-def level(histogram: NDArray[np.int64]) -> int:
-    """L of Eq 2: the smallest grey level where the cumulative distribution reaches 0.1."""
+def level(histogram: NDArray[np.int64], tenths: int = 1) -> int:
+    """L of Eq 2: the smallest grey level where the cumulative distribution reaches 0.1, or so many tenths."""
     cumulative = np.cumsum(histogram)
-    return int(np.argmax(10 * cumulative >= cumulative[-1]))
+    return int(np.argmax(10 * cumulative >= tenths * cumulative[-1]))
 
 
 def z_from_level(level: float) -> float:

@@ -191,7 +191,7 @@ class Enhancer:
         seen, known = self._surveyed(params.subsample), self._moments
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
         snr, field = seen.chroma_snr if params.d_factor is None else None, self._now.field
-        measured = from_sums("image", seen.count, seen.level, seen.chroma, sigmas, snr, field)
+        measured = from_sums("image", seen.histogram, seen.chroma, sigmas, snr, field)
         return self._stream.smoothed(measured, seen.histogram).resolved(params)
 
     def _draw(

@@ -77,6 +77,7 @@ def _measured(
 ) -> Statistics:
     levels = np.sort(np.rint(255 * value[keep]))
     level = levels[-(-len(levels) // 10) - 1]  # the first at which a tenth of all is reached
+    bright = levels[-(-9 * len(levels) // 10) - 1]
     z = 0.0 if level <= 50 else (level - 50) / 100 if level < 150 else 1.0  # Eq 2
     sigmas = tuple(float(np.std(255 * q[keep])) for q in filtered)
     p = tuple(_exponent(sigma, params) for sigma in sigmas)
@@ -93,6 +94,7 @@ def _measured(
         scope="image",
         chroma_snr=snr,
         color=min(1.0, strength * color),
+        bright_level=float(bright),
     )
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator
 
 from enhance import brightness, detail
+from enhance.exposure import bright_level
 from enhance.field import FieldOfView
 from enhance.image import ImageError
 from enhance.params import EnhanceParams
@@ -60,12 +61,16 @@ class Statistics:
     color: float = 1.0
     """Share of the change of saturation of Eqs 11 and 12 in use, in [0, 1]: 1 where d was set; times the
     strength."""
+    bright_level: float | None = None
+    """Grey level of V that nine tenths of the pixels do not exceed, 0 to 255: that of underexposed images is
+    low. None: not measured, as before 0.9.0."""
     field: Annotated[FieldOfView | None, BeforeValidator(_known)] = None
     """Where it was measured, and is to be used; None: all pixels."""
 
     def __post_init__(self) -> None:
         """Raises ImageError: measurements that are not finite."""
-        measured = (self.level, self.saturation_mean, *self.sigmas, self.chroma_snr or 0.0)
+        levels = self.level, self.bright_level or 0.0
+        measured = (*levels, self.saturation_mean, *self.sigmas, self.chroma_snr or 0.0)
         if not all(map(math.isfinite, (*measured, self.z, *self.p, self.color))):
             raise ImageError(f"expected statistics of finite numbers, got {self}")
 
@@ -154,34 +159,36 @@ class Tally:
         Raises:
             ImageError: no pixel was.
         """
-        level, snr = brightness.level(self.histogram), self.snr if self.colored else None
-        return from_sums(scope, self.count, level, self.saturation, self.sigmas, snr).resolved(params)
+        snr = self.snr if self.colored else None
+        return from_sums(scope, self.histogram, self.saturation, self.sigmas, snr).resolved(params)
 
 
 def from_sums(
     scope: Scope,
-    count: int,
-    level: float,
+    histogram: NDArray[np.int64],
     saturation: float,
     sigmas: tuple[float, ...],
     chroma_snr: float | None = None,
     field: FieldOfView | None = None,
 ) -> Statistics:
-    """Statistics of so many pixels, of which `saturation` is the sum of S; z and P are to be resolved.
+    """Statistics of pixels with this histogram of V, of which `saturation` is the sum of S; z and P are to be
+    resolved.
 
     Raises:
         ImageError: there is no pixel.
     """
+    count = int(histogram.sum())
     if count == 0:
         raise ImageError("expected at least one pixel to measure, got none: tissue_mask or alpha hides all")
     return Statistics(
-        level=level,
+        level=brightness.level(histogram),
         z=0.0,
         saturation_mean=saturation / count,
         sigmas=sigmas,
         p=(),
         scope=scope,
         chroma_snr=chroma_snr,
+        bright_level=bright_level(histogram),
         field=field,
     )
 
@@ -226,16 +233,19 @@ class LiveStatistics:
         keep = 0.5 ** (1 / self.half_life) if self.half_life > 0 else 0.0
 
         known = len(before.sigmas) == len(measured.sigmas)
-        was, is_now = before.chroma_snr, measured.chroma_snr
 
         def blend(old: float, new: float) -> float:
             return new + keep * (old - new)
+
+        def blend_known(old: float | None, new: float | None) -> float | None:
+            return new if old is None or new is None else blend(old, new)
 
         return replace(
             measured,
             level=blend(before.level, measured.level),
             saturation_mean=blend(before.saturation_mean, measured.saturation_mean),
             sigmas=tuple(map(blend, before.sigmas, measured.sigmas)) if known else measured.sigmas,
-            chroma_snr=is_now if was is None or is_now is None else blend(was, is_now),
+            chroma_snr=blend_known(before.chroma_snr, measured.chroma_snr),
+            bright_level=blend_known(before.bright_level, measured.bright_level),
             scope="live",
         )

@@ -10,7 +10,6 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance import brightness
 from enhance.chroma import chroma_snr
 from enhance.guided_filter import Grids
 from enhance.pixel_block import BINS
@@ -43,10 +42,6 @@ class Survey:
     @cached_property
     def count(self) -> int:
         return int(self.histogram.sum())
-
-    @cached_property
-    def level(self) -> int:
-        return brightness.level(self.histogram)
 
     @cached_property
     def mean(self) -> float:

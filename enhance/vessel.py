@@ -18,7 +18,8 @@ from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
 from enhance import vessel_curves
-from enhance.brightness import level, z_from_level
+from enhance.brightness import z_from_level
+from enhance.exposure import exposure
 from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DFactor, EnhanceParams
 from enhance.pixel_block import BINS
@@ -58,6 +59,8 @@ class VesselParams:
     """Share of the darkness common to red and green that is treated as shadow, not blood."""
     coring: Annotated[float, Interval(ge=0.0, le=4.0)] = 1.5
     """Structures weaker than this many times the image's median density are hardly strengthened."""
+    most_exposure: Annotated[float, Interval(ge=1.0, le=8.0)] = 6.0
+    """Underexposed images are brightened at most so many times, and their noise with them: 1 is off."""
     lift: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.25
     """How much of the paper's brightening, Eq 1, is applied: 0 is off."""
     gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 0.95
@@ -83,7 +86,8 @@ def enhance_vessels(
 ) -> EnhanceResult:
     """Make vessels visible as if they held more blood (Beer-Lambert law), with colours close to the original.
 
-    1. Noise of colour, not of brightness, is smoothed away. V never rises by that.
+    1. Noise of colour, not of brightness, is smoothed away. V never rises by that. An image nine tenths of
+       which are darker than 96 of 255 grey levels is then exposed longer, up to `most_exposure` times.
     2. V: Eq 1 of the paper with part of its brightening, then `gamma`.
     3. S: Eqs 11 and 12 with the gain kept between 1 and `most_color`.
     4. What is narrow and absorbs green more than red is a density of blood: the top-hat (the image less its
@@ -125,10 +129,12 @@ class _Found:
 
     shown: Shown
     shading: float
+    exposure: float
+    """Of `bright` and `absorbed`."""
     bright: Float32Image
-    """(H / 2, W / 2) V in blocks of 2 x 2 pixels."""
+    """(H / 2, W / 2) V in blocks of 2 x 2 pixels, times the exposure."""
     histogram: NDArray[np.int64]
-    """(256,) of V over the kept pixels."""
+    """(256,) of V over the kept pixels, as it is."""
     chroma: float
     """Sum of S over the kept pixels."""
     absorbed: Float32Image
@@ -192,8 +198,8 @@ class VesselEnhancer:
         """
         require_classes(params, VesselParams, statistics)
         now = self._look_within(statistics)
-        found, ground = self._find(now, params)
-        measured = statistics or self._measured(found)
+        measured = statistics or self._measured(self._find(now, params))
+        found, ground = self._expose(now, params, exposure(measured.bright_level, params.most_exposure))
         z = 1 - (1 - z_from_level(measured.level)) * params.lift
         used = measured.resolved(replace(TONE, z=z))
         return EnhanceResult(_drawn(params, used, found, ground), used, ())
@@ -207,12 +213,20 @@ class VesselEnhancer:
             self._take(now)
         return now
 
-    def _find(self, now: Shown, params: VesselParams) -> tuple[_Found, _Ground]:
-        """What is narrow and absorbs green more than red; of grey pictures, what is narrow and dark."""
+    def _find(self, now: Shown, params: VesselParams) -> _Found:
+        """What absorbs green more than red; of grey pictures, what is dark."""
         shading = 0.0 if now.is_grey else params.shading
         found = self._found
         if found is None or found.shown is not now or found.shading != shading:
             found = self._found = _survey(now, shading, found)
+            self._ground = None
+        return found
+
+    def _expose(self, now: Shown, params: VesselParams, times: float) -> tuple[_Found, _Ground]:
+        """The same of the image exposed so many times, and what of it is not narrow."""
+        found = self._find(now, params)
+        if found.exposure != times:
+            found = self._found = _exposed(found, times)
             self._ground = None
         ground = self._ground
         if ground is None or ground.radius != params.radius:
@@ -224,8 +238,7 @@ class VesselEnhancer:
     def _measured(self, found: _Found) -> Statistics:
         """Of the shown image, smoothed if the stream is live."""
         counts = found.histogram
-        count, field = int(counts.sum()), found.shown.field
-        one = from_sums("image", count, level(counts), found.chroma, (), field=field)
+        one = from_sums("image", counts, found.chroma, (), field=found.shown.field)
         return self._stream.smoothed(one, counts)
 
 
@@ -240,7 +253,8 @@ def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Groun
         now.spans,
         np.float32(now.full),
         sums_of(now.pixels),
-        vessel_curves.brightness(used.z),
+        vessel_curves.brightness(used.z, found.exposure),
+        np.float32(found.exposure),
         density[None],
         vessel_curves.powers(params.gamma),
         np.float32(pull(used.saturation_mean, params.d_factor)),
@@ -274,4 +288,27 @@ def _survey(now: Shown, shading: float, before: _Found | None) -> _Found:
         chroma,
         absorbed,
     )
-    return _Found(now, shading, bright, histograms.sum(axis=0), float(chroma.sum()), absorbed)
+    return _Found(now, shading, 1.0, bright, histograms.sum(axis=0), float(chroma.sum()), absorbed)
+
+
+def _exposed(found: _Found, times: float) -> _Found:
+    """The first pass once more, into the same memory, of pixels whose full scale is so many times less.
+
+    So the floor of its logarithms is less, too, which hides what differs by few grey levels. No pixel is
+    within the spans that it is given: V above 1 is in no histogram.
+    """
+    now = found.shown
+    tasks = -(-now.pixels.shape[0] // TASK)
+    first_pass(
+        now.pixels,
+        now.keep,
+        np.zeros((now.pixels.shape[0], 2), np.int32),
+        np.float32(now.full / times),
+        sums_of(now.pixels),
+        np.float32(found.shading),
+        found.bright,
+        np.empty((tasks, BINS), np.int64),
+        np.empty(tasks),
+        found.absorbed,
+    )
+    return replace(found, exposure=times)

@@ -23,6 +23,7 @@ from enhance.pixel_block import (
     ONE,
     PLANES,
     RED,
+    THREE,
     TOTAL,
     TWO,
     VALUE,
@@ -31,7 +32,7 @@ from enhance.pixel_block import (
 )
 from enhance.powers import LOG2_E, brief_exp2, brief_log2
 from enhance.prefetch import fetch
-from enhance.recolor import faded_to_black, store
+from enhance.recolor import BLACK, store
 from enhance.rows import REACH, ROWS, held_width, read_row
 from enhance.upscale import bring_up
 from enhance.vessel_curves import faded, unpacked, value_of
@@ -53,6 +54,7 @@ def second_pass(
     full: np.float32,  # the image's value of 1.0
     sums_type: NDArray[Any],  # `sums_of` the image
     brightness: NDArray[np.float32],  # of Vn by log2 V, see `vessel_curves`
+    exposure: np.float32,  # of which that is: what counts as black is so many times darker
     density: NDArray[np.float32],  # (1, h, w) of blood, in [0, `vessel_density.BOUND`]
     powers: NDArray[np.float32],  # of V^gamma by V
     pull: np.float32,  # k B / A of Eq 11; negative: S stays
@@ -63,6 +65,7 @@ def second_pass(
 ) -> None:
     """See `enhance.vessel.enhance_vessels`."""
     rows, width = image.shape[0], held_width(image.shape[1])
+    rise = exposure * (ONE / BLACK)
     for task in prange((rows + TASK - 1) // TASK):
         _render_task(
             task,
@@ -70,6 +73,7 @@ def second_pass(
             spans,
             full,
             brightness,
+            rise,
             density,
             powers,
             pull,
@@ -94,6 +98,7 @@ def _render_task(
     spans: NDArray[np.int32],
     full: np.float32,
     brightness: NDArray[np.float32],
+    rise: np.float32,
     density: NDArray[np.float32],
     powers: NDArray[np.float32],
     pull: np.float32,
@@ -126,7 +131,7 @@ def _render_task(
             calm(lines, across, y, x0, unit, narrow, chunk)
             _brighten(chunk, brightness)
             _finish(
-                chunk, powers, pull, most_color,
+                chunk, rise, powers, pull, most_color,
                 blood[0, 0, x0:], blood[1, 0, x0:], weight, strength, is_grey, full,
             )  # fmt: skip
             store(chunk, full, apart, out[y, x0 : x0 + count])
@@ -147,6 +152,7 @@ def _brighten(chunk: NDArray[np.float32], brightness: NDArray[np.float32]) -> No
 @part(forceinline=True, fastmath={"contract"})
 def _finish(
     chunk: NDArray[np.float32],
+    rise: np.float32,
     powers: NDArray[np.float32],
     pull: np.float32,
     most_color: np.float32,
@@ -166,7 +172,7 @@ def _finish(
     taken = -LOG2_E / TWENTY * strength
     for i in range(CHUNK):
         value = chunk[VALUE, i]
-        bright = _deepened(chunk[TOTAL, i], value, terms)
+        bright = _deepened(chunk[TOTAL, i], value, rise, terms)
         fall = bright * _color_gain(value, chunk[LEAST_COLOR, i], pull, most_color)
         power = brief_exp2(taken * (even[i] + weight * (odd[i] - even[i])))
         second = power * power
@@ -182,9 +188,13 @@ def _finish(
 
 
 @part(forceinline=True, fastmath={"contract"})
-def _deepened(bright: np.float32, value: np.float32, terms: tuple[np.float32, ...]) -> np.float32:
-    """Vn, black kept, and `gamma` where it is not dark."""
-    bright = value + faded_to_black(value) * (bright - value)
+def _deepened(
+    bright: np.float32, value: np.float32, rise: np.float32, terms: tuple[np.float32, ...]
+) -> np.float32:
+    """Vn, black kept by a smoothstep up to V = 1 / `rise`, and `gamma` where it is not dark."""
+    lit = rise * value
+    lit = lit if lit < ONE else ONE
+    bright = value + lit * lit * (THREE - TWO * lit) * (bright - value)
     bright = bright if bright < ONE else ONE
     deep = value_of(terms, (bright - DIM) * (TWO / (ONE - DIM)) - ONE)
     return bright + faded(bright) * (deep - bright)

@@ -8,7 +8,7 @@ from itertools import tee
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
-from pydantic import Discriminator, Tag
+from pydantic import BeforeValidator, Discriminator, Tag
 
 from app.errors import UserError
 from app.files.image_files import ArrayImage
@@ -45,8 +45,14 @@ def _preset(given: Any) -> Preset:
     return preset_of(given)
 
 
+def _of_before(given: Any) -> Any:
+    """Before 0.9.0, underexposed images were left dark."""
+    return {"most_exposure": 1.0} | given if isinstance(given, dict) else given
+
+
 RecordedSettings = Annotated[
-    Annotated[EnhanceParams, Tag(PAPER)] | Annotated[VesselParams, Tag(VESSEL)], Discriminator(_preset)
+    Annotated[EnhanceParams, Tag(PAPER)] | Annotated[VesselParams, BeforeValidator(_of_before), Tag(VESSEL)],
+    Discriminator(_preset),
 ]
 
 

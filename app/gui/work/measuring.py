@@ -16,6 +16,7 @@ from app.enhancement.measures import Measures, Original
 from app.enhancement.methods import EnhancementSettings
 from enhance import EnhanceParams, Statistics
 from enhance.brightness import brighten, z_from_level
+from enhance.exposure import exposed, exposure
 from enhance.saturation import Saturation, stretch
 from renderer.clip import ByteImage
 
@@ -96,7 +97,8 @@ def curves(look: EnhancementSettings, used: Statistics) -> Curves:
         stretched = _stretched(given, used.saturation_mean, look.k)
         return Curves(given, brighten(given, used.z), given + used.color * (stretched - given))
     stretched = _stretched(given, used.saturation_mean, look.d_factor)
-    value = brighten(given, 1 - (1 - z_from_level(used.level)) * look.lift) ** look.gamma
+    longer = exposed(given, exposure(used.bright_level, look.most_exposure))
+    value = brighten(longer, 1 - (1 - z_from_level(used.level)) * look.lift) ** look.gamma
     return Curves(given, value, np.clip(stretched, given, np.minimum(look.most_color * given, 1)))
 
 

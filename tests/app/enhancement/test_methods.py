@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
@@ -23,6 +25,15 @@ from enhance import EnhanceParams, LiveStatistics, VesselParams
 )
 def test_what_a_file_holds_says_of_which_method_it_is(told: dict[str, object], kind: type[object]) -> None:
     assert isinstance(TypeAdapter(RecordedSettings).validate_python(told), kind)
+
+
+def test_records_of_before_are_not_lit() -> None:
+    """Underexposed images were left dark until 0.9.0; a record since says how much they may be lit."""
+    read = TypeAdapter(RecordedSettings).validate_python
+    now = asdict(VesselParams(lift=0.3))
+    before = {name: value for name, value in now.items() if name != "most_exposure"}
+    assert read(before) == VesselParams(lift=0.3, most_exposure=1.0)
+    assert read(now) == read(VesselParams(lift=0.3)) == VesselParams(lift=0.3)
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from app.errors import UserError
 from app.runs.job import TrainingJob
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
+from enhance import VesselParams
 from renderer.readers.clip_options import ClipOptions
 from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.events import Finished, Planned, Progress, Started, TrainEvent
@@ -189,3 +190,21 @@ def test_a_signal_while_steps_are_taken_keeps_those_that_are_done(
         f"checkpoint-{progressed[0]:07d}.safetensors"
     ]
     assert "--resume continues from it" in call.error
+
+
+def test_a_run_that_began_before_images_were_lit_resumes(clip_path: Path, tmp_path: Path) -> None:
+    run = RunFolder(tmp_path / "run")
+    asked = request_of(clip_path, run.path, config=replace(CONFIG, iterations=60), input="enhanced")
+    request = replace(asked, enhance_params=VesselParams())
+    steps = run_training(request)
+    next(event for event in steps if isinstance(event, Progress))
+    steps.close()
+    record = json.loads((run.path / "run.json").read_text())
+    del record["enhancement"]["params"]["most_exposure"]
+    del record["enhancement"]["statistics"]["bright_level"]
+    (run.path / "run.json").write_text(json.dumps(record))
+    again = replace(request, resume=True)
+    with pytest.raises(UserError, match="the run's lift"):
+        list(run_training(replace(again, enhance_params=VesselParams(lift=0.5))))
+    *_, finished = run_training(again)
+    assert isinstance(finished, Finished)
