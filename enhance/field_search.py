@@ -48,7 +48,8 @@ brighter than that."""
 FAINT_STEP: Final = 4.0
 """Grey levels, as STEP, of a field whose rim is nearly as dark as the surround."""
 LEAST_SIDE: Final = 16
-"""Pixels: smaller pictures are too small for a surround with a rim."""
+"""Pixels: smaller pictures are too small for a surround with a rim; of the small copy, what a page shows is no
+narrower."""
 
 MOSTLY, ALL_BUT, NEVER = 0.5, 0.7, 2.0
 """How much of a polygon's rim runs as circles and frames do: of parts, as no tool runs so; where the rim is
@@ -105,7 +106,13 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     surround = even_surround(small)
     if surround is None:
         return _found(pixels, small, small, whole, factor)
-    return _found(apart_from(pixels, surround), apart_from(small, surround), small, whole, factor) or whole
+    field = _found(apart_from(pixels, surround), apart_from(small, surround), small, whole, factor)
+    return whole if field is None or _side(field) < LEAST_SIDE * factor else field
+
+
+def _side(field: FieldOfView) -> int:
+    """The shorter one of the field, in pixels: a line across an even image is narrow."""
+    return min(cv2.boundingRect(field.mask().view(np.uint8))[2:])
 
 
 def _found(

@@ -153,6 +153,13 @@ def test_corners_that_are_overexposed_are_field() -> None:
         assert found(image).is_whole
 
 
+@pytest.mark.parametrize("width", [80, 320])
+def test_a_line_across_an_even_image_is_no_field(width: int) -> None:
+    image = np.full((240, width, 3), (180, 110, 100), np.uint8)
+    image[:, width // 2 : width // 2 + width // 16] = (150, 80, 70)
+    assert found(image).is_whole
+
+
 INSET = np.s_[150:198, 252:308]
 
 
