@@ -48,8 +48,8 @@ brighter than that."""
 FAINT_STEP: Final = 4.0
 """Grey levels, as STEP, of a field whose rim is nearly as dark as the surround."""
 LEAST_SIDE: Final = 16
-"""Pixels: smaller pictures are too small for a surround with a rim; of the small copy, what a page shows is no
-narrower."""
+"""Pixels: smaller pictures are too small for a surround with a rim. No narrower, in pixels of the small copy,
+is what a page shows."""
 
 MOSTLY, ALL_BUT, NEVER = 0.5, 0.7, 2.0
 """How much of a polygon's rim runs as circles and frames do: of parts, as no tool runs so; where the rim is

@@ -198,6 +198,7 @@ def keep_views(state: AppState) -> None:
 
 
 def _know(state: AppState, path: str, known: KnownClip) -> None:
+    before = state.source.known.get(path, UNKNOWN)
     state.source.known = {**state.source.known, path: known}
     if state.settings.remember_recent:
-        state.window.wishes += (KeepClip(state.places.config, path, known),)
+        state.window.wishes += (KeepClip(state.places.config, path, known, before),)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any, TypeVar
 
 from app.files.atomic import write_bytes
 from app.files.mended import mended_file
@@ -21,6 +22,8 @@ from app.gui.work.settings import (
     load_settings,
     settings_content,
 )
+
+Kept = TypeVar("Kept", Settings, KnownClip)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +58,7 @@ def merged(mine: Settings, before: Settings, found: Settings) -> Settings:
 
     Where paths are not remembered after that, there are none.
     """
-    said = {each.name: getattr(mine, each.name) for each in fields(mine)}
-    changed = {name: value for name, value in said.items() if value != getattr(before, name)}
+    changed = _changed(mine, before)
     newest = (item for item in (*mine.recent, *found.recent) if item not in before.recent)
     left = (item for item in mine.recent if item in found.recent)
     changed["recent"] = tuple(dict.fromkeys((*newest, *left)))[:RECENT_LIMIT]
@@ -68,11 +70,12 @@ def merged(mine: Settings, before: Settings, found: Settings) -> Settings:
 
 @dataclass(frozen=True, eq=False)
 class KeepClip:
-    """What was chosen for one clip, beside what the folder's file says of others."""
+    """What is known of one clip in this window, and `before`: what was before its last choice."""
 
     folder: Path
     path: str
     known: KnownClip
+    before: KnownClip
 
 
 def keep_clip(request: KeepClip) -> Iterator[None]:
@@ -83,6 +86,15 @@ def keep_clip(request: KeepClip) -> Iterator[None]:
     if not load_settings(request.folder / SETTINGS_FILE).remember_recent:
         yield None
         return
-    others = {path: known for path, known in load_clips(request.folder).items() if path != request.path}
-    write_bytes(request.folder / FILE, clips_content({**others, request.path: request.known}))
+    clips = load_clips(request.folder)
+    # At the end: those of which nothing is chosen for long are forgotten.
+    there = clips.pop(request.path, request.known)
+    chosen = _changed(request.known, request.before)
+    write_bytes(request.folder / FILE, clips_content({**clips, request.path: replace(there, **chosen)}))
     yield None
+
+
+def _changed(mine: Kept, before: Kept) -> dict[str, Any]:
+    """The fields that are others than before."""
+    said = {each.name: getattr(mine, each.name) for each in fields(mine)}
+    return {name: value for name, value in said.items() if value != getattr(before, name)}

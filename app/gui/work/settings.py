@@ -18,7 +18,7 @@ from pydantic.dataclasses import dataclass as pydantic_dataclass
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.methods import VESSEL, Preset
 from app.enhancement.settable import FrameNumber, Mode, Name, PathText, Pixels, Scope, at_most
-from app.files.mended import mended_file
+from app.files.mended import mended, mended_file
 from app.files.provenance import strict_json
 from app.gui.recorded_views import RecordedViews
 from app.runs.clip_selection import ClipPart
@@ -202,12 +202,23 @@ class KnownClip:
 
 
 UNKNOWN = KnownClip()
-CLIPS = TypeAdapter(Annotated[dict[str, KnownClip], BeforeValidator(_last)])
+CLIP = TypeAdapter(KnownClip)
+
+
+def _readable(told: Any) -> Any:
+    """Of a clip what can be read: a camera path that is damaged takes nothing else with it."""
+    return mended(CLIP, told)[0] if isinstance(told, dict) else told
+
+
+CLIPS = TypeAdapter(
+    Annotated[dict[str, Annotated[KnownClip, BeforeValidator(_readable)]], BeforeValidator(_last)]
+)
 
 
 def load_clips(folder: Path) -> dict[str, KnownClip]:
     """By path, those that can be read: nothing in it is precious."""
-    return mended_file(CLIPS, folder / FILE) or {}
+    clips = mended_file(CLIPS, folder / FILE) or {}
+    return {path: known for path, known in clips.items() if known != UNKNOWN}
 
 
 def clips_content(clips: Mapping[str, KnownClip]) -> bytes:

@@ -115,6 +115,21 @@ def test_they_are_there_in_a_window_that_is_opened_later(seen: AppState, places:
     assert load_clips(places.config)[str(clip.path)].views is None
 
 
+def test_what_another_window_keeps_of_the_same_clip_stays(seen: AppState, places: Places) -> None:
+    clip = seen.source.clip
+    assert clip is not None
+    other = AppState(places)
+    arriving.show_opened(other, clip.path, Opened(clip))
+    path_actions.save_view(seen)
+    remembered.remember(seen)
+    keep_all(seen)
+    actions.seek(other, 1)
+    clip_actions.trim_here(other, start=True)
+    keep_all(other)
+    known = load_clips(places.config)[str(clip.path)]
+    assert (known.views, known.trim) == (seen.scene.cameras.views, (1, 5))
+
+
 def test_those_of_a_session_are_kept_in_its_file_alone(seen: AppState, tmp_path: Path) -> None:
     path_actions.save_view(seen)
     remembered.remember(seen)

@@ -266,3 +266,7 @@ def test_of_known_clips_the_readable_ones_are_there(tmp_path: Path) -> None:
     assert load_clips(tmp_path) == {"a": KnownClip(trim=(0, 3))}
     (tmp_path / FILE).write_text("[]")
     assert load_clips(tmp_path) == {}
+    # As of a later version: what else was chosen for the clip stays.
+    views = json.loads(views_json(Views())) | {"version": 2}
+    (tmp_path / FILE).write_text(json.dumps({"a": {"trim": [0, 3], "views": views, "eyes": 3}}))
+    assert load_clips(tmp_path) == {"a": KnownClip(trim=(0, 3))}
