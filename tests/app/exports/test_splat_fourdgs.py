@@ -154,7 +154,7 @@ def test_what_cannot_be_written_is_told_and_leaves_nothing(
         said = r"20 Gaussians at 10 frames need .* a \.usdc file is not"
     if kind == "package":
         monkeypatch.setattr(fourdgs, "has_fourdgs", lambda: False)
-        said = r"pip install 'vesselsplat\[4dgs\]'"
+        said = "needs fourdgs: pip install fourdgs"
     with pytest.raises(UserError, match=said):
         written(scene, tmp_path / "a.4dgs")
     assert list(tmp_path.iterdir()) == []
