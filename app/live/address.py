@@ -116,8 +116,15 @@ def input_of(
 
 
 def _without_secrets(address: str) -> str:
-    """Scheme, host and port: paths and queries hold keys, and users their passwords."""
-    parts = urlsplit(address)
+    """Scheme, host and port: paths and queries hold keys, and users their passwords.
+
+    Raises UserError: it is no address.
+    """
+    try:
+        parts = urlsplit(address)
+    except ValueError as error:
+        scheme = address.partition("://")[0]
+        raise UserError(f"expected a stream such as {scheme}://HOST/PATH, got a HOST that is none") from error
     try:
         port = f":{parts.port}" if parts.port else ""
     except ValueError:

@@ -135,9 +135,11 @@ class LiveSession:
         numbers, enhancer, of_size = count(1), None, None
         load(self.setting)
         while not self._closing.is_set():
+            # Asked first: the last frame may come with the end, just after one has waited in vain.
+            is_over = self._capture.is_over
             arrived = self._capture.frames.take(WAITING)
             if arrived is None:
-                if self._capture.is_over:
+                if is_over:
                     return
                 continue
             try:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from ipaddress import ip_address
 from typing import Final
 
+from app.console.flags import shortened
 from app.errors import UserError
-from app.files.legible import legible
 
 PORT: Final = 18944
 """Of OpenIGTLink."""
@@ -45,10 +45,10 @@ def endpoint_of(said: str) -> Endpoint:
     host = host.removeprefix("[").removesuffix("]") if ":" in said else LOOPBACK
     if host == "localhost":
         host = LOOPBACK
-    if not (port.isascii() and port.isdecimal() and 0 < int(port) < 2**16):
-        raise UserError(f"{EXPECTED}, got {legible(said)!r}")
     try:
+        if not (port.isascii() and port.isdecimal() and 0 < int(port) < 2**16):
+            raise ValueError(port)
         # No name is looked up: that would ask the network.
         return Endpoint(str(ip_address(host)), int(port))
     except ValueError as error:
-        raise UserError(f"{EXPECTED}, got {legible(said)!r}") from error
+        raise UserError(f"{EXPECTED}, got {shortened(said)}") from error

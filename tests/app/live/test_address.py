@@ -40,3 +40,9 @@ def test_anything_else_is_refused_in_a_line(said: str) -> None:
         address_of(said, (CARD,))
     assert "\n" not in str(told.value)
     assert "HDMI grabber" in str(told.value) or "expected a stream by" in str(told.value)
+
+
+def test_a_host_that_is_none_is_refused_without_what_may_be_secret() -> None:
+    with pytest.raises(UserError, match="expected a stream such as rtsp://HOST/PATH") as told:
+        address_of("rtsp://ward:pass@[::1/key")
+    assert "pass" not in str(told.value)

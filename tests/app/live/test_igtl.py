@@ -152,7 +152,9 @@ def test_only_a_named_address_is_reached_from_outside(said: str, meant: str, is_
     assert ("may show a patient" in endpoint.warning) is not is_local
 
 
-@pytest.mark.parametrize("said", ["", ":18944", "clip.mp4", "0", "65536", "127.0.0.1:", "example.org:7"])
+@pytest.mark.parametrize(
+    "said", ["", ":18944", "clip.mp4", "0", "65536", "127.0.0.1:", "example.org:7", "9" * 5000]
+)
 def test_what_is_no_address_is_said_and_nothing_is_looked_up(said: str) -> None:
     with pytest.raises(UserError, match="expected PORT or HOST:PORT"):
         endpoint_of(said)

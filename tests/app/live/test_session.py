@@ -14,7 +14,7 @@ from app.errors import UserError
 from app.live.newest import Newest
 from app.live.picture import LivePicture, LiveSetting
 from app.live.session import LiveSession, is_black, rate_of
-from app.live.sources.source import Source, SourceLost
+from app.live.sources.source import Arrived, Source, SourceLost
 from enhance import EnhanceParams, enhance
 from renderer.clip import ByteImage
 from tests.app.live.painted import PaintedSource, painted, wait_for
@@ -62,6 +62,23 @@ def test_every_frame_in_time_is_shown_and_the_end_is_told() -> None:
     assert (status.signal, status.is_live) == ("ended", False)
     assert status.to_ready is not None
     assert 0 < status.to_ready.median < 1000
+
+
+def test_the_last_frame_is_shown_also_where_it_comes_with_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    take, ended, waited = Newest[Arrived].take, threading.Event(), list[bool]()
+
+    def in_vain_at_first(frames: Newest[Arrived], seconds: float = 0.0) -> Arrived | None:
+        if waited:
+            return take(frames, seconds)
+        waited.append(ended.wait(10))
+        return None
+
+    monkeypatch.setattr(Newest, "take", in_vain_at_first)
+    with live(PaintedSource([100], pause=0.1)) as session:
+        wait_for(lambda: session.status().signal == "ended", "the last frame")
+        ended.set()
+        wait_for(lambda: session.is_over, "the end")
+        assert session.status().made == 1
 
 
 def test_a_slow_recipient_makes_frames_drop_and_none_queue() -> None:
