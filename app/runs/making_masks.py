@@ -60,7 +60,7 @@ def make_masks(
         OnnxError: the model fails.
         OSError: a mask cannot be written.
     """
-    lit = lit_part(clip)
+    lit = lit_part(_read_once(clip))
     learns = model is None and len(by_hand.files) < len(clip)
     taught_by = evenly(sorted(by_hand.files), MOST_EXAMPLES) if learns else []
     examples = [_example(lit, index, by_hand) for index in taught_by]
@@ -79,6 +79,21 @@ def make_masks(
         if (score := agreement.with_next(frame.image, mask)) is not None:
             scores[index] = score
         yield _report(report, shares, scores)
+
+
+def _read_once(clip: Clip) -> Clip:
+    """The clip whose frames that tell what is left out are kept for when their masks are made."""
+    # Training's modules take a while to import; the window must not wait for them.
+    from renderer.train.frame_store import FrameStore
+
+    looked_at = spread(range(len(clip)))
+    frames = FrameStore.of(map(clip.read_frame, looked_at))
+    places = {index: place for place, index in enumerate(looked_at)}
+
+    def read_frame(index: int) -> Frame:
+        return frames[places[index]] if index in places else clip.read_frame(index)
+
+    return replace(clip, read_frame=read_frame)
 
 
 def _kept(path: Path, found: BoolImage, found_by: MaskOrigin) -> BoolImage:
