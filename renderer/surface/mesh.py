@@ -37,8 +37,10 @@ class Mesh:
     def __post_init__(self) -> None:
         if self.vertices.shape != self.colors.shape or self.vertices.shape[1:] != (3,):
             raise ValueError(f"expected (V, 3) twice, got {self.vertices.shape} and {self.colors.shape}")
-        if self.faces.size and not 0 <= self.faces.min() <= self.faces.max() < len(self.vertices):
-            raise ValueError(f"expected faces of {len(self.vertices)} vertices, got {self.faces.max()}")
+        least, most = self.faces.min(initial=0), self.faces.max(initial=-1)
+        if least < 0 or most >= len(self.vertices):
+            got = least if least < 0 else most
+            raise ValueError(f"expected faces of {len(self.vertices)} vertices, got number {got}")
 
     @cached_property
     def normals(self) -> Float32Array:

@@ -130,3 +130,10 @@ def test_distances_to_measured_depth_are_along_the_normal_and_on_tissue_alone() 
     # A surface that falls away by 0.2 a pixel, of 0.4 across, is nearer than along the line of sight.
     assert 0.3 < found.mean() < 0.5
     assert len(depth_distances(mesh, replace(frame, depth=None))) == 0
+
+
+@pytest.mark.parametrize("wrong", [-1, 3])
+def test_a_face_of_a_vertex_that_there_is_not_is_named(wrong: int) -> None:
+    corners = np.eye(3, dtype=np.float32)
+    with pytest.raises(ValueError, match=f"expected faces of 3 vertices, got number {wrong}$"):
+        Mesh(corners, np.array([[0, 1, wrong]], np.int32), corners)
