@@ -137,6 +137,15 @@ def test_what_is_divided_is_seen_where_it_was():
     np.testing.assert_array_equal(after.held_to, after.shifts)
 
 
+def test_tissue_at_rest_at_one_side_is_not_pushed_against_a_pull():
+    before = made_up(0.0)
+    from_pull = np.linalg.norm(before.rest[:, :2] - (-0.2, 0.0), axis=1)
+    bump = np.exp(-(from_pull**2) / (2 * 0.3**2))
+    noise = 2e-4 * np.random.default_rng(1).standard_normal(before.shifts.shape)
+    pulled = np.stack([bump[:, None] * (0.08, 0.03, -0.1), np.zeros_like(before.rest)], axis=1) + noise
+    assert off(divided(replace(before, shifts=pulled)).poses)[0] < 0.5
+
+
 def test_fitted_finds_points_and_frames_again():
     true = made_up()
     rng = np.random.default_rng(1)
