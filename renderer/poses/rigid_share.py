@@ -37,7 +37,7 @@ _AGAINST: Final = 0.1
 _BEYOND: Final = 0.5
 """Times the noise, by which it must. Of phantoms of 600 frames, where depth is off by 0.3 px, all this leaves
 0.34 % of the path for 0.68 (pulled) and 0.41 for 0.58 (breathing, too); where it is exact, 0.42 and 0.40 for
-0.36 and 0.39. Of 60 frames, with such depth, it leaves 1.12 and 1.27 for 0.76 and 1.02."""
+0.36 and 0.39. Of 60 frames, with such depth, it leaves 1.12 and 1.36 for 0.76 and 1.17."""
 _STRAY: Final = 3.0
 """Times the noise: a point that differs by that from those around it counts a quarter then."""
 _TO_DEVIATION: Final = 1.4826
@@ -100,29 +100,18 @@ def _path(now: Deforming) -> FloatArray:
 
 
 def _smoothed_path(now: Deforming, fast: Sequence[int]) -> Deforming:
-    """With what these motions share as a rigid body divided so that the path is nearest to a smooth one,
-    which takes up half of what is as fast as the slowest of them (Whittaker, "On a new method of
-    graduation", 1923). Second differences alone would follow the noise of poses and courses.
-    """
+    """With what these motions share as a rigid body divided so that the path bends least."""
     around = now.rest - now.rest.mean(axis=0)
     lever = np.linalg.norm(around, axis=1).mean()
     path = _path(now) * np.r_[[lever] * 3, [1.0] * 3]
     change = motion_slopes(_path(now)[:, 3:] - now.rest.mean(axis=0))
     change = np.concatenate([np.broadcast_to(-lever * np.eye(3, 6), change.shape), change], axis=1)
     effects = np.concatenate([now.courses[:, motion, None, None] * change for motion in fast], axis=2)
-    rough = _roughness(len(path), float(_speeds(now.courses[:, fast]).min()))
-    normal = np.einsum("fdi,fg,gdj->ij", effects, rough, effects, optimize=True)
-    against = np.einsum("fdi,fg,gd->i", effects, rough, path, optimize=True)
+    bends = np.diff(effects, 2, axis=0).reshape(-1, 6 * len(fast))
+    found = np.linalg.lstsq(bends, -np.diff(path, 2, axis=0).ravel(), rcond=None)[0]
     rigid = np.zeros((now.courses.shape[1], 6))
-    rigid[fast] = -np.linalg.solve(normal + 1e-12 * np.eye(len(normal)), against).reshape(-1, 6)
+    rigid[fast] = found.reshape(-1, 6)
     return _shared(now, rigid)
-
-
-def _roughness(count: int, speed: float) -> FloatArray:
-    """(F, F), symmetric, of which a series has all that is much faster than `speed`, half of what is as fast,
-    nothing of what is straight."""
-    bends = np.diff(np.eye(count), 2, axis=0)
-    return np.asarray(np.eye(count) - np.linalg.inv(np.eye(count) + bends.T @ bends / speed**4))
 
 
 def rigid_part(now: Deforming) -> FloatArray:
