@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from enhance.field import FieldOfView
+from enhance.field_search import find_field
 from enhance.image import BoolImage
 from tests.enhance.pictures import ByteImage, vessels
 
@@ -19,6 +21,9 @@ APART = (
     "four rectangles",
 )
 TOUCHING = ("two that touch", "two that overlap", "a large and a small one")
+
+RIM = 8
+"""Pixels within the true outline that may be left out: two are on purpose."""
 
 
 def outline(name: str, height: int = 240, width: int = 320) -> BoolImage:
@@ -97,3 +102,17 @@ def labelled(image: ByteImage) -> ByteImage:
 def agreement(one: NDArray[np.bool_], other: NDArray[np.bool_]) -> float:
     """Intersection over union."""
     return float((one & other).sum() / max((one | other).sum(), 1))
+
+
+def assert_found(mask: BoolImage, field: BoolImage, rim: int = RIM) -> None:
+    """Nothing of the surround, and all of the field but its rim."""
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * rim + 1, 2 * rim + 1))
+    inner = cv2.erode(field.astype(np.uint8), kernel) > 0
+    assert not mask[~field].any()
+    assert mask[inner].all()
+
+
+def found(image: NDArray[np.generic]) -> FieldOfView:
+    field = find_field(image)
+    assert field is not None
+    return field

@@ -8,33 +8,24 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from enhance.field import FieldOfView, overlap, typical
 from enhance.field_search import find_field
-from enhance.image import BoolImage
-from tests.enhance.endoscopes import APART, OUTLINES, TOUCHING, agreement, labelled, outline, seen_in
+from tests.enhance.endoscopes import (
+    APART,
+    OUTLINES,
+    TOUCHING,
+    agreement,
+    assert_found,
+    found,
+    labelled,
+    outline,
+    seen_in,
+)
 from tests.enhance.pictures import as_type
 
-RIM = 8
-"""Pixels within the true outline that may be left out: two are on purpose."""
-
 PART = FieldOfView(8, 8, circle=(2.0, 2.0, 1.0))
-
-
-def assert_found(mask: BoolImage, field: BoolImage, rim: int = RIM) -> None:
-    """Nothing of the surround, and all of the field but its rim."""
-    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * rim + 1, 2 * rim + 1))
-    inner = cv2.erode(field.astype(np.uint8), kernel) > 0
-    assert not mask[~field].any()
-    assert mask[inner].all()
-
-
-def found(image: NDArray[np.generic]) -> FieldOfView:
-    field = find_field(image)
-    assert field is not None
-    return field
 
 
 @pytest.mark.parametrize("name", OUTLINES)
@@ -130,34 +121,6 @@ def test_a_round_field_between_the_tips_of_two_dark_tools_is_one(width: int) -> 
     y, x = np.mgrid[:240, :320] + 0.5
     image = seen_in(field & ((abs(x - 160) > width) | (abs(y - 120) < 20)))
     assert_found(found(image).mask(), field)
-
-
-@pytest.mark.parametrize("name", ["circle", "octagon", "two rectangles"])
-@pytest.mark.parametrize("color", [(255, 255, 255), (10, 30, 90), (45, 46, 50)])
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
-def test_a_page_or_window_around_a_field_is_surround(
-    name: str, color: tuple[int, int, int], dtype: type
-) -> None:
-    fields = outline(name)
-    image = np.where(fields[..., None], seen_in(np.ones((240, 320), bool)) // 2, np.uint8(color))
-    cv2.putText(image, "Fig. 1", (3, 234), cv2.FONT_HERSHEY_SIMPLEX, 0.35, (128, 128, 128), 1)
-    assert_found(found(as_type(image / 255, dtype)).mask(), fields)
-    if color[0] == color[1] == color[2]:
-        assert_found(found(as_type(image[..., 1] / 255, dtype)).mask(), fields)
-
-
-def test_corners_that_are_overexposed_are_field() -> None:
-    y, x = np.mgrid[:240, :320]
-    for lit in (x < 60, x + y < 120):
-        image = np.where(lit[..., None], np.uint8(255), seen_in(np.ones((240, 320), bool)))
-        assert found(image).is_whole
-
-
-@pytest.mark.parametrize("width", [80, 320])
-def test_a_line_across_an_even_image_is_no_field(width: int) -> None:
-    image = np.full((240, width, 3), (180, 110, 100), np.uint8)
-    image[:, width // 2 : width // 2 + width // 16] = (150, 80, 70)
-    assert found(image).is_whole
 
 
 INSET = np.s_[150:198, 252:308]

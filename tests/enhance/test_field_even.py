@@ -1,0 +1,36 @@
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.enhance.endoscopes import assert_found, found, outline, seen_in
+from tests.enhance.pictures import as_type
+
+
+@pytest.mark.parametrize("name", ["circle", "octagon", "two rectangles"])
+@pytest.mark.parametrize("color", [(255, 255, 255), (10, 30, 90), (45, 46, 50)])
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+def test_a_page_or_window_around_a_field_is_surround(
+    name: str, color: tuple[int, int, int], dtype: type
+) -> None:
+    fields = outline(name)
+    image = np.where(fields[..., None], seen_in(np.ones((240, 320), bool)) // 2, np.uint8(color))
+    cv2.putText(image, "Fig. 1", (3, 234), cv2.FONT_HERSHEY_SIMPLEX, 0.35, (128, 128, 128), 1)
+    assert_found(found(as_type(image / 255, dtype)).mask(), fields)
+    if color[0] == color[1] == color[2]:
+        assert_found(found(as_type(image[..., 1] / 255, dtype)).mask(), fields)
+
+
+def test_corners_that_are_overexposed_are_field() -> None:
+    y, x = np.mgrid[:240, :320]
+    for lit in (x < 60, x + y < 120):
+        image = np.where(lit[..., None], np.uint8(255), seen_in(np.ones((240, 320), bool)))
+        assert found(image).is_whole
+
+
+@pytest.mark.parametrize("width", [80, 320])
+def test_a_line_across_an_even_image_is_no_field(width: int) -> None:
+    image = np.full((240, width, 3), (180, 110, 100), np.uint8)
+    image[:, width // 2 : width // 2 + width // 16] = (150, 80, 70)
+    assert found(image).is_whole
