@@ -72,9 +72,9 @@ def is_dark(chunk: NDArray[np.float32]) -> bool:
 
 
 @part(forceinline=True, fastmath={"contract"})
-def faded_to_black(value: np.float32) -> np.float32:
-    """`keep_black`: a smoothstep of V that is 0 at V = 0 and 1 from V = 24/255 on."""
-    t = value * (ONE / BLACK)
+def faded_to_black(value: np.float32, rise: np.float32) -> np.float32:
+    """`keep_black`: a smoothstep of V that is 0 at V = 0 and 1 from V = 1 / `rise` on."""
+    t = value * rise
     t = t if t < ONE else ONE
     return t * t * (THREE - TWO * t)
 
@@ -84,7 +84,7 @@ def fade(chunk: NDArray[np.float32], apart: NDArray[Any]) -> None:
     """`keep_black`: back to the original colours below V = 24/255, by a smoothstep that is 0 at V = 0."""
     wide_vectors()
     for i in range(CHUNK):
-        chunk[OFFSET, i] = faded_to_black(chunk[VALUE, i])
+        chunk[OFFSET, i] = faded_to_black(chunk[VALUE, i], ONE / BLACK)
     for plane in range(3):
         for i in range(CHUNK):
             weight = chunk[OFFSET, i]

@@ -23,7 +23,6 @@ from enhance.pixel_block import (
     ONE,
     PLANES,
     RED,
-    THREE,
     TOTAL,
     TWO,
     VALUE,
@@ -32,7 +31,7 @@ from enhance.pixel_block import (
 )
 from enhance.powers import LOG2_E, brief_exp2, brief_log2
 from enhance.prefetch import fetch
-from enhance.recolor import BLACK, store
+from enhance.recolor import BLACK, faded_to_black, store
 from enhance.rows import REACH, ROWS, held_width, read_row
 from enhance.upscale import bring_up
 from enhance.vessel_curves import faded, unpacked, value_of
@@ -192,9 +191,7 @@ def _deepened(
     bright: np.float32, value: np.float32, rise: np.float32, terms: tuple[np.float32, ...]
 ) -> np.float32:
     """Vn, black kept by a smoothstep up to V = 1 / `rise`, and `gamma` where it is not dark."""
-    lit = rise * value
-    lit = lit if lit < ONE else ONE
-    bright = value + lit * lit * (THREE - TWO * lit) * (bright - value)
+    bright = value + faded_to_black(value, rise) * (bright - value)
     bright = bright if bright < ONE else ONE
     deep = value_of(terms, (bright - DIM) * (TWO / (ONE - DIM)) - ONE)
     return bright + faded(bright) * (deep - bright)

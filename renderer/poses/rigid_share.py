@@ -103,8 +103,9 @@ def _smoothed_path(now: Deforming, fast: Sequence[int]) -> Deforming:
     """With what these motions share as a rigid body divided so that the path bends least."""
     around = now.rest - now.rest.mean(axis=0)
     lever = np.linalg.norm(around, axis=1).mean()
-    path = _path(now) * np.r_[[lever] * 3, [1.0] * 3]
-    change = motion_slopes(_path(now)[:, 3:] - now.rest.mean(axis=0))
+    path = _path(now)
+    change = motion_slopes(path[:, 3:] - now.rest.mean(axis=0))
+    path = path * np.r_[[lever] * 3, [1.0] * 3]
     change = np.concatenate([np.broadcast_to(-lever * np.eye(3, 6), change.shape), change], axis=1)
     effects = np.concatenate([now.courses[:, motion, None, None] * change for motion in fast], axis=2)
     bends = np.diff(effects, 2, axis=0).reshape(-1, 6 * len(fast))
