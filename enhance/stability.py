@@ -265,10 +265,9 @@ def _fields(image: NDArray[np.uint8]) -> Iterator[Row]:
     hazard = "field of view"
     for case, (pixels, field) in _surrounded(np.maximum(image, 90)).items():
         found = found_in(read_picture(pixels)).mask()
-        beyond = np.pad(field, 1, mode="edge").astype(np.uint8)
-        depth = cv2.distanceTransform(beyond, cv2.DIST_L2, 5)[1:-1, 1:-1]
-        missed = float(np.max(depth, where=field & ~found, initial=0))
-        yield Row(hazard, f"{case}, deepest pixel that is left out", missed, 8, "pixels")
+        away = cv2.distanceTransform((~found).astype(np.uint8), cv2.DIST_L2, 5)
+        missed = float(np.max(away, where=field & ~found, initial=0))
+        yield Row(hazard, f"{case}, tissue left out, farthest from the field", missed, 8, "pixels")
         if field.all():
             continue
         taken = float(np.mean(found & ~field))

@@ -1,7 +1,10 @@
 from __future__ import annotations
 
+import cv2
+import numpy as np
 import pytest
 
+from assets import phantom_path
 from enhance import EnhanceParams
 from enhance.stability import Row, ranges, stability
 from tests.enhance.pictures import vessels
@@ -15,6 +18,12 @@ def rows() -> list[Row]:
 def test_every_row_passes(rows: list[Row]) -> None:
     assert len(rows) > 100
     assert [row for row in rows if not row.passed] == []
+
+
+def test_every_row_passes_on_tissue_with_tools_and_highlights() -> None:
+    first = min((phantom_path() / "images").iterdir())
+    tissue = np.asarray(cv2.imread(str(first), cv2.IMREAD_COLOR_RGB), np.uint8)
+    assert [row for row in stability(tissue) if not row.passed] == []
 
 
 def test_every_parameter_with_a_range_is_among_the_rows(rows: list[Row]) -> None:
