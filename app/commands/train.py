@@ -96,7 +96,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resume",
         action="store_true",
-        help="resume from the last checkpoint in RUN, with its settings",
+        help="resume the run in RUN from its last checkpoint, with its settings",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
 
@@ -147,7 +147,9 @@ def _kept(folder: RunFolder) -> str:
     """What an interruption leaves, and what to do with it."""
     if folder.has_checkpoint:
         return f"the last checkpoint in {folder.path} is kept, --resume continues from it"
-    return f"there is no checkpoint in {folder.path} yet, --resume starts over"
+    if folder.is_run:
+        return f"there is no checkpoint in {folder.path} yet, --resume starts over"
+    return "nothing is kept yet, the same command starts over"
 
 
 def _to_a_whole_step(events: Generator[TrainEvent, None, None]) -> Generator[TrainEvent, None, None]:

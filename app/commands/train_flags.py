@@ -24,9 +24,9 @@ T = TypeVar("T")
 
 
 def requested(flags: argparse.Namespace) -> TrainRequest:
-    """Raises UserError: values that are none, or the record of the run to resume cannot be read."""
+    """Raises UserError: values that are none, or there is no run to resume, or none that can be read."""
     run = RunFolder(flags.run)
-    began = run.record() if flags.resume and run.is_run else None
+    began = run.record() if flags.resume else None
     chosen: Input = flags.input or ("original" if began is None else began.input)
     return TrainRequest(
         clip_path=flags.clip,

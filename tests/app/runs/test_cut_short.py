@@ -161,8 +161,11 @@ def test_interrupted_training_says_what_is_kept(
     monkeypatch.setattr("app.commands.train.run_training", interrupted)
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run")
     assert (call.code, call.error.count("\n")) == (130, 1)
-    assert "no checkpoint" in call.error
+    assert "nothing is kept yet, the same command starts over" in call.error
     (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "run.json").touch()
+    call = vesselsplat("train", clip_path, "--run", tmp_path / "run")
+    assert "no checkpoint" in call.error
     (tmp_path / "run" / "checkpoint-0000010.safetensors").touch()
     call = vesselsplat("train", clip_path, "--run", tmp_path / "run")
     assert (call.code, call.error.count("\n")) == (130, 1)
