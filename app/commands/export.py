@@ -65,12 +65,11 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
     research_export.add_flags(parser)
     view_selection.add_flags(parser)
     view_flags.add_flag(parser)
+    parser.set_defaults(default_of=parser.get_default)
 
 
 def run(flags: argparse.Namespace) -> None:
-    parser = argparse.ArgumentParser()
-    add_flags(parser)
-    export_limits.check(flags, parser.get_default)
+    export_limits.check(flags)
     if flags.video and not ending_of(flags.video):
         endings = ", ".join(CODECS)
         raise UserError(f"--video: expected a name that ends in {endings}, got {flags.video.name}")

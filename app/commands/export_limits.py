@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -25,11 +25,8 @@ def outputs(flags: argparse.Namespace) -> Iterator[tuple[str, Path]]:
             yield name, path
 
 
-def check(flags: argparse.Namespace, usual: Callable[[str], object]) -> None:
-    """`usual`: what a flag is where it is not given.
-
-    Raises UserError: nothing is asked for, a file whose name is of another format, or a flag without effect.
-    """
+def check(flags: argparse.Namespace) -> None:
+    """Raises UserError: nothing is asked for, the name of another format, or a flag without effect."""
     asked = dict(outputs(flags))
     if not asked:
         *most, last = (f"{flag(name)} {kind.metavar}" for name, kind in KINDS.items())
@@ -47,7 +44,7 @@ def check(flags: argparse.Namespace, usual: Callable[[str], object]) -> None:
             )
     for name in dict.fromkeys(name for kind in KINDS.values() for name in kind.heeds):
         heeding = [one for one, kind in KINDS.items() if name in kind.heeds]
-        if getattr(flags, name) != usual(name) and not set(heeding) & set(asked):
+        if getattr(flags, name) != flags.default_of(name) and not set(heeding) & set(asked):
             which = listed([flag(one) for one in heeding])
             raise UserError(f"{flag(name)}: expected an export that it applies to, such as {which}")
     if flags.frames_per_second is not None and flags.path is None and not goes_through_time(flags):
