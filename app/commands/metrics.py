@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.console.progress import measured_text, print_measures, progress
+from app.enhancement.recording import is_recording
 from app.errors import UserError
 from app.evaluation.mean import mean_of_finite
 from app.files.image_files import ArrayImage
@@ -57,8 +58,8 @@ DEFINITIONS = {
     "noise_gain": "high-frequency noise over that of the original, where the original is flat, without "
     "clipped pixels",
     "blackened_share": "share of the vessel mask that is near-black and was not in the original",
-    "luma_step": "mean step of the mean luma from image to image of one folder or video, in the order "
-    "given, in grey levels",
+    "luma_step": "mean step of the mean luma from image to image of one recording, a video or a folder of "
+    "images that look alike one after another, in the order given, in grey levels",
     "flicker": "luma_step minus that of the originals: 0 or less is as steady as they are",
     "null": "infinite, as the PSNR of equal images, or undefined, as DV/BV of a blank one; left out of means",
 }
@@ -209,8 +210,12 @@ def _check_lengths(given: list[Given], pictures: list[Given], what: str) -> None
 
 
 def measure_sequence(pictures: list[Given], originals: list[Given]) -> dict[str, float] | None:
-    """How steady a sequence is; None where the pictures are none: one alone, or of several folders."""
+    """How steady a sequence is; None where the pictures are none: one alone, of several folders, or each of a
+    subject of its own."""
     if len(pictures) < 2 or len({picture.sequence for picture in pictures}) > 1:
+        return None
+    is_clip = "frame" in pictures[0].origin
+    if not is_clip and not is_recording(len(pictures), lambda index: pictures[index].read()):
         return None
     step = _luma_step(pictures)
     return {"luma_step": step} | ({"flicker": step - _luma_step(originals)} if originals else {})

@@ -113,9 +113,10 @@ def test_the_error_is_that_of_what_is_not_transparent(tmp_path: Path, vesselspla
 
 
 def test_metrics_of_a_sequence_say_how_steady_it_is(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
-    for index, level in enumerate((100, 110, 90)):
-        cv2.imwrite(str(tmp_path / f"{index}.png"), np.full((40, 60, 3), level, np.uint8))
-        cv2.imwrite(str(folder / f"{index}.png"), np.full((40, 60, 3), 100 + index, np.uint8))
+    scene = tissue(0) // 2
+    for index, level in enumerate((10, 20, 0)):
+        cv2.imwrite(str(tmp_path / f"{index}.png"), scene + np.uint8(level))
+        cv2.imwrite(str(folder / f"{index}.png"), scene + np.uint8(index))
     paths = [tmp_path / f"{index}.png" for index in range(3)]
     alone = json.loads(vesselsplat("metrics", *paths, "--json").out)
     assert alone["sequence"] == {"luma_step": pytest.approx(15)}
@@ -125,6 +126,9 @@ def test_metrics_of_a_sequence_say_how_steady_it_is(folder: Path, tmp_path: Path
     assert json.loads(vesselsplat("metrics", paths[0], "--json").out)["sequence"] is None
     apart = json.loads(vesselsplat("metrics", paths[0], folder / "1.png", "--json").out)
     assert apart["sequence"] is None
+    cv2.imwrite(str(tmp_path / "other.png"), tissue(7))
+    unlike = json.loads(vesselsplat("metrics", paths[0], tmp_path / "other.png", "--json").out)
+    assert unlike["sequence"] is None
     assert {"luma_step", "flicker"} <= set(report["definitions"])
 
 
