@@ -17,7 +17,14 @@ from renderer.harmonics import BANDS
 from renderer.ply_comments import LONGEST, START
 from renderer.ply_elements import Element, Ply
 from renderer.raw_gaussians import RawGaussians
-from renderer.splat_files.splat_file import SplatFile, SplatFileError, coefficients_of, colors_of, repaired
+from renderer.splat_files.splat_file import (
+    FUNCTIONS,
+    SplatFile,
+    SplatFileError,
+    coefficients_of,
+    colors_of,
+    repaired,
+)
 from renderer.splats import RenderMode
 
 MEANS = ("x", "y", "z")
@@ -52,7 +59,7 @@ def splats_of(ply: Ply) -> SplatFile:
         colors=colors_of(columns(vertices, DC)),
         harmonics=harmonics_of(vertices),
     )
-    return repaired(raw, mode_of(ply.comments))
+    return repaired(raw, mode_of(ply.comments), degree_of(vertices))
 
 
 def columns(element: Element, names: Sequence[str]) -> NDArray[np.float32]:
@@ -64,16 +71,25 @@ def columns(element: Element, names: Sequence[str]) -> NDArray[np.float32]:
     return out
 
 
+def degree_of(element: Element) -> int:
+    """Of its harmonics. Raises SplatFileError where the number of fields is that of none."""
+    names = [name for name in element.fields if name.startswith("f_rest_")]
+    counts = [3 * functions for functions in FUNCTIONS]
+    if len(names) not in counts or set(names) != set(_rest(len(names))):
+        wanted = ", ".join(map(str, counts))
+        raise SplatFileError(f"expected {wanted} fields f_rest_0 and on, got {len(names)}")
+    return counts.index(len(names))
+
+
 def harmonics_of(element: Element) -> NDArray[np.float32]:
-    """(N, B, 3). Raises SplatFileError where the number of fields is that of no degree."""
-    count = sum(name.startswith("f_rest_") for name in element.fields)
-    names = [f"f_rest_{place}" for place in range(count)]
-    if count not in [3 * bands for bands in BANDS] or not set(names) <= set(element.fields):
-        wanted = ", ".join(str(3 * bands) for bands in BANDS)
-        raise SplatFileError(f"expected {wanted} fields f_rest_0 and on, got {count}")
-    return np.ascontiguousarray(
-        columns(element, names).reshape(len(element.rows), 3, count // 3).transpose(0, 2, 1)
-    )
+    """(N, B, 3), without those above degree 3. Raises SplatFileError, see `degree_of`."""
+    functions = FUNCTIONS[degree_of(element)]
+    whole = columns(element, _rest(3 * functions)).reshape(len(element.rows), 3, functions)
+    return np.ascontiguousarray(whole[:, :, : BANDS[-1]].transpose(0, 2, 1))
+
+
+def _rest(count: int) -> tuple[str, ...]:
+    return tuple(f"f_rest_{place}" for place in range(count))
 
 
 def comment_lines(mode: RenderMode, comments: Sequence[str]) -> tuple[str, ...]:
@@ -96,7 +112,7 @@ def ply_bytes(raw: RawGaussians, mode: RenderMode = "default", comments: Sequenc
         ValueError: a comment that other programs cannot read, see ply_comments.py.
     """
     count = raw.harmonics.shape[1]
-    rest = tuple(f"f_rest_{place}" for place in range(3 * count))
+    rest = _rest(3 * count)
     names = (*MEANS, "nx", "ny", "nz", *DC, *rest, "opacity", *SCALES, *QUATS)
     head = [
         "ply", "format binary_little_endian 1.0", *comment_lines(mode, comments),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from renderer.ply_elements import Element, Ply
 from renderer.raw_gaussians import RawGaussians, logits
-from renderer.splat_files.inria_ply import columns, harmonics_of, mode_of
+from renderer.splat_files.inria_ply import columns, degree_of, harmonics_of, mode_of
 from renderer.splat_files.splat_file import SplatFile, SplatFileError, repaired
 
 CHUNK = 256
@@ -54,7 +54,8 @@ def splats_of(ply: Ply) -> SplatFile:
         else color[:, :3].astype(np.float32),
         harmonics=_harmonics(elements.get("sh"), count),
     )
-    return repaired(raw, mode_of(ply.comments))
+    degree = degree_of(elements["sh"]) if "sh" in elements else 0
+    return repaired(raw, mode_of(ply.comments), degree)
 
 
 def _words(vertices: Element) -> dict[str, NDArray[np.uint32]]:

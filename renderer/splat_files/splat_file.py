@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from renderer.harmonics import BANDS
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import RenderMode
 
@@ -17,6 +18,8 @@ FARTHEST: Final = 1e14
 """Positions and sizes: a camera that sees all of them can still stand before them."""
 MOST_LOGIT: Final = np.float32(80.0)
 """Opacities of 0 and 1 become those of this logit, which float32 does not tell from them."""
+FUNCTIONS: Final = (*BANDS, 24)
+"""Harmonics by degree. Files hold them to degree 4, of which nothing here draws more than three."""
 
 
 class SplatFileError(ValueError):
@@ -69,8 +72,9 @@ def coefficients_of(colors: NDArray[np.float32]) -> NDArray[np.float64]:
     return (colors.astype(np.float64) - 0.5) / PER_COLOR
 
 
-def repaired(raw: RawGaussians, mode: RenderMode = "default") -> SplatFile:
-    """Without the rows that cannot be drawn: values that are not finite, places and sizes out of sight."""
+def repaired(raw: RawGaussians, mode: RenderMode = "default", degree: int = 0) -> SplatFile:
+    """Without the rows that cannot be drawn: values that are not finite, places and sizes out of sight.
+    `degree`: of the harmonics in the file."""
     good = drawable(raw)
     logits = np.clip(raw.opacity_logits, -MOST_LOGIT, MOST_LOGIT)
     lost = np.all(raw.quats == 0, axis=1)
@@ -84,6 +88,8 @@ def repaired(raw: RawGaussians, mode: RenderMode = "default") -> SplatFile:
         )
     if count := int(np.count_nonzero(lost & good)):
         notices.append(f"{count} of {len(raw)} splats have no rotation and are read as unrotated")
+    if degree >= len(BANDS):
+        notices.append(f"colours by direction are read to degree {len(BANDS) - 1} of {degree}")
     return SplatFile(raw if good.all() else raw.rows(np.flatnonzero(good)), mode, tuple(notices))
 
 

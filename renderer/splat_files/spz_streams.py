@@ -17,14 +17,12 @@ import numpy as np
 from renderer.budget import budget
 from renderer.harmonics import BANDS
 from renderer.splat_files.other_kinds import CONVERT
-from renderer.splat_files.splat_file import SplatFile, SplatFileError, repaired
+from renderer.splat_files.splat_file import FUNCTIONS, SplatFile, SplatFileError, repaired
 from renderer.splat_files.spz import ANTIALIASED, MOST_BITS, Head, unpacked
 
 VERSION: Final = 4
 HEAD: Final = struct.Struct("<IIIBBBBI12x")
 SIZES: Final = struct.Struct("<QQ")
-FUNCTIONS: Final = (*BANDS, 24)
-"""By degree."""
 LEAST_WINDOW: Final = 1 << 23
 """Bytes that every decoder of Zstandard has to grant."""
 
@@ -68,15 +66,15 @@ def read_spz_streams(content: bytes) -> SplatFile:
 
 def _file(head: Head, planes: list[bytes]) -> SplatFile:
     """Without harmonics above degree 3, which nothing here draws."""
-    notices: tuple[str, ...] = ()
+    degree = FUNCTIONS.index(head.bands)
     if head.bands > BANDS[-1]:
         if planes:
             rest = np.frombuffer(planes[-1], np.uint8).reshape(head.count, head.bands, 3)
             planes[-1] = rest[:, : BANDS[-1]].tobytes()
         head = replace(head, bands=BANDS[-1])
-        notices = ("colours by direction are read to degree 3 of 4",)
-    file = repaired(unpacked(head, b"".join(planes)), "mip" if head.flags & ANTIALIASED else "default")
-    return replace(file, notices=(*file.notices, *notices))
+    return repaired(
+        unpacked(head, b"".join(planes)), "mip" if head.flags & ANTIALIASED else "default", degree
+    )
 
 
 def _unzipped(content: bytes, size: int) -> bytes:

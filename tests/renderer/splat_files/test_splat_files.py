@@ -92,6 +92,14 @@ def test_harmonics_are_all_of_red_first(tmp_path: Path) -> None:
     assert np.array_equal(harmonics[0, :, 2], np.arange(16, 24))
 
 
+def test_of_degree_4_three_are_read_and_it_is_said(tmp_path: Path) -> None:
+    raw = gaussians(2)
+    rest = {f"f_rest_{place}": np.full(2, float(place)) for place in range(72)}
+    got = read(tmp_path, ply(fields_of(raw) | rest))
+    assert np.array_equal(got.raw.harmonics[1], np.add.outer(np.arange(15), (0, 24, 48)))
+    assert got.notices == ("colours by direction are read to degree 3 of 4",)
+
+
 def test_packed_splats_lie_within_their_chunks(tmp_path: Path) -> None:
     """Shares of the bounds, by words packed here; the second chunk has bounds of its own."""
     low = [-1.0, -2.0, -3.0, 4.0, 5.0, 6.0, -5.0, -5.0, -5.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0]
