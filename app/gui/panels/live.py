@@ -37,6 +37,8 @@ from app.live.sources.device import PERMISSION
 
 TITLE: Final = "Open live source"
 WIDTH: Final = 34.0
+COLUMN: Final = 7.8
+"""Em of what is to be recorded, and of the button above."""
 PREVIEW: Final = ImVec2(8.0, 4.5)
 """Em of a preview."""
 HINT: Final = "rtsp://, udp://, http:// or a number"
@@ -45,7 +47,6 @@ ADDRESS_TEXT: Final = (
     "that you open here is the only thing that VesselSplat ever fetches from a network."
 )
 FILE_TEXT: Final = "Play a video or a folder of images at its own rate, in a loop, as if it were live."
-FREEZE_TEXT: Final = "F: hold this frame while the source goes on."
 SAVE_TEXT: Final = "S: save what is shown as an image, and beside it the frame as received."
 RECORD_TEXT: Final = (
     "Ctrl+Shift+L: record into the export folder. Should the computer stop, at most the last second is lost."
@@ -73,11 +74,6 @@ def draw_live_bar(state: AppState) -> None:
     """Two rows: what can be done, and how the source stands."""
     live, status = state.live, state.live.status
     with imgui_ctx.push_style_var(imgui.StyleVar_.frame_padding, tall()):
-        frozen = live.still is not None
-        freeze = partial(live_actions.toggle_freeze, state)
-        label = "Frozen###hold" if frozen else "Freeze###hold"
-        toggle(label, freeze, FREEZE_TEXT, on=frozen, caution=True, width=7.8)
-        imgui.same_line()
         _draw_record(state)
         imgui.same_line()
         _draw_signal(state)
@@ -85,7 +81,7 @@ def draw_live_bar(state: AppState) -> None:
         save = partial(export_actions.save_picture, state)
         button(f"{icons.ICON_FA_CAMERA}  Save image", save, SAVE_TEXT, width=9.0)
     with imgui_ctx.push_id("below"):
-        what = choose("what", live.what, {one: one.capitalize() for one in WHATS}, WHAT_TEXT, 7.8)
+        what = choose("what", live.what, {one: one.capitalize() for one in WHATS}, WHAT_TEXT, COLUMN)
         if what != live.what and live.recorder is None:
             live_actions.choose_what(state, what)
         imgui.same_line()
@@ -106,10 +102,10 @@ def _right() -> float:
 def _draw_record(state: AppState) -> None:
     recording, toggle = state.live.recording, partial(live_actions.toggle_recording, state)
     if recording is None:
-        button(f"{icons.ICON_FA_CIRCLE}  Record###record", toggle, RECORD_TEXT, width=7.5)
+        button(f"{icons.ICON_FA_CIRCLE}  Record###record", toggle, RECORD_TEXT, width=COLUMN)
         return
     label = f"{icons.ICON_FA_STOP}  {clock(recording.seconds)}###record"
-    button(label, toggle, "Ctrl+Shift+L: end the recording.", color=theme.now().recording, width=7.5)
+    button(label, toggle, "Ctrl+Shift+L: end the recording.", color=theme.now().recording, width=COLUMN)
 
 
 def _draw_send(state: AppState) -> None:
