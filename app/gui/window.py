@@ -18,6 +18,7 @@ from app.errors import UserError
 from app.files.provenance import version
 from app.gui.actions import (
     actions,
+    batch_actions,
     live_actions,
     presenting,
     preset_actions,
@@ -265,7 +266,7 @@ class Window:
     def _advance(self) -> None:
         """Before each frame: news from the background, what can be done, how soon the next is wanted."""
         if self._dropped:
-            actions.open_first(self.state, [Path(text) for text in self._dropped])
+            batch_actions.take_dropped(self.state, [Path(text) for text in self._dropped])
             self._dropped = []
         follow_preparation(self.state, self._preparer)
         follow_live(self.state, _session)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -35,6 +35,15 @@ def add_input(state: AppState, path: Path) -> None:
     """A file or a folder, once."""
     if path.absolute() not in state.batches.inputs:
         state.batches.inputs = (*state.batches.inputs, path.absolute())
+
+
+def take_dropped(state: AppState, paths: Sequence[Path]) -> None:
+    """On the window: all join the batch whose window is shown; without it the first is opened."""
+    if not state.batches.shown:
+        actions.open_first(state, paths)
+        return
+    for path in paths:
+        add_input(state, path)
 
 
 def remove_input(state: AppState, place: int) -> None:

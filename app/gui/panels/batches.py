@@ -72,7 +72,7 @@ def _draw_inputs(state: AppState) -> None:
     height = lines * imgui.get_text_line_height_with_spacing() + em(1.1)
     with imgui_ctx.begin_child("inputs", ImVec2(0, height), imgui.ChildFlags_.borders | FLAT):
         if not inputs:
-            muted("Nothing to enhance yet: add folders or files.")
+            muted("Nothing to enhance yet: add or drop files and folders.")
         for place, path in enumerate(inputs):
             with imgui_ctx.push_id(str(place)):
                 remove = partial(batch_actions.remove_input, state, place)
