@@ -73,12 +73,14 @@ from app.gui.work import kept_layout, tidying
 from app.gui.work.background import Apart, Worker
 from app.gui.work.settings import Places, Theme, load_clips, load_settings
 from app.kernels.preparer import Preparer
+from app.kernels.progress import Kind
 from app.kernels.stamp import is_prepared
 from app.live.session import LiveSession
 from app.live.start import LiveStart
 from app.runs.job import TrainingJob
 from app.runs.memory import share_memory
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.splat_files import SUFFIXES as SPLAT_FILES
 
 IDLE_FPS = 1.0
 """Events and finished work wake the window at once; a software driver pays some 30 ms for each frame."""
@@ -104,7 +106,8 @@ def run_app(
     window = Window(AppState(places, load_settings(places.settings_file), Source(clip_options)))
     remembered.begin(window.state)
     if not is_prepared():
-        window.prepare(Preparer(preset_of(window.state.enhancement.params)))
+        seen: tuple[Kind, ...] = ("3D view",) if paths and paths[0].suffix.lower() in SPLAT_FILES else ()
+        window.prepare(Preparer(*seen, preset_of(window.state.enhancement.params)))
     recovering.offer_recovery(window.state)
     if paths:
         actions.open_first(window.state, paths)

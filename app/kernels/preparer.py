@@ -23,22 +23,21 @@ from typing import Final
 import psutil
 
 from app.console.startup import rest_while_waiting
-from app.enhancement.methods import VESSEL, Preset
 from app.kernels.progress import Kind, Preparation, tasks
 
 SECONDS_TO_END: Final = 2.0
 NICE: Final = 5
-"""Once the first method is ready, which a person waits for; then what is done in the window comes first."""
+"""Once the first step is done, which a person waits for; then what is done in the window comes first."""
 
 
 class Preparer:
     """One preparation. All methods are for one thread, and none of them waits, but for `close`."""
 
-    def __init__(self, first: Preset = VESSEL) -> None:
+    def __init__(self, *first: Kind) -> None:
         context = multiprocessing.get_context("spawn")
         self._pipe, self._far_end = context.Pipe()
-        self._process = context.Process(target=work, args=(self._far_end, first), daemon=True)
-        self._newest = Preparation(tasks(first))
+        self._process = context.Process(target=work, args=(self._far_end, *first), daemon=True)
+        self._newest = Preparation(tasks(*first))
         self._since = time.monotonic()
         self._best_end = math.inf
         """When it should be complete, by the best that was expected so far."""
@@ -115,14 +114,14 @@ def _begin(pipe: Connection) -> None:
     threading.Thread(target=_end_with, args=(pipe,), daemon=True).start()
 
 
-def work(pipe: Connection, first: Preset) -> None:
+def work(pipe: Connection, *first: Kind) -> None:
     """In the process: prepare, and say how far it is before each step."""
     _begin(pipe)
     # Loaded in this process only.
     from app.kernels.steps import prepare
 
     with suppress(BrokenPipeError):
-        for now in prepare(first):
+        for now in prepare(*first):
             if now.done == 1:
                 psutil.Process().nice(psutil.BELOW_NORMAL_PRIORITY_CLASS if sys.platform == "win32" else NICE)
             pipe.send(now)

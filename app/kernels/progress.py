@@ -23,6 +23,8 @@ SECONDS: Final[Mapping[str, float]] = {
 """About how long each step takes on an ordinary computer."""
 SHARED: Final = 35.0
 """More of the first of the two methods, for what both have in common."""
+DRAWING: Final = 12.0
+"""Of the own training, what the 3D view has in common with it and takes itself where it comes first."""
 DEEP: Final = ", 16 bits"
 OVER: Final = 0.25
 """Of a step that takes longer than it should, what is still to come, as a share of its time so far."""
@@ -42,15 +44,18 @@ class Task:
     """About how long it takes on an ordinary computer."""
 
 
-def tasks(first: Preset = VESSEL) -> tuple[Task, ...]:
-    """In the order of need, the enhancement by the method that is chosen first."""
+def tasks(*first: Kind) -> tuple[Task, ...]:
+    """In the order of need: those of the kinds that are wanted `first`, then the others."""
+    presets: tuple[Preset, ...] = (PAPER, VESSEL) if PAPER in first else (VESSEL, PAPER)
     cost = dict(SECONDS)
-    cost[first] += SHARED
-    presets: tuple[Preset, ...] = (first, PAPER if first == VESSEL else VESSEL)
+    cost[presets[0]] += SHARED
+    if "3D view" in first:
+        cost |= {"3D view": cost["3D view"] + DRAWING, "vesselsplat": cost["vesselsplat"] - DRAWING}
     own, *published = [Task(method, "training", cost[method]) for method in get_args(Method)]
     eight = [Task(preset, preset, cost[preset]) for preset in presets]
     deep = [Task(f"{preset}{DEEP}", "16 bits", cost[preset]) for preset in presets]
-    return (*eight, own, Task("3D view", "3D view", cost["3D view"]), *published, *deep)
+    usual = (*eight, own, Task("3D view", "3D view", cost["3D view"]), *published, *deep)
+    return tuple(sorted(usual, key=lambda task: (*first, task.kind).index(task.kind)))
 
 
 @dataclass(frozen=True)

@@ -16,13 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.enhancement.measures import Original
-from app.enhancement.methods import VESSEL, MethodEnhancer, Preset, measure_for
-from app.kernels.progress import Preparation, Task, paced, tasks
+from app.enhancement.methods import MethodEnhancer, Preset, measure_for
+from app.kernels.progress import Kind, Preparation, Task, paced, tasks
 from app.kernels.stamp import note_prepared
 from app.runs.train_run import PRESETS
 from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from assets import phantom_path
 from renderer.clip import Clip, Frame
+from renderer.deformation.spline import MIN_CONTROLS
+from renderer.deformation.spline_motion import SplineMotion
 from renderer.editing.regions import Lasso, found
 from renderer.editing.sight import Sight, Trail
 from renderer.gaussians import DynamicGaussians
@@ -34,20 +36,23 @@ from renderer.splats import RenderMode, Shape
 from renderer.surface.of_model import surface_of
 from renderer.surface.triangles import render_mesh
 from renderer.train.config import Method, Part, TrainConfig
-from renderer.train.events import Finished
+from renderer.train.initialize import round_gaussians
 from renderer.train.training import train
 
 STEPS: Final = 8
 GAUSSIANS: Final = 400
 FRAMES: Final = 10
 """Of a training that is quick and reaches every stage."""
+SPACING: Final = 6
+"""Pixels between Gaussians that are looked at."""
 SIDEWAYS: Final = np.array([[1.0, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
 """A camera that has moved by 1 mm."""
 
 
-def prepare(first: Preset = VESSEL) -> Iterator[Preparation]:
-    """Take all steps; before each, and at the end, how far it is. Quick where it has been done before."""
-    todo = tasks(first)
+def prepare(*first: Kind) -> Iterator[Preparation]:
+    """Take all steps, those of the kinds in `first` before the others; before each, and at the end, how far
+    it is. Quick where it has been done before."""
+    todo = tasks(*first)
     taken: list[float] = []
     for task in todo:
         yield Preparation(todo, len(taken), paced(todo, taken))
@@ -101,15 +106,13 @@ def _surrounded(image: NDArray[Any]) -> Iterator[NDArray[Any]]:
         yield image * seen[..., None].astype(image.dtype)
 
 
-def _train(method: Method) -> DynamicGaussians:
-    """With all that some clips need, and as this clip needs it. Returns that model."""
+def _train(method: Method) -> None:
+    """With all that some clips need, and as this clip needs it."""
     clip = replace(_clip(), read_frame=_half_hidden)
     config = TrainConfig(method=method, iterations=STEPS, n_gaussians=GAUSSIANS)
-    for _ in train(clip, replace(config, keep=get_args(Part))):
-        pass
-    last = list(train(clip, config))[-1]
-    assert isinstance(last, Finished)
-    return last.model
+    for keep in (get_args(Part), ()):
+        for _ in train(clip, replace(config, keep=keep)):
+            pass
 
 
 def _half_hidden(index: int) -> Frame:
@@ -122,9 +125,31 @@ def _half_hidden(index: int) -> Frame:
     return replace(frame, tissue_mask=tissue)
 
 
+def _sheet() -> DynamicGaussians:
+    """The tissue of the first frame: a splat file is there to be seen long before anything can be trained."""
+    frame = _clip().read_frame(0)
+    assert frame.depth is not None
+    means = frame.camera.unproject(frame.depth)[::SPACING, ::SPACING].reshape(-1, 3).astype(np.float32)
+    count = len(means)
+    colors = np.full((count, 3), 0.5, np.float32)
+    return DynamicGaussians(round_gaussians(means, np.ones(count), colors, 0.9), _stillness(count))
+
+
+def _stillness(count: int) -> SplineMotion:
+    """A motion by which nothing moves, with all that one can have."""
+    return SplineMotion(
+        position_controls=np.zeros((count, MIN_CONTROLS, 3), np.float32),
+        color_controls=np.zeros((count, MIN_CONTROLS, 3), np.float32),
+        opacity_controls=np.zeros((count, MIN_CONTROLS, 1), np.float32),
+        node_controls=np.zeros((4, MIN_CONTROLS, 3), np.float32),
+        node_indices=np.tile(np.arange(4, dtype=np.int32), (count, 1)),
+        node_weights=np.full((count, 4), 0.25, np.float32),
+    )
+
+
 def _look() -> None:
-    """A reconstruction rendered in every shape and mode, a point of it picked, a part of it selected."""
-    model, camera = _train("vesselsplat"), _clip().cameras[0]
+    """A model rendered in every shape and mode, a point of it picked, a part of it selected."""
+    model, camera = _sheet(), _clip().cameras[0]
     near = near_plane(model, camera)
     splats = model.at(0.5)
     for mode in get_args(RenderMode):

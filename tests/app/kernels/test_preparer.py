@@ -19,19 +19,19 @@ from app.gui.update.preparing import COMPLETE, ENDED, follow_preparation
 from app.gui.work.settings import Places
 from app.kernels import preparer, stamp
 from app.kernels.preparer import Preparer
-from app.kernels.progress import OVER, Preparation, Task, paced, tasks, worded
+from app.kernels.progress import OVER, Kind, Preparation, Task, paced, tasks, worded
 from tests.benchmarks.soak_health import children
 
 SECONDS = 60.0
 
 
-def quick(pipe: Connection, first: Preset) -> None:
-    pipe.send(Preparation(tasks(first), 1, 0.5))
-    pipe.send(Preparation(tasks(first), len(tasks(first))))
+def quick(pipe: Connection, *first: Kind) -> None:
+    pipe.send(Preparation(tasks(*first), 1, 0.5))
+    pipe.send(Preparation(tasks(*first), len(tasks(*first))))
 
 
-def killed(pipe: Connection, first: Preset) -> None:
-    pipe.send(Preparation(tasks(first), 1, 0.5))
+def killed(pipe: Connection, *first: Kind) -> None:
+    pipe.send(Preparation(tasks(*first), 1, 0.5))
     os._exit(1)
 
 
@@ -114,6 +114,15 @@ def test_it_ends_with_a_window_that_is_killed(tmp_path: Path) -> None:
 def test_the_chosen_method_comes_first() -> None:
     assert [task.kind for task in tasks(PAPER)][:2] == [PAPER, VESSEL]
     assert [task.kind for task in tasks(VESSEL)][:2] == [VESSEL, PAPER]
+
+
+def test_a_splat_file_is_seen_before_anything_else_is_prepared() -> None:
+    todo = tasks("3D view", PAPER)
+    assert [task.kind for task in todo][:3] == ["3D view", PAPER, VESSEL]
+    usual = tasks(PAPER)
+    assert {task.name for task in todo} == {task.name for task in usual}
+    assert sum(task.seconds for task in todo) == sum(task.seconds for task in usual)
+    assert Preparation(todo, 1).has("3D view")
 
 
 def test_what_is_ready_and_how_long_it_takes() -> None:
