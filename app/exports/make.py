@@ -236,7 +236,8 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
     windows = page_windows(scene, record.tolerance, record.rounding)
     errors = [one.tracks.error for one in windows if one.tracks.error is not None]
     record = replace(record, error=max(errors, default=None))
-    about = f"Reconstruction of {record.trained_on}" if record.trained_on else "Reconstruction"
+    kind = "Reconstruction" if record.splats is None else "Splat file"
+    about = f"{kind} of {record.trained_on}" if record.trained_on else kind
     about = ", ".join(filter(None, (about, far_off(record, scene.unit))))
     within = scene.field_in_view if record.ends == "field" else scene.camera_at_rest
     within, shown = (None, None) if record.unobserved else (within, scene.shown)

@@ -13,6 +13,7 @@ function fail(text) {
   const message = document.getElementById("message");
   message.textContent = text;
   message.hidden = false;
+  document.body.className = "failed";
   throw new Error(text);
 }
 

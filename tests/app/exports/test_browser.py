@@ -251,6 +251,20 @@ def test_more_than_a_browser_opens_is_told(
     assert not list(tmp_path.iterdir())
 
 
+def test_a_page_of_a_splat_file_says_that_it_is_one(
+    vesselsplat: Cli, runs: dict[str, Path], tmp_path: Path
+) -> None:
+    vesselsplat("export", runs["original"], "--ply", tmp_path, "--frames", 0)
+    told = {
+        tmp_path / "frame-000000.ply": "Splat file",
+        runs["original"]: "Reconstruction of original frames",
+    }
+    for path, about in told.items():
+        page = tmp_path / f"{path.stem}.html"
+        assert vesselsplat("export", path, "--html", page).code == 0
+        assert f"<p>{about}</p>" in page.read_text()
+
+
 def test_a_window_without_gaussians_is_an_empty_one() -> None:
     model = DynamicGaussians(raw(np.random.default_rng(7)), Still())
     none = DynamicGaussians(

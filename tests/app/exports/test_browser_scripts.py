@@ -88,3 +88,14 @@ def test_a_frame_that_began_before_the_click_does_not_go_back_in_time() -> None:
         0,
         pytest.approx(0.1),
     ]
+
+
+def test_a_page_that_cannot_draw_says_so_and_offers_nothing_that_does_nothing() -> None:
+    found = re.search(r"^function fail.*?^}", script("viewer.js"), re.DOTALL | re.MULTILINE)
+    assert found is not None
+    code = """
+    const message = { hidden: true }, document = { body: {}, getElementById: () => message };
+    try { fail("no WebGL2"); } catch {}
+    const answer = [message, document.body.className];"""
+    assert run(found[0] + code) == [{"hidden": False, "textContent": "no WebGL2"}, "failed"]
+    assert ".failed canvas, .failed footer { visibility: hidden; }" in script("viewer.css")
