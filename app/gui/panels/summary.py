@@ -26,6 +26,7 @@ TEXT = (
 TITLE = "Case summary"
 TITLE_TEXT = "The heading of the page, and the name of its file. Write no patient's name on what you send."
 NOTES_TEXT = "Above the images. Kept with the session."
+ITEM_HINT = "Note below this image"
 SHOWN_TEXT = "Save what is shown now as an image, and add it."
 FILE_TEXT = "A PNG or JPEG image that VesselSplat saved before."
 REMOVE_TEXT = "Remove from the page; the file stays. Ctrl+Z undoes it."
@@ -105,7 +106,7 @@ def _draw_item(state: AppState, place: int, item: Item, textures: ShowsPictures)
         imgui.text_unformatted(shortened(f"{place + 1}.  {legible(item.path.name)}", width))
         _draw_moving(state, place)
         size = ImVec2(-0.1, em(HEIGHT) - imgui.get_frame_height_with_spacing())
-        changed, text = text_area("##note", "", item.note, size)
+        changed, text = text_area("##note", ITEM_HINT, item.note, size)
         explain("A note below this image.")
         if changed:
             summary_actions.type_note(state, place, text)

@@ -106,7 +106,8 @@ def swept_jobs(task: TaskName, summary: Summary, folder: Path) -> Swept:
 def _job(summary: Summary, row: Row, folder: Path, order: Sequence[str]) -> SweptJob:
     """`order`: of the measures, those that tell most first."""
     setting, seed = summary.setting(row), row.settings.get("seed")
-    words = said(setting) if seed is None else f"{said(setting)}, seed {seed}"
+    named = tuple((in_words(name), value) for name, value in setting)
+    words = said(named) if seed is None else f"{said(named)}, seed {seed}"
     chosen = {name: value for name, value in setting if is_number(value)}
     measures = {column_of(name, chosen): row.measures.get(name) for name in order}
     values = {**measures, SECONDS: row.costs.get(SECONDS), **chosen}
@@ -116,7 +117,7 @@ def _job(summary: Summary, row: Row, folder: Path, order: Sequence[str]) -> Swep
     return SweptJob(
         clip=row.clip,
         setting=words,
-        series=drawn_as(setting),
+        series=drawn_as(named),
         values={name: float(value) for name, value in values.items() if is_number(value)},
         params=enhancing.params if enhancing else None,
         scope=enhancing.statistics if enhancing else "automatic",

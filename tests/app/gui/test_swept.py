@@ -79,6 +79,7 @@ def test_a_setting_and_a_measure_of_one_name_are_two_axes(state: AppState, tmp_p
         kept = JobFolder.of(tmp_path / "out", job.key)
         kept.finish(job, {"measures": {"psnr": 30.0, "n_gaussians": count}, "seconds": 1.0})
     sweep = opened(state, tmp_path / "out")
+    assert [job.setting for job in sweep.jobs] == ["n gaussians 8000, seed 0", "n gaussians 30000, seed 0"]
     (series,) = sweep.series
     across, up = sweep.places(series, "n_gaussians", "measured_n_gaussians")
     assert (across.tolist(), up.tolist()) == ([8000, 30000], [7312, 21544])
