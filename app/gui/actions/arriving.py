@@ -46,9 +46,14 @@ def show_opened(state: AppState, path: Path, opened: Opened) -> None:
     masking_actions.tell_interrupted(state, making)
     # What a crash left is this process's own from now on: nothing to open another time.
     if not opened.in_passing and path.parent != state.places.config:
-        actions.use_settings(state, state.settings.opened(path))
-        if path != phantom_path() and not path.is_relative_to(state.places.runs):
-            actions.visit(state, path.parent, "file", "folder")  # What is opened next often lies beside it.
+        _remember(state, path)
+
+
+def _remember(state: AppState, path: Path) -> None:
+    """Under Recent, and where the next dialog begins: what is opened next often lies beside it."""
+    is_own = path == phantom_path() or path.is_relative_to(state.places.runs)
+    state.settings = state.settings.opened(path)
+    actions.visit(state, path.parent, *(() if is_own else ("file", "folder")))  # Writes both at once.
 
 
 def _take_source(state: AppState, path: Path, opened: Opened) -> None:

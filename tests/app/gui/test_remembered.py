@@ -9,6 +9,7 @@ import pytest
 from app.gui.actions import actions, arriving, comparing, history_actions, remembered
 from app.gui.state.app_state import AppState
 from app.gui.state.choosing import Kind
+from app.gui.work.keeping import KeepSettings
 from app.gui.work.opening import Opened
 from app.gui.work.settings import load_settings
 from assets import phantom_path
@@ -79,6 +80,9 @@ def test_what_is_undone_or_reset_does_not_come_back(begun: AppState) -> None:
 def test_dialogs_begin_beside_what_was_opened_last_however_that_was(begun: AppState, tmp_path: Path) -> None:
     clip = make_clip(tmp_path / "study" / "dropped")
     arriving.show_opened(begun, clip.path, Opened(clip))
+    (written,) = (wish for wish in begun.window.wishes if isinstance(wish, KeepSettings))
+    assert written.settings.recent == (str(clip.path),)
+    assert set(written.settings.folders) == {"file", "folder"}
     # Neither lies where a person keeps clips.
     arriving.show_opened(begun, phantom_path(), Opened(open_clip(phantom_path())))
     arriving.show_opened(begun, begun.places.runs / "run-1", Opened(clip))
