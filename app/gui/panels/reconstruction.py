@@ -185,7 +185,9 @@ def _draw_omissions(state: AppState) -> None:
     found, request = state.runs.omissions, state.omissions_request
     # While a part that was just kept or let go is looked at, the lines stay under the hand.
     if found is None or request is None or found.request.unkept != request.unkept:
-        muted("Analysing the clip…")
+        now = state.runs.looking
+        done = f": {now.frames} of {now.count} frames" if now is not None and now.request == request else "…"
+        muted(f"Analysing the clip{done}")
     elif not found.lines:
         muted("Nothing: this clip needs every part.")
     else:

@@ -9,7 +9,7 @@ from typing import Literal
 
 from app.enhancement.settable import InputKind
 from app.gui.session_file import KeptSettings
-from app.gui.work.omissions import Omissions
+from app.gui.work.omissions import Looking, Omissions
 from app.gui.work.run_measures import RunMeasures
 from app.gui.work.runs import FoundRuns, LeftRequest, ModelRequest
 from app.runs.job import TrainingJob
@@ -178,6 +178,8 @@ class Runs:
     """The list of what the next reconstruction leaves out is unfolded."""
     omissions: Omissions | None = None
     """The newest such list."""
+    looking: Looking | None = None
+    """How far the next one is."""
 
     @property
     def next_waiting(self) -> Waiting | None:

@@ -179,9 +179,8 @@ class Channels:
         self.selecting = row(Channel(Selector().select), edit_actions.take_selected, lambda s: s.editing.wish)
         self.frames = row(Channel(read_frame), told("the frame cannot be read", taking.take_frame),
                           lambda s: s.frame_request)
-        self.omissions = row(Channel(look),
-                             told("what will be left out cannot be determined", taking.take_omissions),
-                             lambda s: s.omissions_request, THIRD)
+        self.omissions = row(Channel(look), taking.take_omissions, lambda s: s.omissions_request,
+                             THIRD)
         self.masks_there = row(Channel(look_for_masks),
                                noted("tool masks cannot be listed", masking_actions.take_there),
                                masking_actions.there_wish, SECOND)

@@ -29,7 +29,7 @@ from app.gui.work.clip_scale import ClipScale, ScaleRequest
 from app.gui.work.masking import LeftOut, LeftOutRequest
 from app.gui.work.measuring import Measured
 from app.gui.work.neighbours import Neighbours, NeighboursRequest
-from app.gui.work.omissions import Omissions, OmissionsRequest
+from app.gui.work.omissions import Looking, Omissions, OmissionsRequest
 from app.gui.work.opening import Opened, OpenRequest, SourceLost
 from app.gui.work.recents import Recent, RecentsRequest
 from app.gui.work.run_measures import RunMeasures, RunMeasuresRequest
@@ -63,8 +63,14 @@ def noted(trouble: str, take: Callable[[AppState, Request, Answer], None]) -> Ta
     return told(trouble, take, actions.say)
 
 
-def take_omissions(state: AppState, request: OmissionsRequest, omissions: Omissions) -> None:
-    state.runs.omissions = omissions
+def take_omissions(state: AppState, request: OmissionsRequest, answer: Looking | Omissions | Failure) -> None:
+    match answer:
+        case Looking():
+            state.runs.looking = answer
+        case Omissions():
+            state.runs.omissions, state.runs.looking = answer, None
+        case Failure():
+            actions.fail(state, f"what will be left out cannot be determined: {answer.message}")
 
 
 def take_frame(state: AppState, request: FrameRequest, frame_image: FrameImage) -> None:

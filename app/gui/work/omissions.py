@@ -31,6 +31,16 @@ class OmissionsRequest:
         return replace(self, config=replace(self.config, keep=()))
 
 
+@dataclass(frozen=True)
+class Looking:
+    """How far it is: frames are read first, which takes longest."""
+
+    request: OmissionsRequest
+    frames: int
+    count: int
+    """Of the frames to read."""
+
+
 @dataclass(frozen=True, eq=False)
 class Omissions:
     """The answer; of a clip or settings that are no longer chosen, it is not shown."""
@@ -52,8 +62,9 @@ class Omissions:
         )
 
 
-def look(request: OmissionsRequest) -> Iterator[Omissions]:
-    """Decides as training does, from the same frames. Raises ClipError: frames cannot be read."""
+def look(request: OmissionsRequest) -> Iterator[Looking | Omissions]:
+    """Decides as training does, from the same frames; the answer comes last. Raises ClipError: frames cannot
+    be read."""
     # Training's modules take a while to import; the window must not wait for them.
     from renderer.train import windows
     from renderer.train.frame_store import FrameStore
@@ -62,7 +73,10 @@ def look(request: OmissionsRequest) -> Iterator[Omissions]:
 
     config, clip = request.config, request.part.of(request.clip)
     fit, _ = split(clip, config)
-    frames = FrameStore.of(clip.read_frame(index) for index in fit)
+    frames = FrameStore[Frame]()
+    for done, index in enumerate(fit, 1):
+        frames.append(clip.read_frame(index))
+        yield Looking(request, done, len(fit))
 
     read = {index: place for place, index in enumerate(fit)}
     at_hand = replace(

@@ -12,10 +12,11 @@ from app.gui.actions import actions, history_actions, job_actions
 from app.gui.panels import reconstruction
 from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.state.app_state import AppState
+from app.gui.update import taking
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.update.update import update
-from app.gui.work.omissions import Omissions, OmissionsRequest, look
+from app.gui.work.omissions import Looking, Omissions, OmissionsRequest, look
 from app.runs.train_run import TrainRequest
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig
@@ -23,12 +24,13 @@ from renderer.train.events import Omission, Started
 from renderer.train.training import train
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.ui import Ui
+from tests.app.looking import found_omissions
 
 
 def test_it_is_what_training_says_when_it_starts(clip_path: Path) -> None:
     clip = open_clip(clip_path)
     for config in (TrainConfig(iterations=1, n_gaussians=300), TrainConfig(method="static", iterations=1)):
-        (told,) = look(OmissionsRequest(clip, replace(config, iterations=3000)))
+        told = found_omissions(OmissionsRequest(clip, replace(config, iterations=3000)))
         started = next(iter(train(clip, config)))
         assert isinstance(started, Started)
         # Poses are decided on before training sees the frames.
@@ -58,13 +60,13 @@ def test_it_is_looked_up_only_when_asked_for_and_not_for_more_iterations(
 
 def test_each_part_that_can_be_kept_stays_in_when_it_is_and_keeps_its_line(clip_path: Path) -> None:
     clip, config = open_clip(clip_path), TrainConfig()
-    (before,) = look(OmissionsRequest(clip, config))
+    before = found_omissions(OmissionsRequest(clip, config))
     parts = [each.part for each in before.lines if each.part is not None]
     assert "harmonics" in parts
     assert not before.kept
     for part in parts:
         kept_config = replace(config, keep=(part,))
-        (after,) = look(OmissionsRequest(clip, kept_config))
+        after = found_omissions(OmissionsRequest(clip, kept_config))
         assert part not in [each.part for each in after.omitted]
         assert [each.part for each in after.kept] == [part]
         # More can be left out of what is kept, such as numbers of its curves.
@@ -75,12 +77,12 @@ def test_each_part_that_can_be_kept_stays_in_when_it_is_and_keeps_its_line(clip_
 def test_what_the_method_or_a_setting_takes_away_cannot_be_kept(clip_path: Path) -> None:
     clip = open_clip(clip_path)
     asked = TrainConfig(method="static", sh_degree=0)
-    (told,) = look(OmissionsRequest(clip, asked))
+    told = found_omissions(OmissionsRequest(clip, asked))
     parts = {each.what: each.part for each in told.omitted}
     assert parts["harmonics"] is None
     assert parts["deformation"] is None
     without = TrainConfig(leave_out=("deformation", "color_curves"))
-    (told,) = look(OmissionsRequest(clip, without))
+    told = found_omissions(OmissionsRequest(clip, without))
     for part in (each.part for each in told.omitted if each.part is not None):
         replace(without, keep=(part,))  # Never both kept and left out.
 
@@ -132,3 +134,29 @@ def test_what_a_run_left_out_is_explained_where_a_person_unfolds_it(
     monkeypatch.setattr(imgui, "tree_node", unfolded)
     ui.frame(lambda: draw_reconstruction(opened))
     assert "Tiles: no tissue to compare with" in said
+
+
+def test_how_far_it_is_is_said_meanwhile(
+    ui: Ui, opened: AppState, clip_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened.source.clip, opened.runs.asks_for_omissions = open_clip(clip_path), True
+    said = list[str]()
+    monkeypatch.setattr(reconstruction, "muted", said.append)
+    monkeypatch.setattr(imgui, "tree_node", lambda label: label == "What will be left out")
+    monkeypatch.setattr(imgui, "tree_pop", lambda: None)
+    request = opened.omissions_request
+    assert request is not None
+    steps = look(request)
+    first = next(steps)
+    assert isinstance(first, Looking)
+    assert (first.frames, first.count) == (1, len(open_clip(clip_path).train_indices))
+    taking.take_omissions(opened, request, first)
+    assert opened.runs.omissions is None
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert f"Analysing the clip: 1 of {first.count} frames" in said
+    for step in steps:
+        taking.take_omissions(opened, request, step)
+    said.clear()
+    ui.frame(lambda: draw_reconstruction(opened))
+    assert opened.runs.omissions is not None
+    assert not any("Analysing" in line for line in said)

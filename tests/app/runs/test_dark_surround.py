@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.gui.work.omissions import OmissionsRequest, look
+from app.gui.work.omissions import OmissionsRequest
 from app.report.runs import Runs
 from app.runs.dark_surround import lit_field
 from app.runs.run_folder import RunFolder
@@ -29,6 +29,7 @@ from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission, Started, Warned
 from tests.app.conftest import Cli, request_of
+from tests.app.looking import found_omissions
 
 WIDTH, HEIGHT, RADIUS = 128, 96, 44
 CONFIG = TrainConfig(iterations=400, n_gaussians=2500, checkpoint_every=200)
@@ -131,10 +132,10 @@ def known_before(omitted: tuple[Omission, ...]) -> list[Omission]:
 
 def test_the_window_says_so_before_it_starts(trained: Callable[..., Trained], round_clip: Path) -> None:
     clip = open_clip(round_clip)
-    (told,) = look(OmissionsRequest(clip, CONFIG))
+    told = found_omissions(OmissionsRequest(clip, CONFIG))
     assert known_before(told.omitted) == known_before(trained().started.omitted)
     assert [each.what for each in told.omitted] == [each.what for each in trained().started.omitted]
-    (kept,) = look(OmissionsRequest(clip, WITH_SURROUND))
+    kept = found_omissions(OmissionsRequest(clip, WITH_SURROUND))
     assert known_before(kept.omitted) == known_before(trained(WITH_SURROUND).started.omitted)
     assert [each.part for each in kept.kept] == ["surround"]
 

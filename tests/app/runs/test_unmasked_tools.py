@@ -13,7 +13,7 @@ from pydantic_core import to_json
 
 from app.enhancement.image_mask import NO_MASK
 from app.gui.work.masking import LeftOutRequest, left_out
-from app.gui.work.omissions import OmissionsRequest, look
+from app.gui.work.omissions import OmissionsRequest
 from app.runs.clip_selection import ClipPart
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
@@ -27,6 +27,7 @@ from renderer.tools.search import find_tools
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started
 from tests.app.conftest import Cli, request_of
+from tests.app.looking import found_omissions
 
 PANEL = np.s_[215:240, 0:90]
 
@@ -42,7 +43,7 @@ def test_a_run_leaves_them_out_and_says_so(unmasked: Path, clip_path: Path, tmp_
     assert (started.omitted[0].what, started.omitted[0].part) == ("tools", "tools")
     assert run.omitted()[0] == started.omitted[0]
     assert "without tools" in run.record().clip.part.told()
-    (before,) = look(OmissionsRequest(open_clip(unmasked), config))
+    before = found_omissions(OmissionsRequest(open_clip(unmasked), config))
     assert before.omitted == started.omitted
     truth, seen = open_clip(clip_path), run_clip(run.record())
     for index in (0, 5, 9):

@@ -1,0 +1,11 @@
+"""What a reconstruction will leave out, once all frames have been read for it."""
+
+from __future__ import annotations
+
+from app.gui.work.omissions import Omissions, OmissionsRequest, look
+
+
+def found_omissions(request: OmissionsRequest) -> Omissions:
+    *_, last = look(request)
+    assert isinstance(last, Omissions)
+    return last
