@@ -15,6 +15,7 @@ from app.gui.actions import job_actions, laid_out, run_actions
 from app.gui.panels.reconstruction_choices import draw_choices
 from app.gui.panels.run_measures import draw_run_measures
 from app.gui.state.app_state import AppState
+from app.gui.state.panes import is_undistorted_otherwise
 from app.gui.state.reconstruction import Reconstruction
 from app.gui.state.run_words import COMPILING, KEEPS, doing, share_done
 from app.gui.style import theme
@@ -38,6 +39,9 @@ CONTINUES = "From the last checkpoint."
 STARTS_OVER = "No checkpoint: starts over."
 LOOK_TEXT = "The model as last shown, or at the last checkpoint, before the interruption."
 AGAIN_TEXT = "Another window or process trains it: shows how far it is now."
+LENS_TEXT = (
+    "Training has found the lens. The clip is still shown as recorded, the model is of undistorted frames."
+)
 FIRST_USE = "Once on a computer: about a minute, longer while it is busy."
 """Kernels are compiled then."""
 PAUSES = "Pauses are not counted."
@@ -94,6 +98,9 @@ def _draw_ended(state: AppState, run: Reconstruction) -> None:
         button("Open again", partial(run_actions.open_again, state), AGAIN_TEXT, width=-1.0)
     _draw_status(state, run)
     if run.status == "finished":
+        if is_undistorted_otherwise(state) and not state.shows_other_clip:
+            note(LENS_TEXT)
+            button("Open with undistorted frames", partial(run_actions.open_again, state), width=-1.0)
         draw_run_measures(state)
     imgui.separator()
 

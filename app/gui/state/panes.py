@@ -59,7 +59,7 @@ def why_not(state: AppState, source: str) -> str:
         return f"No settings are stored as {source} yet: Shift+{source} stores the current ones."
     if source == RENDER and not _renders(state):
         return "No reconstruction of this clip is open."
-    if source == RENDER and _is_undistorted_otherwise(state):
+    if source == RENDER and is_undistorted_otherwise(state):
         return "Its images are undistorted otherwise than these: open its run to see them."
     if (
         source == RENDER
@@ -81,7 +81,7 @@ def _renders(state: AppState) -> bool:
     return (camera.width, camera.height) == clip.size
 
 
-def _is_undistorted_otherwise(state: AppState) -> bool:
+def is_undistorted_otherwise(state: AppState) -> bool:
     """The open model is of images of this clip that are, as by a lens that its training has found."""
     model = state.scene.model
     known = None if model is None else model.record.clip

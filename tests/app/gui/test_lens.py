@@ -12,6 +12,7 @@ from PIL import Image
 
 from app.enhancement.settable import RENDER
 from app.gui.actions import actions, arriving, browse_actions, clip_actions, live_actions, run_actions
+from app.gui.panels import reconstruction
 from app.gui.state import panes
 from app.gui.state.app_state import AppState
 from app.gui.state.source import Source
@@ -23,6 +24,7 @@ from tests.app.gui.settling import keep_all
 from tests.app.gui.test_reconstruction_choices import opened, to_choices, turn
 from tests.app.gui.test_runs import named
 from tests.app.gui.test_window import Driver, is_settled, wait
+from tests.app.gui.ui import Ui
 from tests.renderer.raw_eyes import EYES, raw_pairs, write_calibration
 from tests.renderer.readers.numbered import encoded
 
@@ -109,7 +111,7 @@ def test_a_lens_that_training_found_is_not_remembered_as_chosen(places: Places, 
 
 
 def test_a_run_on_undistorted_images_is_compared_with_these_alone_and_can_be_opened_for_them(
-    state: AppState, runs: dict[str, Path]
+    state: AppState, runs: dict[str, Path], ui: Ui, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """While it is trained the clip is open as its files are."""
     path = runs["original"]
@@ -127,8 +129,19 @@ def test_a_run_on_undistorted_images_is_compared_with_these_alone_and_can_be_ope
     state.scene.model = replace(scene, cameras=cameras, record=record)
     assert panes.why_not(state, RENDER).startswith("Its images are undistorted otherwise")
     assert not run_actions.is_as_it_is(state, run)
+    said = list[str]()
+    monkeypatch.setattr(reconstruction, "button", lambda label, act=None, *_, **__: said.append(label))
+    ui.frame(lambda: reconstruction.draw_reconstruction(state))
+    assert "Open with undistorted frames" in said
+    run_actions.open_again(state)
+    assert state.source.opening is not None
+    assert state.source.opening.path == path
     state.source.options = replace(state.source.options, calibration=found)
     assert panes.why_not(state, RENDER) == ""
+    said.clear()
+    ui.frame(lambda: reconstruction.draw_reconstruction(state))
+    assert "Reconstruct###start" in said
+    assert "Open with undistorted frames" not in said
 
 
 @pytest.mark.display
