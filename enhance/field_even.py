@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Final
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from enhance.brightness import BLACK
+from enhance.field import FieldOfView, beyond
 from enhance.field_outline import Levels
+from enhance.field_rim import around_circle
 from enhance.image import AnyImage, full_scale
 
 EVEN: Final = 3
@@ -17,6 +21,8 @@ ALIKE: Final = 3
 """Corners at least, of four: there may be text in one."""
 CORNER: Final = 24
 """Times a corner's side in the shorter one of the small copy."""
+LEAST_BOX: Final = 0.98
+"""Of the rectangle around it, that a field covers which is one."""
 
 
 def even_surround(small: Levels) -> NDArray[np.int16] | None:
@@ -45,3 +51,41 @@ def apart_from(pixels: AnyImage, color: NDArray[np.int16]) -> NDArray[Any]:
         return np.asarray(np.abs(pixels - target).astype(np.uint8))
     scale = np.float32(1 / full_scale(pixels.dtype))
     return np.asarray(np.abs(pixels.astype(np.float32) * scale - target.astype(np.float32) / 255))
+
+
+def box_of(field: FieldOfView) -> tuple[int, int, int, int]:
+    """First column and row of the picture that a field reaches into, and the ones after its last."""
+    ends = list[tuple[float, float]]()
+    for one in field.parts or (field,):
+        if one.circle is not None:
+            x, y, radius = one.circle
+            ends += [(x - radius, y - radius), (x + radius, y + radius)]
+        else:
+            ends += one.polygon or [(0, 0), (field.width, field.height)]
+    least, most = np.min(ends, axis=0), np.max(ends, axis=0)
+    left, top = np.maximum(np.floor(least), 0).astype(int).tolist()
+    right, bottom = np.minimum(np.ceil(most), (field.width, field.height)).astype(int).tolist()
+    return left, top, right, bottom
+
+
+def is_box(part: FieldOfView) -> bool:
+    """Whether a part, no circle, is the rectangle around it, as images on a page are."""
+    if part.polygon is None:
+        return False
+    left, top, right, bottom = box_of(part)
+    corners = np.clip(np.array(part.polygon), (left, top), (right, bottom)).astype(np.float32)
+    return bool(cv2.contourArea(corners) >= LEAST_BOX * (right - left) * (bottom - top))
+
+
+def moved(part: FieldOfView, box: tuple[int, int, int, int], whole: FieldOfView) -> FieldOfView:
+    """A part of an image that fills this box of another one, which is `whole`."""
+    left, top, right, bottom = box
+    if part.circle is not None:
+        x, y, radius = part.circle
+        if min(x, y, part.width - x, part.height - y) >= radius:
+            return replace(whole, circle=(x + left, y + top, radius))
+    corners = around_circle(part.circle) if part.circle is not None else np.array(part.polygon, np.float64)
+    corners = corners + np.array([left, top])
+    for inward, least in (((1, 0), left), ((0, 1), top), ((-1, 0), -right), ((0, -1), -bottom)):
+        corners = beyond(corners, np.array(inward, np.float64), least)
+    return replace(whole, polygon=tuple((round(float(x), 1), round(float(y), 1)) for x, y in corners))

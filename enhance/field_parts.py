@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Final
 
 import cv2
@@ -12,6 +13,7 @@ from enhance.field import MOST_PARTS
 from enhance.field_circle import Points
 from enhance.field_outline import (
     LEAST_PART,
+    SQUARE,
     Levels,
     Lit,
     around,
@@ -22,12 +24,16 @@ from enhance.field_outline import (
     parts_of,
 )
 
-LEAST_WAIST: Final = 0.1
-"""Of the square root of the lit area: so deep are both dents where fields touch."""
-APART: Final = 0.2
-"""Of the way around: these dents are at least so far from each other."""
+LEAST_RADIUS: Final = 0.45
+"""Of the largest circle in a part: smaller ones are no fields."""
+LEAST_AWAY: Final = 0.7
+"""Of the sum of two radii: between three circles that touch there is a place as far from the surround."""
+MOST_REST: Final = 0.1
+"""Of a part made of round fields that touch: what the circles in it leave."""
+MOST_HOLE: Final = 0.05
+"""Of a part: larger holes lie between fields, smaller ones are highlights and lumens that are dark."""
 MOST_SHARED: Final = 0.02
-"""Of two fields that touch: pixels in the convex outlines of both."""
+"""Of fields that touch: pixels in the convex outlines of several."""
 LEAST_INSET: Final = 0.02
 """Of the largest lit part: what is smaller is text or a mark."""
 SOLID: Final = 0.92
@@ -50,24 +56,25 @@ def apart(low: Levels, lit: Lit) -> list[Points]:
     return _corners(hulls) if _are_divided(low, lit, hulls, 0.0) else []
 
 
-def touching(low: Levels, lit: Lit) -> tuple[list[Points], Points | None]:
-    """Convex outlines of the two fields that the largest lit part is made of, and the ends of its waist, in
-    which these are cut; none where it has none."""
+def touching(low: Levels, lit: Lit) -> tuple[list[Points], Points]:
+    """Convex outlines of the round fields that the largest lit part is made of, and (N, 3) circles inscribed
+    in it, middle and radius; no outlines where it is not made of several."""
     areas = _areas(lit)
     largest = lit.labels == areas.argmax()
-    waist = _waist(largest, LEAST_WAIST * float(np.sqrt(areas.max())))
-    if waist is None:
-        return [], None
+    circles = _inscribed(largest)
+    if not 2 <= len(circles) <= MOST_PARTS:
+        return [], circles
     rows, columns = np.indices(low.shape)
-    side = beside(np.stack((columns, rows), axis=2), waist)
-    hulls = [_hull(largest & (side > 0)), _hull(largest & (side < 0))]
-    return (_corners(hulls), waist) if _are_divided(low, lit, hulls, MOST_SHARED) else ([], None)
+    nearest = nearest_of(np.stack((columns, rows), axis=2), circles)
+    hulls = [_hull(largest & (nearest == one)) for one in range(len(circles))]
+    return (_corners(hulls), circles) if _are_divided(low, lit, hulls, MOST_SHARED) else ([], circles)
 
 
-def beside(points: NDArray[Any], ends: Points) -> Points:
-    """On which side of a line through two points others lie: positive or negative, 0 on it. (..., 2)"""
-    (x, y), (to_x, to_y) = ends
-    return np.asarray((points[..., 0] - x) * (to_y - y) - (points[..., 1] - y) * (to_x - x))
+def nearest_of(points: NDArray[Any], circles: Points) -> NDArray[np.intp]:
+    """Which of (N, 3) circles each of the (..., 2) points is nearest to: those of two that cross part along
+    the line through both points where they do."""
+    away = points[..., None, :] - circles[:, :2]
+    return np.asarray(((away**2).sum(axis=-1) - circles[:, 2] ** 2).argmin(axis=-1))
 
 
 def insets(low: Levels, colors: NDArray[Any], lit: Lit, field: Points) -> list[Points]:
@@ -128,23 +135,29 @@ def _are_divided(low: Levels, lit: Lit, hulls: list[NDArray[Any]], most: float) 
     return is_apart and is_surround(low, outside, dark) and is_sharp(rim, sharp)
 
 
-def _waist(part: NDArray[np.bool_], least: float) -> Points | None:
-    """The two points, x and y, between which a part is narrowest, of those where its outline dents its convex
-    hull most; None: by `least` pixels in fewer than two places that are far from each other."""
-    outlines, _ = cv2.findContours(part.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    outline = max(outlines, key=len)[:, 0]
-    corners = cv2.convexHull(outline)[:, 0].astype(np.float64)
-    sides = np.roll(corners, -1, axis=0) - corners
-    lengths = np.maximum(np.hypot(sides[:, 0], sides[:, 1]), 1e-9)
-    away = outline[:, None] - corners
-    depths = np.abs(sides[:, 0] * away[..., 1] - sides[:, 1] * away[..., 0]) / lengths
-    depth, side = depths.min(axis=1), depths.argmin(axis=1)
-    deepest = [int(np.where(side == one, depth, -1).argmax()) for one in range(len(corners))]
-    places = np.array([one for one in deepest if depth[one] >= least], int)
-    steps = np.abs(places[:, None] - places)
-    far = np.minimum(steps, len(outline) - steps) >= APART * len(outline)
-    if not far.any():
-        return None
-    across = np.where(far, np.hypot(*np.moveaxis(outline[places][:, None] - outline[places], 2, 0)), np.inf)
-    first, second = divmod(int(across.argmin()), len(places))
-    return np.asarray(outline[places[[first, second]]], np.float64)
+def _inscribed(part: NDArray[np.bool_]) -> Points:
+    """(N, 3) middles, x and y, and radii of the largest circles in a part, from the largest one on, of which
+    none covers much of another; none where these leave much of the part. One more than MOST_PARTS at most."""
+    filled_part = _without_holes(part.astype(np.uint8))
+    depth = cv2.distanceTransform(filled_part, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    depth[depth < cv2.dilate(depth, SQUARE)] = 0
+    covered, circles = np.zeros_like(filled_part), list[tuple[float, float, float]]()
+    while len(circles) <= MOST_PARTS:
+        _, radius, _, middle = cv2.minMaxLoc(depth)
+        if circles and radius < LEAST_RADIUS * circles[0][2]:
+            break
+        cv2.circle(depth, middle, round(radius), 0, -1)
+        if all(math.dist(middle, one[:2]) >= LEAST_AWAY * (radius + one[2]) for one in circles):
+            circles.append((middle[0], middle[1], radius))
+            cv2.circle(covered, middle, round(radius) + 1, 1, -1)
+    rest = np.count_nonzero((filled_part > 0) & (covered == 0))
+    return np.array(circles if rest <= MOST_REST * np.count_nonzero(filled_part) else []).reshape(-1, 3)
+
+
+def _without_holes(part: Levels) -> Levels:
+    """With what is dark in it, but for holes so large that they may lie between fields."""
+    _, labels, facts, _ = cv2.connectedComponentsWithStats(1 - part, connectivity=4)
+    left, top, width, height, area = facts.T
+    is_within = (left > 0) & (top > 0) & (left + width < part.shape[1]) & (top + height < part.shape[0])
+    is_hole = is_within & (area <= MOST_HOLE * np.count_nonzero(part))
+    return np.asarray(part | is_hole[labels], np.uint8)

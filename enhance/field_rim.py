@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any, Final
 
 import cv2
@@ -285,16 +287,17 @@ def fitted(rim: Rim, whole: FieldOfView, least: float) -> FieldOfView:
     return _polygon(corners, whole)
 
 
-def are_two_circles(one: Rim, other: Rim, whole: FieldOfView) -> bool:
-    """Whether two rims lie on circles, one of which may be half in the shade, neither about the other's
-    middle."""
-    first, second = _through(one, whole), _through(other, whole)
-    if first is None or second is None:
+def are_circles(rims: list[Rim], whole: FieldOfView) -> bool:
+    """Whether rims lie on circles, one of them half in the shade perhaps, none about another's middle."""
+    through = [_through(rim, whole) for rim in rims]
+    found = [one for one in through if one is not None]
+    shares = sorted(share for _, share in found)
+    if len(found) < len(rims) or shares[0] < LEAST_HALF or shares[1] < LEAST_ON_CIRCLE:
         return False
-    shares = sorted((first[1], second[1]))
-    (x, y, radius), (to_x, to_y, to_radius) = first[0], second[0]
-    apart = np.hypot(to_x - x, to_y - y)
-    return bool(shares[0] >= LEAST_HALF and shares[1] >= LEAST_ON_CIRCLE and apart > max(radius, to_radius))
+    circles = [circle for circle, _ in found]
+    return all(
+        math.dist(one[:2], other[:2]) > max(one[2], other[2]) for one, other in combinations(circles, 2)
+    )
 
 
 def _through(rim: Rim, whole: FieldOfView) -> tuple[tuple[float, float, float], float] | None:
@@ -326,6 +329,11 @@ def _polygon(corners: NDArray[Any], whole: FieldOfView) -> FieldOfView:
     return FieldOfView(whole.width, whole.height, polygon=polygon)
 
 
+def around_circle(circle: tuple[float, float, float]) -> Points:
+    """(N, 2) corners of a convex outline."""
+    return np.asarray(np.array(circle[:2]) + circle[2] * ALONG[:: RAYS // CUT_CORNERS])
+
+
 def _cut(field: FieldOfView, rim: Rim) -> FieldOfView:
     """A circle, or a polygon where straight lines of lit ends run within it as frames do, such as of a D."""
     assert field.circle is not None
@@ -333,7 +341,7 @@ def _cut(field: FieldOfView, rim: Rim) -> FieldOfView:
     levels = _straight_levels(rim.points[:RAYS] - middle, rim.lit, radius)
     if (levels == radius).all():
         return field
-    corners = middle + radius * ALONG[:: RAYS // CUT_CORNERS]
+    corners = around_circle(field.circle)
     for outward, level in zip(OUTWARD, levels.tolist(), strict=True):
         corners = beyond(corners, -outward, -level - float(middle @ outward))
     return _polygon(corners, replace(field, circle=None))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from enhance.field import MOST_PARTS, FieldOfView
 from enhance.field_circle import Points
-from enhance.field_even import apart_from, even_surround
+from enhance.field_even import apart_from, box_of, even_surround, is_box, moved
 from enhance.field_outline import (
     LEAST_SURROUND,
     SQUARE,
@@ -24,8 +24,8 @@ from enhance.field_outline import (
     lit_above,
     outline_of,
 )
-from enhance.field_parts import apart, beside, insets, touching
-from enhance.field_rim import Rim, are_two_circles, cropped_by, fitted, left_along_rays
+from enhance.field_parts import apart, insets, nearest_of, touching
+from enhance.field_rim import Rim, are_circles, cropped_by, fitted, left_along_rays
 from enhance.image import AnyImage, Picture, full_scale, read_picture
 
 LOW_SIDE: Final = 160
@@ -107,12 +107,34 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     if surround is None:
         return _found(pixels, small, small, whole, factor)
     field = _found(apart_from(pixels, surround), apart_from(small, surround), small, whole, factor)
-    return whole if field is None or _side(field) < LEAST_SIDE * factor else field
+    if field is None or field.is_whole:
+        return whole
+    left, top, right, bottom = box_of(field)
+    # A line across an even image is narrow.
+    return whole if min(right - left, bottom - top) < LEAST_SIDE * factor else _shown_on(pixels, field)
 
 
-def _side(field: FieldOfView) -> int:
-    """The shorter one of the field, in pixels: a line across an even image is narrow."""
-    return min(cv2.boundingRect(field.mask().view(np.uint8))[2:])
+def _shown_on(page: AnyImage, field: FieldOfView) -> FieldOfView:
+    """A field on a page, without the dark surround that an image on it may have itself."""
+    whole, parts = FieldOfView(field.width, field.height), list[FieldOfView]()
+    for part in field.parts or (field,):
+        left, top, right, bottom = box = box_of(part)
+        shown = _in_the_dark(np.ascontiguousarray(page[top:bottom, left:right])) if is_box(part) else None
+        if shown is None or shown.is_whole:
+            parts.append(part)
+        else:
+            parts += [moved(one, box, whole) for one in shown.parts or (shown,)]
+    if len(parts) > MOST_PARTS:
+        return field
+    return parts[0] if len(parts) == 1 else replace(whole, parts=tuple(parts))
+
+
+def _in_the_dark(pixels: AnyImage) -> FieldOfView | None:
+    """In a surround that is dark, if any."""
+    height, width = pixels.shape[:2]
+    factor = -(-max(height, width) // LOW_SIDE)
+    small = _small(pixels, factor)
+    return _found(pixels, small, small, FieldOfView(width, height), factor)
 
 
 def _found(
@@ -174,17 +196,15 @@ class _Search:
         return fitted(self._rim(outline.corners, self.tones.level + step), self.whole, ALL_BUT)
 
     def _touching(self, lit: Lit) -> FieldOfView:
-        """Two round fields; all of the picture where there are none that touch."""
-        halves, waist = touching(self.low, lit)
-        if waist is None:
+        """Round fields; all of the picture where there are none that touch."""
+        hulls, circles = touching(self.low, lit)
+        if not hulls:
             return self.whole
-        waist = (waist + 0.5) * self._scale
-        rims = [self._rim(one, self.tones.threshold) for one in halves]
-        one, other = (
-            cropped_by(rim, sign * beside(rim.points, waist) <= 0)
-            for sign, rim in zip((1, -1), rims, strict=True)
-        )
-        return self._together([one, other]) if are_two_circles(one, other, self.whole) else self.whole
+        circles[:, :2] = (circles[:, :2] + 0.5) * self._scale
+        circles[:, 2] *= self._scale.mean()
+        rims = [self._rim(one, self.tones.threshold) for one in hulls]
+        rims = [cropped_by(rim, nearest_of(rim.points, circles) != at) for at, rim in enumerate(rims)]
+        return self._together(rims) if are_circles(rims, self.whole) else self.whole
 
     def with_insets(self, field: FieldOfView, small: AnyImage, lit: Lit, outline: Outline) -> FieldOfView:
         """A field, and what looks like a small one beside it."""

@@ -21,6 +21,17 @@ APART = (
     "four rectangles",
 )
 TOUCHING = ("two that touch", "two that overlap", "a large and a small one")
+SEVERAL = {
+    "three in a row": ((-0.43, 0.0, 0.22), (0.0, 0.0, 0.21), (0.43, 0.0, 0.22)),
+    "three in a triangle": ((-0.223, -0.19, 0.225), (0.223, -0.19, 0.22), (0.0, 0.197, 0.222)),
+    "two by two": (
+        (-0.226, -0.226, 0.225),
+        (0.226, -0.226, 0.224),
+        (-0.226, 0.226, 0.222),
+        (0.226, 0.226, 0.225),
+    ),
+}
+"""Touching, too: middles, x and y, about that of the picture, and radii, by its height."""
 
 RIM = 8
 """Pixels within the true outline that may be left out: two are on purpose."""
@@ -40,8 +51,12 @@ def outline(name: str, height: int = 240, width: int = 320) -> BoolImage:
             "two that overlap": (0.3, 0.7, 0.23, 0.23),
             "a large and a small one": (0.32, 0.7, 0.27, 0.14),
         }[name]
-        circles = ((np.hypot(x - a * width, y - height / 2), r) for a, r in ((at, radius), (other, small)))
-        return np.asarray(np.any([away < r * width for away, r in circles], axis=0))
+        pair = ((np.hypot(x - a * width, y - height / 2), r) for a, r in ((at, radius), (other, small)))
+        return np.asarray(np.any([away < r * width for away, r in pair], axis=0))
+    if name in SEVERAL:
+        across, down = (x - width / 2) / height, (y - height / 2) / height
+        circles = [np.hypot(across - at, down - row) < radius for at, row, radius in SEVERAL[name]]
+        return np.asarray(np.any(circles, axis=0))
     if name in APART:
         return _apart(name, x / width, y / height, width / height)
     if name == "D":

@@ -15,6 +15,7 @@ from enhance.field_search import find_field
 from tests.enhance.endoscopes import (
     APART,
     OUTLINES,
+    SEVERAL,
     TOUCHING,
     agreement,
     assert_found,
@@ -113,6 +114,18 @@ def test_round_fields_that_touch_are_found_each(
     assert agreement(mask, fields) > 0.93
     assert len(field.parts or ()) == 2
     assert overlap(field, field) == 1
+
+
+@pytest.mark.parametrize("name", SEVERAL)
+@pytest.mark.parametrize(("black", "noise"), [(0, 0), (3, 4), (18, 2)])
+@pytest.mark.parametrize("size", [(240, 320), (540, 960)])
+def test_several_round_fields_that_touch_are_found_each(
+    name: str, black: float, noise: float, size: tuple[int, int]
+) -> None:
+    fields = outline(name, *size)
+    field = found(labelled(seen_in(fields, black=black, noise=noise)))
+    assert_found(field.mask(), fields)
+    assert [one.circle is not None for one in field.parts or ()] == [True] * len(SEVERAL[name])
 
 
 @pytest.mark.parametrize("width", [10, 20])

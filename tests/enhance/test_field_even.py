@@ -34,3 +34,15 @@ def test_a_line_across_an_even_image_is_no_field(width: int) -> None:
     image = np.full((240, width, 3), (180, 110, 100), np.uint8)
     image[:, width // 2 : width // 2 + width // 16] = (150, 80, 70)
     assert found(image).is_whole
+
+
+@pytest.mark.parametrize("name", ["circle", "octagon"])
+@pytest.mark.parametrize("color", [(255, 255, 255), (10, 30, 90)])
+def test_an_image_on_a_page_may_have_a_dark_surround_itself(name: str, color: tuple[int, int, int]) -> None:
+    field = np.zeros((400, 860), bool)
+    image = np.full((400, 860, 3), color, np.uint8)
+    for left in (60, 480):
+        shown = np.s_[80:320, left : left + 320]
+        field[shown] = outline(name)
+        image[shown] = seen_in(outline(name))
+        assert_found(found(image).mask(), field)
