@@ -11,6 +11,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from enhance.field_circle import Points
+from enhance.field_regions import dark_beside_border, lit_parts
 
 STEP: Final = 10.0
 """Grey levels that a field is above the surround at least, and above the threshold within two small pixels
@@ -65,9 +66,7 @@ class Outline:
 
 def lit_above(low: Levels, threshold: float, step: float = STEP) -> Lit:
     """step: from the threshold to what lies within a sharp rim."""
-    lit = np.asarray(cv2.threshold(low, threshold, 1, cv2.THRESH_BINARY)[1], np.uint8)
-    count, labels = cv2.connectedComponents(cv2.morphologyEx(lit, cv2.MORPH_OPEN, SQUARE), connectivity=4)
-    return Lit(threshold, threshold + step, lit, np.asarray(labels, np.int32), count)
+    return Lit(threshold, threshold + step, *lit_parts(low, threshold))
 
 
 def outline_of(low: Levels, lit: Lit) -> Outline | None:
@@ -79,7 +78,7 @@ def outline_of(low: Levels, lit: Lit) -> Outline | None:
     field = filled(low, hull)
     if not is_framed(low, lit, field):
         return Outline(np.empty((0, 2)), is_convex=True, is_dented=False)
-    dents, reached = _dents(lit.pixels, field)
+    dents, reached = dark_beside_border(lit.pixels, field)
     is_dented = dents >= LEAST_DENTS * int(np.count_nonzero(field))
     return Outline(hull[:, 0].astype(np.float64), dents <= MOST_SWALLOWED * reached, is_dented)
 
@@ -138,17 +137,8 @@ def is_sharp(rim: int, sharp: int) -> bool:
 
 def is_convex(lit: Levels, field: Levels) -> bool:
     """Whether hardly any of what is dark and touches the border lies within the field."""
-    dents, reached = _dents(lit, field)
+    dents, reached = dark_beside_border(lit, field)
     return dents <= MOST_SWALLOWED * reached
-
-
-def _dents(lit: Levels, field: Levels) -> tuple[int, int]:
-    """Pixels of what is dark and touches the border within the field, and in all."""
-    # From a dark frame around it all.
-    framed = cv2.copyMakeBorder(lit, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
-    cv2.floodFill(framed, None, (0, 0), 2)
-    reached = framed[1:-1, 1:-1] == 2
-    return int(np.count_nonzero(reached & (field > 0))), int(np.count_nonzero(reached))
 
 
 @njit(cache=True, error_model="numpy")

@@ -91,8 +91,7 @@ def left_along_rays(pixels: AnyImage, outline: Points, threshold: float, most: f
         most: the same whatever the noise.
         pixel: width of a pixel of the small copy that the outline was found in.
     """
-    middle = (outline.max(axis=0) + outline.min(axis=0)) / 2
-    far = _distances(middle, outline)
+    middle, far = _distances(outline)
     colors = pixels if pixels.ndim == 3 else pixels[..., None]
     values = _unrolled(colors, 255 / full_scale(pixels.dtype), middle, far, REACH * pixel)
     threshold = max(threshold, min(_noise_ends(values, int(REACH * pixel)), most))
@@ -102,9 +101,11 @@ def left_along_rays(pixels: AnyImage, outline: Points, threshold: float, most: f
 
 
 @njit(cache=True, error_model="numpy")
-def _distances(middle: Points, outline: Points) -> Points:
-    """From a point within a convex outline to it, along each ray."""
-    far, count = np.zeros(RAYS), len(outline)
+def _distances(outline: Points) -> tuple[Points, Points]:
+    """The middle of a convex outline, and from there to it along each ray."""
+    middle, far, count = np.empty(2), np.zeros(RAYS), len(outline)
+    for axis in range(2):
+        middle[axis] = (outline[:, axis].max() + outline[:, axis].min()) / 2
     for corner in range(count):
         after = corner + 1 if corner + 1 < count else 0
         x, y = outline[corner, 0] - middle[0], outline[corner, 1] - middle[1]
@@ -116,7 +117,7 @@ def _distances(middle: Points, outline: Points) -> Points:
             u = (x * ALONG[ray, 1] - y * ALONG[ray, 0]) / below
             meets = (t > far[ray]) & (u >= -1e-9) & (u <= 1 + 1e-9)
             far[ray] = t if meets else far[ray]
-    return far
+    return middle, far
 
 
 @njit(forceinline=True, error_model="numpy")
@@ -279,12 +280,21 @@ def fitted(rim: Rim, whole: FieldOfView, least: float) -> FieldOfView:
     hull = cv2.convexHull(rim.points.astype(np.float32))
     corners = cv2.approxPolyDP(hull, 0.7, closed=True)[:, 0]
     outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
-    within = ~(outside & np.roll(outside, -1, axis=0)).any(axis=1)
-    sides = (np.roll(corners, -1, axis=0) - corners)[within]
-    shape = 1.0 if _are_free(rim.cropped) else arc + _straight_share(sides)
-    if (arc < LEAST_ARC and _is_shade(sides)) or shape < least:
+    within = ~(outside & _next(outside)).any(axis=1)
+    sides = (_next(corners) - corners)[within]
+    if (arc < LEAST_ARC and _is_shade(sides)) or (least > 0 and _shape(rim, arc, sides) < least):
         return whole
     return _polygon(corners, whole)
+
+
+def _next(corners: NDArray[Any]) -> NDArray[Any]:
+    """Of each corner the one after it; the first one after the last."""
+    return np.concatenate((corners[1:], corners[:1]))
+
+
+def _shape(rim: Rim, arc: float, sides: NDArray[Any]) -> float:
+    """Of a rim what runs as circles and frames do: all where it lies free of the border."""
+    return 1.0 if _are_free(rim.cropped) else arc + _straight_share(sides)
 
 
 def are_circles(rims: list[Rim], whole: FieldOfView) -> bool:

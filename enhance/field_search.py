@@ -102,11 +102,11 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
         # OpenCV reads no other floats.
         pixels = pixels.astype(np.float32)
     factor = -(-max(height, width) // LOW_SIDE)
-    small = _small(pixels, factor)
+    small, values = _small(pixels, factor)
     surround = even_surround(small)
     if surround is None:
-        return _found(pixels, small, small, whole, factor)
-    field = _found(apart_from(pixels, surround), apart_from(small, surround), small, whole, factor)
+        return _found(pixels, values, small, whole, factor)
+    field = _found(apart_from(pixels, surround), _values(apart_from(small, surround)), small, whole, factor)
     if field is None or field.is_whole:
         return whole
     left, top, right, bottom = box_of(field)
@@ -133,15 +133,15 @@ def _in_the_dark(pixels: AnyImage) -> FieldOfView | None:
     """In a surround that is dark, if any."""
     height, width = pixels.shape[:2]
     factor = -(-max(height, width) // LOW_SIDE)
-    small = _small(pixels, factor)
-    return _found(pixels, small, small, FieldOfView(width, height), factor)
+    small, values = _small(pixels, factor)
+    return _found(pixels, values, small, FieldOfView(width, height), factor)
 
 
 def _found(
-    pixels: AnyImage, small: Levels, colors: Levels, whole: FieldOfView, factor: int
+    pixels: AnyImage, values: Levels, colors: Levels, whole: FieldOfView, factor: int
 ) -> FieldOfView | None:
-    """small: a copy of the pixels, by this factor; colors: as they are shown there."""
-    low = np.asarray(cv2.medianBlur(_values(small), 3), np.uint8)
+    """values: V of a small copy of the pixels, by this factor; colors: as they are shown there."""
+    low = np.asarray(cv2.medianBlur(values, 3), np.uint8)
     tones = _tones(low)
     if tones is None:
         return whole
@@ -235,11 +235,52 @@ class _Search:
         return replace(self.whole, parts=parts)
 
 
-def _small(pixels: AnyImage, factor: int) -> Levels:
-    """(h, w) or (h, w, 3) in grey levels, each pixel from four of the picture."""
+def _small(pixels: AnyImage, factor: int) -> tuple[Levels, Levels]:
+    """(h, w) or (h, w, 3) in grey levels, each pixel from four of the picture, and V of that."""
     height, width = pixels.shape[:2]
-    size = max(1, width // factor), max(1, height // factor)
-    return _in_levels(np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_LINEAR)))
+    rows, columns = max(1, height // factor), max(1, width // factor)
+    if (rows * factor, columns * factor) != (height, width) or not _is_plain(pixels):
+        levels = _in_levels(np.asarray(cv2.resize(pixels, (columns, rows), interpolation=cv2.INTER_LINEAR)))
+        return levels, _values(levels)
+    # OpenCV wakes threads of its own, which may take longer than all of the search.
+    small: Levels = np.empty((rows, columns, *pixels.shape[2:]), np.uint8)
+    values: Levels = np.empty((rows, columns), np.uint8)
+    _shrink(pixels.reshape(height, -1), factor, small.reshape(rows, -1), values)
+    return small, values
+
+
+def _is_plain(pixels: AnyImage) -> bool:
+    return bool(pixels.dtype == np.uint8 and pixels.flags.c_contiguous)
+
+
+@njit(cache=True, error_model="numpy")
+def _shrink(pixels: Levels, factor: int, small: Levels, values: Levels) -> None:
+    """The mean of the 2 x 2 pixels in the middle of each block, or the one pixel there, as OpenCV has it.
+
+    The colours of a pixel are side by side, in (H, 3 W) and (h, 3 w); values: (h, w).
+    """
+    is_grey = small.shape == values.shape
+    near, far, step = (factor - 1) // 2, factor // 2, factor if is_grey else 3 * factor
+    apart = far - near if is_grey else 3 * (far - near)
+    for y in range(values.shape[0]):
+        above, below = pixels[y * factor + near], pixels[y * factor + far]
+        if is_grey:
+            for x in range(values.shape[1]):
+                values[y, x] = small[y, x] = _mean(above, below, near + x * step, apart)
+        else:
+            for x in range(values.shape[1]):
+                at = 3 * near + x * step
+                red, green = _mean(above, below, at, apart), _mean(above, below, at + 1, apart)
+                blue = _mean(above, below, at + 2, apart)
+                small[y, 3 * x], small[y, 3 * x + 1], small[y, 3 * x + 2] = red, green, blue
+                values[y, x] = max(max(red, green), blue)
+
+
+@njit(forceinline=True, error_model="numpy")
+def _mean(above: Levels, below: Levels, at: int, apart: int) -> int:
+    left, right = np.uint64(at), np.uint64(at + apart)
+    total = np.uint32(above[left]) + above[right] + below[left] + below[right]
+    return int((total + np.uint32(2)) >> np.uint32(2))
 
 
 def _values(small: Levels) -> Levels:
@@ -319,7 +360,9 @@ def _ranked(counts: NDArray[np.int32], place: int) -> int:
 
 def _shaded(low: Levels, tones: Tones, lit: Points) -> Outline | None:
     """The outline with tissue in the shade; None: there is none beyond the outline of what is lit."""
-    dark, bright = (np.count_nonzero(low > level) for level in (tones.least, tones.threshold))
+    dark, bright = (
+        np.count_nonzero(low > min(int(level), LEVELS - 1)) for level in (tones.least, tones.threshold)
+    )
     if dark < (1 + LEAST_SHADED) * bright:
         return None
     outline = outline_of(low, lit_above(low, tones.least))

@@ -1,0 +1,58 @@
+"""What the search of the field of view makes of a small copy, against OpenCV."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+
+from enhance.field_outline import SQUARE
+from enhance.field_regions import Levels, Numbers, dark_beside_border, lit_parts
+from enhance.field_search import _small
+
+
+def cloudy(rng: np.random.Generator) -> Levels:
+    """Blobs of random sizes, or noise."""
+    height, width, side = (int(size) for size in rng.integers(1, (60, 60, 9)))
+    return np.asarray(cv2.blur(rng.integers(0, 256, (height, width), dtype=np.uint8), (side, side)), np.uint8)
+
+
+def lit_parts_of_opencv(low: Levels, threshold: float) -> tuple[Levels, Numbers, int]:
+    lit = np.asarray(cv2.threshold(low, threshold, 1, cv2.THRESH_BINARY)[1], np.uint8)
+    count, labels = cv2.connectedComponents(cv2.morphologyEx(lit, cv2.MORPH_OPEN, SQUARE), connectivity=4)
+    return lit, np.asarray(labels, np.int32), count
+
+
+@pytest.mark.parametrize("seed", range(200))
+def test_lit_parts_are_those_of_opencv(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    low = cloudy(rng)
+    for threshold in (float(np.median(low)), float(rng.uniform(0, 255)), 0.0, 255.0, 300.0):
+        for found, expected in zip(
+            lit_parts(low, threshold), lit_parts_of_opencv(low, threshold), strict=True
+        ):
+            assert np.array_equal(found, expected)
+
+
+@pytest.mark.parametrize("seed", range(100))
+def test_what_is_dark_beside_the_border_is_what_opencv_floods(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    low = cloudy(rng)
+    lit, field = (low > np.median(low)).astype(np.uint8), rng.integers(0, 2, low.shape, dtype=np.uint8)
+    framed = cv2.copyMakeBorder(lit, 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    cv2.floodFill(framed, None, (0, 0), 2)
+    reached = framed[1:-1, 1:-1] == 2
+    assert dark_beside_border(lit, field) == ((reached & (field > 0)).sum(), reached.sum())
+
+
+@pytest.mark.parametrize("factor", range(1, 14))
+@pytest.mark.parametrize("colors", [(), (3,)])
+def test_the_small_copy_is_that_of_opencv(factor: int, colors: tuple[int, ...]) -> None:
+    """Also of an image whose sides are not multiples of the factor."""
+    rng = np.random.default_rng(factor)
+    for height, width in ((20 * factor, 31 * factor), (20 * factor + factor // 2, 31 * factor)):
+        image = rng.integers(0, 256, (height, width, *colors), dtype=np.uint8)
+        small, values = _small(image, factor)
+        expected = cv2.resize(image, (31, 20), interpolation=cv2.INTER_LINEAR)
+        assert np.array_equal(small, expected)
+        assert np.array_equal(values, expected.max(axis=2) if colors else expected)
