@@ -31,8 +31,8 @@ def value_histogram(value: Float32Image) -> NDArray[np.int64]:
 
 def level(histogram: NDArray[np.int64], tenths: int = 1) -> int:
     """L of Eq 2: the smallest grey level where the cumulative distribution reaches 0.1, or so many tenths."""
-    cumulative = np.cumsum(histogram)
-    return int(np.argmax(10 * cumulative >= tenths * cumulative[-1]))
+    cumulative = histogram.cumsum()
+    return int(cumulative.searchsorted(-(-tenths * int(cumulative[-1]) // 10)))
 
 
 def z_from_level(level: float) -> float:

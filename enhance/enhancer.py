@@ -29,7 +29,7 @@ from enhance.second_pass import (
     render,
 )
 from enhance.shown import Pixels, Shown
-from enhance.statistics import LiveStatistics, Statistics, Tally, from_sums, require_classes
+from enhance.statistics import LiveStatistics, Statistics, Tally, require_classes
 from enhance.stream import Stream
 from enhance.survey import LIKELY_SIGMA, Moments, Survey
 
@@ -191,7 +191,7 @@ class Enhancer:
         seen, known = self._surveyed(params.subsample), self._moments
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
         snr, field = seen.chroma_snr if params.d_factor is None else None, self._now.field
-        measured = from_sums("image", seen.histogram, seen.chroma, sigmas, snr, field)
+        measured = replace(seen.statistics, sigmas=sigmas, chroma_snr=snr, field=field)
         return self._stream.smoothed(measured, seen.histogram).resolved(params)
 
     def _draw(
@@ -262,7 +262,7 @@ class Enhancer:
             out,
         )
         self._made = made
-        for one, is_new, total in zip(windows, measured, sums.sum(axis=0), strict=True):
+        for one, is_new, total in zip(windows, measured, sums.sum(axis=0).tolist(), strict=True):
             if is_new:
                 self._moments[one] = Moments.of(total, seen)
         return out

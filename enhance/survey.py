@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from enhance.chroma import chroma_snr
 from enhance.guided_filter import Grids
 from enhance.pixel_block import BINS
+from enhance.statistics import Statistics, from_sums
 
 LIKELY_SIGMA: Final = 64.0
 """Of Q on real images, in grey levels; all that is needed of it before it is measured is that P is 1/2."""
@@ -40,6 +41,11 @@ class Survey:
         return chroma_snr(self.samples, self.full)
 
     @cached_property
+    def statistics(self) -> Statistics:
+        """Without scales, noise and field. Raises ImageError: no pixel counts."""
+        return from_sums("image", self.histogram, self.chroma, ())
+
+    @cached_property
     def count(self) -> int:
         return int(self.histogram.sum())
 
@@ -61,11 +67,11 @@ class Moments(NamedTuple):
     squares: float
 
     @classmethod
-    def of(cls, sums: NDArray[np.float64], seen: Survey) -> Moments:
+    def of(cls, sums: tuple[float, float], seen: Survey) -> Moments:
         """From the sums of Q - the mean of V, and of its square."""
         count = max(seen.count, 1)
         drift = sums[0] / count
-        return cls(float(np.float32(seen.mean) + drift), max(float(sums[1] - count * drift**2), 0.0))
+        return cls(float(np.float32(seen.mean)) + drift, max(sums[1] - count * drift**2, 0.0))
 
     def sigma(self, count: int) -> float:
         """In grey levels, over so many pixels."""
