@@ -208,6 +208,17 @@ def test_what_is_closed_by_its_button_comes_back_in_the_middle(
     assert shown() == first
 
 
+def test_what_floats_stays_within_a_window_that_has_become_lower(ui: Ui, opened: AppState) -> None:
+    floating_windows.toggle(opened.exports)
+    for height in (1000, 500):
+        ui.io.display_size = ImVec2(900, height)
+        for _ in range(6):
+            ui.frame(lambda: draw_export(opened))
+        export = imgui.internal.find_window_by_name("Export")
+        assert export.size.y > 400
+        assert 0 <= export.pos.y <= height - export.size.y
+
+
 def test_an_error_moves_only_what_it_covers(ui: Ui, opened: AppState) -> None:
     floating_windows.toggle(opened.exports)
 
