@@ -50,6 +50,8 @@ PSNR = "Line: training frames, tissue only. Dots: up to 4 held-out frames, at th
 DEPTH = "RMS error along z on the same held-out frames, where both the clip and the model have depth."
 LOSS = "Mean since the previous point."
 COUNT = "Number of Gaussians in the model."
+UNFOLDED = 12.0
+"""Text heights down that are kept for the list of what will be left out before it is there."""
 Line = NDArray[np.float64]
 NO_DOTS: Line = np.empty((2, 0))
 PART = (
@@ -163,7 +165,8 @@ def _draw_status(state: AppState, run: Reconstruction) -> None:
     if run.status == "starting":
         if run.preparing is not None:
             note(f"{seconds(state.window.now - run.started_at)} so far")
-        note(capital(run.planned))
+        if run.planned:
+            note(capital(run.planned))
     if progress is not None and not run.is_alive:
         _draw_took(progress)
     if job_actions.waits_for_edits(state):
@@ -186,6 +189,8 @@ def _draw_took(progress: Progress) -> None:
 def _draw_omissions(state: AppState) -> None:
     """Looked up when it is unfolded: what, and why, before anything is started."""
     laid_out.unfold_omissions(state, imgui.tree_node("What will be left out"))
+    if imgui.is_item_toggled_open():
+        imgui.set_scroll_here_y(0.0)  # In a low window what unfolds is out of sight else.
     explain("Training leaves out what this clip does not need. Judged on the original frames.")
     if not state.runs.asks_for_omissions:
         return
@@ -195,6 +200,7 @@ def _draw_omissions(state: AppState) -> None:
         now = state.runs.looking
         done = f": {now.frames} of {now.count} frames" if now is not None and now.request == request else "…"
         muted(f"Analysing the clip{done}")
+        imgui.dummy(ImVec2(0, em(UNFOLDED)))
     elif not found.lines:
         muted("Nothing: this clip needs every part.")
     else:
@@ -206,7 +212,7 @@ def _draw_omissions(state: AppState) -> None:
 def _draw_omission(state: AppState, omission: Omission) -> None:
     imgui.table_next_column()
     imgui.align_text_to_frame_padding()
-    imgui.text_unformatted(capital(omission.what))
+    note(capital(omission.what), theme.now().text)
     explain(f"Saves {omission.saves}.")
     note(capital(omission.why))
     explain(f"Saves {omission.saves}.")

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from imgui_bundle import imgui
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui.actions import actions, history_actions, job_actions
 from app.gui.panels import reconstruction
@@ -160,3 +160,32 @@ def test_how_far_it_is_is_said_meanwhile(
     ui.frame(lambda: draw_reconstruction(opened))
     assert opened.runs.omissions is not None
     assert not any("Analysing" in line for line in said)
+
+
+def test_in_a_low_window_what_unfolds_comes_into_sight(
+    ui: Ui, opened: AppState, clip_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opened.source.clip, tops, height = open_clip(clip_path), list[ImVec2](), 600.0
+    fold = imgui.tree_node
+
+    def followed(label: str) -> bool:
+        unfolded = fold(label)
+        tops.append(imgui.get_item_rect_min())
+        return unfolded
+
+    def draw() -> None:
+        with imgui_ctx.begin_child("low", ImVec2(320, height)):
+            draw_reconstruction(opened)
+
+    monkeypatch.setattr(imgui, "tree_node", followed)
+    for _ in range(3):
+        ui.frame(draw)
+    height = tops[-1].y + 60  # Its line is the last one above the button.
+    for _ in range(3):
+        ui.frame(draw)
+    before = tops[-1]
+    ui.drag(draw, (before.x + 30, before.y + 8), (before.x + 30, before.y + 8))
+    for _ in range(3):
+        ui.frame(draw)
+    assert opened.runs.asks_for_omissions
+    assert tops[-1].y < before.y - 60
