@@ -75,10 +75,11 @@ class PyAvVideo:
         self._frames: Iterator[VideoFrame] = iter(())
         self._recent: dict[int, VideoFrame] = {}
         self._close: weakref.finalize[..., PyAvVideo] | None = None
-        stream = self._start(self._index.threads)
         first = self._frame(0)
         self._size = first.width, first.height
-        self.pixel_aspect = float(pixel_aspect(stream, first))
+        # Of the decoder that gave it: one before it, which did not, is closed.
+        assert self._decoder is not None
+        self.pixel_aspect = float(pixel_aspect(self._decoder[1], first))
         self.stereo = told_layout(first)
         self.notices = tuple(self._oddities(first))
         DECODERS.use(self)
@@ -210,7 +211,7 @@ class PyAvVideo:
         self._start(self._index.threads)
         return True
 
-    def _start(self, threads: Threads) -> VideoStream:
+    def _start(self, threads: Threads) -> None:
         self._give_up()
         container = open_container(self._path)
         # Containers and their streams hold each other, and a decoder its threads and pictures: whoever drops
@@ -219,7 +220,6 @@ class PyAvVideo:
         self._close.atexit = False
         stream = video_stream(container, self._path, threads)
         self._decoder, self._frames, self._at = (container, stream), decoded(container, stream), -1
-        return stream
 
     def _decode_until(self, number: int) -> VideoFrame | None:
         """The wanted frame; None where it is not among those that come."""

@@ -107,7 +107,7 @@ def open_container(path: Path) -> InputContainer:
         raise ClipError(neither(path)) from error
 
 
-def video_stream(container: InputContainer, path: Path, threads: Threads = "AUTO") -> VideoStream:
+def video_stream(container: InputContainer, path: Path, threads: Threads = "SLICE") -> VideoStream:
     """The moving pictures of a container; a cover picture is none. `threads` decode frames side by side with
     "AUTO", which is quick; with "SLICE" frames come one after the other, and so the same of a damaged end
     each time.

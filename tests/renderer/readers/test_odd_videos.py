@@ -1,5 +1,6 @@
 """Videos that are cut off, change on the way, or are none: what is whole is read, the rest is one line."""
 
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 
@@ -11,6 +12,9 @@ from PIL import ExifTags, Image
 from renderer.clip import ClipError
 from renderer.readers.clip_options import ClipOptions
 from renderer.readers.video import open_video
+from renderer.readers.video_decoding import pyav_video
+from renderer.readers.video_decoding.pyav_video import PyAvVideo
+from renderer.readers.video_header import read_video_header
 from tests.renderer.readers.numbered import (
     INTERLACED,
     bar,
@@ -210,3 +214,23 @@ def test_frames_that_carry_what_a_camera_says_of_itself(tmp_path):
             container.mux(packet)
     clip = open_video(film)
     assert [number_of(clip.read_image(index)) for index in range(len(clip))] == [3] * 4
+
+
+def test_the_shape_of_pixels_is_that_of_the_decoder_that_gave_the_first_frame(tmp_path, monkeypatch):
+    """Of those before it, which are closed, FFmpeg would read memory that is another's by now."""
+    asked, path = [], tmp_path / "cut.mp4"
+    monkeypatch.setattr(pyav_video, "pixel_aspect", lambda stream, frame: asked.append(stream) or 1)
+    with av.open(str(path), "w", options={"movflags": "+faststart"}) as container:
+        stream = container.add_stream("libx264", rate=25, options={"crf": "16", "preset": "veryfast"})
+        stream.width, stream.height, stream.pix_fmt = 128, 64, "yuv420p"
+        for number in range(9):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(numbered_picture(number), "rgb24")))
+        container.mux(stream.encode())
+    content = path.read_bytes()
+    for share in np.arange(0.75, 0.95, 0.02):
+        path.write_bytes(content[: int(share * len(content))])
+        with suppress(ClipError):
+            video = PyAvVideo(path)
+            assert asked[-1] is video._decoder[1]
+            assert read_video_header(path).size == (128, 64)
+    assert asked
