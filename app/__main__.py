@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return 0
         return _fail(f"{error.strerror or error}: {error.filename or _unnamed(error)}", 2)
-    except ValueError as error:
+    except (ValueError, RuntimeError) as error:
         line = mistake(error)
         if line is None:
             raise
@@ -93,7 +93,7 @@ def _nowhere() -> TextIO:
     return open(os.devnull, "w", encoding="utf-8")
 
 
-def mistake(error: ValueError) -> str | None:
+def mistake(error: ValueError | RuntimeError) -> str | None:
     """The line for a mistake of the user, or None for a bug."""
     from pydantic import ValidationError
 
@@ -103,6 +103,8 @@ def mistake(error: ValueError) -> str | None:
 
     if isinstance(error, ValidationError):
         return problem(error)
+    if isinstance(cause := error.__context__, OSError) and cause.errno == errno.ELOOP:
+        return f"expected a file or folder, got links that lead to each other: {cause.filename}"
     return str(error) if isinstance(error, ClipError | ImageError) else None
 
 

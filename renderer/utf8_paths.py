@@ -10,6 +10,10 @@ def not_utf8(path: Path) -> str | None:
     try:
         str(path).encode()
     except UnicodeEncodeError:
-        shown = str(path).encode(errors="backslashreplace").decode()
-        return f"expected a path in UTF-8 (rename or move it), got {shown}"
+        return f"expected a path in UTF-8 (rename or move it), got {spelled(str(path))}"
     return None
+
+
+def spelled(text: str) -> str:
+    """The text in UTF-8, bytes of a path that is not in hexadecimal."""
+    return text.encode(errors="backslashreplace").decode()

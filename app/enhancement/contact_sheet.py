@@ -104,6 +104,7 @@ def _write(
     room: int,
 ) -> None:
     """One line, vertically centred in `height`, made smaller until it fits into `room` pixels."""
+    text = text.replace("\n", " ")  # As of a file's name.
     font: Any = ImageFont.load_default(size)
     while size > 8 and draw.textlength(text, font=font) > room:
         size -= 1

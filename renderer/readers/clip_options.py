@@ -10,8 +10,9 @@ from annotated_types import Interval, Unit
 from pydantic import BeforeValidator, ConfigDict
 from pydantic.dataclasses import dataclass
 
-from renderer.clip import Split
+from renderer.clip import ClipError, Split
 from renderer.readers.lenses.calibration import Calibration
+from renderer.utf8_paths import spelled
 
 DepthSource = Literal["auto", "measured", "stereo", "monocular", "brightness", "motion", "off"]
 
@@ -31,7 +32,10 @@ def _read(given: object) -> object:
         return given
     from renderer.readers.lenses.calibration_files import read_calibration
 
-    return read_calibration(given)
+    try:
+        return read_calibration(given)
+    except ClipError as error:
+        raise ClipError(spelled(str(error))) from error  # Pydantic takes no other text.
 
 
 @dataclass(

@@ -164,6 +164,14 @@ def test_a_mistake_is_one_line_and_changes_nothing(
     assert files_of(bad) == before
 
 
+def test_links_that_lead_to_each_other_are_told(bad: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    (tmp_path / "one").symlink_to("other")
+    (tmp_path / "other").symlink_to("one")
+    call = vesselsplat("tune", bad / "whole.png", "--vary", "z=0,1", "--out", tmp_path / "one")
+    assert (call.code, call.error.count("\n")) == (2, 1)
+    assert str(tmp_path / "one") in call.error
+
+
 def test_every_command_has_its_module() -> None:
     for name in COMMANDS:
         command = load(name)

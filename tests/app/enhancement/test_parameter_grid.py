@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -167,6 +168,14 @@ def test_sorted_cells_keep_their_pictures(folder: Path, tmp_path: Path, vesselsp
     for cell in cells:
         made = read_provenance(tmp_path / "out" / cell["output"])
         assert made["params"] == cell["params"]
+    assert vesselsplat("replay", tmp_path / "out" / "sheet.png", "--source", folder).code == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no file has such a name there")
+def test_a_name_of_two_lines_is_one_in_the_title(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
+    path = (folder / "2.png").rename(folder / "2\n3.png")
+    call = vesselsplat("tune", path, "--out", tmp_path / "out", "--vary", "d_factor=0")
+    assert (call.code, call.error) == (0, "")
     assert vesselsplat("replay", tmp_path / "out" / "sheet.png", "--source", folder).code == 0
 
 

@@ -58,6 +58,14 @@ def test_such_a_video_is_refused_in_a_line(folder: Path) -> None:
         assert (done.returncode, done.stdout, done.stderr.count(b"\n")) == (2, b"", 1)
         assert b"expected a path in UTF-8" in done.stderr
     assert not (folder / "out").exists()
+
+
+def test_such_a_calibration_that_is_none_is_refused_in_a_line(folder: Path) -> None:
+    done = call(
+        "train", folder / "plain.png", "--calibration", folder / f"{LATIN}.png", "--run", folder / "run"
+    )
+    assert (done.returncode, done.stderr.count(b"\n")) == (2, 1)
+    assert b"--calibration: expected a calibration" in done.stderr
     assert not (folder / "run").exists()
 
 
