@@ -53,7 +53,7 @@ def read_cameras(path: Path) -> tuple[NamedCamera, ...]:
         return _of_json(read_json(path), path.stem)
     except OSError as error:
         raise CameraFileError(
-            f"expected a camera file, got {error.strerror}: {error.filename or path}"
+            f"cannot read the camera file, {error.strerror}: {error.filename or path}"
         ) from error
     except (ValueError, LookupError, TypeError, ArithmeticError, AttributeError) as error:
         text = _told(error)

@@ -71,9 +71,9 @@ def read_views(path: Path) -> Views:
     try:
         content = read_json(path)
     except OSError as error:
-        raise CameraFileError(f"expected a file of views, got {error.strerror}: {path}") from error
+        raise CameraFileError(f"cannot read the file of views, {error.strerror}: {path}") from error
     except ValueError as error:
-        raise CameraFileError(f"expected a file of views in JSON, got {error}: {path}") from error
+        raise CameraFileError(f"expected a file of views in JSON ({error}): {path}") from error
     try:
         return views_of(content)
     except ValueError as error:

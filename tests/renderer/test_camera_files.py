@@ -262,7 +262,7 @@ def test_distorted_or_missing_colmap_cameras_are_refused(tmp_path: Path) -> None
     with pytest.raises(CameraFileError, match="OPENCV"):
         read_cameras(tmp_path)
     (tmp_path / "cameras.txt").unlink()
-    with pytest.raises(CameraFileError, match=r"a camera file, got No such .*cameras\.txt$"):
+    with pytest.raises(CameraFileError, match=r"cannot read the camera file, No such .*cameras\.txt$"):
         read_cameras(tmp_path)
 
 
