@@ -12,7 +12,8 @@ tissue is kept. Visibility only: nothing here detects or diagnoses.
   and all of them by name in `BASELINES`.
 - Measures: `dvbv_otsu`, `dvbv_local`, `DvBv`, `vessel_contrast`, `vessel_cnr`, `vessel_color_difference`,
   `noise_gain`, `chroma_noise_gain`, `highlight_halo`, `edge_halo`, `blackened_share`, `saturated_share`,
-  `flicker`; where vessels are: `vesselness`, `vessel_mask`, `field_of_view`.
+  `flicker`; where vessels are: `vesselness`, `vessel_mask`, `field_of_view`; in images below 640 pixels by
+  lengths times `line_scale`.
 
 Every mistake in an image is an `ImageError`, every one in a parameter a `pydantic.ValidationError`; both are
 ValueErrors. Parameters or statistics of another class are a TypeError. Importing the package loads nothing;
@@ -48,6 +49,7 @@ if _typing.TYPE_CHECKING:
         dvbv_local,
         dvbv_otsu,
         flicker,
+        line_scale,
         saturated_share,
         vessel_cnr,
         vessel_contrast,
@@ -89,6 +91,7 @@ __all__ = [
     "flicker",
     "highlight_halo",
     "jiang2019",
+    "line_scale",
     "measure",
     "msrcr",
     "noise_gain",
@@ -110,7 +113,8 @@ _MODULES = {
     "field_search": "find_field",
     "halos": "edge_halo highlight_halo",
     "image": "ImageError",
-    "metrics": "DvBv blackened_share dvbv_local dvbv_otsu flicker saturated_share vessel_cnr vessel_contrast",
+    "metrics": "DvBv blackened_share dvbv_local dvbv_otsu flicker line_scale saturated_share vessel_cnr "
+    "vessel_contrast",
     "noise": "chroma_noise_gain noise_gain",
     "params": "EnhanceParams",
     "pipeline": "Pool enhance measure",

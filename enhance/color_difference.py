@@ -32,7 +32,7 @@ def vessel_color_difference(
 
     Args:
         tissue_mask: (H, W), True = keep; the ring lies within.
-        scale: of the blocks and of the ring, as of `enhance.metrics.line_scale`.
+        scale: of the blocks and of the ring, as of `line_scale`.
 
     Raises:
         ImageError: a mask of another size.

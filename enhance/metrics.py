@@ -123,7 +123,7 @@ def line_scale(image: AnyImage) -> float:
 
     Example:
         >>> import numpy as np
-        >>> from enhance.metrics import line_scale
+        >>> from enhance import line_scale
         >>> line_scale(np.zeros((240, 320, 3), np.uint8)), line_scale(np.zeros((1080, 1920), np.uint8))
         (0.5, 1.0)
     """

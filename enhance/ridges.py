@@ -107,7 +107,7 @@ def vessel_mask(
             image's and that of what is not visible, and 8 around highlights, are left out, and so are specks
             of fewer than 40 pixels.
         share: of the tissue without margin, in (0, 1].
-        scale: of all these lengths and of the vessels' widths, as of `enhance.metrics.line_scale`.
+        scale: of all these lengths and of the vessels' widths, as of `line_scale`.
 
     Raises:
         ImageError: an image that cannot be used, a mask of another size or type, or no such share.
