@@ -35,6 +35,7 @@ def rasterize(
     `mode` "mip" compensates for the low-pass filter, see RenderMode.
 
     Raises:
+        TypeError: anything but tensors and a Camera, such as arrays of numpy.
         ValueError: shapes that do not agree, `near` that is not above 0, or an unknown backend or mode.
         ImportError: no torch; "cuda" without gsplat.
         RuntimeError: by the backward pass of "cpu" with `create_graph`.
@@ -50,11 +51,18 @@ def rasterize(
         >>> tuple(rendered.depth.shape), bool((colors.grad > 0).all())
         ((48, 64), True)
     """
+    from torch import Tensor
+
+    from renderer.camera import Camera
     from renderer.rasterize.cuda import rasterize_cuda
     from renderer.rasterize.differentiable import CpuRasterize
     from renderer.rasterize.reference import Rendered, rasterize_reference
     from renderer.splats import require_drawable
 
+    tensors = means, quats, scales, opacities, colors
+    if not (all(isinstance(one, Tensor) for one in tensors) and isinstance(camera, Camera)):
+        got = ", ".join(type(one).__name__ for one in (*tensors, camera))
+        raise TypeError(f"expected five tensors and a Camera, got {got}")
     require_drawable(near, mode)
     if backend == "reference":
         return rasterize_reference(
@@ -62,8 +70,7 @@ def rasterize(
         )
     if backend not in ("auto", "cpu", "cuda"):
         raise ValueError(f"backend must be auto, cpu, cuda or reference, got {backend!r}")
-    floats = (value.float() for value in (means, quats, scales, opacities, colors))
-    means, quats, scales, opacities, colors = floats
+    means, quats, scales, opacities, colors = (one.float() for one in tensors)
     if backend == "cuda" or (backend == "auto" and means.is_cuda):
         drawn = rasterize_cuda(
             means, quats, scales, opacities, colors, camera, background, near=near, mode=mode

@@ -21,7 +21,7 @@ def train(
     clip: Clip,
     config: TrainConfig,
     *,
-    folder: Path | None = None,
+    folder: str | Path | None = None,
     resume: bool = False,
     pictures: GradientBackend | None = None,
 ) -> Generator[TrainEvent, None, None]:
@@ -63,6 +63,7 @@ def train(
     if not len(clip):
         raise ClipError(f"expected a clip of at least one frame, got none: {clip.path}")
     require_depth(clip)
+    folder = None if folder is None else Path(folder)
     windows = windows_of(clip, config)
     if len(windows) > 1:
         events = WindowedTraining(clip, config, windows, folder, resume, pictures).events()

@@ -75,7 +75,7 @@ def test_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, stop_after: in
     clip = moving_sheet()
     config = replace(SMALL, iterations=100)
     whole, _ = finished(clip, config)
-    for event in train(clip, config, folder=tmp_path):
+    for event in train(clip, config, folder=str(tmp_path)):
         if isinstance(event, Progress) and event.iteration >= stop_after:
             break
         if len(checkpoint_paths(tmp_path)) * 40 >= stop_after:
