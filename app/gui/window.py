@@ -70,7 +70,7 @@ from app.gui.update.live import close_live, follow_live, shown
 from app.gui.update.preparing import follow_preparation
 from app.gui.update.update import take_pictures, update
 from app.gui.work import kept_layout, tidying
-from app.gui.work.background import Apart, Worker
+from app.gui.work.background import Apart, Worker, leave
 from app.gui.work.settings import Places, Theme, load_clips, load_settings
 from app.kernels.preparer import Preparer
 from app.kernels.progress import Kind
@@ -117,6 +117,7 @@ def run_app(
         places.logs, f"VesselSplat {version()}, {platform.platform()}, Python {platform.python_version()}"
     ):
         window.run()
+    leave(window._workers)
 
 
 class Window:

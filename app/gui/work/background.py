@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import logging
+import os
+import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from typing import Any, Generic, TypeVar
 
 from app.errors import sentence
@@ -201,6 +203,10 @@ class Worker:
         self._wake.set()
         self._thread.join(timeout)
 
+    @property
+    def is_alive(self) -> bool:
+        return self._thread.is_alive()
+
     def _run(self) -> None:
         self._wake.wait()
         while not self._closing.is_set():
@@ -242,9 +248,22 @@ class Apart:
         for thread in self._threads:
             thread.join(max(end - time.monotonic(), 0.0))
 
+    @property
+    def is_alive(self) -> bool:
+        return any(thread.is_alive() for thread in self._threads)
+
     def _begin(self) -> None:
         thread = threading.Thread(
             target=self._channel.run_waiting, args=(self._on_answer,), name="vesselsplat-opening", daemon=True
         )
         self._threads = (*(each for each in self._threads if each.is_alive()), thread)
         thread.start()
+
+
+def leave(workers: Iterable[Worker | Apart]) -> None:
+    """End the process at once where a closed worker is still at work, which nothing waits for: when Python
+    ends, a thread in a library of C++ would abort it. All that is to be kept is on disk by now."""
+    if any(worker.is_alive for worker in workers):
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        os._exit(0)

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import queue
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from weakref import ref
@@ -238,3 +240,33 @@ def test_waiting_ends_with_the_last_answer_of_the_newest_request() -> None:
     channel.wait(SECONDS)
     assert channel.take() == (1, "1 fine")
     worker.close()
+
+
+@pytest.mark.parametrize(("seconds", "said"), [(0.0, "ended later\n"), (60.0, "ended ")])
+def test_a_process_whose_worker_is_at_work_ends_at_once_and_well(seconds: float, said: str) -> None:
+    """Python's own end aborts one whose thread is in OpenCV, as while a video is read."""
+    code = f"""
+import sys, time
+import cv2, numpy as np
+from app.gui.work.background import Channel, Worker, leave
+image = np.zeros((2000, 2000, 3), np.uint8)
+
+def work(request):
+    end = time.monotonic() + {seconds}
+    while time.monotonic() < end:
+        cv2.GaussianBlur(image, (0, 0), 9)
+    yield request
+
+channel = Channel(work)
+worker = Worker((channel,), lambda: None)
+channel.ask(1)
+channel.wait(1.0)
+worker.close({30.0 if seconds == 0 else 0.1})
+sys.stdout.write("ended ")
+leave([worker])
+print("later")
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stdout) == (0, said), done.stderr
