@@ -79,7 +79,7 @@ class PyAvVideo:
         self._size = first.width, first.height
         # Of the decoder that gave it: one before it, which did not, is closed.
         assert self._decoder is not None
-        self.pixel_aspect = float(pixel_aspect(self._decoder[1], first))
+        self.pixel_aspect: float = float(pixel_aspect(self._decoder[1], first))
         self.stereo = told_layout(first)
         self.notices = tuple(self._oddities(first))
         DECODERS.use(self)
