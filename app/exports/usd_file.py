@@ -52,34 +52,27 @@ def new_stage(
         OSError: the file cannot be written, such as on a full disk.
     """
     require_usd()
-    from pxr import Usd, UsdGeom
+    from pxr import Tf, Usd, UsdGeom
 
     with replaced(target) as temporary:
         temporary.unlink(missing_ok=True)
-        stage = Usd.Stage.CreateNew(str(temporary))
-        UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
-        UsdGeom.SetStageMetersPerUnit(stage, METRES.get(unit, 1.0))
-        stage.SetTimeCodesPerSecond(frames / seconds)
-        stage.SetFramesPerSecond(frames / seconds)
-        stage.SetStartTimeCode(0)
-        stage.SetEndTimeCode(frames - 1)
-        layer = stage.GetRootLayer()
-        layer.comment = NOTICE
-        layer.customLayerData = {KEYWORD: ascii_json(facts), "unit": unit}
-        yield stage
-        _save(layer, temporary)
+        try:
+            stage = Usd.Stage.CreateNew(str(temporary))
+            UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+            UsdGeom.SetStageMetersPerUnit(stage, METRES.get(unit, 1.0))
+            stage.SetTimeCodesPerSecond(frames / seconds)
+            stage.SetFramesPerSecond(frames / seconds)
+            stage.SetStartTimeCode(0)
+            stage.SetEndTimeCode(frames - 1)
+            layer = stage.GetRootLayer()
+            layer.comment = NOTICE
+            layer.customLayerData = {KEYWORD: ascii_json(facts), "unit": unit}
+            yield stage
+            layer.Save()
+        except Tf.ErrorException as error:  # Of usd-core's own, without a number and of many lines.
+            said = "the file cannot be written, the disk may be full"
+            raise OSError(errno.EIO, said, str(temporary)) from error
         del stage, layer
-
-
-def _save(layer: Any, path: Path) -> None:
-    """Raises OSError: the disk is full or gone, of which usd-core has an error of its own, without a number
-    and of many lines."""
-    from pxr import Tf
-
-    try:
-        layer.Save()
-    except Tf.ErrorException as error:
-        raise OSError(errno.EIO, "the file cannot be written, the disk may be full", str(path)) from error
 
 
 def defined(stage: Any, schema: Any, root: str, shown: Sequence[range], index: int) -> Any:

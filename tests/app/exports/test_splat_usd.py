@@ -152,16 +152,18 @@ import resource, signal, sys
 from app.__main__ import main
 
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
+most = int(sys.argv.pop(1))
+resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
 sys.exit(main(sys.argv[1:]))
 """
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits files as Linux does")
-@pytest.mark.parametrize("flag", ["--usd", "--mesh"])
-def test_a_full_disk_is_told_in_a_line(runs: dict[str, Path], tmp_path: Path, flag: str) -> None:
+@pytest.mark.parametrize(("flag", "most"), [("--usd", 4000), ("--usd", 0), ("--mesh", 4000)])
+def test_a_full_disk_is_told_in_a_line(runs: dict[str, Path], tmp_path: Path, flag: str, most: int) -> None:
     path = tmp_path / "a.usdc"
-    asked = (sys.executable, "-B", "-c", LIMITED, "export", str(runs["original"]), flag, str(path))
+    asked = (sys.executable, "-B", "-c", LIMITED, str(most), "export", str(runs["original"]))
+    asked += flag, str(path)
     done = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, timeout=120, check=False)
     last = done.stderr.splitlines()[-1]
     assert done.returncode == 2, done.stderr
