@@ -41,7 +41,11 @@ Image = NDArray[np.uint8] | NDArray[np.uint16]
 
 
 def version() -> str:
-    return installed_version("vesselsplat")
+    """Raises UserError: the program is run from its source without having been installed."""
+    try:
+        return installed_version("vesselsplat")
+    except PackageNotFoundError as error:
+        raise UserError("expected VesselSplat to be installed: pip install -e . in its folder") from error
 
 
 def strict_json(value: object, *, indent: int | None = None) -> str:

@@ -8,6 +8,7 @@ import json
 import math
 import os
 import shutil
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path, PureWindowsPath
 
 import cv2
@@ -33,6 +34,15 @@ from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 
 TEXTS = st.dictionaries(st.text(max_size=20), st.text(max_size=50) | st.integers() | st.none(), max_size=5)
+
+
+def test_a_program_that_is_not_installed_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    def absent(name: str) -> str:
+        raise PackageNotFoundError(name)
+
+    monkeypatch.setattr(module, "installed_version", absent)
+    with pytest.raises(UserError, match="expected VesselSplat to be installed"):
+        provenance()
 
 
 @given(facts=TEXTS)
