@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from enhance.brightness import BLACK
 from enhance.field import FieldOfView, beyond
 from enhance.field_outline import Levels
-from enhance.field_rim import around_circle
+from enhance.field_shape import around_circle
 from enhance.image import AnyImage, full_scale
 
 EVEN: Final = 3
@@ -21,7 +21,7 @@ ALIKE: Final = 3
 """Corners at least, of four: there may be text in one."""
 CORNER: Final = 24
 """Times a corner's side in the shorter one of the small copy."""
-LEAST_BOX: Final = 0.98
+LEAST_BOX: Final = 0.95
 """Of the rectangle around it, that a field covers which is one."""
 
 

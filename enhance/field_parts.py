@@ -64,17 +64,17 @@ def touching(low: Levels, lit: Lit) -> tuple[list[Points], Points]:
     circles = _inscribed(largest)
     if not 2 <= len(circles) <= MOST_PARTS:
         return [], circles
-    rows, columns = np.indices(low.shape)
-    nearest = nearest_of(np.stack((columns, rows), axis=2), circles)
+    height, width = low.shape
+    nearest = nearest_of(np.arange(width), np.arange(height)[:, None], circles)
     hulls = [_hull(largest & (nearest == one)) for one in range(len(circles))]
     return (_corners(hulls), circles) if _are_divided(low, lit, hulls, MOST_SHARED) else ([], circles)
 
 
-def nearest_of(points: NDArray[Any], circles: Points) -> NDArray[np.intp]:
-    """Which of (N, 3) circles each of the (..., 2) points is nearest to: those of two that cross part along
-    the line through both points where they do."""
-    away = points[..., None, :] - circles[:, :2]
-    return np.asarray(((away**2).sum(axis=-1) - circles[:, 2] ** 2).argmin(axis=-1))
+def nearest_of(x: NDArray[Any], y: NDArray[Any], circles: Points) -> NDArray[np.intp]:
+    """Which of (N, 3) circles each point is nearest to: two that cross part along the line through where
+    they do."""
+    powers = [(x - at) ** 2 + (y - row) ** 2 - radius**2 for at, row, radius in circles.tolist()]
+    return np.asarray(np.argmin(powers, axis=0))
 
 
 def insets(low: Levels, colors: NDArray[Any], lit: Lit, field: Points) -> list[Points]:
@@ -139,7 +139,7 @@ def _inscribed(part: NDArray[np.bool_]) -> Points:
     """(N, 3) middles, x and y, and radii of the largest circles in a part, from the largest one on, of which
     none covers much of another; none where these leave much of the part. One more than MOST_PARTS at most."""
     filled_part = _without_holes(part.astype(np.uint8))
-    depth = cv2.distanceTransform(filled_part, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    depth = cv2.distanceTransform(filled_part, cv2.DIST_L2, cv2.DIST_MASK_5)
     depth[depth < cv2.dilate(depth, SQUARE)] = 0
     covered, circles = np.zeros_like(filled_part), list[tuple[float, float, float]]()
     while len(circles) <= MOST_PARTS:
@@ -156,8 +156,8 @@ def _inscribed(part: NDArray[np.bool_]) -> Points:
 
 def _without_holes(part: Levels) -> Levels:
     """With what is dark in it, but for holes so large that they may lie between fields."""
-    _, labels, facts, _ = cv2.connectedComponentsWithStats(1 - part, connectivity=4)
-    left, top, width, height, area = facts.T
-    is_within = (left > 0) & (top > 0) & (left + width < part.shape[1]) & (top + height < part.shape[0])
-    is_hole = is_within & (area <= MOST_HOLE * np.count_nonzero(part))
-    return np.asarray(part | is_hole[labels], np.uint8)
+    outlines, family = cv2.findContours(part, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+    most = MOST_HOLE * np.count_nonzero(part)
+    within = (one for one, (*_, parent) in zip(outlines, family[0].tolist(), strict=True) if parent >= 0)
+    holes = [one for one in within if cv2.contourArea(one) <= most]
+    return np.asarray(cv2.drawContours(part.copy(), holes, -1, 1, cv2.FILLED))

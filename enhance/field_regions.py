@@ -16,7 +16,10 @@ Numbers = NDArray[np.int32]
 @njit(cache=True, error_model="numpy")
 def lit_parts(low: Levels, threshold: float) -> tuple[Levels, Numbers, int]:
     """(h, w) 1 where `low` is above the threshold; (h, w) labels of its regions, from 1 in the order of their
-    first pixels, once an opening by 3 x 3 pixels has taken specks; and one more than there are of these."""
+    first pixels, once an opening by 3 x 3 pixels has taken specks; and one more than there are of these.
+
+    All is dark beyond the border: lines along it, as recorders leave them, are as thin as specks.
+    """
     lit, once, opened = np.empty_like(low), np.empty_like(low), np.empty_like(low)
     for y in range(low.shape[0]):
         for x in range(low.shape[1]):
@@ -57,24 +60,22 @@ def dark_beside_border(lit: Levels, field: Levels) -> tuple[int, int]:
 
 @njit(error_model="numpy")
 def _spread(mask: Levels, kind: int, out: Levels) -> None:
-    """Pixels of a kind, 0 or 1, take those around them; beyond the border there are none."""
+    """Pixels of a kind, 0 or 1, take those around them; beyond the border all are 0."""
     height, width = mask.shape
-    line = np.empty(width + 2, np.uint8)
+    line, beyond = np.zeros(width + 2, np.uint8), np.zeros(width, np.uint8)
     middle = line[1:]
     for y in range(height):
-        here, above, below = mask[y], mask[max(y - 1, 0)], mask[min(y + 1, height - 1)]
-        if kind == 0:
-            for x in range(width):
-                middle[x] = here[x] & above[x] & below[x]
-        else:
-            for x in range(width):
-                middle[x] = here[x] | above[x] | below[x]
-        line[0] = line[width + 1] = 1 - kind
+        here = mask[y]
+        above, below = mask[y - 1] if y > 0 else beyond, mask[y + 1] if y + 1 < height else beyond
         left, right, row = line, line[2:], out[y]
         if kind == 0:
             for x in range(width):
+                middle[x] = here[x] & above[x] & below[x]
+            for x in range(width):
                 row[x] = left[x] & middle[x] & right[x]
         else:
+            for x in range(width):
+                middle[x] = here[x] | above[x] | below[x]
             for x in range(width):
                 row[x] = left[x] | middle[x] | right[x]
 

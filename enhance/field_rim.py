@@ -1,19 +1,16 @@
-"""The rim of a field of view, measured along rays at full size, and the circle or polygon through it."""
+"""The rim of a field of view, measured along rays at full size."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import Any, Final
 
-import cv2
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.field import MOST_CORNERS, FieldOfView, beyond
-from enhance.field_circle import Points, circle_through, median, tolerance_of
+from enhance.field import MOST_CORNERS
+from enhance.field_circle import Points, median
 from enhance.image import AnyImage, BoolImage, full_scale
 
 RAYS: Final = MOST_CORNERS
@@ -25,34 +22,16 @@ DEVIATIONS: Final = 5.0
 """Of the noise at full size that the surround is at most above its middle."""
 RUN, MOST_DARK = 5, 1
 """Of so many pixels in a row, at most so many are dark where the field begins: single ones are noise."""
-LEAST_ON_CIRCLE: Final = 0.7
-"""Of the rays: with fewer the outline is no circle."""
-LEAST_HALF: Final = 0.5
-"""The same of one of two fields that touch."""
-AHEAD: Final = float(np.cos(np.radians(16)))
-"""Of rays so near an upright, level or diagonal one the middle tells how far a circle reaches there."""
-LEAST_CUT: Final = 0.04
-"""Of the radius: so much nearer than the circle is a straight line that cuts it."""
-LEAST_STRAIGHT: Final = 0.6
-"""Of the rays that would pass such a line; what ends elsewhere ends in shade."""
-CUT_CORNERS: Final = MOST_CORNERS // 2
-"""Of a circle that is cut."""
-LEAST_ARC: Final = 0.4
-"""Of the rays: with so many on a circle the rest may be shade or an instrument beside its rim."""
-STRAIGHT: Final = 0.97
-"""From end to end of a rim by its length: with more it is one straight line."""
-MOST_SLANT: Final = 2.0
-"""Degrees of a straight rim from upright, level or half way between, as bars and octagons run; the edge of a
-shadow or drape runs anyhow."""
 LEAST_RISE: Final = 15.0
 """Grey levels from dark to lit, for the width of a rim to be told."""
-SOFT_PX, SOFT = 1.0, 0.0044
-"""Pixels, and a share of the longer side of the picture: a wider rim that the border of the picture crops is
-the edge of a shadow."""
 LEAST_FREE: Final = 0.9
 """Of the rays: a field that ends so often within the picture lies free in it."""
 BEYOND: Final = 4.0
 """Pixels outside the picture, where the outline goes on: none of the border is left out."""
+DOWN: Final = 0.2
+"""Of the way from the surround's V to where a faint rim begins: what is darker is surround."""
+MOST_IN_THE_DARK: Final = 0.25
+"""Of the rays: with more that see nothing but dark the field goes on in the dark."""
 NEAR: Final = 2.0
 """Pixels: what lies so near the border lies at it."""
 FINE: Final = 16
@@ -61,9 +40,6 @@ FINE: Final = 16
 Samples = NDArray[np.float32]
 _ANGLES: Final = np.arange(RAYS) * (2 * np.pi / RAYS)
 ALONG: Final = np.stack((np.cos(_ANGLES), np.sin(_ANGLES)), axis=1)
-
-OUTWARD: Final = ALONG[:: RAYS // 8].copy()
-"""Of the sides of frames, octagons among them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,9 +55,18 @@ class Rim:
     width: float
     """Pixels from dark to lit, the median of what ends within the picture; 0: not told, of a field that lies
     free of the border among others."""
+    is_noisy: bool
+    """What lies beyond varies more than noise of a surround does: stray light, or field."""
+
+    @property
+    def is_dark(self) -> bool:
+        """Many rays see nothing but dark: the field goes on beyond them, perhaps."""
+        return int(np.count_nonzero(~(self.lit | self.cropped)[:RAYS])) > MOST_IN_THE_DARK * RAYS
 
 
-def left_along_rays(pixels: AnyImage, outline: Points, threshold: float, most: float, pixel: int) -> Rim:
+def left_along_rays(
+    pixels: AnyImage, outline: Points, threshold: float, most: float, pixel: int, *, is_faint: bool = False
+) -> Rim:
     """Where rays from the middle of an outline leave the field.
 
     Args:
@@ -90,14 +75,19 @@ def left_along_rays(pixels: AnyImage, outline: Points, threshold: float, most: f
         threshold: V in grey levels above which a pixel is field, but for noise.
         most: the same whatever the noise.
         pixel: width of a pixel of the small copy that the outline was found in.
+        is_faint: the rim is hardly brighter than the surround; its width is that of what lies between these.
     """
     middle, far = _distances(outline)
     colors = pixels if pixels.ndim == 3 else pixels[..., None]
     values = _unrolled(colors, 255 / full_scale(pixels.dtype), middle, far, REACH * pixel)
-    threshold = max(threshold, min(_noise_ends(values, int(REACH * pixel)), most))
+    noise = _noise_ends(values, int(REACH * pixel))
+    threshold = max(threshold, min(noise, most))
     height, width = pixels.shape[:2]
     ends = _left(values, middle, far, threshold, pixel, np.array([width, height], np.float64))
-    return Rim(*ends, width=0.0 if _are_free(ends[1]) else _width(values, ends[2], pixel))
+    width = 0.0
+    if not are_free(ends[1]):
+        width = _fall(values, threshold) if is_faint else _width(values, ends[2], pixel)
+    return Rim(*ends, width, noise > most)
 
 
 @njit(cache=True, error_model="numpy")
@@ -238,6 +228,27 @@ def _width(values: Samples, lit: BoolImage, pixel: int) -> float:
     return median(widths[:count]) if count > 0 else 0.0
 
 
+@njit(cache=True, error_model="numpy")
+def _fall(values: Samples, threshold: float) -> float:
+    """Pixels from where rays leave the field to where the mean V of all is nearly as dark as it gets."""
+    samples = values.shape[1]
+    means, counts = np.zeros(samples), np.zeros(samples)
+    for ray in range(RAYS):
+        last = _last_lit(values[ray], threshold)
+        for i in range(last + 1, samples if last >= 0 else 0):
+            if values[ray, i] >= 0:
+                means[i - last] += values[ray, i]
+                counts[i - last] += 1
+    darkest = threshold
+    for away in range(1, samples):
+        means[away] = means[away] / counts[away] if counts[away] > 0 else threshold
+        darkest = min(darkest, means[away])
+    for away in range(1, samples):
+        if means[away] <= darkest + DOWN * (threshold - darkest):
+            return float(away)
+    return float(samples)
+
+
 @njit(error_model="numpy")
 def _last_lit(values: Samples, threshold: float) -> int:
     """The place of the outermost sample that begins a bright run inwards; -1: none does."""
@@ -266,132 +277,6 @@ def cropped_by(rim: Rim, other: BoolImage) -> Rim:
     return replace(rim, cropped=rim.cropped | other, lit=rim.lit & ~other)
 
 
-def fitted(rim: Rim, whole: FieldOfView, least: float) -> FieldOfView:
-    """A circle where most points lie on one, without what straight lines cut off it, else the convex hull of
-    all, in the picture that is `whole`; all of it where the rim is that of a shadow, or where less than
-    `least` of it runs as circles and frames do, unless it lies free of the border."""
-    if _fades(rim, whole):
-        return whole
-    through = _through(rim, whole)
-    if through is not None and through[1] >= LEAST_ON_CIRCLE:
-        return _cut(replace(whole, circle=through[0]), rim)
-    # Too few points tell nothing of their shape.
-    arc = 1.0 if through is None else through[1]
-    hull = cv2.convexHull(rim.points.astype(np.float32))
-    corners = cv2.approxPolyDP(hull, 0.7, closed=True)[:, 0]
-    outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
-    within = ~(outside & _next(outside)).any(axis=1)
-    sides = (_next(corners) - corners)[within]
-    if (arc < LEAST_ARC and _is_shade(sides)) or (least > 0 and _shape(rim, arc, sides) < least):
-        return whole
-    return _polygon(corners, whole)
-
-
-def _next(corners: NDArray[Any]) -> NDArray[Any]:
-    """Of each corner the one after it; the first one after the last."""
-    return np.concatenate((corners[1:], corners[:1]))
-
-
-def _shape(rim: Rim, arc: float, sides: NDArray[Any]) -> float:
-    """Of a rim what runs as circles and frames do: all where it lies free of the border."""
-    return 1.0 if _are_free(rim.cropped) else arc + _straight_share(sides)
-
-
-def are_circles(rims: list[Rim], whole: FieldOfView) -> bool:
-    """Whether rims lie on circles, one of them half in the shade perhaps, none about another's middle."""
-    through = [_through(rim, whole) for rim in rims]
-    found = [one for one in through if one is not None]
-    shares = sorted(share for _, share in found)
-    if len(found) < len(rims) or shares[0] < LEAST_HALF or shares[1] < LEAST_ON_CIRCLE:
-        return False
-    circles = [circle for circle, _ in found]
-    return all(
-        math.dist(one[:2], other[:2]) > max(one[2], other[2]) for one, other in combinations(circles, 2)
-    )
-
-
-def _through(rim: Rim, whole: FieldOfView) -> tuple[tuple[float, float, float], float] | None:
-    """The circle through what ends within the picture, and the share of these points on it, 0 where it is
-    none of the picture; None: too few to tell."""
-    free = rim.points[~rim.cropped]
-    if len(free) < RAYS // 6:
-        return None
-    *circle, share = circle_through(free)
-    x, y, radius = (round(value, 2) for value in circle)
-    across, down = (rim.points.max(axis=0) + rim.points.min(axis=0)) / 2
-    # Points on a straight line lie on a circle, too: a large one, on either side.
-    is_near = radius < max(whole.width, whole.height) and np.hypot(across - x, down - y) < radius
-    return (x, y, radius), share if is_near else 0.0
-
-
-def _are_free(cropped: BoolImage) -> bool:
+def are_free(cropped: BoolImage) -> bool:
     """Whether a field lies free of the border, of which parts of its rim are cropped."""
     return int(np.count_nonzero(~cropped)) > LEAST_FREE * RAYS
-
-
-def _fades(rim: Rim, whole: FieldOfView) -> bool:
-    """Whether tissue fades towards it, as in a shadow."""
-    return rim.width > SOFT_PX + SOFT * max(whole.width, whole.height)
-
-
-def _polygon(corners: NDArray[Any], whole: FieldOfView) -> FieldOfView:
-    polygon = tuple((round(float(x), 1), round(float(y), 1)) for x, y in corners)
-    return FieldOfView(whole.width, whole.height, polygon=polygon)
-
-
-def around_circle(circle: tuple[float, float, float]) -> Points:
-    """(N, 2) corners of a convex outline."""
-    return np.asarray(np.array(circle[:2]) + circle[2] * ALONG[:: RAYS // CUT_CORNERS])
-
-
-def _cut(field: FieldOfView, rim: Rim) -> FieldOfView:
-    """A circle, or a polygon where straight lines of lit ends run within it as frames do, such as of a D."""
-    assert field.circle is not None
-    middle, radius = np.array(field.circle[:2]), field.circle[2]
-    levels = _straight_levels(rim.points[:RAYS] - middle, rim.lit, radius)
-    if (levels == radius).all():
-        return field
-    corners = around_circle(field.circle)
-    for outward, level in zip(OUTWARD, levels.tolist(), strict=True):
-        corners = beyond(corners, -outward, -level - float(middle @ outward))
-    return _polygon(corners, replace(field, circle=None))
-
-
-@njit(cache=True, error_model="numpy")
-def _straight_levels(points: Points, lit: BoolImage, radius: float) -> Points:
-    """How far from its middle a straight line cuts a circle, in each direction of OUTWARD; the radius where
-    none does. points: about the middle."""
-    levels, tolerance = np.full(len(OUTWARD), radius), tolerance_of(radius)
-    depths, away = np.empty(RAYS), np.sqrt(points[:, 0] ** 2 + points[:, 1] ** 2)
-    for turn in range(len(OUTWARD)):
-        count = 0
-        for ray in range(RAYS):
-            depth = points[ray, 0] * OUTWARD[turn, 0] + points[ray, 1] * OUTWARD[turn, 1]
-            if depth > AHEAD * away[ray]:
-                depths[count] = depth
-                count += 1
-        level = median(depths[:count]) if count > 0 else radius
-        if not 0 < level < radius - max(LEAST_CUT * radius, 2 * tolerance):
-            continue
-        passing, straight = 0, 0
-        for ray in range(RAYS):
-            depth = points[ray, 0] * OUTWARD[turn, 0] + points[ray, 1] * OUTWARD[turn, 1]
-            if depth * radius > level * away[ray]:
-                passing += 1
-                straight += lit[ray] and abs(depth - level) <= tolerance
-        if straight >= LEAST_STRAIGHT * passing:
-            levels[turn] = level
-    return levels
-
-
-def _is_shade(sides: NDArray[Any]) -> bool:
-    """Whether (N, 2) sides of a polygon are one straight line that runs as no frame does."""
-    whole = sides.sum(axis=0, keepdims=True)
-    is_straight = np.hypot(*whole[0]) > STRAIGHT * np.hypot(sides[:, 0], sides[:, 1]).sum()
-    return bool(is_straight and _straight_share(whole) == 0)
-
-
-def _straight_share(sides: NDArray[Any]) -> float:
-    """Of the length of (N, 2) sides, what runs as frames do."""
-    lengths, turns = np.hypot(sides[:, 0], sides[:, 1]), np.degrees(np.arctan2(sides[:, 1], sides[:, 0])) % 45
-    return float(lengths[np.minimum(turns, 45 - turns) <= MOST_SLANT].sum() / max(lengths.sum(), 1.0))

@@ -25,7 +25,8 @@ from enhance.field_outline import (
     outline_of,
 )
 from enhance.field_parts import apart, insets, nearest_of, touching
-from enhance.field_rim import Rim, are_circles, cropped_by, fitted, left_along_rays
+from enhance.field_rim import Rim, cropped_by, left_along_rays
+from enhance.field_shape import LEAST_ON_CIRCLE, are_circles, fitted, share_on_circle
 from enhance.image import AnyImage, Picture, full_scale, read_picture
 
 LOW_SIDE: Final = 160
@@ -51,9 +52,11 @@ LEAST_SIDE: Final = 16
 """Pixels: smaller pictures are too small for a surround with a rim. No narrower, in pixels of the small copy,
 is what a page shows."""
 
-MOSTLY, ALL_BUT, NEVER = 0.5, 0.7, 2.0
+EDGE: Final = 2
+"""Pixels along the sides of an image on a page."""
+MOSTLY, ALL_BUT, SURELY, NEVER = 0.5, 0.7, 0.8, 2.0
 """How much of a polygon's rim runs as circles and frames do: of parts, as no tool runs so; where the rim is
-faint, as shade does not; more than any."""
+faint, as shade does not; beyond another rim, as stray light does not, wherever it lies; more than any."""
 
 LEVELS: Final = 256
 
@@ -118,7 +121,8 @@ def _shown_on(page: AnyImage, field: FieldOfView) -> FieldOfView:
     """A field on a page, without the dark surround that an image on it may have itself."""
     whole, parts = FieldOfView(field.width, field.height), list[FieldOfView]()
     for part in field.parts or (field,):
-        left, top, right, bottom = box = box_of(part)
+        # Without what is half page along its sides.
+        left, top, right, bottom = box = tuple(np.add(box_of(part), (EDGE, EDGE, -EDGE, -EDGE)).tolist())
         shown = _in_the_dark(np.ascontiguousarray(page[top:bottom, left:right])) if is_box(part) else None
         if shown is None or shown.is_whole:
             parts.append(part)
@@ -149,10 +153,9 @@ def _found(
     outline = outline_of(low, lit)
     search = _Search(pixels, whole, factor, low, tones)
     if outline is None:
-        faint = search.faint()
+        faint = search.faint(ALL_BUT)
         return None if faint.is_whole else faint
-    field = search.field(lit, outline)
-    return search.faint() if field.is_whole else search.with_insets(field, colors, lit, outline)
+    return search.with_insets(search.field(lit, outline), colors, lit, outline)
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +173,7 @@ class _Search:
         threshold = self.tones.threshold
         parts = self._together([self._rim(one, threshold) for one in apart(self.low, lit)])
         if len(outline.corners) == 0:
-            return parts
+            return self.faint(ALL_BUT) if parts.is_whole else parts
         if parts.is_whole and outline.is_dented:
             touch = self._touching(lit)
             if not touch.is_whole:
@@ -182,18 +185,37 @@ class _Search:
         if not parts.is_whole:
             field = fitted(rim, self.whole, NEVER)
             return parts if field.is_whole else field
-        return fitted(rim, self.whole, 0.0 if outline.is_convex else NEVER)
+        field = fitted(rim, self.whole, 0.0 if outline.is_convex else NEVER)
+        if field.is_whole or rim.is_dark:
+            faint = self.faint(ALL_BUT)
+        elif rim.is_noisy:
+            faint = self._beyond_stray_light(field, rim)
+        else:
+            return field
+        return field if faint.is_whole else faint
 
-    def faint(self) -> FieldOfView:
+    def _beyond_stray_light(self, field: FieldOfView, rim: Rim) -> FieldOfView:
+        """A field beyond a rim that is all lit; all of the picture where what lies there is stray light, and
+        takes the field its shape."""
+        if field.circle is None:
+            return self.faint(SURELY)
+        faint = self.faint(SURELY, share_on_circle(rim, self.whole))
+        return self.whole if faint.circle is None else faint
+
+    def faint(self, least: float, round_at: float = LEAST_ON_CIRCLE) -> FieldOfView:
         """A field whose rim is hardly brighter than the surround, as lenses that darken towards it have; all
-        of the picture where it does not run as circles and frames do."""
+        of the picture where less than `least` of it runs as circles and frames do.
+
+        round_at: share of the rim on a circle from which on it is one.
+        """
         step = max(FAINT_STEP, DEVIATIONS * self.tones.noise)
         if np.count_nonzero(self.low <= self.tones.level + step) < LEAST_SURROUND * self.low.size:
             return self.whole
         outline = outline_of(self.low, lit_above(self.low, self.tones.level + step, step))
         if outline is None or len(outline.corners) == 0 or not outline.is_convex:
             return self.whole
-        return fitted(self._rim(outline.corners, self.tones.level + step), self.whole, ALL_BUT)
+        rim = self._rim(outline.corners, self.tones.level + step, is_faint=True)
+        return fitted(rim, self.whole, least, round_at)
 
     def _touching(self, lit: Lit) -> FieldOfView:
         """Round fields; all of the picture where there are none that touch."""
@@ -202,8 +224,11 @@ class _Search:
             return self.whole
         circles[:, :2] = (circles[:, :2] + 0.5) * self._scale
         circles[:, 2] *= self._scale.mean()
-        rims = [self._rim(one, self.tones.threshold) for one in hulls]
-        rims = [cropped_by(rim, nearest_of(rim.points, circles) != at) for at, rim in enumerate(rims)]
+        rims = list[Rim]()
+        for place, hull in enumerate(hulls):
+            rim = self._rim(hull, self.tones.threshold)
+            nearest = nearest_of(rim.points[:, 0], rim.points[:, 1], circles)
+            rims.append(cropped_by(rim, nearest != place))
         return self._together(rims) if are_circles(rims, self.whole) else self.whole
 
     def with_insets(self, field: FieldOfView, small: AnyImage, lit: Lit, outline: Outline) -> FieldOfView:
@@ -217,10 +242,10 @@ class _Search:
             parts += [] if inset.is_whole else [inset]
         return replace(self.whole, parts=tuple(parts)) if len(parts) > len(field.parts or (field,)) else field
 
-    def _rim(self, corners: Points, threshold: float) -> Rim:
-        return left_along_rays(
-            self.pixels, (corners + 0.5) * self._scale, threshold, self.tones.most, self.factor
-        )
+    def _rim(self, corners: Points, threshold: float, *, is_faint: bool = False) -> Rim:
+        outline = (corners + 0.5) * self._scale
+        most = self.tones.most
+        return left_along_rays(self.pixels, outline, threshold, most, self.factor, is_faint=is_faint)
 
     @property
     def _scale(self) -> Points:

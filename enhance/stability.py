@@ -297,6 +297,12 @@ def _surrounded(image: NDArray[np.uint8]) -> dict[str, tuple[NDArray[np.uint8], 
     texts[2:6, 3 : shape[1] // 8] = 230
     black, white = np.zeros_like(image), np.full_like(image, 255)
     grey = np.repeat(_within(image, round_view, noise)[..., 1:2], 3, axis=2)
+    row = np.any([_disc(shape, at, 0.147 * shape[1] / shape[0]) for at in (0.2, 0.5, 0.8)], axis=0)
+    depth = cv2.distanceTransform(beyond.astype(np.uint8), cv2.DIST_L2, 5)[..., None]
+    dim = (image * (1 - 0.9 * (1 - depth / depth.max()) ** 3)).astype(np.uint8)
+    page, shown, figure = white.copy(), np.s_[shape[0] // 8 :, shape[1] // 8 : -shape[1] // 8], ~whole
+    figure[shown] = _disc(figure[shown].shape, 0.5, 0.42)
+    page[shown] = _within(image[shown], figure[shown], noise)
     return {
         "all black": (black, whole),
         "all white": (white, whole),
@@ -311,6 +317,9 @@ def _surrounded(image: NDArray[np.uint8]) -> dict[str, tuple[NDArray[np.uint8], 
         "two circles": (_within(image, eyes, noise), eyes),
         "text in the surround": (texts, round_view),
         "grey": (grey, round_view),
+        "three circles side by side": (_within(image, row, noise), row),
+        "circle larger than the image, dim at its rim": (_within(dim, beyond, noise), beyond),
+        "circle in the dark on a white page": (page, figure),
     }
 
 

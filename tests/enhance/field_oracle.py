@@ -6,17 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.field_circle import CIRCLE_TOLERANCE, Points
-from enhance.field_rim import (
-    AHEAD,
-    BEYOND,
-    DEVIATIONS,
-    LEAST_CUT,
-    LEAST_STRAIGHT,
-    NEAR,
-    RAYS,
-    REACH,
-    RIM,
-)
+from enhance.field_rim import BEYOND, DEVIATIONS, DOWN, NEAR, RAYS, REACH, RIM
+from enhance.field_shape import AHEAD, LEAST_CUT, LEAST_STRAIGHT
 from enhance.image import AnyImage, BoolImage, full_scale
 
 
@@ -40,17 +31,13 @@ def rim_of(
     if outer.size:
         level, high = np.quantile(outer, (0.5, 0.84))
         threshold = max(threshold, min(float(level + DEVIATIONS * (high - level)), most))
-    lit = inside & (value > threshold)
-    # Four of five inwards: single ones are noise.
-    counts = np.cumsum(lit, axis=1)
-    lit[:, 5:] &= counts[:, 5:] - counts[:, :-5] >= 4
-    last = lit.shape[1] - 1 - lit[:, ::-1].argmax(axis=1)
-    some, index = lit.any(axis=1), np.arange(RAYS)
+    some, last = last_lit(inside & (value > threshold))
+    index = np.arange(RAYS)
     found = np.where(some, radii[index, last] + 0.5, far)
     margin = np.where(some, NEAR, pixel)[:, None]
     at = middle + found[:, None] * along
     beside = ((at < margin) | (at > ends - margin)).any(axis=1)
-    cropped = np.where(some, ~inside[index, np.minimum(last + 2, lit.shape[1] - 1)], beside)
+    cropped = np.where(some, ~inside[index, np.minimum(last + 2, inside.shape[1] - 1)], beside)
     points = middle + np.where(cropped, found, found - RIM)[:, None] * along
     # A corner of the picture that lies between two rays belongs to the field where both reach the border.
     corners = np.array([(x, y) for x in (0, width) for y in (0, height)], dtype=np.float64)
@@ -62,6 +49,30 @@ def rim_of(
     beyond = np.where(points < margin, -BEYOND, np.where(points > ends - margin, ends + BEYOND, points))
     lit = np.concatenate((some, np.zeros(len(reached), bool))) & ~cropped
     return np.where(cropped[:, None], beyond, points), cropped, lit
+
+
+def last_lit(bright: BoolImage) -> tuple[BoolImage, NDArray[np.intp]]:
+    """Whether any sample of each ray begins a bright run inwards, and the outermost one that does."""
+    lit = bright.copy()
+    # Four of five inwards: single ones are noise.
+    counts = np.cumsum(bright, axis=1)
+    lit[:, 5:] &= counts[:, 5:] - counts[:, :-5] >= 4
+    return lit.any(axis=1), lit.shape[1] - 1 - lit[:, ::-1].argmax(axis=1)
+
+
+def fall_of(values: NDArray[np.float32], threshold: float) -> int:
+    """As `enhance.field_rim._fall`."""
+    some, last = last_lit(values > threshold)
+    count = values.shape[1]
+    means = [threshold]
+    for away in range(1, count):
+        beyond = [
+            ray[end + away] for ray, end in zip(values[some], last[some], strict=True) if end + away < count
+        ]
+        inside = [float(value) for value in beyond if value >= 0]
+        means.append(sum(inside) / len(inside) if inside else threshold)
+    down = min(means) + DOWN * (threshold - min(means))
+    return next((away for away in range(1, count) if means[away] <= down), count)
 
 
 def distances(middle: Points, along: Points, outline: Points) -> Points:
@@ -97,7 +108,7 @@ def kasa(kept: Points, points: Points) -> tuple[Points, Points]:
 
 
 def straight_levels_of(points: Points, lit: BoolImage, radius: float) -> Points:
-    """As `enhance.field_rim._straight_levels`."""
+    """As `enhance.field_shape._straight_levels`."""
     levels = np.full(8, radius)
     for turn in range(8):
         depth = points @ (np.cos(turn * np.pi / 4), np.sin(turn * np.pi / 4))

@@ -200,21 +200,6 @@ def test_tissue_in_the_shade_is_field(name: str, level: float, blur: float) -> N
     assert_found(found(image.astype(np.uint8)).mask(), field)
 
 
-@pytest.mark.parametrize("size", [(240, 320), (720, 1280)])
-@pytest.mark.parametrize("radius", [0.3, 0.45])
-@pytest.mark.parametrize("black", [0, 12])
-def test_a_lens_that_darkens_towards_its_rim_has_one(
-    size: tuple[int, int], radius: float, black: float
-) -> None:
-    """Tissue beside the rim is some 8 grey levels brighter than the surround, as of bronchoscopes."""
-    height, width = size
-    y, x = np.mgrid[:height, :width] + 0.5
-    away = np.hypot(x - width / 2, y - height / 2) / height
-    shade = 0.5 * np.maximum(1 - 0.88 * (away / radius) ** 1.5, 0.12)
-    image = black + seen_in(away < radius, black=0) * shade[..., None]
-    assert_found(found(image.astype(np.uint8)).mask(), away < radius)
-
-
 @pytest.mark.parametrize("name", ["circle", "beside the middle"])
 @pytest.mark.parametrize("black", [3, 18])
 def test_a_dark_lumen_beside_the_rim_is_field(name: str, black: float) -> None:

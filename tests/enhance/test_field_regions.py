@@ -19,7 +19,10 @@ def cloudy(rng: np.random.Generator) -> Levels:
 
 def lit_parts_of_opencv(low: Levels, threshold: float) -> tuple[Levels, Numbers, int]:
     lit = np.asarray(cv2.threshold(low, threshold, 1, cv2.THRESH_BINARY)[1], np.uint8)
-    count, labels = cv2.connectedComponents(cv2.morphologyEx(lit, cv2.MORPH_OPEN, SQUARE), connectivity=4)
+    beyond = {"borderType": cv2.BORDER_CONSTANT, "borderValue": (0.0,)}
+    count, labels = cv2.connectedComponents(
+        cv2.morphologyEx(lit, cv2.MORPH_OPEN, SQUARE, **beyond), connectivity=4
+    )
     return lit, np.asarray(labels, np.int32), count
 
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from enhance import field_circle, field_outline, field_rim, field_search
+from enhance import field_circle, field_outline, field_rim, field_search, field_shape
 from enhance.field import FieldOfView
 from enhance.field_circle import Points
 from enhance.field_rim import RAYS, left_along_rays
@@ -70,7 +70,7 @@ def test_a_circle_is_cut_where_numpy_cuts_it(seed: int, depth: float, noise: flo
     far = np.minimum(far, radius) + rng.normal(0, noise, RAYS)
     far[rng.random(RAYS) < stray] *= 0.9
     points, lit = far[:, None] * field_rim.ALONG, rng.random(RAYS) < 0.9
-    levels = field_rim._straight_levels(points, lit, radius)
+    levels = field_shape._straight_levels(points, lit, radius)
     assert np.allclose(levels, field_oracle.straight_levels_of(points, lit, radius))
     if depth < 0.9 and noise < 0.3 and stray < 0.1:
         assert levels[round(turn / (np.pi / 4))] == pytest.approx(depth * radius, abs=1)
@@ -78,8 +78,10 @@ def test_a_circle_is_cut_where_numpy_cuts_it(seed: int, depth: float, noise: flo
 
 def test_points_on_a_line_lie_on_no_circle_of_the_picture() -> None:
     points = np.stack((np.linspace(3, 90, 60), np.linspace(2, 31, 60)), axis=1)
-    rim = field_rim.Rim(np.concatenate((points, [(50.0, 60.0)])), np.zeros(61, bool), np.ones(61, bool), 0.0)
-    assert field_rim.fitted(rim, FieldOfView(100, 80), 0.0).circle is None
+    rim = field_rim.Rim(
+        np.concatenate((points, [(50.0, 60.0)])), np.zeros(61, bool), np.ones(61, bool), 0.0, is_noisy=False
+    )
+    assert field_shape.fitted(rim, FieldOfView(100, 80), 0.0).circle is None
 
 
 @given(st.integers(0, 9999))
@@ -139,6 +141,6 @@ def test_a_rough_outline_with_tissue_beyond_it_is_mended(name: str) -> None:
     [contour], _ = cv2.findContours(rough, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     corners = np.asarray(cv2.convexHull(contour)[:, 0], np.float64) + 0.5
     rim = left_along_rays(image, corners, 36.0, 86.0, 4)
-    mask = field_rim.fitted(rim, FieldOfView(320, 240), 0.0).mask()
+    mask = field_shape.fitted(rim, FieldOfView(320, 240), 0.0).mask()
     assert not mask[~field].any()
     assert mask[cv2.erode(field.astype(np.uint8), np.ones((17, 17), np.uint8), borderValue=1) > 0].all()

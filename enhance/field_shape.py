@@ -1,0 +1,180 @@
+"""The circle or polygon through the rim of a field of view."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import combinations
+from typing import Any, Final
+
+import cv2
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from enhance.field import MOST_CORNERS, FieldOfView, beyond
+from enhance.field_circle import Points, circle_through, median, tolerance_of
+from enhance.field_rim import ALONG, RAYS, Rim, are_free
+from enhance.image import BoolImage
+
+LEAST_ON_CIRCLE: Final = 0.7
+"""Of the rays: with fewer the outline is no circle."""
+LEAST_HALF: Final = 0.5
+"""The same of one of several fields that touch."""
+AHEAD: Final = float(np.cos(np.radians(16)))
+"""Of rays so near an upright, level or diagonal one the middle tells how far a circle reaches there."""
+LEAST_CUT: Final = 0.04
+"""Of the radius: so much nearer than the circle is a straight line that cuts it."""
+LEAST_STRAIGHT: Final = 0.6
+"""Of the rays that would pass such a line; what ends elsewhere ends in shade."""
+CUT_CORNERS: Final = MOST_CORNERS // 2
+"""Of a circle that is cut."""
+LEAST_ARC: Final = 0.4
+"""Of the rays: with so many on a circle the rest may be shade or an instrument beside its rim."""
+STRAIGHT: Final = 0.97
+"""From end to end of a rim by its length: with more it is one straight line."""
+MOST_SLANT: Final = 2.0
+"""Degrees of a straight rim from upright, level or half way between, as bars and octagons run; the edge of a
+shadow or drape runs anyhow."""
+SOFT_PX, SOFT = 1.0, 0.0044
+"""Pixels, and a share of the longer side of the picture: a wider rim that the border of the picture crops is
+the edge of a shadow."""
+FREE: Final = 0.75
+"""Of the rim of a field that lies free of the border, what is taken to run as circles and frames do."""
+OUTWARD: Final = ALONG[:: RAYS // 8].copy()
+"""Of the sides of frames, octagons among them."""
+
+
+def fitted(rim: Rim, whole: FieldOfView, least: float, round_at: float = LEAST_ON_CIRCLE) -> FieldOfView:
+    """A circle where most points lie on one, without what straight lines cut off it, else the convex hull of
+    all, in the picture that is `whole`; all of it where the rim is that of a shadow, or where less than
+    `least` of it runs as circles and frames do: FREE at least of what lies free of the border.
+
+    round_at: share of the points on a circle from which on they lie on one.
+    """
+    if _fades(rim, whole):
+        return whole
+    through = _through(rim, whole)
+    if through is not None and through[1] >= round_at:
+        return _cut(replace(whole, circle=through[0]), rim)
+    # Too few points tell nothing of their shape.
+    arc = 1.0 if through is None else through[1]
+    hull = cv2.convexHull(rim.points.astype(np.float32))
+    corners = cv2.approxPolyDP(hull, 0.7, closed=True)[:, 0]
+    outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
+    within = ~(outside & _next(outside)).any(axis=1)
+    sides = (_next(corners) - corners)[within]
+    if (arc < LEAST_ARC and _is_shade(sides)) or (least > 0 and _shape(rim, arc, sides) < least):
+        return whole
+    return _polygon(corners, whole)
+
+
+def _next(corners: NDArray[Any]) -> NDArray[Any]:
+    """Of each corner the one after it; the first one after the last."""
+    return np.concatenate((corners[1:], corners[:1]))
+
+
+def _shape(rim: Rim, arc: float, sides: NDArray[Any]) -> float:
+    """Of a rim what runs as circles and frames do."""
+    return max(arc + _straight_share(sides), FREE if are_free(rim.cropped) else 0.0)
+
+
+def share_on_circle(rim: Rim, whole: FieldOfView) -> float:
+    """Of what ends within the picture."""
+    through = _through(rim, whole)
+    return 0.0 if through is None else through[1]
+
+
+def are_circles(rims: list[Rim], whole: FieldOfView) -> bool:
+    """Whether rims lie on circles, one of them half in the shade perhaps, none about another's middle."""
+    through = [_through(rim, whole) for rim in rims]
+    found = [one for one in through if one is not None]
+    shares = sorted(share for _, share in found)
+    if len(found) < len(rims) or shares[0] < LEAST_HALF or shares[1] < LEAST_ON_CIRCLE:
+        return False
+    circles = [circle for circle, _ in found]
+    return all(
+        math.dist(one[:2], other[:2]) > max(one[2], other[2]) for one, other in combinations(circles, 2)
+    )
+
+
+def _through(rim: Rim, whole: FieldOfView) -> tuple[tuple[float, float, float], float] | None:
+    """The circle through what ends within the picture, and the share of these points on it, 0 where it is
+    none of the picture; None: too few to tell."""
+    free = rim.points[~rim.cropped]
+    if len(free) < RAYS // 6:
+        return None
+    *circle, share = circle_through(free)
+    x, y, radius = (round(value, 2) for value in circle)
+    across, down = (rim.points.max(axis=0) + rim.points.min(axis=0)) / 2
+    # Points on a straight line lie on a circle, too: a large one, on either side.
+    is_near = radius < max(whole.width, whole.height) and np.hypot(across - x, down - y) < radius
+    return (x, y, radius), share if is_near else 0.0
+
+
+def _fades(rim: Rim, whole: FieldOfView) -> bool:
+    """Whether tissue fades towards it, as in a shadow."""
+    return rim.width > SOFT_PX + SOFT * max(whole.width, whole.height)
+
+
+def _polygon(corners: NDArray[Any], whole: FieldOfView) -> FieldOfView:
+    polygon = tuple((round(float(x), 1), round(float(y), 1)) for x, y in corners)
+    return FieldOfView(whole.width, whole.height, polygon=polygon)
+
+
+def around_circle(circle: tuple[float, float, float]) -> Points:
+    """(N, 2) corners of a convex outline."""
+    return np.asarray(np.array(circle[:2]) + circle[2] * ALONG[:: RAYS // CUT_CORNERS])
+
+
+def _cut(field: FieldOfView, rim: Rim) -> FieldOfView:
+    """A circle, or a polygon where straight lines of lit ends run within it as frames do, such as of a D."""
+    assert field.circle is not None
+    middle, radius = np.array(field.circle[:2]), field.circle[2]
+    levels = _straight_levels(rim.points[:RAYS] - middle, rim.lit, radius)
+    if (levels == radius).all():
+        return field
+    corners = around_circle(field.circle)
+    for outward, level in zip(OUTWARD, levels.tolist(), strict=True):
+        corners = beyond(corners, -outward, -level - float(middle @ outward))
+    return _polygon(corners, replace(field, circle=None))
+
+
+@njit(cache=True, error_model="numpy")
+def _straight_levels(points: Points, lit: BoolImage, radius: float) -> Points:
+    """How far from its middle a straight line cuts a circle, in each direction of OUTWARD; the radius where
+    none does. points: about the middle."""
+    levels, tolerance = np.full(len(OUTWARD), radius), tolerance_of(radius)
+    depths, away = np.empty(RAYS), np.sqrt(points[:, 0] ** 2 + points[:, 1] ** 2)
+    for turn in range(len(OUTWARD)):
+        count = 0
+        for ray in range(RAYS):
+            depth = points[ray, 0] * OUTWARD[turn, 0] + points[ray, 1] * OUTWARD[turn, 1]
+            if depth > AHEAD * away[ray]:
+                depths[count] = depth
+                count += 1
+        level = median(depths[:count]) if count > 0 else radius
+        if not 0 < level < radius - max(LEAST_CUT * radius, 2 * tolerance):
+            continue
+        passing, straight = 0, 0
+        for ray in range(RAYS):
+            depth = points[ray, 0] * OUTWARD[turn, 0] + points[ray, 1] * OUTWARD[turn, 1]
+            if depth * radius > level * away[ray]:
+                passing += 1
+                straight += lit[ray] and abs(depth - level) <= tolerance
+        if straight >= LEAST_STRAIGHT * passing:
+            levels[turn] = level
+    return levels
+
+
+def _is_shade(sides: NDArray[Any]) -> bool:
+    """Whether (N, 2) sides of a polygon are one straight line that runs as no frame does."""
+    whole = sides.sum(axis=0, keepdims=True)
+    is_straight = np.hypot(*whole[0]) > STRAIGHT * np.hypot(sides[:, 0], sides[:, 1]).sum()
+    return bool(is_straight and _straight_share(whole) == 0)
+
+
+def _straight_share(sides: NDArray[Any]) -> float:
+    """Of the length of (N, 2) sides, what runs as frames do."""
+    lengths, turns = np.hypot(sides[:, 0], sides[:, 1]), np.degrees(np.arctan2(sides[:, 1], sides[:, 0])) % 45
+    return float(lengths[np.minimum(turns, 45 - turns) <= MOST_SLANT].sum() / max(lengths.sum(), 1.0))
