@@ -75,7 +75,7 @@ def left_along_rays(
         threshold: V in grey levels above which a pixel is field, but for noise.
         most: the same whatever the noise.
         pixel: width of a pixel of the small copy that the outline was found in.
-        is_faint: the rim is hardly brighter than the surround; its width is that of what lies between these.
+        is_faint: the rim is hardly brighter than the surround; it is no wider than what lies between these.
     """
     middle, far = _distances(outline)
     colors = pixels if pixels.ndim == 3 else pixels[..., None]
@@ -86,7 +86,8 @@ def left_along_rays(
     ends = _left(values, middle, far, threshold, pixel, np.array([width, height], np.float64))
     width = 0.0
     if not are_free(ends[1]):
-        width = _fall(values, threshold) if is_faint else _width(values, ends[2], pixel)
+        width = _width(values, ends[2], pixel)
+        width = min(width, _fall(values, threshold)) if is_faint else width
     return Rim(*ends, width, noise > most)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.field import MOST_PARTS, FieldOfView
+from enhance.field import MOST_PARTS, FieldOfView, overlap
 from enhance.field_circle import Points
 from enhance.field_even import apart_from, box_of, even_surround, is_box, moved
 from enhance.field_outline import (
@@ -195,12 +195,13 @@ class _Search:
         return field if faint.is_whole else faint
 
     def _beyond_stray_light(self, field: FieldOfView, rim: Rim) -> FieldOfView:
-        """A field beyond a rim that is all lit; all of the picture where what lies there is stray light, and
-        takes the field its shape."""
-        if field.circle is None:
-            return self.faint(SURELY)
-        faint = self.faint(SURELY, share_on_circle(rim, self.whole))
-        return self.whole if faint.circle is None else faint
+        """A field beyond a rim that is all lit; all of the picture where a soft rim lies there, which is
+        narrow, or stray light, which takes the field its shape."""
+        round_at = LEAST_ON_CIRCLE if field.circle is None else share_on_circle(rim, self.whole)
+        faint = self.faint(SURELY, round_at)
+        is_other = field.circle is not None and faint.circle is None
+        is_narrow = overlap(field, faint) * (1 + LEAST_SHADED) > 1
+        return self.whole if is_other or is_narrow else faint
 
     def faint(self, least: float, round_at: float = LEAST_ON_CIRCLE) -> FieldOfView:
         """A field whose rim is hardly brighter than the surround, as lenses that darken towards it have; all

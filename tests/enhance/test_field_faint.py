@@ -9,7 +9,7 @@ import pytest
 from enhance import field_rim
 from enhance.field_rim import RAYS
 from tests.enhance import field_oracle
-from tests.enhance.endoscopes import assert_found, found, outline, seen_in
+from tests.enhance.endoscopes import agreement, assert_found, found, outline, seen_in
 
 
 @pytest.mark.parametrize("size", [(240, 320), (720, 1280)])
@@ -63,3 +63,11 @@ def test_how_soon_it_is_dark_beyond_a_rim_is_what_numpy_finds(seed: int) -> None
     values[rng.random(RAYS) < 0.3, int(0.7 * samples) :] = -1
     threshold = float(rng.uniform(6, 30))
     assert field_rim._fall(values, threshold) == field_oracle.fall_of(values, threshold)
+
+
+@pytest.mark.parametrize("name", ["circle", "octagon"])
+def test_the_soft_rim_of_an_enlarged_image_is_none_of_the_field(name: str) -> None:
+    image = cv2.resize(seen_in(outline(name, 90, 120)), (960, 720), interpolation=cv2.INTER_CUBIC)
+    mask, field = found(image).mask(), outline(name, 720, 960)
+    assert agreement(mask, field) > 0.95
+    assert (mask & ~field).mean() < 0.005
