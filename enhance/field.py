@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Annotated, Final, Self
 
 import cv2
@@ -147,6 +148,12 @@ class FieldOfView:
     def _along_border(self, one: NDArray[np.float64], other: NDArray[np.float64], by: float) -> bool:
         ends, far = np.stack([one, other]), np.array([self.width - by, self.height - by])
         return bool((ends < by).all(axis=0).any() or (ends > far).all(axis=0).any())
+
+
+@lru_cache(maxsize=16)
+def whole_field(width: int, height: int) -> FieldOfView:
+    """All of a picture of this size, checked once: every search begins with it."""
+    return FieldOfView(width, height)
 
 
 def beyond(corners: NDArray[np.float64], inward: NDArray[np.float64], least: float) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.field import MOST_PARTS, FieldOfView, overlap
+from enhance.field import MOST_PARTS, FieldOfView, overlap, whole_field
 from enhance.field_circle import Points
 from enhance.field_even import apart_from, box_of, even_surround, is_box, moved
 from enhance.field_outline import (
@@ -98,7 +98,7 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     picture = image if isinstance(image, Picture) else read_picture(image)
     pixels = picture.pixels
     height, width = pixels.shape[:2]
-    whole = FieldOfView(width, height)
+    whole = whole_field(width, height)
     if min(height, width) < LEAST_SIDE:
         return whole
     if pixels.dtype not in (np.uint8, np.uint16, np.float32, np.float64):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from enhance.field import FieldOfView, overlap
+from enhance.field import FieldOfView, overlap, whole_field
 from enhance.field_search import find_field
 from enhance.image import Picture
 
@@ -32,7 +32,7 @@ class FieldTracker:
         if self._field is None or not self._field.fits(picture.pixels):
             self._field = self._other = find_field(picture)
             self._until_next = EVERY
-            return self._field or FieldOfView(width, height)
+            return self._field or whole_field(width, height)
         self._until_next -= 1
         if self._until_next <= 0:
             self._until_next = EVERY

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from enhance.field import EVERYWHERE, FieldOfView, Spans
+from enhance.field import EVERYWHERE, FieldOfView, Spans, whole_field
 from enhance.field_search import find_field
 from enhance.image import AnyImage, BoolImage, ImageError, Picture, full_scale, read_mask, read_picture
 from enhance.statistics import Statistics
@@ -160,4 +160,4 @@ def _is_grey(pixels: NDArray[Any]) -> bool:
 def found_in(picture: Picture) -> FieldOfView:
     """The field of view of a picture; all of it where it has no surround, or is too dark to tell."""
     height, width = picture.pixels.shape[:2]
-    return find_field(picture) or FieldOfView(width, height)
+    return find_field(picture) or whole_field(width, height)

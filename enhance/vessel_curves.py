@@ -5,6 +5,7 @@ Both are smooth where they are used; errors are in grey levels of the result, ov
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -26,11 +27,13 @@ LIT: Final = 0.4
 """V from which on both are applied in full: dark vessels do not become black."""
 
 
+@lru_cache(maxsize=4)
 def brightness(z: float, exposure: float = 1.0) -> NDArray[np.float32]:
     """(TERMS,) of Vn (Eq 1), of V exposed so many times, by log2 V from LOWEST to 0; error below 0.02."""
     return _fitted(brighten(exposed(2.0 ** _places(LOWEST, 0.0), exposure), z))
 
 
+@lru_cache(maxsize=4)
 def powers(gamma: float) -> NDArray[np.float32]:
     """(TERMS,) of V^gamma by V, from DIM to 1; error below 0.002 levels."""
     return _fitted(_places(DIM, 1.0) ** gamma)
