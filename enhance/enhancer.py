@@ -103,7 +103,16 @@ class Enhancer:
         """
         self._take(self._stream.next(Shown.of(image, tissue_mask, pixels), pixels))
 
-    def _take(self, shown: Shown) -> None:
+    def forget(self) -> None:
+        """Let the image go, and what was made of it; the working memory stays for the next one."""
+        self._take(None)
+
+    @property
+    def memory(self) -> int:
+        """Bytes of working memory."""
+        return sum(array.nbytes for array in (*self._low, *self._models.memory, self._values, self._kept))
+
+    def _take(self, shown: Shown | None) -> None:
         self._shown = shown
         self._survey = self._made = self._values_of = None
         self._moments, self._reaches, self._kept_of = {}, {}, []

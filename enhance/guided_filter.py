@@ -96,6 +96,11 @@ class WindowModels:
         self._done = [None] * len(self._done)
         self._kept_of = [None] * len(self._done)
 
+    @property
+    def memory(self) -> tuple[NDArray[np.float32], ...]:
+        """What stays."""
+        return (*self._models, *(self._kept if self._kept is not self._models else ()))
+
     def of(self, low: Grids, windows: Windows, needed: Sequence[bool]) -> Grids:
         """Window means of a and b (Eqs 4 and 5, averaged for Eq 6); guide and input are the same.
 

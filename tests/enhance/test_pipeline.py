@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import weakref
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import permutations
 from typing import Any
@@ -10,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from enhance import EnhanceParams, enhance, measure
+from enhance import EnhanceParams, enhance, measure, pipeline
 from enhance.reference import enhance_reference
 from tests.enhance.pictures import DTYPES, as_type, images, picture, vessels
 
@@ -250,3 +252,29 @@ def test_the_strength_counts_with_the_statistics_of_a_clip() -> None:
     result = enhance(image, params, statistics=used)
     assert result.statistics == used.resolved(params)
     assert 1 - result.statistics.z == pytest.approx((1 - used.z) / 2)
+
+
+def test_memory_to_work_in_stays_for_the_next_image_and_the_image_does_not() -> None:
+    image, large = vessels(90, 120), vessels(1500, 2400)
+    expected = enhance(image).image
+    kept = pipeline._IDLE.enhancer
+    assert kept is not None
+    assert 0 < kept.memory <= pipeline.MOST_IDLE
+    gone = weakref.ref(image)
+    assert np.array_equal(enhance(image).image, expected)
+    assert pipeline._IDLE.enhancer is kept
+    del image
+    assert gone() is None
+    enhance(large)
+    assert pipeline._IDLE.enhancer is None
+
+
+def test_each_thread_works_in_memory_of_its_own() -> None:
+    images = [vessels(90, 120), vessels(70, 130)]
+    expected = [enhance(image).image for image in images]
+    own = pipeline._IDLE.enhancer
+    with ThreadPoolExecutor(1) as thread:
+        found = [thread.submit(enhance, image).result().image for image in images]
+        theirs = thread.submit(lambda: pipeline._IDLE.enhancer).result()
+    assert own is pipeline._IDLE.enhancer is not theirs is not None
+    assert all(np.array_equal(one, other) for one, other in zip(found, expected, strict=True))
