@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -47,6 +48,8 @@ class OnnxTools:
             raise OnnxError(NO_ONNX)
         if not path.is_file():
             raise OnnxError(f"expected an ONNX file, got no such file: {path}")
+        # Read when it is loaded, which else gives this user a number and keeps what is to be sent.
+        os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
         import onnxruntime
 
         options = onnxruntime.SessionOptions()

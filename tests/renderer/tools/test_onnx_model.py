@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -65,3 +68,18 @@ def test_what_is_no_network_of_images_is_named(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr(onnx_model, "find_spec", lambda name: None)
     with pytest.raises(OnnxError, match="pip install onnxruntime"):
         OnnxTools.open(wide)
+
+
+def test_the_network_is_opened_without_telemetry(tmp_path: Path) -> None:
+    """Which onnxruntime begins when it is loaded, with a number for the user in the cache."""
+    path = write_convolution(tmp_path / "one.onnx", BLUE, np.zeros(2, np.float32))
+    home = tmp_path / "home"
+    home.mkdir()
+    code = (
+        f"from pathlib import Path; from {OnnxTools.__module__} import *; OnnxTools.open(Path({str(path)!r}))"
+    )
+    names = ("HOME", "LOCALAPPDATA", "XDG_CACHE_HOME")
+    environment = {name: value for name, value in os.environ.items() if name != "ORT_DISABLE_TELEMETRY"}
+    environment |= dict.fromkeys(names, str(home))
+    subprocess.run([sys.executable, "-c", code], env=environment, check=True, timeout=120)
+    assert list(home.rglob("*onnxruntime*")) == []
