@@ -168,8 +168,8 @@ def test_links_that_lead_to_each_other_are_told(bad: Path, tmp_path: Path, vesse
     (tmp_path / "one").symlink_to("other")
     (tmp_path / "other").symlink_to("one")
     call = vesselsplat("tune", bad / "whole.png", "--vary", "z=0,1", "--out", tmp_path / "one")
-    assert (call.code, call.error.count("\n")) == (2, 1)
-    assert str(tmp_path / "one") in call.error
+    *_, last = call.error.splitlines()  # From Python 3.13 on, after what comes before it is written.
+    assert (call.code, last.startswith("vesselsplat: "), str(tmp_path / "one") in last) == (2, True, True)
 
 
 def test_every_command_has_its_module() -> None:
