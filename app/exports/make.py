@@ -66,6 +66,7 @@ from app.scenes.scene import Scene
 from app.scenes.view_request import ViewRequest
 from enhance.surround import inside
 from renderer.clip import ByteImage
+from renderer.closing import closing_radius
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.unobserved import BLACK
 
@@ -239,11 +240,14 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
     kind = "Reconstruction" if record.splats is None else "Splat file"
     about = f"{kind} of {record.trained_on}" if record.trained_on else kind
     about = ", ".join(filter(None, (about, far_off(record, scene.unit))))
-    within = scene.field_in_view if record.ends == "field" else scene.camera_at_rest
+    within = scene.camera_at_rest if record.ends == "image" else scene.field_in_view
     within, shown = (None, None) if record.unobserved else (within, scene.shown)
+    is_even = record.ends == "even" and not record.unobserved and scene.is_finished_run
+    closing = closing_radius(scene.cameras[0], record.camera) if is_even else None
     page = browser_page(
-        windows, record, scene.mode, about=about, cameras=scene.cameras, within=within, shown=shown
-    )
+        windows, record, scene.mode, about=about, cameras=scene.cameras, within=within, shown=shown,
+        closing=closing,
+    )  # fmt: skip
     write_bytes(target, page)
 
 

@@ -106,7 +106,7 @@ class BrowserModel(SceneRecord):
     unobserved: bool = True
     """With what no frame shows, as always before 0.7.0."""
     ends: Ends = "image"
-    """Where that of a camera at rest ends, without what no frame shows."""
+    """How it ends, without what no frame shows."""
     tolerance: Annotated[float, Interval(ge=0)] | None = None
     """In scene units, to which positions of a motion that is no spline are sampled, as far as the page may
     grow; None: at 48 moments, as before 0.2.0."""

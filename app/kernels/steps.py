@@ -23,6 +23,7 @@ from app.runs.train_run import PRESETS
 from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from assets import phantom_path
 from renderer.clip import Clip, Frame
+from renderer.closing import closed
 from renderer.deformation.spline import MIN_CONTROLS
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.editing.regions import Lasso, found
@@ -157,8 +158,9 @@ def _look() -> None:
     for shape in get_args(Shape):
         draw_on_cpu(splats, camera, DrawOptions(near, shape=shape))
     field = FieldInView(camera, np.array([(0, 0), (camera.width, 0), (0, camera.height)], np.float64))
-    draw_on_cpu(splats, camera.moved(camera.camera_from_world @ SIDEWAYS), DrawOptions(near, within=field))
-    for cameras in ((camera,), (camera, camera.moved(camera.camera_from_world @ SIDEWAYS))):
+    aside = camera.moved(camera.camera_from_world @ SIDEWAYS)
+    closed(draw_on_cpu(splats, aside, DrawOptions(near, within=field)), 1)
+    for cameras in ((camera,), (camera, aside)):
         render_mesh(surface_of(model, cameras, near).at(0.2), camera, near)
     sight = Sight.of(Trail(model, (0.0, 0.5)), camera, 0.5, near)
     found(Lasso(((0.0, 0.0), (float(camera.width), 0.0), (0.0, float(camera.height)))), sight)

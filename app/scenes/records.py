@@ -24,8 +24,10 @@ from renderer.splats import RenderMode
 from renderer.train.config import TrainConfig
 from renderer.unobserved import BLACK
 
-Ends = Literal["image", "field"]
-"""Tissue that a camera at rest shows: at the sides of its image, as in 0.7.0, or of its field of view."""
+Ends = Literal["image", "field", "even"]
+"""Of tissue in views from elsewhere than the endoscope was. That of a camera at rest ends at the sides of its
+image, as in 0.7.0, or of its field of view, as in 0.8.0. "even": there, too, and of any camera edges are even
+and small gaps closed, see renderer/closing.py."""
 
 
 def _camera(given: Any) -> Camera:
@@ -113,7 +115,7 @@ class DrawnRecord(SceneRecord):
     unobserved: bool = True
     """With what no frame shows, as always before 0.7.0."""
     ends: Ends = "image"
-    """Where that of a camera at rest ends, without what no frame shows."""
+    """How it ends, without what no frame shows."""
     renderer: str
     supersampling: Annotated[int, Interval(ge=1, le=16)] = 1
     view: ViewKind = "color"

@@ -107,7 +107,7 @@ class Scene:
 
     @property
     def tells_shown(self) -> bool:
-        return self.is_of_run and not (self.live or self.split_by_time)
+        return self.is_finished_run and not self.split_by_time
 
     @property
     def shown_so_far(self) -> BoolArray | None:
@@ -160,6 +160,10 @@ class Scene:
             return "a splat file per moment"
         motion = self.model.motion
         return f"a model in {len(motion)} windows" if isinstance(motion, WindowedMotion) else ""
+
+    @property
+    def is_finished_run(self) -> bool:
+        return self.is_of_run and not self.live
 
     @property
     def title(self) -> str:

@@ -30,6 +30,7 @@ from app.scenes.view_kinds import (
 )
 from renderer.camera import Camera
 from renderer.clip import ByteImage, Clip
+from renderer.closing import closed, closing_radius
 from renderer.evenly import evenly
 from renderer.in_view import InView
 from renderer.rasterize.rendered import Rendered
@@ -86,8 +87,8 @@ class ViewRequest:
     unobserved: bool = False
     """Drawn with what no frame shows: what lies beyond those of a camera at rest, and Gaussians behind tissue
     in all of them."""
-    ends: Ends = "field"
-    """Where tissue does that a camera at rest shows."""
+    ends: Ends = "even"
+    """How tissue does in views from elsewhere than the endoscope was."""
     near_plane: float | None = None
     """In scene units; None: that of the scene."""
     caption: str | None = None
@@ -136,6 +137,15 @@ class ViewRequest:
         return is_free and not self.unobserved and SHAPES[self.kind] == "soft"
 
     @property
+    def closing(self) -> int:
+        """Pixels to each side over which gaps are closed; 0: it is drawn as it is. Values are, and so is what
+        is not known to be of an endoscope: a file, or a preview."""
+        scene = self.scene
+        if not (self.leaves_out and self.ends == "even" and self.kind == "color" and scene.is_finished_run):
+            return 0
+        return max(1, round(closing_radius(scene.cameras[0], self.camera)))
+
+    @property
     def so_far(self) -> ViewRequest:
         """The same for a window, which does not wait until it is known what no frame shows: all till then."""
         waits = self.leaves_out and self.scene.tells_shown and self.scene.shown_so_far is None
@@ -171,7 +181,7 @@ class ViewRequest:
         if self.kind == "surface":
             draw = drawing_surface(self.scene, self.time)
         options = DrawOptions(self.near, self.scene.mode, SHAPES[self.kind], self.within)
-        return supersampled(draw, self.supersampling)(self.splats, self.camera, options)
+        return closed(supersampled(draw, self.supersampling)(self.splats, self.camera, options), self.closing)
 
     def composed(self, drawn: Rendered) -> Composed:
         """The picture that is asked for, of its splats drawn in their shape. Raises ClipError."""

@@ -15,6 +15,7 @@ import moderngl
 import numpy as np
 
 from renderer.camera import BoolArray, Camera, FloatArray
+from renderer.closing import GONE, WHOLE
 from renderer.draw.context import is_software
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.sorting import DepthKeys, depth_order
@@ -29,6 +30,9 @@ Precision = Literal["byte", "half", "float"]
 """The target in which colour is blended: 16 bits for the screen, 32 for exports; in 8, levels are
 lost with each layer, some 4 over 150."""
 _FORMATS: dict[Precision, str] = {"byte": "f1", "half": "f2", "float": "f4"}
+
+_Stage = Literal["sums", "rows"]
+"""What a target holds: what blending has summed up, or its means along rows."""
 
 Rgb = tuple[float, float, float]
 NO_SIDE = (0.0, 0.0, 0.0, 0.0)
@@ -107,8 +111,10 @@ class SplatView:
         self._state = StateGuard(ctx)
         self._program = ctx.program(_shader("splat.vert"), _shader("splat.frag"))
         self._resolve_program = ctx.program(_shader("screen.vert"), _shader("resolve_color.frag"))
+        self._rows_program = ctx.program(_shader("screen.vert"), _shader("mean_rows.frag"))
         self._screen = ctx.vertex_array(self._resolve_program, [])
-        self._targets: dict[Precision, _Target] = {}
+        self._rows_screen = ctx.vertex_array(self._rows_program, [])
+        self._targets: dict[tuple[Precision, _Stage], _Target] = {}
         self._storage: Storage | None = None
         self._keyframes = Keyframes(_NO_SPLATS)
         self._time = 0.0
@@ -161,19 +167,22 @@ class SplatView:
         lines: Rgb | None = None,
         within: InView | None = None,
         shown: BoolArray | None = None,
+        closing: int = 0,
     ) -> None:
         """Fill the framebuffer's viewport with the view of `camera`, resampled to its size, alpha 1.
 
         The image is stored as OpenGL stores images, bottom row first; background is RGB, and so are the
         lines of the hatching over it, if any. What lies beyond the sides of `within` is not drawn,
-        nor are splats that are not `shown` (N,).
+        nor are splats that are not `shown` (N,). Gaps are closed with the radius `closing`, see closing.py.
         """
         with self._state.preserved():
             pivot = self._mean_color if self._precision == "half" else _NO_PIVOT
             target = self._accumulate(
                 _fitted(camera, framebuffer), self._precision, pivot=pivot, within=within, shown=shown
             )
-            self._resolve(target, framebuffer, background, lines or background, pivot)
+            if closing:
+                self._average_rows(target, closing)
+            self._resolve(target, framebuffer, background, lines or background, pivot, closing)
 
     def read_color(
         self,
@@ -223,9 +232,9 @@ class SplatView:
             target.release()
         if self._storage is not None:
             self._storage.release()
-        self._screen.release()
-        for program in (self._program, self._resolve_program):
-            program.release()
+        programs = self._program, self._resolve_program, self._rows_program
+        for item in (self._screen, self._rows_screen, *programs):
+            item.release()
 
     def _accumulate(
         self,
@@ -297,8 +306,24 @@ class SplatView:
         self._program["slopes"] = (*least, *greatest)
         self._program["size"] = (camera.width, camera.height)
 
+    def _average_rows(self, target: _Target, closing: int) -> None:
+        """Leave the means along rows in texture 1."""
+        rows = self._target(target.texture.size, self._precision, "rows")
+        rows.framebuffer.use()
+        self._ctx.enable_only(moderngl.NOTHING)
+        self._rows_program["closing"] = closing
+        target.texture.use(0)
+        self._rows_screen.render(moderngl.TRIANGLES, vertices=3)
+        rows.texture.use(1)
+
     def _resolve(
-        self, target: _Target, framebuffer: moderngl.Framebuffer, background: Rgb, lines: Rgb, pivot: Rgb
+        self,
+        target: _Target,
+        framebuffer: moderngl.Framebuffer,
+        background: Rgb,
+        lines: Rgb,
+        pivot: Rgb,
+        closing: int,
     ) -> None:
         framebuffer.use()
         self._ctx.enable_only(moderngl.NOTHING)
@@ -306,16 +331,18 @@ class SplatView:
         self._resolve_program["lines"] = lines
         self._resolve_program["period"], self._resolve_program["line_width"] = PERIOD, WIDTH
         self._resolve_program["origin"] = framebuffer.viewport[:2]
+        self._resolve_program["rows"], self._resolve_program["closing"] = 1, closing
+        self._resolve_program["gone"], self._resolve_program["whole"] = GONE, WHOLE
         target.texture.use(0)
         self._screen.render(moderngl.TRIANGLES, vertices=3)
 
-    def _target(self, size: tuple[int, int], precision: Precision) -> _Target:
+    def _target(self, size: tuple[int, int], precision: Precision, stage: _Stage = "sums") -> _Target:
         """The owned target of that precision, made anew when the size changed."""
-        target = self._targets.get(precision)
+        target = self._targets.get((precision, stage))
         if target is None or target.texture.size != size:
             if target is not None:
                 target.release()
-            target = self._targets[precision] = _Target(self._ctx, size, precision)
+            target = self._targets[precision, stage] = _Target(self._ctx, size, precision)
         return target
 
 

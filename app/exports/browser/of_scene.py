@@ -37,7 +37,7 @@ def browser_model(
         moves=camera in scene.cameras and any(one != camera for one in scene.cameras),
         near=scene.near,
         unobserved=unobserved,
-        ends="field",
+        ends="even",
         tolerance=tolerance,
         rounding=ROUNDING * tolerance,
         clip_frames=frames,

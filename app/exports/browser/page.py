@@ -50,6 +50,7 @@ def browser_page(
     cameras: Sequence[Camera] = (),
     within: InView | None = None,
     shown: BoolArray | None = None,
+    closing: float | None = None,
 ) -> bytes:
     """The HTML of a record; the same bytes for the same model and record.
 
@@ -59,6 +60,7 @@ def browser_page(
         cameras: of each frame; with them the page's camera goes where the record says so.
         within: beyond the sides of which nothing is drawn.
         shown: (N,) Gaussians of the one window that are drawn from elsewhere, too; None: all.
+        closing: pixels of the record's camera over which gaps are closed in views from elsewhere; None: not.
 
     Raises:
         UserError: more than a browser can open.
@@ -71,7 +73,7 @@ def browser_page(
         "antialiased": mode == "mip",
         "frames": record.clip_frames,
         "seconds": record.seconds,
-        **_optional(record, cameras, within, shown),
+        **_optional(record, cameras, within, shown, closing),
     }
     content = base64.b64encode(gzip.compress(b"".join(parts_of_content), LEVEL, mtime=0)).decode()
     if len(content) > LONGEST:
@@ -93,7 +95,11 @@ def browser_page(
 
 
 def _optional(
-    record: BrowserModel, cameras: Sequence[Camera], within: InView | None, shown: BoolArray | None
+    record: BrowserModel,
+    cameras: Sequence[Camera],
+    within: InView | None,
+    shown: BoolArray | None,
+    closing: float | None,
 ) -> dict[str, Any]:
     """What the page is told of some models and not of others; arguments as of `browser_page`."""
     told: dict[str, Any] = {}
@@ -103,7 +109,9 @@ def _optional(
         told["start"] = record.start
     if shown is not None:
         told["hidden"] = np.flatnonzero(~shown).tolist()
-    if shown is not None or field:
+    if closing is not None:
+        told["closing"] = closing
+    if shown is not None or field or closing is not None:
         told["free"] = not (record.moves or all(map(record.camera.has_pose_of, cameras)))
     if sides:
         told["sides"] = sides[:IMAGE_SIDES]

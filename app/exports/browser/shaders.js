@@ -92,9 +92,31 @@ void main() {
 const WHOLE = `#version 300 es
 void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }`;
 
-const RESOLVE = `#version 300 es
-precision highp float; uniform sampler2D drawn; uniform float ground; out vec4 shown;
+// Of each pixel, the mean over those of its row that are at most `closing` away.
+const ROWS = `#version 300 es
+precision highp float; uniform sampler2D drawn; uniform int closing; out vec4 mean;
 void main() {
-  vec4 seen = texelFetch(drawn, ivec2(gl_FragCoord.xy), 0);
+  ivec2 place = ivec2(gl_FragCoord.xy);
+  int first = max(place.x - closing, 0), last = min(place.x + closing, textureSize(drawn, 0).x - 1);
+  mean = vec4(0.0);
+  for (int x = first; x <= last; x++) mean += texelFetch(drawn, ivec2(x, place.y), 0);
+  mean /= float(last - first + 1);
+}`;
+
+const RESOLVE = `#version 300 es
+precision highp float; uniform sampler2D drawn, rows; uniform int closing; uniform float ground; out vec4 shown;
+// With small gaps closed: tissue is opaque, and what shows through it has the colour of the tissue around.
+vec4 closed(vec4 seen, ivec2 place) {
+  int first = max(place.y - closing, 0), last = min(place.y + closing, textureSize(rows, 0).y - 1);
+  vec4 mean = vec4(0.0);
+  for (int y = first; y <= last; y++) mean += texelFetch(rows, ivec2(place.x, y), 0);
+  mean /= float(last - first + 1);
+  if (mean.a <= 0.3) return vec4(0.0);
+  return smoothstep(0.3, 0.7, mean.a) * vec4(seen.rgb + (1.0 - seen.a) * mean.rgb / mean.a, 1.0);
+}
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy);
+  vec4 seen = texelFetch(drawn, place, 0);
+  if (closing > 0) seen = closed(seen, place);
   shown = vec4(clamp(seen.rgb + (1.0 - seen.a) * ground, 0.0, 1.0), 1.0);
 }`;

@@ -129,6 +129,7 @@ class Viewer {
     if (!gl) fail("This browser does not offer WebGL2, which the 3D view needs.");
     for (const one of windows) one.means = numbers(one.tracks[0], buffer);
     this.draws = program(gl, VERTEX, FRAGMENT);
+    this.averages = program(gl, WHOLE, ROWS);
     this.resolves = program(gl, WHOLE, RESOLVE);
     this.places = new Map();
     gl.useProgram(this.draws);
@@ -252,7 +253,7 @@ class Viewer {
     if (field.length) gl.uniform4fv(at("field"), local(field));
     gl.uniformMatrix3fv(at("turn"), true, turn);
     gl.uniform3fv(at("shift"), shift);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target.framebuffer);
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT);
@@ -260,25 +261,46 @@ class Viewer {
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
     gl.disable(gl.BLEND);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.useProgram(this.resolves);
-    gl.uniform1i(gl.getUniformLocation(this.resolves, "drawn"), 7);
-    gl.uniform1f(gl.getUniformLocation(this.resolves, "ground"), GROUND);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    this.resolve(this.isFree && scene.closing ? Math.max(1, Math.round(scene.closing * zoom)) : 0);
+  }
+
+  // What is drawn onto the ground, with gaps closed over so many pixels to each side.
+  resolve(closing) {
+    const gl = this.gl;
+    const last = [this.resolves, null], passes = closing ? [[this.averages, this.means.framebuffer], last] : [last];
+    for (const [code, target] of passes) {
+      const at = (name) => gl.getUniformLocation(code, name);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+      gl.useProgram(code);
+      gl.uniform1i(at("drawn"), 7);
+      gl.uniform1i(at("rows"), 8);
+      gl.uniform1i(at("closing"), closing);
+      gl.uniform1f(at("ground"), GROUND);
+      gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
   }
 
   resize(width, height) {
     const gl = this.gl;
     [canvas.width, canvas.height] = [width, height];
-    if (this.image) gl.deleteTexture(this.image);
-    this.image = gl.createTexture();
-    gl.activeTexture(gl.TEXTURE7);
-    gl.bindTexture(gl.TEXTURE_2D, this.image);
+    this.target = this.newTarget(this.target, 7, width, height);
+    this.means = this.newTarget(this.means, 8, width, height);
+  }
+
+  // A framebuffer in place of the last one, with its image in that texture unit.
+  newTarget(last, unit, width, height) {
+    const gl = this.gl, target = { framebuffer: gl.createFramebuffer(), image: gl.createTexture() };
+    if (last) {
+      gl.deleteFramebuffer(last.framebuffer);
+      gl.deleteTexture(last.image);
+    }
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, target.image);
     gl.texStorage2D(gl.TEXTURE_2D, 1, this.deep, width, height);
     for (const name of ["MIN", "MAG"]) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}_FILTER`], gl.NEAREST);
-    this.target = this.target || gl.createFramebuffer();
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
-    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.image, 0);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target.framebuffer);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target.image, 0);
+    return target;
   }
 
   // About the pivot, by angles about the camera's own axes.

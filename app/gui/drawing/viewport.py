@@ -16,6 +16,7 @@ from app.gui.state.scene import Viewed
 from app.scenes.view_kinds import SHAPES, Composed, Scale, ViewKind, splats_for
 from app.scenes.view_request import ViewRequest
 from renderer.camera import BoolArray
+from renderer.closing import closed
 from renderer.deformation.motion import Still
 from renderer.draw.keyframes import Keyframes
 from renderer.draw.offscreen import read_layers
@@ -123,7 +124,7 @@ class GraphicsViewport:
                 shown=shown,
                 with_depth=with_depth,
             )
-            self._composed = request.composed(drawn)
+            self._composed = request.composed(closed(drawn, request.closing))
         else:
             self._composed = None
             if self._target is None or self._target.size != size:
@@ -139,6 +140,7 @@ class GraphicsViewport:
                 lines=lines,
                 within=request.within,
                 shown=shown,
+                closing=request.closing,
             )
         if (error := self._ctx.error) != "GL_NO_ERROR":
             raise moderngl.Error(error)

@@ -9,6 +9,7 @@ from typing import Final, get_args
 from renderer.measuring.stability import (
     blending,
     bumps,
+    closing,
     cutting,
     harmonics,
     learning,
@@ -34,6 +35,7 @@ PARTS: Final[dict[str, Callable[[], Iterator[Row]]]] = {
     "broken splat": blending.poisoned,
     "cut splats": cutting.rows,
     "shown": cutting.shown,
+    "closed gaps": closing.rows,
     "harmonics": harmonics.rows,
     "splines": motion.splines,
     "nodes": motion.nodes,

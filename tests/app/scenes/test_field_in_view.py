@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import cv2
 import numpy as np
@@ -19,7 +20,7 @@ from app.files.stepping import run_to_end
 from app.runs.clip_selection import ClipPart
 from app.scenes.cpu_rendering import draw_on_cpu
 from app.scenes.free_camera import FreeView
-from app.scenes.records import ViewRecord
+from app.scenes.records import Ends, ViewRecord
 from app.scenes.scene import Scene, open_scene
 from app.scenes.view_request import ViewRequest, view_record
 from enhance.field import FieldOfView
@@ -58,9 +59,10 @@ def test_nothing_is_drawn_beyond_the_field(scene: Scene) -> None:
 def test_the_endoscopes_own_view_stays_as_it_is_to_the_bit(scene: Scene) -> None:
     own = ViewRequest.of_frame(scene, 2)
     for camera in (own.camera, own.camera.fitted(200, 50)):
-        views = [replace(own, camera=camera, ends=ends) for ends in ("image", "field")]
-        one, other = (view.drawn(draw_on_cpu) for view in views)
-        assert np.array_equal(one.image, other.image)
+        views = [replace(own, camera=camera, ends=ends) for ends in get_args(Ends)]
+        one, *others = (view.drawn(draw_on_cpu) for view in views)
+        assert len(others) == 2
+        assert all(np.array_equal(one.image, other.image) for other in others)
 
 
 def test_a_field_that_a_hand_has_drawn_counts_too(scene: Scene) -> None:
@@ -86,7 +88,7 @@ def test_a_field_of_another_size_is_none(scene: Scene) -> None:
 def test_what_0_7_0_drew_comes_again(scene: Scene) -> None:
     """Its records do not say where tissue ends."""
     facts = view_record(aside_of(scene), "numba on the CPU").signed
-    assert facts.pop("ends") == "field"
+    assert facts.pop("ends") == "even"
     adapter = TypeAdapter(ViewRecord)
     assert adapter.validate_python(facts).ends == "image"
     assert replace(aside_of(scene), ends="image").within is scene.camera_at_rest
@@ -94,12 +96,13 @@ def test_what_0_7_0_drew_comes_again(scene: Scene) -> None:
 
 def test_the_page_has_the_field_where_the_record_says_so(scene: Scene, tmp_path: Path) -> None:
     record, told = browser_model(scene, scene.cameras[0], 25.0), {}
-    assert record.ends == "field"
-    for name, one in (("field", record), ("image", replace(record, ends="image"))):
+    assert record.ends == "even"
+    for name, one in ((ends, replace(record, ends=ends)) for ends in get_args(Ends)):
         run_to_end(make(one, Opened(model=scene), tmp_path / f"{name}.html"))
         _, told[name], _ = read_page((tmp_path / f"{name}.html").read_text())
     assert scene.field_in_view is not None
     sides = scene.field_in_view.sides
+    assert np.allclose(told["even"]["field"], sides[4:])
     assert np.allclose(told["field"]["field"], sides[4:])
     assert np.allclose(told["field"]["sides"], sides[:4])
     assert told["field"]["free"] is False

@@ -19,7 +19,15 @@ from renderer.measuring.stability import blending, exact, runs
 from renderer.measuring.stability.row import Row
 from renderer.measuring.stability.scenes import SCENES
 from renderer.splats import Float32Array, Splats
-from tests.benchmarks.stability_faults import cutting, drawing, enhancement, equations, learning, motion
+from tests.benchmarks.stability_faults import (
+    closing,
+    cutting,
+    drawing,
+    enhancement,
+    equations,
+    learning,
+    motion,
+)
 from tests.benchmarks.stability_faults import runs as whole_runs
 from tests.benchmarks.stability_faults.faults import Fault
 from tests.enhance.pictures import vessels
@@ -30,6 +38,7 @@ Key = tuple[str, str]
 FAULTS: tuple[Fault, ...] = (
     *drawing.FAULTS,
     *cutting.FAULTS,
+    *closing.FAULTS,
     *motion.FAULTS,
     *learning.FAULTS,
     *whole_runs.FAULTS,
