@@ -2,14 +2,15 @@
 
 What is seen is the same whether the camera moves by a time course or all tissue does, against it. A motion
 that is much faster than the camera, as breathing is, is the tissue's: the camera's path is smooth without it.
-Of a slower one, such as a pull, the camera has the part that leaves the most tissue at rest, and little
-moved against the pull: where that part is too large, tissue that was dragged along seems to go the other way.
+Of a slower one, such as a pull, the camera has the part that leaves the most tissue at rest and the rest
+pulled one way. Across that way, tissue that is dragged along tells as well where the camera is. Along it, a
+part that is too large shows: tissue seems to go the other way.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Final
 
 import cv2
@@ -24,8 +25,9 @@ from renderer.poses.rigid_motion import inverse, motion_slopes
 _FASTER: Final = 2.0
 """Times as fast as the camera's path: of phantoms that breathe 6 times in its round 6, of their pulls 1."""
 _RESTING: Final = 0.04
-"""Share of the tissue that tells what rests at last: less agrees by chance. Of two phantoms that are pulled,
-0.08 leaves 0.44 and 0.52 % of the path as error, 0.04 leaves 0.38 and 0.37 %, 0.02 leaves 0.41 and 0.36 %."""
+"""Share of the tissue that tells what rests at last: less agrees by chance. Of two phantoms of 600 frames
+that are pulled, depth off by 0.3 px, 0.08 leaves 0.76 and 0.69 % of the path as error before all is fitted
+again, 0.04 leaves 0.61 and 0.59 %, 0.02 leaves 0.60 and 0.50 %."""
 _NARROWED: Final = 0.8
 """Times the scale, each (graduated non-convexity; Blake and Zisserman, "Visual Reconstruction", 1987)."""
 _AROUND: Final = 8
@@ -33,11 +35,14 @@ _AROUND: Final = 8
 _LARGEST: Final = 4.0
 """Times the mean area."""
 _AGAINST: Final = 0.1
-"""Of a point at rest, how much one counts at least that moves against the others."""
+"""Of a point at rest, how much one counts at least that moves against the others. Of those phantoms 0 leaves
+0.90 and 1.16 %."""
 _BEYOND: Final = 0.5
-"""Times the noise, by which it must. Of phantoms of 600 frames, where depth is off by 0.3 px, all this leaves
-0.34 % of the path for 0.68 (pulled) and 0.41 for 0.58 (breathing, too); where it is exact, 0.42 and 0.40 for
-0.36 and 0.39. Of 60 frames, with such depth, it leaves 1.12 and 1.36 for 0.76 and 1.17."""
+"""Times the noise, by which it must."""
+_ASIDE: Final = 2.0
+"""Times as far as tissue goes aside in the mean for how far it goes along: as far one may. Of those phantoms
+1 leaves 0.56 and 0.58 %, 4 leaves 0.66 and 0.64 %. Of made-up tissue that bulges aside, 1 leaves 0.41 %, 2
+leaves 0.16 %, 4 leaves 0.11 %."""
 _STRAY: Final = 3.0
 """Times the noise: a point that differs by that from those around it counts a quarter then."""
 _TO_DEVIATION: Final = 1.4826
@@ -118,7 +123,7 @@ def _smoothed_path(now: Deforming, fast: Sequence[int]) -> Deforming:
 def rigid_part(now: Deforming) -> FloatArray:
     """(P, K, 3) of the shifts, what is nearest to a turn and a shift of all points."""
     turns = motion_slopes(now.rest - now.rest.mean(axis=0))
-    even = np.ones(len(now.rest))
+    even = np.broadcast_to(np.eye(3), (len(now.rest), 3, 3))
     parts = [-turns @ _weighted(turns, shifts, even) for shifts in now.shifts.swapaxes(0, 1)]
     return np.stack(parts, axis=1)
 
@@ -132,47 +137,77 @@ def _areas(places: FloatArray) -> FloatArray:
 
 
 def _resting(turns: FloatArray, shifts: FloatArray, areas: FloatArray, near: IntArray) -> FloatArray:
-    """(6,) the rigid motion that, on top of shifts (P, 3), leaves the most tissue where it is, and little
-    moved against the others; `turns`: how it moves each point (P, 3, 6); `near` (P, N): points around each.
+    """(6,) the rigid motion that, on top of shifts (P, 3), leaves the most tissue where it is, and the rest
+    moved one way; `turns`: how it moves each point (P, 3, 6); `near` (P, N): points around each.
 
-    What a point does not share with those around it is noise, of which depth may have more than places.
+    From all points on, ever less motion counts as rest. What a point does not share with those around it is
+    noise, of which depth may have more than places.
     """
     noise = np.median(np.abs(shifts - _beside(shifts, near)), axis=0) + _SMALLEST
     exact = noise.min() / noise
     shifts, turns = shifts * exact, turns * exact[:, None]
-    first = _least_moving(turns, shifts, areas, lambda _: np.zeros(len(shifts)))
-    left = shifts + turns @ first
-    beside = _beside(left, near)
-    apart = np.linalg.norm(left - beside, axis=1)
-    spread = max(_TO_DEVIATION * float(np.median(apart)), _SMALLEST)
-    counted = _AGAINST * trust((apart * OUTLYING / (_STRAY * spread)) ** 2)
-    way = (areas * np.linalg.norm(left, axis=1)) @ left
-    way /= max(float(np.linalg.norm(way)), 1e-12)
-
-    def against(found: FloatArray) -> FloatArray:
-        return np.where((beside + turns @ (found - first)) @ way < -_BEYOND * spread, counted, 0.0)
-
-    return _least_moving(turns, shifts, areas, against)
-
-
-def _least_moving(
-    turns: FloatArray, shifts: FloatArray, areas: FloatArray, least: Callable[[FloatArray], FloatArray]
-) -> FloatArray:
-    """As _resting: from all points on, ever less motion counts as rest; a point counts at `least` so
-    much (P,), by the motion that is found."""
-    found = kept = _weighted(turns, shifts, areas)
-    scale = 2 * float(np.linalg.norm(shifts + turns @ found, axis=1).max())
+    first = _weighted(turns, shifts, areas[:, None, None] * np.eye(3))
+    field = _field(shifts + turns @ first, areas, near)
+    found = kept = np.zeros(6)
+    scale = 2 * float(np.linalg.norm(field.left, axis=1).max())
     while scale > _SMALLEST:
         for _ in range(_ROUNDS):
             before = found
-            counts = np.maximum(_rests(shifts + turns @ found, scale), least(found))
-            found = _weighted(turns, shifts, areas * counts)
+            found = _weighted(turns, field.left, field.moved(turns @ found).counts(scale))
             if np.abs(found - before).max() < 1e-4 * scale:
                 break
-        if areas @ _rests(shifts + turns @ found, scale) < _RESTING * areas.sum():
+        if areas @ _small(field.moved(turns @ found).beside, scale) < _RESTING * areas.sum():
             break
         kept, scale = found, scale * _NARROWED
-    return kept
+    return first + kept
+
+
+@dataclass(frozen=True, eq=False)
+class _Field:
+    """How far points moved."""
+
+    left: FloatArray
+    """(P, 3)."""
+    beside: FloatArray
+    """(P, 3), those around each."""
+    areas: FloatArray
+    """(P,) of the tissue."""
+    alike: FloatArray
+    """(P,) in [0, 1], whether a point moves as those around it do."""
+    noise: float
+    """Standard deviation of a point from those."""
+
+    def moved(self, further: FloatArray) -> _Field:
+        """By (P, 3)."""
+        return replace(self, left=self.left + further, beside=self.beside + further)
+
+    def counts(self, scale: float) -> FloatArray:
+        """(P, 3, 3) how much each point counts, by directions: in all where those around it are at rest, as
+        motions of `scale` are, or go against the others; elsewhere across the way that most go, the less the
+        farther they go."""
+        way = self._way()
+        across = np.eye(3) - np.outer(way, way)
+        aside, along = ((self.beside @ across) ** 2).sum(axis=1), (self.beside @ way) ** 2
+        against = np.where(self.beside @ way < -_BEYOND * self.noise, _AGAINST, 0.0)
+        rests = self.alike * np.maximum(_small(self.beside, scale), against)
+        moved = self.areas * (self.alike - rests)
+        stray = _ASIDE**2 * (moved @ aside) / max(float(moved @ along), 1e-12)
+        one_way = moved * scale**2 / (scale**2 + stray * along)
+        in_all = (self.areas * rests)[:, None, None] * np.eye(3)
+        return np.asarray(in_all + one_way[:, None, None] * across)
+
+    def _way(self) -> FloatArray:
+        """(3,) of length 1, the way that most goes."""
+        much = (self.areas * self.alike * np.linalg.norm(self.left, axis=1))[:, None] * self.left
+        way = np.linalg.eigh(self.left.T @ much)[1][:, -1]
+        return np.asarray(way if much.sum(axis=0) @ way > 0 else -way)
+
+
+def _field(left: FloatArray, areas: FloatArray, near: IntArray) -> _Field:
+    beside = _beside(left, near)
+    apart = np.linalg.norm(left - beside, axis=1)
+    noise = max(_TO_DEVIATION * float(np.median(apart)), _SMALLEST)
+    return _Field(left, beside, areas, _small(apart, _STRAY * noise), noise)
 
 
 def _beside(shifts: FloatArray, near: IntArray) -> FloatArray:
@@ -180,15 +215,17 @@ def _beside(shifts: FloatArray, near: IntArray) -> FloatArray:
     return np.asarray(np.median(shifts[near], axis=1))
 
 
-def _rests(shifts: FloatArray, scale: float) -> FloatArray:
-    """(P,) in [0, 1]."""
-    squared: FloatArray = (shifts**2).sum(axis=1)
+def _small(sizes: FloatArray, scale: float) -> FloatArray:
+    """(P,) in [0, 1], of lengths (P,) or vectors (P, 3)."""
+    squared = sizes**2 if sizes.ndim == 1 else (sizes**2).sum(axis=1)
     return trust(squared * (OUTLYING / scale) ** 2)
 
 
-def _weighted(turns: FloatArray, shifts: FloatArray, weights: FloatArray) -> FloatArray:
-    normal = np.einsum("p,pij,pik->jk", weights, turns, turns) + 1e-12 * np.eye(6)
-    return np.asarray(-np.linalg.solve(normal, np.einsum("p,pij,pi->j", weights, turns, shifts)))
+def _weighted(turns: FloatArray, shifts: FloatArray, counts: FloatArray) -> FloatArray:
+    """(6,) the rigid motion against shifts (P, 3) of points that count so much, by directions (P, 3, 3)."""
+    by_turns = turns.swapaxes(1, 2) @ counts
+    normal = (by_turns @ turns).sum(axis=0) + 1e-12 * np.eye(6)
+    return np.asarray(-np.linalg.solve(normal, np.einsum("pij,pj->i", by_turns, shifts)))
 
 
 def _shared(now: Deforming, rigid: FloatArray) -> Deforming:

@@ -11,7 +11,7 @@ from renderer.camera import Camera
 from renderer.poses.alike import left_by_neighbours
 from renderer.poses.deforming import Deforming, fitted
 from renderer.poses.rigid_motion import Seen, local, moved, projected
-from renderer.poses.rigid_share import divided
+from renderer.poses.rigid_share import _Field, _shared, _weighted, divided
 from renderer.poses.tissue_motion import places_of, poses_by_motion
 from renderer.poses.views import View
 from tests.benchmarks.camera_poses import errors
@@ -144,6 +144,55 @@ def test_tissue_at_rest_at_one_side_is_not_pushed_against_a_pull():
     noise = 2e-4 * np.random.default_rng(1).standard_normal(before.shifts.shape)
     pulled = np.stack([bump[:, None] * (0.08, 0.03, -0.1), np.zeros_like(before.rest)], axis=1) + noise
     assert off(divided(replace(before, shifts=pulled)).poses)[0] < 0.5
+
+
+@pytest.mark.parametrize("bulging", [0.0, 1.0], ids=["one way", "that bulges"])
+def test_tissue_that_is_pulled_tells_the_camera_though_little_of_it_rests(bulging):
+    before = pulled(bulging)
+    path = divided(before).poses
+    assert off(path)[0] < 0.4
+    elsewhere = np.array([[0.02, -0.03, 0.01, 0.02, 0.01, -0.03], np.zeros(6)])
+    again = divided(_shared(before, elsewhere)).poses
+    assert off(again)[0] < off(path)[0] + 0.1
+
+
+def pulled(bulging):
+    """By a large tool if tissue goes one way; aside as well, as by a smaller one, where it is `bulging`."""
+    before = made_up(0.0)
+    from_pull = before.rest - before.rest[np.argmin(np.linalg.norm(before.rest[:, :2] + (0.2, 0.0), axis=1))]
+    size = 0.22 if bulging else 0.3
+    bump = np.exp(-(from_pull[:, :2] ** 2).sum(axis=1) / (2 * size**2))
+    force = np.array([0.08, 0.03, -0.1])
+    aside = bulging * (from_pull @ force)[:, None] * from_pull / size**2
+    noise = 2e-4 * np.random.default_rng(1).standard_normal(before.shifts.shape)
+    shifts = np.stack([bump[:, None] * (force + aside), np.zeros_like(before.rest)], axis=1) + noise
+    return replace(before, shifts=shifts)
+
+
+def test_points_count_by_what_they_do_along_and_across_the_way_that_most_go():
+    rng = np.random.default_rng(2)
+    way = np.array([0.6, 0.0, -0.8])
+    left = np.outer(np.r_[np.zeros(20), rng.uniform(1, 3, 60)], way) + 1e-3 * rng.standard_normal((80, 3))
+    counts = _Field(left, left, np.ones(80), np.ones(80), 1e-3).counts(0.1)
+    along, in_all = np.einsum("pij,i,j->p", counts, way, way), np.trace(counts, axis1=1, axis2=2)
+    assert np.linalg.eigvalsh(counts).min() > -1e-9
+    np.testing.assert_allclose(along[:20], 1, atol=0.01)
+    np.testing.assert_allclose(in_all[:20], 3, atol=0.01)
+    np.testing.assert_allclose(along[20:], 0, atol=0.01)
+    np.testing.assert_allclose(in_all[20:], 2, atol=0.05)
+
+
+def test_the_rigid_motion_is_the_one_by_which_each_direction_counts_as_told():
+    rng = np.random.default_rng(4)
+    turns, shifts, half = (
+        rng.standard_normal((30, 3, 6)),
+        rng.standard_normal((30, 3)),
+        rng.random((30, 3, 3)),
+    )
+    rows = np.concatenate([each @ turn for each, turn in zip(half, turns, strict=True)])
+    values = np.concatenate([each @ shift for each, shift in zip(half, shifts, strict=True)])
+    literal = -np.linalg.lstsq(rows, values, rcond=None)[0]
+    np.testing.assert_allclose(_weighted(turns, shifts, half.swapaxes(1, 2) @ half), literal, atol=1e-8)
 
 
 def test_fitted_finds_points_and_frames_again():
