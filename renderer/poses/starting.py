@@ -15,7 +15,7 @@ from renderer.poses.growing import Growing
 from renderer.poses.parts import Lost
 from renderer.poses.rigid_motion import zoomed
 from renderer.poses.tracks import FEWEST_TRACKS, Tracked
-from renderer.poses.two_views import WIDER, parallax, second_poses
+from renderer.poses.two_views import WIDER, parallax, parallax_beside_zoom, second_poses
 
 LEAST_PARALLAX: Final = 0.003
 """Of the width: what is left of the motion in the image after the best turn. Less tells no distances."""
@@ -60,6 +60,8 @@ def started(lens: Camera, tracked: Tracked, focal: FocalGuess | None) -> Growing
     if not telling or (focal is not None and _only_turns(lens, telling)):
         raise Lost("the camera only turns, and does not move from its place")
     telling.sort(key=lambda pair: -pair.merit(lens.width))
+    if all(_only_zooms(lens, pair, focal is None) for pair in telling):
+        raise Lost("the camera only turns or zooms, and does not move from its place")
     for pair in telling[:_TRIED]:
         tried = [each for pose in second_poses(lens, pair.one, pair.other)
                  for each in _tried(lens, tracked, focal, pair, pose)]  # fmt: skip
@@ -73,6 +75,10 @@ def _only_turns(lens: Camera, pairs: Sequence[_Pair]) -> bool:
     least = LEAST_PARALLAX * lens.width
     lenses = (zoomed(lens, step) for step in WIDER)
     return any(all(parallax(wide, pair.one, pair.other, True) <= least for pair in pairs) for wide in lenses)
+
+
+def _only_zooms(lens: Camera, pair: _Pair, focal_is_known: bool) -> bool:
+    return parallax_beside_zoom(lens, pair.one, pair.other, focal_is_known) <= LEAST_PARALLAX * lens.width
 
 
 def _pairs(lens: Camera, tracked: Tracked, focal_is_known: bool) -> Iterator[_Pair]:

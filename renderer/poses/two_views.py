@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Final
 
 import cv2
@@ -9,7 +10,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray
 from renderer.poses.resection import trust
-from renderer.poses.rigid_motion import zoomed
+from renderer.poses.rigid_motion import projected, zoomed
 
 CERTAIN_PX: Final = 1.0
 """px, from which on a point contradicts a geometry."""
@@ -18,7 +19,7 @@ _FOCALS = (-0.5, -0.25, 0.0, 0.25, 0.5)
 WIDER: Final = tuple(-0.0625 * step for step in range(7, 19))
 """Those of lenses that are wider by far than the guess, as of endoscopes. What a shift does to a flat wall
 looks like a turn through narrow ones, which are therefore not looked at."""
-_ROUNDS = 6
+_ROUNDS, _ZOOM_ROUNDS = 6, 12
 
 
 def parallax(lens: Camera, one: FloatArray, other: FloatArray, focal_is_known: bool) -> float:
@@ -26,6 +27,13 @@ def parallax(lens: Camera, one: FloatArray, other: FloatArray, focal_is_known: b
     the first: 0 when the camera only turns, small when it hardly moves from its place."""
     steps = (0.0,) if focal_is_known else _FOCALS
     return min(_after_turn(zoomed(lens, step), one, other) for step in steps)
+
+
+def parallax_beside_zoom(lens: Camera, one: FloatArray, other: FloatArray, focal_is_known: bool) -> float:
+    """As `parallax`, where the second view may have a longer or shorter focal length: also small when the
+    camera moves straight towards a flat wall, which looks the same."""
+    steps = (0.0,) if focal_is_known else _FOCALS
+    return min(_after_turn(zoomed(lens, step), one, other, zooms=True) for step in steps)
 
 
 def second_poses(lens: Camera, one: FloatArray, other: FloatArray) -> list[FloatArray]:
@@ -83,13 +91,24 @@ def rays(lens: Camera, places: FloatArray) -> FloatArray:
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
-def _after_turn(lens: Camera, one: FloatArray, other: FloatArray) -> float:
-    """The turn is that of most points: weights follow what is left over."""
-    here, there = rays(lens, one), rays(lens, other)
+def _after_turn(lens: Camera, one: FloatArray, other: FloatArray, *, zooms: bool = False) -> float:
+    """The turn, and the zoom, is that of most points: weights follow what is left over."""
+    here, second = rays(lens, one), lens
     weights, left = np.ones(len(one)), np.zeros(len(one))
-    for _ in range(_ROUNDS):
+    for _ in range(_ZOOM_ROUNDS if zooms else _ROUNDS):
+        there = rays(second, other)
         u, _, vt = np.linalg.svd(there.T @ (weights[:, None] * here))
         turn = u @ np.diag([1, 1, np.sign(np.linalg.det(u @ vt))]) @ vt
-        left = lens.fx * np.linalg.norm(here @ turn.T - there, axis=1)
+        left = second.fx * np.linalg.norm(here @ turn.T - there, axis=1)
         weights = trust((left / max(float(np.median(left)), 1e-9)) ** 2)
+        if zooms:
+            second = zoomed(second, _growth(second, here @ turn.T, other, weights))
     return float(np.median(left))
+
+
+def _growth(lens: Camera, turned: FloatArray, other: FloatArray, weights: FloatArray) -> float:
+    """Logarithm of how much larger than expected the second view shows what lies along rays (N, 3)."""
+    middle = np.array([lens.cx, lens.cy])
+    expected, seen = projected(lens, turned)[:, :2] - middle, other - middle
+    across = weights @ (expected * seen).sum(axis=1) / max(weights @ (expected**2).sum(axis=1), 1e-9)
+    return math.log(min(max(across, 0.5), 2.0))

@@ -280,6 +280,24 @@ def test_a_camera_that_keeps_its_place_tells_no_distances(step, why):
             solved(LENS, [followed(poses)], focal)
 
 
+@pytest.mark.parametrize("turning", [0, 1], ids=["still", "turning"])
+def test_a_lens_that_zooms_is_no_path(turning):
+    def sight(frame):
+        pose = moved(np.eye(4), frame / 15 * STEP * [1, 1, 1, 0, 0, 0] * turning)
+        return Sight(frame, np.arange(COUNT), places_of(pose, points(), zoomed(LENS, 0.4 * frame / 15)))
+
+    seen = Tracked(tuple(sight(frame) for frame in range(15)), tuple(range(0, 15, 3)), COUNT)
+    for focal in (None, FocalGuess(LENS.fx, FOCAL_SPREAD)):
+        with pytest.raises(Lost, match="only turns or zooms"):
+            solved(LENS, [seen], focal)
+
+
+def test_a_camera_that_moves_straight_ahead_is_told_from_a_zoom_by_the_relief():
+    ahead = [moved(np.eye(4), share * np.r_[0, 0, 0, 0, 0, -0.25]) for share in np.linspace(0, 1, 15)]
+    done = solved(LENS, [followed(ahead)], None).done
+    np.testing.assert_allclose(shape_of([view.pose for view in done.views]), shape_of(ahead), atol=1e-6)
+
+
 def test_too_few_frames_are_said():
     with pytest.raises(Lost, match="fewer than 8 frames"):
         solved(LENS, [followed(path(7))], None)
