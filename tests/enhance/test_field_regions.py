@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
+from enhance.field_copy import small_copy
 from enhance.field_outline import SQUARE
 from enhance.field_regions import Levels, Numbers, dark_beside_border, lit_parts
-from enhance.field_search import _small
 
 
 def cloudy(rng: np.random.Generator) -> Levels:
@@ -55,7 +55,7 @@ def test_the_small_copy_is_that_of_opencv(factor: int, colors: tuple[int, ...]) 
     rng = np.random.default_rng(factor)
     for height, width in ((20 * factor, 31 * factor), (20 * factor + factor // 2, 31 * factor)):
         image = rng.integers(0, 256, (height, width, *colors), dtype=np.uint8)
-        small, values = _small(image, factor)
+        small, values = small_copy(image, factor)
         expected = cv2.resize(image, (31, 20), interpolation=cv2.INTER_LINEAR)
         assert np.array_equal(small, expected)
         assert np.array_equal(values, expected.max(axis=2) if colors else expected)
