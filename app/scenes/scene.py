@@ -187,12 +187,10 @@ class Scene:
         """Raises UserError: its Gaussians are others at other times."""
         if not self.split_by_time:
             return
-        said = f"expected one model that moves, got {self.split_by_time}"
-        motion = self.model.motion
-        one = (
-            f" (--window 1 to {len(motion)} takes one of them)" if isinstance(motion, WindowedMotion) else ""
-        )
-        raise UserError(f"{said}{one}: {self.name}")
+        said, motion = f"expected one model that moves, got {self.split_by_time}", self.model.motion
+        if isinstance(motion, WindowedMotion):
+            said += f" (--window 1 to {len(motion)} takes one of them)"
+        raise UserError(f"{said}: {self.name}")
 
     def time(self, index: int) -> float:
         """Of frame `index`, in [0, 1)."""

@@ -85,18 +85,16 @@ def test_fields_come_in_any_order_and_type_among_others(tmp_path: Path, order: s
 
 
 def test_harmonics_are_all_of_red_first(tmp_path: Path) -> None:
-    raw = gaussians(2)
     rest = {f"f_rest_{place}": np.full(2, float(place)) for place in range(24)}
-    harmonics = read(tmp_path, ply(fields_of(raw) | rest)).raw.harmonics
+    harmonics = read(tmp_path, ply(fields_of(gaussians(2)) | rest)).raw.harmonics
     assert np.array_equal(harmonics[1, :, 0], np.arange(8))
     assert np.array_equal(harmonics[0, :, 2], np.arange(16, 24))
 
 
 def test_of_degree_4_three_are_read_and_it_is_said(tmp_path: Path) -> None:
-    raw = gaussians(2)
     rest = {f"f_rest_{place}": np.full(2, float(place)) for place in range(72)}
-    got = read(tmp_path, ply(fields_of(raw) | rest))
-    assert np.array_equal(got.raw.harmonics[1], np.add.outer(np.arange(15), (0, 24, 48)))
+    got = read(tmp_path, ply(fields_of(gaussians(2)) | rest))
+    assert np.array_equal(got.raw.harmonics[1], np.add.outer(range(15), (0, 24, 48)))
     assert got.notices == ("colours by direction are read to degree 3 of 4",)
 
 
