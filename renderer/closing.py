@@ -13,8 +13,8 @@ as the window is wide. Depth stays as it was measured.
 SHARE was chosen on trained models of pulling and mesentery, from 1/160, 1/128, 1/100 and 1/80, in 36 views
 of each from 10 to 25 degrees aside. Pixels of pinholes (parts below 64 px) a view: 279 without, then 71, 40,
 28 and 12; 276, then 71, 43, 29 and 17. Length of the outline by that of it closed and opened by 5 px: 1.117,
-then 1.039, 1.027, 1.018 and 1.008; 1.233, then 1.069, 1.051, 1.037 and 1.022. With 1/80, corners are visibly
-round. On clips that nothing was chosen on, without and with it: sinus 73 and 0 px, 1.062 and 1.001; wall 369
+then 1.039, 1.027, 1.018 and 1.008; 1.233, then 1.069, 1.051, 1.037 and 1.022. Wider windows round corners
+more. On clips that nothing was chosen on, without and with it: sinus 73 and 0 px, 1.062 and 1.001; wall 369
 and 27, 1.138 and 1.025.
 """
 
