@@ -9,8 +9,8 @@ from imgui_bundle import glfw_utils, hello_imgui
 from app.gui.actions import presenting, window_actions
 from app.gui.frame import dockings
 from app.gui.frame.bare import ALONE, Bare
-from app.gui.frame.below import Below
 from app.gui.frame.full_screen import FullScreen
+from app.gui.frame.shares import Shares
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 
@@ -21,7 +21,7 @@ class Screen:
     def __init__(self, add_timeline: Callable[[hello_imgui.RunnerParams], None]) -> None:
         self._add_timeline = add_timeline
         self._bare, self._full_screen, self._ends = Bare(), FullScreen(), False
-        self._below = Below()
+        self._shares = Shares()
 
     def follow(self, state: AppState, params: hello_imgui.RunnerParams) -> None:
         """Before a frame."""
@@ -34,7 +34,7 @@ class Screen:
         self._bare.follow(kept, params.docking_params.dockable_windows)
         if not presents and self._bare.has_returned:
             presenting.end(state)
-        self._below.follow()
+        self._shares.follow(params.docking_params)
         self._full_screen.follow(glfw_utils.glfw_window_hello_imgui(), state.window.full_screen)
         self._show_bars(params, shown=not presents)
         theme.show_ground_of_panels(shown=not presents)

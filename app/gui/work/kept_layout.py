@@ -28,7 +28,7 @@ FORMER: Final = (
 )
 """Panels by their titles in older versions, and now."""
 DENSITY: Final = re.compile(rb"^DpiWindowSizeFactor=(\d+(?:\.\d+)?)", re.MULTILINE)
-SIZES: Final = re.compile(rb"\b(SizeRef|WindowSize)=(\d+),(\d+)")
+SIZES: Final = re.compile(rb"\b(SizeRef|Size|WindowSize)=(\d+),(\d+)")
 """Of panels and of the window, in pixels."""
 
 

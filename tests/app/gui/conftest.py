@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from imgui_bundle import imgui
@@ -134,6 +135,13 @@ def places(tmp_path: Path) -> Places:
 @pytest.fixture
 def clip(tmp_path: Path) -> Clip:
     return make_clip(tmp_path / "clip")
+
+
+@pytest.fixture
+def still(tmp_path: Path) -> Path:
+    path = tmp_path / "still.png"
+    cv2.imwrite(str(path), np.full((96, 128, 3), (60, 80, 160), np.uint8))
+    return path
 
 
 @pytest.fixture

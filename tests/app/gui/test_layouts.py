@@ -6,9 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import cv2
 import glfw
-import numpy as np
 import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 from imgui_bundle.immapp import testing
@@ -25,13 +23,6 @@ from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import make_clip, start_live
 from tests.app.gui.test_bare import in_front, shown
 from tests.app.gui.test_window import Driver, is_settled, wait
-
-
-@pytest.fixture
-def still(tmp_path: Path) -> Path:
-    path = tmp_path / "still.png"
-    cv2.imwrite(str(path), np.full((96, 128, 3), (60, 80, 160), np.uint8))
-    return path
 
 
 def test_the_kind_is_of_what_was_opened(places: Places, model: DynamicGaussians) -> None:

@@ -126,13 +126,17 @@ def test_a_panel_stays_where_it_was_under_its_former_title(places: Places) -> No
 def test_panels_keep_their_sizes_on_a_denser_screen(places: Places, before: str, now: float) -> None:
     layout, share = places.config / kept_layout.NAME, now / float(before)
     layout.parent.mkdir(parents=True, exist_ok=True)
-    said = "[AppWindow]\nDpiWindowSizeFactor={}\nWindowSize={},{}\nDockNode SizeRef={},{} Split=Y\n"
-    layout.write_text(said.format(before, 1200, 720, 300, 360))
+    said = (
+        "[AppWindow]\nDpiWindowSizeFactor={}\nWindowSize={},{}\n"
+        "DockSpace Size={},{} Split=X\nDockNode SizeRef={},{} Split=Y\n"
+    )
+    sizes = 1200, 720, 1200, 580, 300, 360
+    layout.write_text(said.format(before, *sizes))
     kept_layout.seal(layout)
     for _ in range(2):  # Once is enough.
         kept_layout.fit(layout, now)
-        sides = (round(share * side) for side in (1200, 720, 300, 360))
-        assert layout.read_text() == said.format(f"{now:g}", *sides)
+        scaled = (round(share * size) for size in sizes)
+        assert layout.read_text() == said.format(f"{now:g}", *scaled)
         assert kept_layout.put_aside_damaged(layout) == ""
 
 
