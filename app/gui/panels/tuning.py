@@ -22,6 +22,7 @@ from app.gui.panels.overlays import make_room
 from app.gui.panels.picture_pane import draw_part, frame_text, zoom_by_wheel
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
+from app.gui.state.panes import original_tag
 from app.gui.state.tags import Tag
 from app.gui.style import theme
 from app.gui.style.fields import amount
@@ -330,7 +331,7 @@ def _draw_pair(state: AppState, textures: ShowsPictures, look: GridCell) -> None
     if not state.tuning.is_looked_at:
         tags.insert(0, Tag("UPDATING…", "caution"))
     frame, is_shown = _of_frame(state)
-    of_original = [Tag("ORIGINAL"), Tag(frame, "plain" if is_shown else "caution")]
+    of_original = [original_tag(state), Tag(frame, "plain" if is_shown else "caution")]
     _draw_half(state, textures, "original", look.original, of_original, Area.here(size))
     imgui.same_line(0, gap)
     _draw_half(state, textures, "tried", look.image, tags, Area.here(size))

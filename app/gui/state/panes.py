@@ -125,10 +125,15 @@ def pane(state: AppState, pictures: Pictures, side: Side) -> Pane:
     return Pane(image, tags, stale, state.comparing.chosen.zebra, tinted(state))
 
 
+def original_tag(state: AppState) -> Tag:
+    """Of images as they are in their file."""
+    return Tag("ENHANCED BEFORE", "caution") if state.source.is_enhanced else Tag("ORIGINAL")
+
+
 def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:
     source, original = state.comparing.chosen.source(side), pictures.original
     stale = state.pictures_are_stale
-    tag = Tag("ORIGINAL")
+    tag = original_tag(state)
     if not state.enhancement.active:
         none = ": no difference" if state.comparing.chosen.mode == "difference" else ""
         said = tag if side == "left" else Tag(f"WHITE LIGHT · enhancement off{none}", "caution")
@@ -136,13 +141,13 @@ def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage
     if source == ORIGINAL:
         return original, (tag,), stale
     if state.enhancement.peeking:
-        return original, (Tag("ORIGINAL · peek", "caution"),), stale
+        return original, (Tag(f"{tag.text} · peek", "caution"),), stale
     if source == ENHANCED:
         if pictures.enhanced is None:
             return original, (Tag("PREPARING… original shown", "caution"), *_first_use(state)), stale
         return pictures.enhanced, (Tag("ENHANCED", "enhanced"), Tag(describe(pictures))), stale
     if reason := why_not(state, source):
-        return original, (Tag("ORIGINAL · nothing else to show", "caution"), Tag(reason)), stale
+        return original, (Tag(f"{tag.text} · nothing else to show", "caution"), Tag(reason)), stale
     return _other(state, original, side)
 
 

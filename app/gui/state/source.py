@@ -37,6 +37,8 @@ class Source:
     """The panel of its pictures is to come to the front, at the start as well."""
     bare: Clip | None = None
     """`clip` with no depth but that of its own files."""
+    is_enhanced: bool = False
+    """`clip` is a file that VesselSplat enhanced before."""
     notices: tuple[str, ...] = ()
     """Of the video that is open, what it is read as; none once that has been read."""
     options: ClipOptions = DEFAULTS

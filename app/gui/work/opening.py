@@ -94,6 +94,8 @@ class Opened:
     run: OpenedRun | None = None
     bare: Clip | None = None
     """The clip with no depth but that of its own files."""
+    is_enhanced: bool = False
+    """The clip is a file that VesselSplat enhanced before."""
     splats: Scene | None = None
     """Of a file of splats."""
     notices: tuple[str, ...] = ()
@@ -183,12 +185,10 @@ def _open(request: OpenRequest) -> Opened:
         return _open_run(RunFolder(folder.resolve()), request.source, request.beside)
     if series_files(request.path):
         return _open_splats(series_scene(request.path))
-    read = _warned((_calibrated if request.calibration else _read_anyhow)(request))
+    read = (_calibrated if request.calibration else _read_anyhow)(request)
     # A folder that lists but does not decode is found out here, not in the middle of a session.
     read.bare.read_image(0)
-    return Opened(
-        read.clip, bare=read.bare, notices=read.clip.notices, options=read.options, warning=read.warning
-    )
+    return _opened(read)
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,11 +233,12 @@ def _read(path: Path, options: ClipOptions) -> _Read:
         return _Read(with_chosen_depth(bare, plain), bare, plain, f"opened without the chosen depth: {error}")
 
 
-def _warned(read: _Read) -> _Read:
+def _opened(read: _Read) -> Opened:
     """Of a file that is enhanced already, that is said as it is said what a video is read as."""
     said = tuple(filter(None, (enhanced_already(read.bare.path),)))
     clip, bare = (replace(each, notices=(*said, *each.notices)) for each in (read.clip, read.bare))
-    return replace(read, clip=clip, bare=bare)
+    opened = Opened(clip, bare=bare, notices=clip.notices, options=read.options, warning=read.warning)
+    return replace(opened, is_enhanced=bool(said))
 
 
 def _require_file_or_folder(path: Path) -> None:

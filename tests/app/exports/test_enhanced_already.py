@@ -20,8 +20,10 @@ def test_of_an_image_a_video_or_dicom(folder: Path, tmp_path: Path, vesselsplat:
     said = f"{name} is enhanced already by VesselSplat, method paper: it is no original"
     (opened,) = open_path(OpenRequest(made))
     assert opened.to_be_read[0] == said
+    assert opened.is_enhanced
     (again,) = open_path(OpenRequest(given if given.is_file() else folder / "1.png"))
     assert again.to_be_read == ()
+    assert not again.is_enhanced
     output = "again.mp4" if name.endswith(".mp4") else "again.png"
     call = vesselsplat("enhance", made, tmp_path / output, "--d-factor", "0.5")
     assert (call.code, call.error.count(said)) == (0, 1)

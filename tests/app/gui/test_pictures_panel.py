@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from imgui_bundle import ImVec2
 
+from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.methods import VESSEL
 from app.enhancement.settable import MODES, Mode
-from app.gui.actions import clip_actions, comparing
+from app.gui.actions import arriving, clip_actions, comparing
 from app.gui.panels import picture_pane
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, pane
+from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, original_tag, pane
 from app.gui.state.tags import Tag
 from app.gui.update.channels import Channels
 from app.gui.views.comparison import SIDES
+from app.gui.work.opening import Opened
 from app.kernels.progress import Preparation, tasks
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -66,6 +69,21 @@ def test_the_right_pane_says_enhanced_exactly_when_it_is(opened: AppState) -> No
                 is_enhanced = right().image is partner
                 assert ("ENHANCED" in said(right())) == is_enhanced
                 assert "ORIGINAL" in said(pane(opened, pictures(opened), "left"))
+
+
+def test_of_a_file_that_was_enhanced_before_nothing_is_called_original(opened: AppState) -> None:
+    arriving.show_opened(opened, Path("again.png"), Opened(opened.source.clip, is_enhanced=True))
+    request = opened.picture_request
+    assert request is not None
+    opened.picture.pictures = list(PictureMaker().make(request))[-1]
+    for enhancing in (True, False):
+        for peeking in (True, False):
+            opened.enhancement.active, opened.enhancement.peeking = enhancing, peeking
+            tags = [said(pane(opened, pictures(opened), side)) for side in SIDES]
+            assert "ENHANCED BEFORE" in tags[0]
+            assert "ORIGINAL" not in "".join(tags)
+    arriving.show_opened(opened, Path("clip"), Opened(opened.source.clip))
+    assert original_tag(opened).text == "ORIGINAL"
 
 
 def test_frozen_and_stale_are_tagged_on_both_sides(opened: AppState) -> None:
