@@ -12,8 +12,11 @@ NAME = "VesselSplat"
 
 
 def title_of(state: AppState) -> str:
-    """The session or what else is open; a star for changes that its file does not have."""
-    path = state.session.path or state.source.path
+    """The session or what else is open, of runs the one that is seen; a star for changes that its file does
+    not have."""
+    model, source = state.scene.model, state.source
+    seen = model.path if model is not None and source.content == "run" else None
+    path = state.session.path or seen or source.path
     if path is None:
         return NAME
     return f"{legible(path.name)}{'*' if state.session.is_unsaved else ''} - {NAME}"

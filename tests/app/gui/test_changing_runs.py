@@ -9,13 +9,16 @@ from pathlib import Path
 import pytest
 from imgui_bundle import imgui
 
-from app.gui.actions import actions, changing_runs
+from app.gui.actions import actions, arriving, changing_runs, job_actions
+from app.gui.frame.title import title_of
 from app.gui.panels import run_questions
 from app.gui.panels.run_questions import held
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import Waiting
 from app.gui.update.channels import Channels
+from app.gui.update.jobs import start_due
 from app.gui.update.update import update
+from app.gui.work.opening import OpenRequest, open_path
 from app.gui.work.runs import FoundRuns, ListedRun, RunFinder
 from app.gui.work.settings import Places, Settings
 from app.runs.run_changes import Footprint
@@ -25,6 +28,7 @@ from renderer.gaussians import DynamicGaussians
 from renderer.sources import open_clip
 from tests.app.gui.conftest import FakeJob
 from tests.app.gui.scenes import scene_of
+from tests.app.gui.settling import show_live
 from tests.app.gui.test_window import Driver, is_settled, wait
 
 
@@ -68,6 +72,24 @@ def test_a_run_whose_model_is_shown_while_another_starts_waits(
     listed.runs.reconstruction.status = "starting"
     assert "until the run in training" in changing_runs.why_not_change(listed, one)
     assert changing_runs.why_not_change(listed, two) == ""
+
+
+def test_the_title_names_the_run_that_is_seen_and_not_the_one_before(
+    listed: AppState, model: DynamicGaussians
+) -> None:
+    before = run_of(listed, "one").path
+    (answer,) = open_path(OpenRequest(before))
+    arriving.show_opened(listed, before, answer)
+    assert title_of(listed) == "one - VesselSplat"
+    job_actions.start_reconstruction(listed)
+    start_due(listed, FakeJob)
+    now = listed.runs.reconstruction.run_path
+    assert now is not None
+    now.mkdir()
+    shutil.copy(before / "run.json", now)
+    show_live(listed, model)
+    assert now.name != "one"
+    assert title_of(listed) == f"{now.name} - VesselSplat"
 
 
 def shown_list(state: AppState) -> list[str]:
