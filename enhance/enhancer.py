@@ -158,7 +158,8 @@ class Enhancer:
         moments = np.array([self._moments[one] for one in windows]).reshape(-1, 2)
         snr = seen.chroma_snr if params.d_factor is None else None
         colored = (0, 0.0) if snr is None else (seen.count, snr)
-        return Tally(seen.count, seen.histogram, seen.chroma, moments[:, 0], moments[:, 1], *colored)
+        sums = seen.count, seen.histogram, seen.chroma, moments[:, 0], moments[:, 1]
+        return Tally(*sums, *colored, self._now.reds)
 
     @property
     def field(self) -> FieldOfView | None:
@@ -199,8 +200,9 @@ class Enhancer:
         """Those of the shown image, smoothed if the stream is live; likely sigmas where Q is not measured."""
         seen, known = self._surveyed(params.subsample), self._moments
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
-        snr, field = seen.chroma_snr if params.d_factor is None else None, self._now.field
-        measured = replace(seen.statistics, sigmas=sigmas, chroma_snr=snr, field=field)
+        snr, now = seen.chroma_snr if params.d_factor is None else None, self._now
+        colors = {"chroma_snr": snr, "redness": now.reds.share}
+        measured = replace(seen.statistics, sigmas=sigmas, field=now.field, **colors)
         return self._stream.smoothed(measured, seen.histogram).resolved(params)
 
     def _draw(

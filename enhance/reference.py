@@ -55,6 +55,8 @@ def enhance_reference(
     if used is None:
         snr = chroma_snr(scaled, keep, inside) if image.ndim == 3 and params.d_factor is None else None
         used = replace(_measured(value, chroma, filtered, keep, params, snr), field=field)
+        if image.ndim == 3:
+            used = replace(used, redness=redness(scaled, keep))
     enhanced = _new_value(value, filtered, used)
     if image.ndim == 3:
         whole = stretched(chroma, used.saturation_mean, params.k)
@@ -115,6 +117,16 @@ def chroma_snr(scaled: Float64Image, keep: BoolImage, inside: BoolImage) -> floa
         return None
     deviation = np.median(noise, axis=0).max() / (6 * 0.6745)
     return float(np.mean(chroma) / max(deviation, 1.0))
+
+
+def redness(scaled: Float64Image, keep: BoolImage) -> float | None:
+    """As `enhance.redness`: what red exceeds green by, over V, of some pixels; None of grey images."""
+    step = max(1, int(np.sqrt(keep.size // 1024)))
+    colors = scaled[::step, ::step, :3][keep[::step, ::step]]
+    light = np.max(colors, axis=1, initial=0).sum()
+    if light == 0 or not np.ptp(scaled[..., :3], axis=2).any():
+        return None
+    return float((colors[:, 0] - colors[:, 1]).sum() / light)
 
 
 def _exponent(sigma: float, params: EnhanceParams) -> float:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from enhance.field import EVERYWHERE, FieldOfView, Spans, whole_field
 from enhance.field_search import find_field
 from enhance.image import AnyImage, BoolImage, ImageError, Picture, full_scale, read_mask, read_picture
+from enhance.redness import NO_REDS, Reds, reds
 from enhance.statistics import Statistics
 
 Named = Literal["automatic", "all"]
@@ -93,6 +94,11 @@ class Shown:
         return self.picture.pixels.ndim == 2 or (
             _is_grey(self.pixels[::SPARSE, ::SPARSE]) and _is_grey(self.pixels)
         )
+
+    @cached_property
+    def reds(self) -> Reds:
+        """Of the pixels that count; of none of a grey image."""
+        return NO_REDS if self.is_grey else reds(self.pixels, self.keep, self.spans, self.full)
 
     @cached_property
     def spans(self) -> Spans:

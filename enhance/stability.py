@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any, Final, get_args, get_type_hints
 
 import cv2
@@ -21,28 +21,12 @@ from enhance.params import EnhanceParams, PForm
 from enhance.pipeline import enhance
 from enhance.reference import enhance_reference, window_mean
 from enhance.shown import found_in
+from enhance.stability_row import Row
+from enhance.stability_vessel import hues
 from enhance.vessel import enhance_vessels
 
 WHOLE: Final = EnhanceParams(omit_below=0.0)
 PLAIN: Final = EnhanceParams(omit_below=0.0, keep_black=False)
-
-
-@dataclass(frozen=True)
-class Row:
-    """One hazard: what was measured, and what it may be at most."""
-
-    hazard: str
-    case: str
-    measured: float
-    bar: float
-    unit: str = "grey levels"
-    done: str = ""
-    """What the product does there, where that is more than to compute."""
-
-    @property
-    def passed(self) -> bool:
-        """False also for NaN."""
-        return self.measured <= self.bar
 
 
 def stability(image: NDArray[np.uint8]) -> Iterator[Row]:
@@ -83,6 +67,8 @@ def _statistics(image: NDArray[np.uint8]) -> Iterator[Row]:
         yield Row(hazard, f"{name}, z", abs(got.z - exact.z), 1e-12, "z")
         chroma = abs(got.saturation_mean - exact.saturation_mean)
         yield Row(hazard, f"{name}, S_m", chroma, 1e-6, "of 1")
+        red = [np.array(each.redness, float) for each in (got, exact)]
+        yield Row(hazard, f"{name}, redness", _most(*red), 1e-6, "of V")
         yield Row(hazard, f"{name}, sigma", _most(np.array(got.sigmas), np.array(exact.sigmas)), 1e-3)
         yield Row(hazard, f"{name}, P", _most(np.array(got.p), np.array(exact.p)), 1e-4, "P")
 
@@ -393,5 +379,6 @@ PARTS: Final[dict[str, Callable[[NDArray[np.uint8]], Iterator[Row]]]] = {
     "types": _types,
     "fields": _fields,
     "noise gains": _noise_gains,
+    "vessel": hues,
 }
 """Rows by what they are of; `image` is ordinary tissue, (H, W, 3)."""

@@ -15,6 +15,7 @@ from enhance.exposure import bright_level
 from enhance.field import FieldOfView
 from enhance.image import ImageError
 from enhance.params import EnhanceParams
+from enhance.redness import NO_REDS, Reds
 from enhance.saturation import color_share
 
 Scope = Literal["image", "clip", "live"]
@@ -64,13 +65,17 @@ class Statistics:
     bright_level: float | None = None
     """Grey level of V that nine tenths of the pixels do not exceed, 0 to 255: that of underexposed images is
     low. None: not measured, as before 0.9.0."""
+    redness: float | None = None
+    """By how much red exceeds green, as a share of V, over all pixels. None: not measured, as before 0.10.0,
+    or of grey images."""
     field: Annotated[FieldOfView | None, BeforeValidator(_known)] = None
     """Where it was measured, and is to be used; None: all pixels."""
 
     def __post_init__(self) -> None:
         """Raises ImageError: measurements that are not finite."""
         levels = self.level, self.bright_level or 0.0
-        measured = (*levels, self.saturation_mean, *self.sigmas, self.chroma_snr or 0.0)
+        colors = self.saturation_mean, self.chroma_snr or 0.0, self.redness or 0.0
+        measured = (*levels, *colors, *self.sigmas)
         if not all(map(math.isfinite, (*measured, self.z, *self.p, self.color))):
             raise ImageError(f"expected statistics of finite numbers, got {self}")
 
@@ -130,6 +135,8 @@ class Tally:
     """Pixels of images whose colour over noise is known."""
     snr: float = 0.0
     """Its mean over these pixels."""
+    reds: Reds = NO_REDS
+    """Of images with colours."""
 
     @property
     def sigmas(self) -> tuple[float, ...]:
@@ -151,6 +158,7 @@ class Tally:
             squares=self.squares + other.squares + apart**2 * self.count * share,
             colored=colored,
             snr=self.snr + (other.snr - self.snr) * share_colored,
+            reds=Reds(self.reds.red + other.reds.red, self.reds.light + other.reds.light),
         )
 
     def statistics(self, params: EnhanceParams, scope: Scope) -> Statistics:
@@ -160,7 +168,8 @@ class Tally:
             ImageError: no pixel was.
         """
         snr = self.snr if self.colored else None
-        return from_sums(scope, self.histogram, self.saturation, self.sigmas, snr).resolved(params)
+        one = from_sums(scope, self.histogram, self.saturation, self.sigmas, snr, self.reds)
+        return one.resolved(params)
 
 
 def from_sums(
@@ -169,6 +178,7 @@ def from_sums(
     saturation: float,
     sigmas: tuple[float, ...],
     chroma_snr: float | None = None,
+    reds: Reds = NO_REDS,
     field: FieldOfView | None = None,
 ) -> Statistics:
     """Statistics of pixels with this histogram of V, of which `saturation` is the sum of S; z and P are to be
@@ -189,6 +199,7 @@ def from_sums(
         scope=scope,
         chroma_snr=chroma_snr,
         bright_level=bright_level(histogram),
+        redness=reds.share,
         field=field,
     )
 
@@ -247,5 +258,6 @@ class LiveStatistics:
             sigmas=tuple(map(blend, before.sigmas, measured.sigmas)) if known else measured.sigmas,
             chroma_snr=blend_known(before.chroma_snr, measured.chroma_snr),
             bright_level=blend_known(before.bright_level, measured.bright_level),
+            redness=blend_known(before.redness, measured.redness),
             scope="live",
         )

@@ -23,6 +23,7 @@ from enhance.exposure import exposure
 from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DFactor, EnhanceParams
 from enhance.pixel_block import BINS
+from enhance.redness import blood_share
 from enhance.result import EnhanceResult
 from enhance.rows import sums_of
 from enhance.saturation import pull
@@ -61,6 +62,9 @@ class VesselParams:
     """Structures weaker than this many times the image's median density are hardly strengthened."""
     most_exposure: Annotated[float, Interval(ge=1.0, le=8.0)] = 6.0
     """Underexposed images are brightened at most so many times, and their noise with them: 1 is off."""
+    least_redness: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.2
+    """In images less red than this, such as grey ones, vessels are darkened in their own hue, not reddened: 0
+    reddens them in all."""
     lift: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.25
     """How much of the paper's brightening, Eq 1, is applied: 0 is off."""
     gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 0.95
@@ -94,12 +98,14 @@ def enhance_vessels(
        morphological opening, of radius `radius`) of `shading` log R - log G. Slow shading falls out, of
        steps between tissues little is left, and reflections count as what surrounds them. R, G and B are
        attenuated by it as haemoglobin does. Nothing gets brighter, so nothing saturates.
+    5. The less red exceeds green in an image, from `least_redness` of its brightness on down to half of that,
+       the more of this darkness is that of G alone, and the more are R, G and B attenuated alike: no hue is
+       invented in grey images, under other light than white, or where dyes or fluorescence are.
 
     For many images, or many parameters of one, a `VesselEnhancer` is faster.
 
     Args:
-        image: (H, W), (H, W, 3) RGB in this order, or (H, W, 4) RGBA; types as of `enhance`. Of grey
-            images all darkness counts as blood.
+        image: (H, W), (H, W, 3) RGB in this order, or (H, W, 4) RGBA; types as of `enhance`.
         tissue_mask: as of `enhance`; the median density, too, is that of the kept pixels.
         statistics: of a clip, measured with any parameters; None: of this image.
         pixels: as of `enhance`.
@@ -125,10 +131,11 @@ def enhance_vessels(
 
 @plain_dataclass(frozen=True, eq=False)
 class _Found:
-    """Of one image and one shading: what the first pass finds."""
+    """Of one image: what the first pass finds."""
 
     shown: Shown
     shading: float
+    """Of `absorbed`."""
     exposure: float
     """Of `bright` and `absorbed`."""
     bright: Float32Image
@@ -198,11 +205,15 @@ class VesselEnhancer:
         """
         require_classes(params, VesselParams, statistics)
         now = self._look_within(statistics)
-        measured = statistics or self._measured(self._find(now, params))
-        found, ground = self._expose(now, params, exposure(measured.bright_level, params.most_exposure))
+        shading = 0.0 if now.is_grey else params.shading
+        measured = statistics or self._measured(self._look(now, shading))
+        share = 0.0 if now.is_grey else blood_share(measured.redness, params.least_redness)
+        times = exposure(measured.bright_level, params.most_exposure)
+        found = self._find(now, share * shading, times)
+        ground = self._stand(found, params.radius)
         z = 1 - (1 - z_from_level(measured.level)) * params.lift
         used = measured.resolved(replace(TONE, z=z))
-        return EnhanceResult(_drawn(params, used, found, ground), used, ())
+        return EnhanceResult(_drawn(params, used, share, found, ground), used, ())
 
     def _look_within(self, statistics: Statistics | None) -> Shown:
         """The shown image within its field of view, or that of the statistics."""
@@ -213,37 +224,41 @@ class VesselEnhancer:
             self._take(now)
         return now
 
-    def _find(self, now: Shown, params: VesselParams) -> _Found:
-        """What absorbs green more than red; of grey pictures, what is dark."""
-        shading = 0.0 if now.is_grey else params.shading
+    def _look(self, now: Shown, shading: float) -> _Found:
+        """At the image, unless that is done, whatever the shading was."""
         found = self._found
-        if found is None or found.shown is not now or found.shading != shading:
+        if found is None or found.shown is not now:
             found = self._found = _survey(now, shading, found)
             self._ground = None
         return found
 
-    def _expose(self, now: Shown, params: VesselParams, times: float) -> tuple[_Found, _Ground]:
-        """The same of the image exposed so many times, and what of it is not narrow."""
-        found = self._find(now, params)
-        if found.exposure != times:
-            found = self._found = _exposed(found, times)
+    def _find(self, now: Shown, shading: float, times: float) -> _Found:
+        """What absorbs green more than red, at a shading of 0 what is dark, of the image exposed so many
+        times."""
+        found = self._look(now, shading)
+        if (found.shading, found.exposure) != (shading, times):
+            found = self._found = _found_again(found, shading, times)
             self._ground = None
-        ground = self._ground
-        if ground is None or ground.radius != params.radius:
-            opened = background(found.absorbed, found.bright, params.radius)
-            middle = middle_density(found.absorbed, opened, params.radius, now.spans, now.keep)
-            ground = self._ground = _Ground(params.radius, opened, middle)
-        return found, ground
+        return found
+
+    def _stand(self, found: _Found, radius: int) -> _Ground:
+        """What of it is not narrow."""
+        ground, now = self._ground, found.shown
+        if ground is None or ground.radius != radius:
+            opened = background(found.absorbed, found.bright, radius)
+            middle = middle_density(found.absorbed, opened, radius, now.spans, now.keep)
+            ground = self._ground = _Ground(radius, opened, middle)
+        return ground
 
     def _measured(self, found: _Found) -> Statistics:
         """Of the shown image, smoothed if the stream is live."""
-        counts = found.histogram
-        one = from_sums("image", counts, found.chroma, (), field=found.shown.field)
+        counts, now = found.histogram, found.shown
+        one = from_sums("image", counts, found.chroma, (), reds=now.reds, field=now.field)
         return self._stream.smoothed(one, counts)
 
 
-def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Ground) -> AnyImage:
-    """The second pass."""
+def _drawn(params: VesselParams, used: Statistics, share: float, found: _Found, ground: _Ground) -> AnyImage:
+    """The second pass. share: of the colour of blood."""
     now = found.shown
     noise = params.coring * ground.middle
     density = blood_density(found.absorbed, found.bright, ground.opened, ground.radius, noise)
@@ -260,7 +275,7 @@ def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Groun
         np.float32(pull(used.saturation_mean, params.d_factor)),
         np.float32(params.most_color),
         np.float32(params.strength),
-        now.is_grey,
+        np.float32(share),
         out,
     )
     return now.finished(out)
@@ -291,8 +306,9 @@ def _survey(now: Shown, shading: float, before: _Found | None) -> _Found:
     return _Found(now, shading, 1.0, bright, histograms.sum(axis=0), float(chroma.sum()), absorbed)
 
 
-def _exposed(found: _Found, times: float) -> _Found:
-    """The first pass once more, into the same memory, of pixels whose full scale is so many times less.
+def _found_again(found: _Found, shading: float, times: float) -> _Found:
+    """The first pass once more, into the same memory, with another shading or of pixels whose full scale is
+    so many times less.
 
     So the floor of its logarithms is less, too, which hides what differs by few grey levels. No pixel is
     within the spans that it is given: V above 1 is in no histogram.
@@ -305,10 +321,10 @@ def _exposed(found: _Found, times: float) -> _Found:
         np.zeros((now.pixels.shape[0], 2), np.int32),
         np.float32(now.full / times),
         sums_of(now.pixels),
-        np.float32(found.shading),
+        np.float32(shading),
         found.bright,
         np.empty((tasks, BINS), np.int64),
         np.empty(tasks),
         found.absorbed,
     )
-    return replace(found, exposure=times)
+    return replace(found, shading=shading, exposure=times)

@@ -59,7 +59,7 @@ def second_pass(
     pull: np.float32,  # k B / A of Eq 11; negative: S stays
     most_color: np.float32,  # bound on the gain of S
     strength: np.float32,
-    is_grey: bool,  # all three lose the whole density
+    share: np.float32,  # of the light in which blood has its colour; in the rest, all three lose all
     out: NDArray[Any],  # (H, W, 3), out, of the image's type
 ) -> None:
     """See `enhance.vessel.enhance_vessels`."""
@@ -78,7 +78,7 @@ def second_pass(
             pull,
             most_color,
             strength,
-            is_grey,
+            share,
             out,
             np.zeros((ROWS, 3, width), image.dtype),
             np.zeros((ROWS, 3, width), sums_type.dtype),
@@ -103,7 +103,7 @@ def _render_task(
     pull: np.float32,
     most_color: np.float32,
     strength: np.float32,
-    is_grey: bool,
+    share: np.float32,
     out: NDArray[Any],
     lines: NDArray[Any],
     across: NDArray[Any],
@@ -129,10 +129,11 @@ def _render_task(
             fetch(out, y, x0 + CHUNK)
             calm(lines, across, y, x0, unit, narrow, chunk)
             _brighten(chunk, brightness)
-            _finish(
-                chunk, rise, powers, pull, most_color,
-                blood[0, 0, x0:], blood[1, 0, x0:], weight, strength, is_grey, full,
-            )  # fmt: skip
+            even, odd = blood[0, 0, x0:], blood[1, 0, x0:]
+            if share < ONE:
+                _finish(chunk, rise, powers, pull, most_color, even, odd, weight, strength, share, full)
+            else:  # As a constant, it costs nothing.
+                _finish(chunk, rise, powers, pull, most_color, even, odd, weight, strength, ONE, full)
             store(chunk, full, apart, out[y, x0 : x0 + count])
         copy_pixels(image[y, :first], out[y, :first])
         copy_pixels(image[y, end:], out[y, end:])
@@ -159,7 +160,7 @@ def _finish(
     odd: NDArray[np.float32],
     weight: np.float32,
     strength: np.float32,
-    is_grey: bool,
+    share: np.float32,
     full: np.float32,
 ) -> None:
     """Colours of Vn and the gain of S, less what blood takes, times the value that means 1.0.
@@ -168,7 +169,7 @@ def _finish(
     """
     wide_vectors()
     terms = unpacked(powers)
-    taken = -LOG2_E / TWENTY * strength
+    taken, rest = -LOG2_E / TWENTY * strength, ONE - share
     for i in range(CHUNK):
         value = chunk[VALUE, i]
         bright = _deepened(chunk[TOTAL, i], value, rise, terms)
@@ -181,9 +182,13 @@ def _finish(
         for_green = for_blue * fourth
         red, green = bright - fall * (value - chunk[RED, i]), bright - fall * (value - chunk[GREEN, i])
         blue = bright - fall * (value - chunk[BLUE, i])
-        chunk[RED, i] = red * ((for_green if is_grey else second * power) * full)
+        for_red = second * power
+        if share != ONE:
+            grey = rest * for_green
+            for_red, for_blue = share * for_red + grey, share * for_blue + grey
+        chunk[RED, i] = red * (for_red * full)
         chunk[GREEN, i] = green * (for_green * full)
-        chunk[BLUE, i] = blue * ((for_green if is_grey else for_blue) * full)
+        chunk[BLUE, i] = blue * (for_blue * full)
 
 
 @part(forceinline=True, fastmath={"contract"})

@@ -320,8 +320,10 @@ def _check_same(request: TrainRequest, record: RunRecord, whole: Clip) -> None:
         params = record.enhancement.params
         began |= {"preset": preset_of(params)} | vars(params)
         asked |= {"preset": preset_of(request.enhance_params)} | vars(request.enhance_params)
-        if record.enhancement.statistics.bright_level is None:  # Of before 0.9.0: there was no exposure.
-            asked |= {name: began[name] for name in asked.keys() & began.keys() & {"most_exposure"}}
+        measured = record.enhancement.statistics
+        known = {"most_exposure": measured.bright_level, "least_redness": measured.redness}
+        before = {name for name, value in known.items() if value is None}  # There was no such thing.
+        asked |= {name: began[name] for name in asked.keys() & began.keys() & before}
     for found in ("field_of_view", "tools", "tool_masks"):
         if asked[found] is None:  # Nobody asks for it.
             del began[found]

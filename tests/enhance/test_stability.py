@@ -6,7 +6,8 @@ import pytest
 
 from assets import phantom_path
 from enhance import EnhanceParams
-from enhance.stability import Row, ranges, stability
+from enhance.stability import ranges, stability
+from enhance.stability_row import Row
 from tests.enhance.pictures import vessels
 
 

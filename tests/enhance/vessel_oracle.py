@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
 
 from enhance.brightness import level, value_histogram, z_from_level
-from enhance.image import AnyImage, BoolImage, Float32Image, read_mask, read_picture
+from enhance.image import AnyImage, BoolImage, Float32Image, Picture, read_mask, read_picture
 from enhance.morphology import step_of
 from enhance.params import EnhanceParams
 from enhance.pipeline import enhance
+from enhance.reference import redness
 from enhance.reflections import BRIGHT, COARSE, COLORLESS, RIM
 from enhance.result import EnhanceResult
 from enhance.saturation import Saturation, stretch
@@ -56,13 +58,16 @@ def vessels_of(
     bright_end = _bright_level(bright[keep]) if statistics is None else statistics.bright_level
     times = _times(bright_end, params.most_exposure)
     paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, p=0.0, d_factor=0.0)
+    red = statistics.redness if statistics is not None else _redness(picture, keep)
+    share = 0.0 if len(planes) == 1 else _share_of_blood(red, params.least_redness)
     toned = enhance(_merged(calm), paper, tissue_mask=keep, statistics=statistics, pixels=field or "all")
     tones = _split(toned.image) if times == 1 else _exposed(calm, times, toned.statistics.z)
     colored = _colored(tones, toned.statistics.saturation_mean, params)
     exposed = [plane * np.float32(times) for plane in planes]
-    density = np.float32(params.strength) * blood_density(exposed, bright * np.float32(times), params, keep)
-    shares = ABSORPTION if len(planes) == 3 else np.ones(1, np.float32)
-    result = _merged([plane * np.exp(-share * density) for plane, share in zip(colored, shares, strict=True)])
+    of_share = replace(params, shading=share * params.shading)
+    density = np.float32(params.strength) * blood_density(exposed, bright * np.float32(times), of_share, keep)
+    taken = [share * np.exp(-one * density) + (1 - share) * np.exp(-density) for one in ABSORPTION]
+    result = _merged([plane * left for plane, left in zip(colored, taken, strict=False)])
     result[~inside] = colors[~inside]
     if was_grey:
         result = np.repeat(result[..., None], 3, axis=2)
@@ -70,6 +75,18 @@ def vessels_of(
     if given.alpha is not None:
         whole[~given.visible, :3] = given.pixels[~given.visible]
     return EnhanceResult(whole, toned.statistics, ())
+
+
+def _redness(picture: Picture, keep: BoolImage) -> float | None:
+    colors = picture.colors.astype(np.float64)
+    return redness(colors, keep) if colors.ndim == 3 else None
+
+
+def _share_of_blood(red: float | None, least: float) -> float:
+    """0 up to half of what is least, 1 from there on, and in proportion between."""
+    if red is None or red >= least:
+        return 1.0
+    return 0.0 if red <= least / 2 else (red - least / 2) / (least / 2)
 
 
 def _bright_level(bright: Float32Image) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import enhance.stability
+import enhance.stability_row
 import renderer.measuring.stability
 from app.report.bench import Bench, Clock
 from app.report.measures.enhancement import first_frame
@@ -62,7 +63,7 @@ def measure(bench: Bench, clock: Clock) -> Section:
     )
 
 
-def _cells(rows: Iterable[enhance.stability.Row | Row]) -> tuple[tuple[Cell, ...], ...]:
+def _cells(rows: Iterable[enhance.stability_row.Row | Row]) -> tuple[tuple[Cell, ...], ...]:
     return tuple(
         (row.hazard, row.case, row.measured, row.bar, row.unit, row.passed, row.done) for row in rows
     )

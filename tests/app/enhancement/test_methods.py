@@ -27,12 +27,14 @@ def test_what_a_file_holds_says_of_which_method_it_is(told: dict[str, object], k
     assert isinstance(TypeAdapter(RecordedSettings).validate_python(told), kind)
 
 
-def test_records_of_before_are_not_lit() -> None:
-    """Underexposed images were left dark until 0.9.0; a record since says how much they may be lit."""
+def test_records_of_before_are_enhanced_as_they_were() -> None:
+    """Underexposed images were left dark until 0.9.0, vessels reddened in all until 0.10.0; a record since
+    says how much."""
     read = TypeAdapter(RecordedSettings).validate_python
     now = asdict(VesselParams(lift=0.3))
-    before = {name: value for name, value in now.items() if name != "most_exposure"}
-    assert read(before) == VesselParams(lift=0.3, most_exposure=1.0)
+    for since, off in (("most_exposure", 1.0), ("least_redness", 0.0)):
+        before = {name: value for name, value in now.items() if name != since}
+        assert read(before) == VesselParams(lift=0.3, **{since: off})
     assert read(now) == read(VesselParams(lift=0.3)) == VesselParams(lift=0.3)
 
 

@@ -195,7 +195,10 @@ def test_a_signal_while_steps_are_taken_keeps_those_that_are_done(
     assert "--resume continues from it" in call.error
 
 
-def test_a_run_that_began_before_images_were_lit_resumes(clip_path: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("since", "told"), [("most_exposure", "bright_level"), ("least_redness", "redness")])
+def test_a_run_that_began_before_a_parameter_was_there_resumes(
+    since: str, told: str, clip_path: Path, tmp_path: Path
+) -> None:
     run = RunFolder(tmp_path / "run")
     asked = request_of(clip_path, run.path, config=replace(CONFIG, iterations=60), input="enhanced")
     request = replace(asked, enhance_params=VesselParams())
@@ -203,8 +206,8 @@ def test_a_run_that_began_before_images_were_lit_resumes(clip_path: Path, tmp_pa
     next(event for event in steps if isinstance(event, Progress))
     steps.close()
     record = json.loads((run.path / "run.json").read_text())
-    del record["enhancement"]["params"]["most_exposure"]
-    del record["enhancement"]["statistics"]["bright_level"]
+    del record["enhancement"]["params"][since]
+    del record["enhancement"]["statistics"][told]
     (run.path / "run.json").write_text(json.dumps(record))
     again = replace(request, resume=True)
     with pytest.raises(UserError, match="the run's lift"):

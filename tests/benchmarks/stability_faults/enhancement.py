@@ -11,6 +11,7 @@ from tests.benchmarks.stability_faults.faults import Fault, Kind, edited, replac
 KERNELS, FILTER, FIRST_PASS = "enhance.second_pass", "enhance.guided_filter", "enhance.first_pass"
 RECOLOR, ROWS = "enhance.recolor", "enhance.window_rows"
 ENHANCER, SURVEY, POWERS = "enhance.enhancer", "enhance.survey", "enhance.powers"
+REDNESS = "enhance.redness"
 
 
 def parts_of(*names: str) -> tuple[str, ...]:
@@ -56,6 +57,7 @@ def _statistics() -> list[Fault]:
             "saturation_mean=float(np.float16(saturation / count))",
         ),
         edit("sign", "of P", "enhance.detail", "(27 - 2 * sigma)", "(27 + 2 * sigma)"),
+        edit("sign", "of red beside green", REDNESS, "red += one[0] - one[1]", "red -= one[0] - one[1]"),
         edit("dropped", "the mask", "enhance.shown", "if tissue_mask is not None or picture", "if picture"),
         edit("dropped", "the divisor of S", FIRST_PASS, "/ (most if most > LEAST else LEAST)", ""),
         Fault(
@@ -240,4 +242,18 @@ def _noise_gains() -> list[Fault]:
     ]
 
 
-FAULTS: tuple[Fault, ...] = (*_statistics(), *_jumps(), *_first_pass(), *_filters(), *_noise_gains())
+def _hues() -> list[Fault]:
+    def edit(kind: Kind, what: str, new: str) -> Fault:
+        rising = "min(max(2 * redness / least - 1, 0.0), 1.0)"
+        return edit_of("vessel", kind, what, REDNESS, rising, new, "vessel")
+
+    return [
+        edit("dropped", "hues stay where red is faint", "1.0"),
+        edit("other", "a jump from no red to all", "float(redness >= least)"),
+        edit("other", "red tissue is reddened in part", "min(max(2 * redness / least - 1, 0.0), 0.9)"),
+    ]
+
+
+FAULTS: tuple[Fault, ...] = (
+    *_statistics(), *_jumps(), *_first_pass(), *_filters(), *_noise_gains(), *_hues(),
+)  # fmt: skip

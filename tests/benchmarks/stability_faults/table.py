@@ -11,6 +11,7 @@ from functools import cache, partial
 from moderngl import Context
 
 import enhance.stability
+import enhance.stability_row
 import renderer.measuring.stability
 from renderer.camera import Camera
 from renderer.draw.context import OpenGLUnavailable, standalone_context
@@ -32,7 +33,7 @@ from tests.benchmarks.stability_faults import runs as whole_runs
 from tests.benchmarks.stability_faults.faults import Fault
 from tests.enhance.pictures import vessels
 
-AnyRow = Row | enhance.stability.Row
+AnyRow = Row | enhance.stability_row.Row
 Key = tuple[str, str]
 """Hazard and case of a row."""
 FAULTS: tuple[Fault, ...] = (

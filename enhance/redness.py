@@ -1,0 +1,65 @@
+"""How red an image is, and so how far what darkens its vessels has the colour of blood."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+SAMPLES: Final = 1024
+"""Evenly spread places at least that tell, where there are so many."""
+
+
+class Reds(NamedTuple):
+    """Sums over pixels, of [0, 1] each."""
+
+    red: float
+    """What red exceeds green by; noise of colour, of either sign, cancels out."""
+    light: float
+    """V."""
+
+    @property
+    def share(self) -> float | None:
+        """The redness: some 0.2 to 0.7 of tissue in white light, about 0 where all is grey. None: no pixel is
+        known, or all are black."""
+        return self.red / self.light if self.light > 0 else None
+
+
+NO_REDS: Final = Reds(0.0, 0.0)
+
+
+def reds(pixels: NDArray[Any], keep: NDArray[np.uint8], spans: NDArray[np.int32], full: int) -> Reds:
+    """Of an image as `Shown` has it, each of its samples for as many pixels as there are of them."""
+    step = max(1, math.isqrt(pixels.shape[0] * pixels.shape[1] // SAMPLES))
+    red, light = _sums(pixels, keep, spans, step)
+    return Reds(red * step * step / full, light * step * step / full)
+
+
+@njit(cache=True, error_model="numpy")
+def _sums(
+    pixels: NDArray[Any],  # (H, W, 3)
+    keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
+    spans: NDArray[np.int32],  # (H, 2) of `FieldOfView.spans`, or empty: all
+    step: int,
+) -> tuple[float, float]:
+    """Of every so many pixels down and across."""
+    red, light = 0.0, 0.0
+    for y in range(0, pixels.shape[0], step):
+        first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, pixels.shape[1])
+        for x in range(0, pixels.shape[1], step):
+            if first <= x < end and (len(keep) == 0 or keep[y, x] > 0):
+                one = np.float64(pixels[y, x, 0]), np.float64(pixels[y, x, 1]), np.float64(pixels[y, x, 2])
+                red += one[0] - one[1]
+                light += max(one)
+    return red, light
+
+
+def blood_share(redness: float | None, least: float) -> float:
+    """Of the colour of blood in what darkens vessels, in [0, 1]: all of it from a redness of `least` on, none
+    up to half of that, where hues stay; all of it also where redness is not known."""
+    if redness is None or least == 0:
+        return 1.0
+    return min(max(2 * redness / least - 1, 0.0), 1.0)
