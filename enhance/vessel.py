@@ -32,7 +32,7 @@ from enhance.statistics import LiveStatistics, Statistics, from_sums, require_cl
 from enhance.stream import Stream
 from enhance.vessel_density import background, blood_density, middle_density
 from enhance.vessel_first_pass import SUBSAMPLE, TASK, first_pass
-from enhance.vessel_second_pass import second_pass
+from enhance.vessel_second_pass import ABSORPTION, second_pass
 
 
 @dataclass(
@@ -99,8 +99,9 @@ def enhance_vessels(
        steps between tissues little is left, and reflections count as what surrounds them. R, G and B are
        attenuated by it as haemoglobin does. Nothing gets brighter, so nothing saturates.
     5. The less red exceeds green in an image, from `least_redness` of its brightness on down to half of that,
-       the more of this darkness is that of G alone, and the more are R, G and B attenuated alike: no hue is
-       invented in grey images, under other light than white, or where dyes or fluorescence are.
+       the more of this darkness is that of G alone, and the more are R, G and B attenuated alike, by the mean
+       of what blood absorbs, and twice the noise left out: no hue is invented in images that are nearly
+       grey, under other light than white, or where dyes or fluorescence are.
 
     For many images, or many parameters of one, a `VesselEnhancer` is faster.
 
@@ -257,10 +258,17 @@ class VesselEnhancer:
         return self._stream.smoothed(one, counts)
 
 
+def _strength_and_coring(params: VesselParams, share: float) -> tuple[float, float]:
+    """Without the colour of blood, all three colours lose the mean of what it absorbs, and twice as much
+    counts as noise, since none of them is spared it."""
+    return params.strength * (share + (1 - share) * float(ABSORPTION.mean())), params.coring * (2 - share)
+
+
 def _drawn(params: VesselParams, used: Statistics, share: float, found: _Found, ground: _Ground) -> AnyImage:
     """The second pass. share: of the colour of blood."""
     now = found.shown
-    noise = params.coring * ground.middle
+    strength, coring = _strength_and_coring(params, 1.0 if now.is_grey else share)
+    noise = coring * ground.middle
     density = blood_density(found.absorbed, found.bright, ground.opened, ground.radius, noise)
     out = np.empty_like(now.pixels)
     second_pass(
@@ -274,7 +282,7 @@ def _drawn(params: VesselParams, used: Statistics, share: float, found: _Found, 
         vessel_curves.powers(params.gamma),
         np.float32(pull(used.saturation_mean, params.d_factor)),
         np.float32(params.most_color),
-        np.float32(params.strength),
+        np.float32(strength),
         np.float32(share),
         out,
     )

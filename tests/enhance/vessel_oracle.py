@@ -64,8 +64,7 @@ def vessels_of(
     tones = _split(toned.image) if times == 1 else _exposed(calm, times, toned.statistics.z)
     colored = _colored(tones, toned.statistics.saturation_mean, params)
     exposed = [plane * np.float32(times) for plane in planes]
-    of_share = replace(params, shading=share * params.shading)
-    density = np.float32(params.strength) * blood_density(exposed, bright * np.float32(times), of_share, keep)
+    density = _density(exposed, bright * np.float32(times), params, keep, share)
     taken = [share * np.exp(-one * density) + (1 - share) * np.exp(-density) for one in ABSORPTION]
     result = _merged([plane * left for plane, left in zip(colored, taken, strict=False)])
     result[~inside] = colors[~inside]
@@ -75,6 +74,15 @@ def vessels_of(
     if given.alpha is not None:
         whole[~given.visible, :3] = given.pixels[~given.visible]
     return EnhanceResult(whole, toned.statistics, ())
+
+
+def _density(
+    planes: Planes, bright: Float32Image, params: VesselParams, keep: BoolImage, share: float
+) -> Float32Image:
+    """Times the strength, which is 0.65 where blood has none of its colour."""
+    less = 0.0 if len(planes) == 1 else 1 - share
+    found = blood_density(planes, bright, replace(params, shading=share * params.shading), keep, 1 + less)
+    return np.asarray(np.float32(params.strength * (1 - 0.35 * less)) * found)
 
 
 def _redness(picture: Picture, keep: BoolImage) -> float | None:
@@ -114,7 +122,7 @@ def _exposed(calm: Planes, times: float, z: float) -> Planes:
 
 
 def blood_density(
-    planes: Planes, bright: Float32Image, params: VesselParams, keep: BoolImage
+    planes: Planes, bright: Float32Image, params: VesselParams, keep: BoolImage, noisier: float = 1.0
 ) -> Float32Image:
     """Optical density of narrow dark structures in green, (H, W) in [0, 0.5].
 
@@ -126,13 +134,14 @@ def blood_density(
         planes: R, G and B, or a single grey, (H, W) in [0, 1].
         bright: (H, W) calm V, which tells reflections, and darkness, where density fades.
         keep: (H, W), True = its median density is noise.
+        noisier: so many times more counts as noise.
     """
     logs = [np.log(_blocks(_smooth(plane, SOFT), GRID) + FLOOR) for plane in planes[:2]]
     absorbed = -logs[0] if len(planes) == 1 else np.float32(params.shading) * logs[0] - logs[1]
     found = np.maximum(absorbed - _opened(absorbed, bright, params.radius), 0)
     apart = max(3, math.isqrt(found.size // (1 << 12)))
     keep = keep[::GRID, ::GRID]
-    noise = np.float32(params.coring) * np.median(found[::apart, ::apart][keep[::apart, ::apart]])
+    noise = np.float32(noisier * params.coring) * np.median(found[::apart, ::apart][keep[::apart, ::apart]])
     square = found * found
     cored = found * square / (square + noise * noise + np.float32(1e-12))
     density = _fade(_blocks(bright, GRID)) * MOST * np.tanh(cored / MOST)
