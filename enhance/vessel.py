@@ -78,6 +78,7 @@ class VesselParams:
 VESSEL: Final = VesselParams()
 TONE: Final = EnhanceParams(p=0.0, d_factor=0.0)
 """What is taken of the paper's method, but for z."""
+MEAN_ABSORPTION: Final = float(ABSORPTION.mean())
 
 
 def enhance_vessels(
@@ -261,7 +262,7 @@ class VesselEnhancer:
 def _strength_and_coring(params: VesselParams, share: float) -> tuple[float, float]:
     """Without the colour of blood, all three colours lose the mean of what it absorbs, and twice as much
     counts as noise, since none of them is spared it."""
-    return params.strength * (share + (1 - share) * float(ABSORPTION.mean())), params.coring * (2 - share)
+    return params.strength * (share + (1 - share) * MEAN_ABSORPTION), params.coring * (2 - share)
 
 
 def _drawn(params: VesselParams, used: Statistics, share: float, found: _Found, ground: _Ground) -> AnyImage:
