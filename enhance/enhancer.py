@@ -201,8 +201,9 @@ class Enhancer:
         seen, known = self._surveyed(params.subsample), self._moments
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
         snr, now = seen.chroma_snr if params.d_factor is None else None, self._now
-        colors = {"chroma_snr": snr, "redness": now.reds.share}
-        measured = replace(seen.statistics, sigmas=sigmas, field=now.field, **colors)
+        measured = replace(
+            seen.statistics, sigmas=sigmas, chroma_snr=snr, redness=now.reds.share, field=now.field
+        )
         return self._stream.smoothed(measured, seen.histogram).resolved(params)
 
     def _draw(
