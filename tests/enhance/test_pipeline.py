@@ -118,7 +118,8 @@ def test_order_of_colours_does_not_matter(
     result = enhance(image[..., order], params)
     straight = enhance(image, params)
     assert np.array_equal(result.image, straight.image[..., order])
-    assert result.statistics == straight.statistics
+    # How red it is depends on which colour comes first.
+    assert replace(result.statistics, redness=None) == replace(straight.statistics, redness=None)
 
 
 @pytest.mark.parametrize("axis", [0, 1])

@@ -44,8 +44,8 @@ def _statistics() -> list[Fault]:
 
     return [
         edit("sign", "of z", "enhance.brightness", "(level - 50) / 100", "(50 - level) / 100", quick=True),
-        edit("other", "L at another share", "enhance.brightness", "10 * cumulative", "4 * cumulative"),
-        edit("dropped", "the mean of Q", SURVEY, "float(sums[1] - count * drift**2)", "float(sums[1])"),
+        edit("other", "L at another share", "enhance.brightness", "-tenths * int(cumulative[-1]) // 10", "-tenths * int(cumulative[-1]) // 4"),
+        edit("dropped", "the mean of Q", SURVEY, "sums[1] - count * drift**2", "sums[1]"),
         edit(
             "swapped", "sums and squares of Q", SURVEY, "drift = sums[0] / count", "drift = sums[1] / count"
         ),
@@ -245,7 +245,7 @@ def _noise_gains() -> list[Fault]:
 def _hues() -> list[Fault]:
     def edit(kind: Kind, what: str, new: str) -> Fault:
         rising = "min(max(2 * redness / least - 1, 0.0), 1.0)"
-        return edit_of("vessel", kind, what, REDNESS, rising, new, "vessel")
+        return edit_of("edges", kind, what, REDNESS, rising, new, "vessel")
 
     return [
         edit("dropped", "hues stay where red is faint", "1.0"),
