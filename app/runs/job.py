@@ -82,11 +82,6 @@ class TrainingJob:
             self.state = STATE_AFTER.get(type(event), self.state)
         return events
 
-    @property
-    def has_gone(self) -> bool:
-        """Its process has ended, so that `close` waits for nothing."""
-        return not self._process.is_alive()
-
     def latest_model(self) -> DynamicGaussians | None:
         """The newest snapshot; the same object until there is a newer one. None before the first."""
         return self._reader.newest()
