@@ -44,7 +44,13 @@ def _statistics() -> list[Fault]:
 
     return [
         edit("sign", "of z", "enhance.brightness", "(level - 50) / 100", "(50 - level) / 100", quick=True),
-        edit("other", "L at another share", "enhance.brightness", "-tenths * int(cumulative[-1]) // 10", "-tenths * int(cumulative[-1]) // 4"),
+        edit(
+            "other",
+            "L at another share",
+            "enhance.brightness",
+            "-tenths * int(cumulative[-1]) // 10",
+            "-tenths * int(cumulative[-1]) // 4",
+        ),
         edit("dropped", "the mean of Q", SURVEY, "sums[1] - count * drift**2", "sums[1]"),
         edit(
             "swapped", "sums and squares of Q", SURVEY, "drift = sums[0] / count", "drift = sums[1] / count"
