@@ -105,7 +105,7 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     if pixels.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
         # OpenCV reads no other floats.
         pixels = pixels.astype(np.float32)
-    factor = -(-max(height, width) // LOW_SIDE)
+    factor = _factor_of(height, width)
     small, values = small_copy(pixels, factor)
     surround = even_surround(small)
     if surround is None:
@@ -120,7 +120,7 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
 
 def _shown_on(page: AnyImage, field: FieldOfView) -> FieldOfView:
     """A field on a page, without the dark surround that an image on it may have itself."""
-    whole, parts = FieldOfView(field.width, field.height), list[FieldOfView]()
+    whole, parts = whole_field(field.width, field.height), list[FieldOfView]()
     for part in field.parts or (field,):
         # Without what is half page along its sides.
         left, top, right, bottom = box = tuple(np.add(box_of(part), (EDGE, EDGE, -EDGE, -EDGE)).tolist())
@@ -137,9 +137,14 @@ def _shown_on(page: AnyImage, field: FieldOfView) -> FieldOfView:
 def _in_the_dark(pixels: AnyImage) -> FieldOfView | None:
     """In a surround that is dark, if any."""
     height, width = pixels.shape[:2]
-    factor = -(-max(height, width) // LOW_SIDE)
+    factor = _factor_of(height, width)
     small, values = small_copy(pixels, factor)
-    return _found(pixels, values, small, FieldOfView(width, height), factor)
+    return _found(pixels, values, small, whole_field(width, height), factor)
+
+
+def _factor_of(height: int, width: int) -> int:
+    """Of the small copy of such a picture, along each side."""
+    return -(-max(height, width) // LOW_SIDE)
 
 
 def _found(

@@ -13,6 +13,8 @@ from renderer.poses.rigid_motion import Seen, local, motion_slopes, moved, proje
 
 OUTLYING = 3.0
 """Standard deviations from which a point speaks against a pose rather than about it."""
+TO_DEVIATION = 1.4826
+"""From the median of absolute values to the standard deviation, of a normal distribution."""
 FEWEST = 12
 """Points that a pose is found from at least."""
 _STAGES = 4

@@ -19,7 +19,7 @@ import numpy as np
 from renderer.camera import FloatArray, IntArray
 from renderer.poses.deforming import Deforming
 from renderer.poses.outlying_points import nearest
-from renderer.poses.resection import OUTLYING, trust
+from renderer.poses.resection import OUTLYING, TO_DEVIATION, trust
 from renderer.poses.rigid_motion import inverse, motion_slopes
 
 _FASTER: Final = 2.0
@@ -45,8 +45,6 @@ _ASIDE: Final = 2.0
 leaves 0.16 %, 4 leaves 0.11 %."""
 _STRAY: Final = 3.0
 """Times the noise: a point that differs by that from those around it counts a quarter then."""
-_TO_DEVIATION: Final = 1.4826
-"""From the median of absolute values to the standard deviation, of a normal distribution."""
 _ROUNDS = 30
 _SMALLEST = 1e-6
 """Of the typical distance: nothing is known to rest as exactly."""
@@ -206,7 +204,7 @@ class _Field:
 def _field(left: FloatArray, areas: FloatArray, near: IntArray) -> _Field:
     beside = _beside(left, near)
     apart = np.linalg.norm(left - beside, axis=1)
-    noise = max(_TO_DEVIATION * float(np.median(apart)), _SMALLEST)
+    noise = max(TO_DEVIATION * float(np.median(apart)), _SMALLEST)
     return _Field(left, beside, areas, _small(apart, _STRAY * noise), noise)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray, IntArray
 from renderer.poses.bundle import adjusted
-from renderer.poses.resection import agreeing, resected, trust
+from renderer.poses.resection import TO_DEVIATION, agreeing, resected, trust
 from renderer.poses.rigid_motion import Seen, local, projected
 from renderer.poses.tissue_motion import places_of, poses_by_motion
 from renderer.poses.told_apart import TissueMotion
@@ -56,8 +56,6 @@ _STRAY = 4 / 3
 """Of OUTLYING ones: a point that is off by four standard deviations in half of its views counts a quarter."""
 _LEAST = 1e-3
 """Of a weight: equations stay solvable for points that count for nothing."""
-_TO_DEVIATION = 1.4826
-"""From the median of absolute values to the standard deviation, of a normal distribution."""
 _LEAST_PX, _LEAST_DEPTH = 0.02, 1e-5
 
 
@@ -202,7 +200,7 @@ def _judged(
 
 def _spread(values: FloatArray) -> float:
     """Standard deviation of most of the values; 0 of none."""
-    return _TO_DEVIATION * float(np.median(np.abs(values))) if values.size else 0.0
+    return TO_DEVIATION * float(np.median(np.abs(values))) if values.size else 0.0
 
 
 def _medians(values: FloatArray, of: IntArray, count: int) -> FloatArray:

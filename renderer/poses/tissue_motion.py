@@ -13,6 +13,7 @@ from renderer.poses.alike import left_by_neighbours
 from renderer.poses.between import between
 from renderer.poses.bundle import summed
 from renderer.poses.deforming import Deforming, fitted
+from renderer.poses.resection import TO_DEVIATION
 from renderer.poses.rigid_motion import Seen, lifted
 from renderer.poses.rigid_share import divided
 from renderer.poses.views import View
@@ -44,7 +45,6 @@ _BY_NEIGHBOURS = 0.6
 """Of what is left over where tissue moves as one rigid body: of those phantoms 0.15 to 0.43 is left where
 points move as those around them, of one at rest 0.77, and 0.83 where its depth is off by 0.3 px."""
 _LEAST_PX, _LEAST_DEPTH = 0.02, 1e-5
-_TO_DEVIATION = 1.4826
 
 
 def poses_by_motion(lens: Camera, views: Sequence[View], points: FloatArray) -> list[FloatArray] | None:
@@ -136,7 +136,7 @@ def _noise(now: Deforming) -> tuple[float, float]:
     off = np.abs(now.apart())
     known = now.seen.weights[:, 2] > 0
     pixel, depth = (float(np.median(each)) if each.size else 0.0 for each in (off[:, :2], off[known, 2]))
-    return max(_TO_DEVIATION * pixel, _LEAST_PX), max(_TO_DEVIATION * depth, _LEAST_DEPTH)
+    return max(TO_DEVIATION * pixel, _LEAST_PX), max(TO_DEVIATION * depth, _LEAST_DEPTH)
 
 
 def _weighed(now: Deforming) -> Deforming:

@@ -264,6 +264,6 @@ def leave(workers: Iterable[Worker | Apart]) -> None:
     """End the process at once where a closed worker is still at work, which nothing waits for: when Python
     ends, a thread in a library of C++ would abort it. All that is to be kept is on disk by now."""
     if any(worker.is_alive for worker in workers):
-        for stream in (sys.stdout, sys.stderr):
+        for stream in filter(None, (sys.stdout, sys.stderr)):
             stream.flush()
         os._exit(0)
