@@ -54,7 +54,8 @@ def packed(path: Path) -> bytes:
             f"folder that workers see: {path.name}"
         )
     memory = io.BytesIO()
-    with zipfile.ZipFile(memory, "w", zipfile.ZIP_STORED) as archive:
+    # Archives know no time before 1980, which devices without a clock give their files.
+    with zipfile.ZipFile(memory, "w", strict_timestamps=False) as archive:
         for file in files:
             inside = file.name if file == path else _inside(file, path)
             archive.write(file, f"{path.name}/{inside}" if path.is_dir() else inside)

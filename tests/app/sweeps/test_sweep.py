@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import threading
 from collections import deque
@@ -250,6 +251,15 @@ def test_a_worker_notices_a_frame_that_is_overwritten_in_place(tmp_path: Path) -
     with pytest.raises(Missing):
         located(clip, sha256, None)
     assert located(clip, digest(clip), None) == clip
+
+
+def test_a_clip_of_files_of_before_1980_is_sent(tmp_path: Path) -> None:
+    clip = tmp_path / "clip"
+    clip.mkdir()
+    assert cv2.imwrite(str(clip / "0.png"), np.full((24, 32, 3), 100, np.uint8))
+    os.utime(clip / "0.png", (0, 0))
+    sha256 = digest(clip)
+    assert digest(located(tmp_path / "nowhere", sha256, packed(clip))) == sha256
 
 
 def test_content_is_checked_against_the_digest(tmp_path: Path, clip_path: Path) -> None:
