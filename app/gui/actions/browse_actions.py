@@ -236,5 +236,8 @@ def scrolled(browsing: Browsing) -> None:
 
 
 def dated(entry: Entry) -> str:
-    """When it was changed last."""
-    return to_minute(datetime.fromtimestamp(entry.modified))
+    """When it was changed last; empty where what the system says is no time of the calendar."""
+    try:
+        return to_minute(datetime.fromtimestamp(entry.modified))
+    except (ValueError, OverflowError, OSError):
+        return ""

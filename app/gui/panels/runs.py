@@ -161,7 +161,7 @@ def _when(created: str) -> str:
     """In the hours of this place."""
     try:
         return to_minute(datetime.fromisoformat(created))
-    except ValueError:
+    except (ValueError, OverflowError):
         return legible(created)
 
 
