@@ -28,7 +28,8 @@ class Failure:
     def __init__(self, error: Exception) -> None:
         self.message = sentence(error)
         self.error = error.with_traceback(None)
-        """Without the frames that it came through, whose arrays would stay in memory."""
+        """Without the frames that it and what led to it came through, whose arrays would stay in memory."""
+        error.__cause__ = error.__context__ = None
 
 
 class Channel(Generic[Request, Answer]):

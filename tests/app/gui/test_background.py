@@ -9,6 +9,7 @@ from weakref import ref
 
 import pytest
 
+from app.errors import UserError
 from app.gui.work import background
 from app.gui.work.background import Channel, Failure, SteppedChannel, Worker
 
@@ -138,6 +139,33 @@ def test_an_exception_is_an_answer() -> None:
     assert taken is not None
     assert isinstance(taken[1], Failure)
     assert "zero" in taken[1].message
+
+
+def test_an_exception_keeps_nothing_alive_that_led_to_it() -> None:
+    class Frames:
+        """Something large."""
+
+    kept = list[ref[Frames]]()
+
+    def read() -> None:
+        frames = Frames()
+        kept.append(ref(frames))
+        raise ValueError("damaged")
+
+    def work(request: int) -> Iterator[int]:
+        try:
+            read()
+        except ValueError as error:
+            raise UserError("expected a clip") from error
+        yield request
+
+    channel = Channel(work)
+    channel.ask(0)
+    channel.run_waiting()
+    answer = channel.take()
+    assert answer is not None
+    assert isinstance(answer[1], Failure)
+    assert kept[0]() is None
 
 
 def test_the_worker_serves_in_its_own_thread_and_wakes_the_window() -> None:
