@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable
 from dataclasses import replace
 
-from app.errors import UserError
+from app.errors import UserError, sentence
 from app.files.legible import without_flags
 from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.state.app_state import AppState
@@ -43,11 +43,11 @@ def start_due(state: AppState, make_job: MakeJob) -> None:
         return
     state.runs.queue = tuple(each for each in state.runs.queue if each is not first)
     try:
-        clip = first.request.part.of(first.clip)
-    except (UserError, ClipError) as error:
-        actions.fail(state, f"{first.request.run_path.name} was not started: {error}")
+        clip, job = first.request.part.of(first.clip), make_job(first.request)
+        job.start()
+    except (UserError, ClipError, OSError) as error:
+        actions.fail(state, f"{first.request.run_path.name} was not started: {sentence(error)}")
         return
-    job = make_job(first.request)
     state.runs.reconstruction = Reconstruction(
         config=draft.config,
         input=draft.input,
@@ -60,7 +60,6 @@ def start_due(state: AppState, make_job: MakeJob) -> None:
         request=first.request,
         told=first.told,
     )
-    job.start()
     actions.say(state, f"reconstruction of {first.clip.name} started: {first.request.run_path.name}")
 
 

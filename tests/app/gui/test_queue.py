@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -94,6 +96,21 @@ def test_one_whose_mask_leaves_nothing_is_told_and_the_next_starts(state: AppSta
     assert "was not started: expected a mask that keeps some of the" in state.window.banner.message
     start_due(state, jobs.make)
     assert len(jobs.all) == 1
+
+
+def test_one_whose_process_cannot_be_started_is_told_and_the_next_starts(state: AppState, jobs: Jobs) -> None:
+    class Refused(FakeJob):
+        def start(self) -> None:
+            raise OSError(errno.ENOMEM, os.strerror(errno.ENOMEM))
+
+    for _ in range(2):
+        job_actions.start_reconstruction(state)
+    start_due(state, Refused)
+    assert state.window.banner is not None
+    assert "was not started: Cannot allocate memory" in state.window.banner.message
+    assert not state.runs.reconstruction.is_alive
+    start_due(state, jobs.make)
+    assert [job.told for job in jobs.all] == [["start"]]
 
 
 def test_what_waits_is_as_it_was_chosen(state: AppState, jobs: Jobs) -> None:
