@@ -15,6 +15,7 @@ from contextlib import suppress
 from queue import SimpleQueue
 from typing import Final, Literal
 
+from app.errors import sentence
 from app.runs.run_folder import RunFolder
 from app.runs.shared_model import Slot, SlotReader
 from app.runs.train_run import TrainRequest, run_training
@@ -134,8 +135,8 @@ class TrainingJob:
         try:
             model = DynamicGaussians.load(path)
             return Finished(ended.iteration, ended.seconds, model, wall_seconds=ended.wall_seconds)
-        except ValueError as error:
-            return Failed(str(error))
+        except (ValueError, MemoryError) as error:
+            return Failed(sentence(error))
 
 
 def _death(exit_code: int | None, *, kept: bool) -> str:

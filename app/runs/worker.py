@@ -6,7 +6,7 @@ import signal
 import sys
 import traceback
 from collections.abc import Callable, Generator
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Literal
@@ -75,8 +75,6 @@ def work(pipe: Connection, slot: Slot, steps: Steps, request: TrainRequest) -> N
     try:
         with EndingSignals():
             last = _run(pipe, SlotWriter(slot), steps, request)
-    except (BrokenPipeError, EOFError):
-        return
     except KeyboardInterrupt:
         last = Cancelled()
     except (UserError, ClipError, ImageError) as error:
@@ -87,7 +85,8 @@ def work(pipe: Connection, slot: Slot, steps: Steps, request: TrainRequest) -> N
         last = Failed(sentence(error), traceback.format_exc())
     except Exception as error:
         last = Failed(f"{type(error).__name__}: {error}", traceback.format_exc())
-    pipe.send(last)
+    with suppress(OSError):  # The process at the other end is gone.
+        pipe.send(last)
 
 
 def _run(

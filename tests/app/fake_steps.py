@@ -93,6 +93,12 @@ def broken(request: TrainRequest) -> Steps:
     raise ZeroDivisionError("a bug")
 
 
+def cut_off(request: TrainRequest) -> Steps:
+    """Fails as reading does at a file's end, and as a pipe whose other end is gone."""
+    yield _progress(1)
+    raise EOFError("no more data")
+
+
 def killed(request: TrainRequest) -> Steps:
     yield Snapshot(1, model_of(10))
     os.kill(os.getpid(), signal.SIGKILL)

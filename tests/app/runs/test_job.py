@@ -19,6 +19,7 @@ import pytest
 from app.runs.job import Cancelled, Failed, JobEvent, Paused, Resumed, TrainingJob
 from app.runs.train_run import TrainRequest
 from app.runs.worker import Steps
+from renderer.gaussians import DynamicGaussians
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Preparing, Progress, Started, Warned
 from tests.app import fake_steps
@@ -150,6 +151,7 @@ def test_cancel_closes_the_steps(tmp_path: Path, paused: bool) -> None:
     [
         (fake_steps.mistaken, "expected better, got this", False),
         (fake_steps.broken, "ZeroDivisionError: a bug", True),
+        (fake_steps.cut_off, "EOFError: no more data", True),
         (fake_steps.killed, "SIGKILL", False),
         pytest.param(
             fake_steps.killed_without_a_name,
@@ -172,6 +174,15 @@ def test_a_run_that_dies_says_why_once(tmp_path: Path, steps: Steps, reason: str
         for obey in (job.pause, job.resume, job.cancel):
             obey()  # to a process that is gone
     assert blocks_of(job) == []
+
+
+def test_a_model_that_finds_no_memory_is_a_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(path: Path) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(DynamicGaussians, "load", full)
+    with job_of(fake_steps.growing, tmp_path) as job:
+        assert events_until(job, is_a(Failed))[-1] == Failed("MemoryError")
 
 
 def test_close_ends_a_running_process_and_frees_its_memory(tmp_path: Path) -> None:
