@@ -106,7 +106,7 @@ def chroma_noise_gain(
     return pair.gain(SCALES if cut == "unclipped" else SCALES[:1], of_color=True)
 
 
-def flat_tissue(original: AnyImage, tissue_mask: BoolImage | None = None) -> BoolImage:
+def flat_tissue(original: AnyImage, tissue_mask: BoolImage | None) -> BoolImage:
     """(H, W), True where noise is measured; see `noise_gain`. Raises ImageError."""
     return _flat(seen(original), kept(original, tissue_mask))
 

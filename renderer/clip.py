@@ -42,7 +42,7 @@ class ClipError(ValueError):
     """
 
 
-def held_out_frames(count: int, split: Split = "field", passed_over: Collection[int] = ()) -> tuple[int, ...]:
+def held_out_frames(count: int, split: Split, passed_over: Collection[int]) -> tuple[int, ...]:
     """Frames of a clip of `count` that are held out: (i - 1) % 8 == 0, the split of the field, or the odd;
     without those that are passed over."""
     every = range(1, count, 8 if split == "field" else 2)

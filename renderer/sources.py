@@ -94,7 +94,7 @@ def _in_one_line(path: Path) -> Iterator[None]:
         raise ClipError(f"{error}: {path}") from error
 
 
-def require_depth_source(path: Path, options: ClipOptions = DEFAULTS) -> None:
+def require_depth_source(path: Path, options: ClipOptions) -> None:
     """Refuses at once, by its header, a video of which no depth comes: opening a long one takes a while.
 
     Raises:

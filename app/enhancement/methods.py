@@ -125,7 +125,7 @@ def measure_for(
     return measure((image for image, _ in images), paper, (mask for _, mask in masks), pixels=pixels)
 
 
-def pool_for(look: EnhancementSettings, pixels: Pixels = "automatic") -> Pool:
+def pool_for(look: EnhancementSettings, pixels: Pixels) -> Pool:
     """The same of pictures that come one by one."""
     return Pool(_measured_by(look), pixels)
 

@@ -25,7 +25,7 @@ PROFILE, UNDEFINED = 34675, 7
 TIFF_TEXT: Final = KEYWORD.encode() + b" "
 
 
-def carrying(suffix: str, content: bytes, text: str, profile: bytes = b"") -> bytes:
+def carrying(suffix: str, content: bytes, text: str, profile: bytes) -> bytes:
     """The image file with the text in it, of ASCII in a TIFF; `suffix` is one of CARRIERS. Without a profile
     its colours are those of sRGB."""
     return CARRIERS[suffix.lower()](content, text.encode(), profile)

@@ -178,7 +178,7 @@ def write_sidecar(path: Path, facts: dict[str, Any]) -> None:
     write_bytes(path.with_name(f"{path.name}.json"), strict_json(facts, indent=2).encode())
 
 
-def encode_png(image: Image, facts: dict[str, Any], profile: bytes = b"") -> bytes:
+def encode_png(image: Image, facts: dict[str, Any], profile: bytes) -> bytes:
     """The bytes of a PNG that carries `facts`; 8 or 16 bits a channel as the image has. Without an ICC
     `profile`, its colours are those of sRGB."""
     order = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}

@@ -48,9 +48,7 @@ class MaskReport:
     """How masks by hand were paired with frames, as `MaskFiles` has it, and whether they look inverted."""
 
 
-def make_masks(
-    clip: Clip, folder: Path, by_hand: MaskFiles, model: OnnxTools | None = None
-) -> Iterator[MaskReport]:
+def make_masks(clip: Clip, folder: Path, by_hand: MaskFiles, model: OnnxTools | None) -> Iterator[MaskReport]:
     """One file a frame: those by hand as they are, all others found by the model, learned from those by hand,
     or found by their colour where there are none. What the clip's own masks leave out is not looked at. What
     is drawn by hand in the folder meanwhile stays.

@@ -77,7 +77,7 @@ def _may_be_posed(clip: Clip) -> bool:
     )
 
 
-def through_found(clip: Clip, found: FoundPoses, start: int = 0) -> Posed:
+def through_found(clip: Clip, found: FoundPoses, start: int) -> Posed:
     """The part of the clip that has poses, as seen from these; `start`: see `posed`."""
     bridged = tuple(at for at, residual in enumerate(found.residuals) if residual is None)
     record = PosesRecord(

@@ -51,10 +51,10 @@ class Offscreen:
 def read_layers(
     view: SplatView,
     camera: Camera,
-    shape: Shape = "soft",
+    shape: Shape,
     *,
     paint: Paint = "color",
-    within: InView | None = None,
+    within: InView | None,
     shown: BoolArray | None = None,
     with_depth: bool = True,
 ) -> Rendered:

@@ -114,7 +114,7 @@ def behind_tools(
     truth: Phantom,
     indices: Sequence[int],
     fit: Sequence[int],
-    mode: RenderMode = "default",
+    mode: RenderMode,
 ) -> float:
     """PSNR in dB against the same scene without tools, where some frame of `fit` shows the tissue that they
     hide in a frame, wherever it has moved; NaN where there is none."""

@@ -40,9 +40,7 @@ class Maps:
     """(H, W, 3) RGB, not premultiplied."""
 
 
-def maps_of(
-    model: DynamicGaussians, time: float, camera: Camera, near: float, mode: RenderMode = "default"
-) -> Maps:
+def maps_of(model: DynamicGaussians, time: float, camera: Camera, near: float, mode: RenderMode) -> Maps:
     """Rendered by the numba rasteriser."""
     splats = model.at(time)
     rendered = render(splats, camera, near=near, mode=mode)

@@ -77,7 +77,7 @@ def with_margin(alone: ByteImage, size: tuple[int, ...]) -> BoolImage:
     return np.asarray(cv2.resize(wide, (size[1], size[0]), interpolation=cv2.INTER_LINEAR) > 0)
 
 
-def without_tools(frame: Frame, still: Iterable[StillArea] = ()) -> Frame:
+def without_tools(frame: Frame, still: Iterable[StillArea]) -> Frame:
     """The frame where tools, as `find_tools` sees them, are no tissue; as it is where they are known."""
     if frame.tools_are_known:
         return frame

@@ -53,9 +53,7 @@ def far_off(record: BrowserModel, unit: str) -> str:
     return f"shown with an error of up to {record.error:.2g} {unit}"
 
 
-def page_windows(
-    scene: Scene, tolerance: float | None, rounding: float | None = None
-) -> tuple[PageWindow, ...]:
+def page_windows(scene: Scene, tolerance: float | None, rounding: float | None) -> tuple[PageWindow, ...]:
     """Of its model, in the order of time; `tolerance` and `rounding`: see BrowserModel."""
     frames, most = len(scene.cameras), MOST_VALUES // max(len(scene.model), 1)
     nearness = None if tolerance is None else tolerance - (rounding or 0.0)

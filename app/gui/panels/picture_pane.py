@@ -88,7 +88,7 @@ def draw_divider(
     return pointer
 
 
-def frame_text(request: PictureRequest, *, short: bool = False) -> str:
+def frame_text(request: PictureRequest, *, short: bool) -> str:
     """Which frame is asked for, counted from 1, as people do; unless `short` also its name."""
     name = request.clip.labels[request.frame_index]
     if request.clip.format == LIVE:

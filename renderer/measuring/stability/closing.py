@@ -26,9 +26,9 @@ def _scattered(height: int, width: int, radius: int, share: float = 0.7) -> View
     return rng.random((height, width, 3)) * alpha[..., None], alpha, radius
 
 
-def _even(alpha: float, radius: int = 5) -> View:
+def _even(alpha: float) -> View:
     filled = np.full((40, 60), alpha)
-    return np.linspace(0, 1, 60)[:, None] * np.ones(3) * filled[..., None], filled, radius
+    return np.linspace(0, 1, 60)[:, None] * np.ones(3) * filled[..., None], filled, 5
 
 
 def _alternating() -> View:

@@ -61,7 +61,7 @@ def sized_lens(said: Matrix, size: tuple[int, int], path: Path) -> tuple[Camera,
 
 
 def cameras_of(
-    rows: Matrix, size: tuple[int, int], convention: str, path: Path, lens_of: LensOf = sized_lens
+    rows: Matrix, size: tuple[int, int], convention: str, path: Path, lens_of: LensOf
 ) -> tuple[tuple[Camera, ...], list[str]]:
     """The camera of each row, and what is worth saying of them.
 

@@ -15,7 +15,7 @@ TIME_BASE = Fraction(1, 1000)
 
 
 def deinterlaced(
-    before: VideoFrame | None, frame: VideoFrame, after: VideoFrame | None, *, field: int | None = None
+    before: VideoFrame | None, frame: VideoFrame, after: VideoFrame | None, *, field: int | None
 ) -> VideoFrame:
     """`frame` with the lines of one field made from its neighbours in space and time.
 

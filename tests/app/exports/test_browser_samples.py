@@ -114,7 +114,7 @@ def test_the_page_says_how_far_it_is_off(tmp_path: Path, monkeypatch: pytest.Mon
     assert record.error is not None
     assert f"<p>Reconstruction, shown with an error of up to {record.error:.2g} mm</p>" in text
     assert far_off(record, "mm") == f"shown with an error of up to {record.error:.2g} mm"
-    assert page_windows(scene, None)[0].tracks.error is None, "as earlier versions sampled"
+    assert page_windows(scene, None, None)[0].tracks.error is None, "as earlier versions sampled"
 
 
 def test_a_run_of_such_a_motion_is_a_page_that_comes_again(

@@ -76,9 +76,11 @@ def test_files_of_others_and_damaged_ones_carry_nothing() -> None:
     assert carried(other) is None
     assert carried(b"") is None
     for suffix in (".png", ".jpg", ".tif"):
-        whole = carrying(suffix, cv2.imencode(suffix, np.zeros((8, 8), np.uint8))[1].tobytes(), '{"a": 1}')
+        whole = carrying(
+            suffix, cv2.imencode(suffix, np.zeros((8, 8), np.uint8))[1].tobytes(), '{"a": 1}', b""
+        )
         assert carried(whole) == b'{"a": 1}'
         for end in range(len(whole)):
             assert carried(whole[:end]) in (None, b"", *(b'{"a": 1}'[:n] for n in range(9)))
     # The description of another program gives way.
-    assert carried(carrying(".tif", other, ascii_json({"b": 2}))) == b'{"b": 2}'
+    assert carried(carrying(".tif", other, ascii_json({"b": 2}), b"")) == b'{"b": 2}'

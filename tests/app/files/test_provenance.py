@@ -47,7 +47,7 @@ def test_a_program_that_is_not_installed_says_so(monkeypatch: pytest.MonkeyPatch
 
 @given(facts=TEXTS)
 def test_any_facts_survive_and_pillow_reads_them_too(facts: dict[str, object]) -> None:
-    content = encode_png(np.zeros((2, 3, 3), dtype=np.uint8), facts)
+    content = encode_png(np.zeros((2, 3, 3), dtype=np.uint8), facts, b"")
     with Image.open(io.BytesIO(content)) as picture:
         assert json.loads(picture.info["vesselsplat"]) == facts
         assert picture.info["srgb"] == 0

@@ -263,7 +263,7 @@ def test_measured_points_are_followed_through_the_clip(run: Exporter, runs: dict
     table = list(csv.DictReader(path.read_text().splitlines()))
     assert len(table) == 2 * len(model.cameras)
     starts = [row for row in table if row["frame"] == "4"]
-    view = maps_of(model.model, time, model.camera_at(time), model.near)
+    view = maps_of(model.model, time, model.camera_at(time), model.near, model.mode)
     for row, point in zip(starts, measured.points, strict=True):
         place = [float(row[axis]) for axis in "xyz"]
         pixels, depths = view.camera.project(np.array([place]))
