@@ -339,9 +339,9 @@ def _paired_names(names: Iterable[str]) -> list[str]:
 
 def _left_half(clip: Clip) -> Clip:
     """The clip with the left pictures alone."""
-    lefts = _paired_names(clip.labels)
-    places = [clip.labels.index(name) for name in clip.labels if name in lefts]
-    strays = sorted({*clip.labels} - {*lefts} - {right_name(name) for name in lefts})
+    lefts = set(_paired_names(clip.labels))
+    places = [place for place, name in enumerate(clip.labels) if name in lefts]
+    strays = sorted({*clip.labels} - lefts - {right_name(name) for name in lefts})
     said = (f"left out, not part of a stereo pair: {listed(strays)}",) if strays else ()
 
     def read_frame(index: int) -> Frame:
