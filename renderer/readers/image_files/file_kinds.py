@@ -124,10 +124,10 @@ def _kind(path: Path) -> Kind | None:
     return dicom_kind(path) if looked_at and is_visible(path) else None
 
 
-def natural_key(path: Path) -> tuple[tuple[int, str], ...]:
-    """Orders 2.jpg before 10.jpg."""
+def natural_key(path: Path) -> tuple[tuple[tuple[int, str], ...], str]:
+    """Orders 2.jpg before 10.jpg, and 02.jpg before 2.jpg, however the system lists them."""
     parts = re.findall(r"\d+|\D+", path.name)
-    return tuple((int(part), "") if part.isdecimal() else (-1, part) for part in parts)
+    return tuple((int(part), "") if part.isdecimal() else (-1, part) for part in parts), path.name
 
 
 def is_array(path: Path) -> bool:

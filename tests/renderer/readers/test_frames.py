@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from PIL import Image
 
 from renderer.clip import ClipError
+from renderer.readers.image_files.file_kinds import natural_key
 from renderer.readers.image_files.pictures import read_rgb
 from renderer.readers.image_folders.frames import open_image, open_images
 from tests.renderer.readers.numbered import number_of, numbered_picture
@@ -20,6 +22,11 @@ def write_pictures(folder: Path, names: list[str]) -> None:
     folder.mkdir(exist_ok=True)
     for number, name in enumerate(names):
         Image.fromarray(numbered_picture(number)).save(folder / name)
+
+
+def test_names_of_one_number_have_one_order_however_they_are_listed():
+    names = [Path(name) for name in ("001.png", "01.png", "1.png", "2.png")]
+    assert all(sorted(listed, key=natural_key) == names for listed in permutations(names))
 
 
 def test_names_without_padding_sort_by_number(tmp_path):
