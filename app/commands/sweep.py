@@ -15,6 +15,7 @@ from app.console.flags import refuse
 from app.console.progress import WIDTH, Terminal, progress
 from app.errors import UserError
 from app.files.atomic import make_folder, write_bytes
+from app.files.legible import in_utf8
 from app.files.provenance import provenance, strict_json
 from app.report.section import Table as Measured
 from app.report.section import said
@@ -156,7 +157,7 @@ def write_summary(folder: Path) -> list[Row]:
     record = read_sweep(folder)
     table = rows(record, folder)
     write_tables(table, folder)
-    write_bytes(folder / PAGE, sweep_page(record, table, folder.absolute().name).encode())
+    write_bytes(folder / PAGE, sweep_page(record, table, in_utf8(folder.absolute().name)).encode())
     return table
 
 

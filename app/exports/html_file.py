@@ -16,8 +16,9 @@ _PART = r'<script type="{kind}" id="{name}">(.*?)</script>'
 
 
 def filled_in(template: str, parts: Mapping[str, str]) -> bytes:
-    """Each `{{NAME}}` replaced by the part of that name, which is HTML already."""
-    return re.sub(r"\{\{(\w+)\}\}", lambda hit: parts[hit[1]], template).encode()
+    """Each `{{NAME}}` replaced by the part of that name, which is HTML already; what is not UTF-8 in a file's
+    name becomes a question mark."""
+    return re.sub(r"\{\{(\w+)\}\}", lambda hit: parts[hit[1]], template).encode(errors="replace")
 
 
 def in_script(value: object) -> str:

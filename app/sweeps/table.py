@@ -103,8 +103,9 @@ def _write_parquet(flat: Sequence[dict[str, Cell]], columns: Sequence[str], path
     except ImportError:
         return False
     arrays = {name: _uniform([row.get(name) for row in flat]) for name in columns}
-    with replaced(path) as temporary:
-        parquet.write_table(pyarrow.table(arrays), temporary)
+    # A file that is open: pyarrow takes no path that is not UTF-8.
+    with replaced(path) as temporary, temporary.open("wb") as file:
+        parquet.write_table(pyarrow.table(arrays), file)
     return True
 
 

@@ -27,8 +27,9 @@ class Archive:
     file: zipfile.ZipFile
 
     def text(self, name: str, content: str) -> None:
-        """As an array of bytes: some versions of numpy fail at members that are none."""
-        self.array(name, np.array(content.encode()))
+        """As an array of bytes: some versions of numpy fail at members that are none. What is not UTF-8 in
+        a file's name becomes a question mark."""
+        self.array(name, np.array(content.encode(errors="replace")))
 
     def array(self, name: str, values: NDArray[Any]) -> None:
         """One that is there already."""

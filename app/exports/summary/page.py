@@ -12,7 +12,6 @@ from typing import Final
 from app.exports.html_file import filled_in, in_script
 from app.exports.records import CaseSummary, SummaryPicture
 from app.exports.summary.saved_picture import Measured, Part, SavedPicture
-from app.files.legible import in_utf8
 from app.files.provenance import NOTICE
 
 COLUMNS: Final = (
@@ -35,8 +34,8 @@ def summary_page(record: CaseSummary, pictures: Sequence[SavedPicture]) -> bytes
     return filled_in(
         _own("page.html"),
         {
-            "TITLE": _text(record.title),
-            "DAY": _text(record.day),
+            "TITLE": escape(record.title),
+            "DAY": escape(record.day),
             "NOTICE": escape(NOTICE),
             "NOTES": _note(record.notes),
             "STYLE": _own("page.css") + (_own("fitted.css") if record.layout == "fitted" else ""),
@@ -50,11 +49,11 @@ def _section(number: int, picture: SavedPicture, told: SummaryPicture) -> str:
     source = f"data:{picture.media_type};base64,{base64.b64encode(picture.content).decode()}"
     origin = f"{told.picture.name} · SHA-256 {told.picture.sha256[:16]}…"
     return (
-        f"<section>\n<h2>{number}. {_text(picture.title)}</h2>\n"
-        f'<figure><img src="{source}" alt="{_text(picture.title)}"/>\n'
+        f"<section>\n<h2>{number}. {escape(picture.title)}</h2>\n"
+        f'<figure><img src="{source}" alt="{escape(picture.title)}"/>\n'
         f"<figcaption>{escape(NOTICE)}</figcaption></figure>\n"
         f"{_note(told.note)}{_table(picture.parts)}"
-        f'<p class="quiet">{_text(origin)}</p>\n</section>\n'
+        f'<p class="quiet">{escape(origin)}</p>\n</section>\n'
     )
 
 
@@ -65,7 +64,7 @@ def _table(parts: Sequence[Part]) -> str:
     ]
     heads = "".join(f'<th class="number">{label}</th>' for _, label, _ in shown)
     rows = "".join(
-        f"<tr><td>{_text(part.shows)}</td><td>{_text(part.settings)}</td>"
+        f"<tr><td>{escape(part.shows)}</td><td>{escape(part.settings)}</td>"
         + "".join(f'<td class="number">{_said(part.measured, name, form)}</td>' for name, _, form in shown)
         + "</tr>\n"
         for part in parts
@@ -81,11 +80,7 @@ def _said(measured: Measured | None, name: str, form: str) -> str:
 
 
 def _note(text: str) -> str:
-    return f'<p class="note">{_text(text)}</p>\n' if text.strip() else ""
-
-
-def _text(text: str) -> str:
-    return escape(in_utf8(text))
+    return f'<p class="note">{escape(text)}</p>\n' if text.strip() else ""
 
 
 def _own(name: str) -> str:

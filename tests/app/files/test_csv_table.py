@@ -7,6 +7,10 @@ import csv
 from app.files.csv_table import csv_table
 
 
+def test_what_is_not_utf8_in_a_name_is_a_question_mark() -> None:
+    assert csv_table(["clip"], [{"clip": "caf\udce9.png"}]) == b"clip\r\ncaf?.png\r\n"
+
+
 def test_a_text_is_no_formula_and_numbers_are_numbers() -> None:
     rows = [
         {"clip": "=cmd()|x.png", "psnr": -3.5, "count": 2},

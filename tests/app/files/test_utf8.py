@@ -13,6 +13,9 @@ import cv2
 import numpy as np
 import pytest
 
+from renderer.splat_files import write_splats
+from tests.app.fake_steps import model_of
+
 ROOT = Path(__file__).resolve().parents[3]
 LATIN = os.fsdecode(b"caf\xe9")
 
@@ -67,6 +70,14 @@ def test_such_a_calibration_that_is_none_is_refused_in_a_line(folder: Path) -> N
     assert (done.returncode, done.stderr.count(b"\n")) == (2, 1)
     assert b"--calibration: expected a calibration" in done.stderr
     assert not (folder / "run").exists()
+
+
+@pytest.mark.parametrize("form", ["html", "npz"])
+def test_such_a_splat_file_is_exported(tmp_path: Path, form: str) -> None:
+    write_splats(tmp_path / f"{LATIN}.ply", model_of(30).raw)
+    done = call("export", tmp_path / f"{LATIN}.ply", f"--{form}", tmp_path / f"out.{form}")
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert b"caf?" in (tmp_path / f"out.{form}").read_bytes()
 
 
 def test_such_a_run_is_trained_and_measured(clip_path: Path, tmp_path: Path) -> None:

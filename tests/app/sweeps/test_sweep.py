@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -17,6 +18,7 @@ import cv2
 import numpy as np
 import pytest
 
+from app.commands.sweep import PAGE, write_summary
 from app.errors import UserError
 from app.files.provenance import digest
 from app.sweeps.clip_transfer import Missing, located, packed
@@ -73,6 +75,14 @@ def silent(done: int, note: str) -> None:
 
 def carried_out(plan: Plan, folder: Path, executor: Here, window: int = 2) -> None:
     run_jobs(plan, folder, Engine("here", executor, 1, window), silent)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="such names are a matter of Linux")
+def test_a_folder_whose_name_is_not_utf8_has_its_page(plan: Plan, tmp_path: Path) -> None:
+    folder = tmp_path / os.fsdecode(b"caf\xe9")
+    write_sweep(plan, folder)
+    write_summary(folder)
+    assert b"caf?" in (folder / PAGE).read_bytes()
 
 
 def test_every_job_has_a_result_and_a_picture_and_none_is_done_twice(plan: Plan, folder: Path) -> None:
