@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 SAMPLES: Final = 1024
 """Evenly spread places at least that tell, where there are so many."""
+CLIPPED: Final = 250 / 255
+"""From here on red and green may be cut off: where both are, nothing tells how much redder it was."""
 
 
 class Reds(NamedTuple):
@@ -24,7 +26,7 @@ class Reds(NamedTuple):
     @property
     def share(self) -> float | None:
         """The redness: some 0.2 to 0.7 of tissue in white light, about 0 where all is grey. None: no pixel is
-        known, or all are black."""
+        known, or all are black or clipped."""
         return self.red / self.light if self.light > 0 else None
 
 
@@ -32,9 +34,9 @@ NO_REDS: Final = Reds(0.0, 0.0)
 
 
 def reds(pixels: NDArray[Any], keep: NDArray[np.uint8], spans: NDArray[np.int32], full: int) -> Reds:
-    """Of an image as `Shown` has it, each of its samples for as many pixels as there are of them."""
+    """Of an image as `Shown` has it, but for what is clipped; each sample for as many pixels as there are."""
     step = max(1, math.isqrt(pixels.shape[0] * pixels.shape[1] // SAMPLES))
-    red, light = _sums(pixels, keep, spans, step)
+    red, light = _sums(pixels, keep, spans, step, CLIPPED * full)
     return Reds(red * step * step / full, light * step * step / full)
 
 
@@ -44,6 +46,7 @@ def _sums(
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
     spans: NDArray[np.int32],  # (H, 2) of `FieldOfView.spans`, or empty: all
     step: int,
+    clipped: float,
 ) -> tuple[float, float]:
     """Of every so many pixels down and across."""
     red, light = 0.0, 0.0
@@ -52,8 +55,9 @@ def _sums(
         for x in range(0, pixels.shape[1], step):
             if first <= x < end and (len(keep) == 0 or keep[y, x] > 0):
                 one = np.float64(pixels[y, x, 0]), np.float64(pixels[y, x, 1]), np.float64(pixels[y, x, 2])
-                red += one[0] - one[1]
-                light += max(one)
+                if min(one[0], one[1]) < clipped:
+                    red += one[0] - one[1]
+                    light += max(one)
     return red, light
 
 

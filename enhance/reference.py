@@ -120,9 +120,11 @@ def chroma_snr(scaled: Float64Image, keep: BoolImage, inside: BoolImage) -> floa
 
 
 def redness(scaled: Float64Image, keep: BoolImage) -> float | None:
-    """As `enhance.redness`: what red exceeds green by, over V, of some pixels; None of grey images."""
+    """As `enhance.redness`: what red exceeds green by, over V, of some pixels, no clipped ones; None of
+    grey images."""
     step = max(1, int(np.sqrt(keep.size // 1024)))
     colors = scaled[::step, ::step, :3][keep[::step, ::step]]
+    colors = colors[np.min(colors[:, :2], axis=1, initial=1) < 250 / 255]
     light = np.max(colors, axis=1, initial=0).sum()
     if light == 0 or not np.ptp(scaled[..., :3], axis=2).any():
         return None

@@ -66,8 +66,8 @@ class Statistics:
     """Grey level of V that nine tenths of the pixels do not exceed, 0 to 255: that of underexposed images is
     low. None: not measured, as before 0.9.0."""
     redness: float | None = None
-    """By how much red exceeds green, as a share of V, over all pixels. None: not measured, as before 0.10.0,
-    or of grey images."""
+    """By how much red exceeds green, as a share of V, over all pixels but clipped ones. None: not measured,
+    as before 0.10.0, or of grey images."""
     field: Annotated[FieldOfView | None, BeforeValidator(_known)] = None
     """Where it was measured, and is to be used; None: all pixels."""
 

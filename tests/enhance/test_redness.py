@@ -76,6 +76,28 @@ def test_what_darkens_vessels_leaves_their_hue(name: str, light: float) -> None:
     assert (reddened[:, 0] > 1.1 * reddened[:, 1]).all()
 
 
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+def test_overexposed_tissue_is_as_red_as_what_is_not_clipped(kind: type) -> None:
+    tissue = vessels(180, 240) / 255
+    light = 1 + 3 * np.linspace(1, 0, 180)[:, None, None]
+    over = np.clip(light * tissue + 0.05, 0, 1)
+    over[:70] = 1
+    assert (over[..., 0] - over[..., 1]).sum() < 0.8 * LEAST * over.max(axis=2).sum()
+    image = as_type(over, kind)
+    redness = enhance(image).statistics.redness
+    assert redness is not None
+    assert redness > LEAST
+    assert np.array_equal(enhance_vessels(image).image, enhance_vessels(image, ALWAYS).image)
+
+
+def test_fluorescence_that_clips_green_alone_is_not_red() -> None:
+    image = fluorescent()
+    image[image[..., 1] > image[..., 0] + 40, 1] = 255
+    redness = enhance(image).statistics.redness
+    assert redness is not None
+    assert redness < LEAST / 2
+
+
 @pytest.mark.parametrize(
     ("tissue", "vessel"), [((180, 180, 180), (160, 160, 160)), ((150, 150, 140), (130, 110, 100))]
 )
