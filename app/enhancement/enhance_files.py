@@ -93,7 +93,8 @@ class Written:
 
 
 def enhanced(record: EnhancedPicture, image: ArrayImage, enhancer: MethodEnhancer) -> Made:
-    """Statistics of the picture alone are measured, those of all pictures together are taken over.
+    """Statistics of the picture alone are measured, unless they are told; those of all pictures together are
+    taken over.
 
     Raises:
         ImageError: a picture that the paper's method or `vessel` cannot use.
@@ -105,7 +106,7 @@ def enhanced(record: EnhancedPicture, image: ArrayImage, enhancer: MethodEnhance
     is_measured = record.pooled is None or isinstance(record.params, VesselParams)
     mask = inside([image]) if is_measured and record.pixels == "tissue" else None
     enhancer.show(image, mask, record.field or drawn(record.pixels))
-    result = enhancer.enhance(record.params, statistics=record.pooled)
+    result = enhancer.enhance(record.params, statistics=record.known)
     return result.image, replace(record, statistics=result.statistics, omitted=result.omitted)
 
 

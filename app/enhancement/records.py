@@ -19,6 +19,7 @@ from app.files.records import LENIENT, Record, Source, Told
 from enhance import FieldOfView, Statistics
 from enhance.noise import NoiseCut
 from enhance.result import Omission
+from enhance.vessel import VesselParams
 from renderer.readers.clip_options import Deinterlacing, Stereo
 from renderer.readers.lenses.calibration import Calibration
 
@@ -72,6 +73,15 @@ class EnhancedPicture(Record):
         if self.pixels != "automatic" or self.statistics is None or self.pooled is not None:
             return None
         return self.statistics.field
+
+    @property
+    def known(self) -> Statistics | None:
+        """With which it is made: of `vessel`, also those of this picture alone, which another version may
+        measure otherwise. None: to be measured."""
+        told = isinstance(self.params, VesselParams) and (
+            self.pixels != "automatic" or self.field is not None
+        )
+        return self.statistics if told else self.pooled
 
 
 Made = tuple[ArrayImage, EnhancedPicture]

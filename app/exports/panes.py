@@ -100,7 +100,7 @@ class PaneMaker:
         Raises ClipError or ImageError.
         """
         for pane, by in self._panes:
-            if pane.given is not None or not isinstance(by, EnhanceParams | VesselParams):
+            if _given(pane, by) is not None or not isinstance(by, EnhanceParams | VesselParams):
                 continue
             wanted = self._request(pane, 0).statistics_request(by)
             if wanted in self._measured or self._sources.of_clip(wanted) is not None:
@@ -139,14 +139,23 @@ class PaneMaker:
         original = self._request(pane, frame)
         if isinstance(by, EnhanceParams | VesselParams):
             wanted = original.statistics_request(by)
-            known = pane.given or self._sources.of_clip(wanted) or self._measured.get(wanted)
-            scope = original.scope if pane.given is None else "clip"
+            given = _given(pane, by)
+            known = given or self._sources.of_clip(wanted) or self._measured.get(wanted)
+            scope = original.scope if given is None else "clip"
             original = replace(original, scope=scope, of_clip=known)
         behind = (pane.view and pane.view.background) or BLACK
         (other,) = self._maker.make(OtherRequest(original, by, behind))
         said = describe(other.made, SAID[pane.words]) if other.made is not None else ""
         used = other.made.statistics if other.made is not None else None
         return Made(Panel(f"{pane.title}   {said}".rstrip(), sizing.of(other.image)), used)
+
+
+def _given(pane: PaneRecord, by: Shown) -> Statistics | None:
+    """With which a pane is made; of `vessel` also those that it was made with, where all of them are told:
+    another version may measure otherwise."""
+    told = pane.statistics
+    is_known = told is not None and (told.field is not None or pane.pixels != "automatic")
+    return pane.given or (told if is_known and isinstance(by, VesselParams) else None)
 
 
 def _shown(pane: PaneRecord, sources: Sources) -> Shown:

@@ -213,6 +213,7 @@ class PaneRecord(Record):
     given: Statistics | None = None
     """Which it is made with, whatever the scope; None: measured."""
     statistics: Annotated[Statistics | None, Told] = None
+    """Of its page, with which `vessel` makes it again."""
     measured: Annotated[dict[str, float | None] | None, Told] = None
     """What the picture's `measures` are of it; None where one cannot be measured."""
     words: Words | None = None

@@ -19,8 +19,10 @@ from app.exports.replay.again import replay
 from app.exports.replay.recorded import recorded
 from app.files.image_files import read_image
 from app.files.provenance import SCHEMA, plain, strict_json, write_png
+from enhance import enhance_vessels
 from enhance.field import FieldOfView
 from enhance.noise import NoiseCut
+from enhance.vessel import VesselParams
 from tests.app.exports.test_before import BEFORE, FILES, SOURCES
 
 HEAD = {"app", "version", "schema", "utc", "notice", "libraries"}
@@ -155,6 +157,20 @@ def test_an_image_is_made_again_within_the_field_that_it_says(tmp_path: Path) ->
     again, inside = read_image(tmp_path / "new.png"), field.mask()
     assert np.array_equal(again[~inside], seen[~inside])
     assert not np.array_equal(again[inside], seen[inside])
+
+
+def test_vessels_are_made_again_with_what_was_measured(tmp_path: Path) -> None:
+    """Whatever a later version measures: of an image without red, they keep their hue."""
+    name, least = said("enhanced.png")["source"]["name"], replace(VesselParams(), least_redness=1.0)
+    seen = read_image(next(BEFORE.rglob(name)))
+    told = replace(enhance_vessels(seen, least, pixels="all").statistics, redness=0.0, bright_level=60.0)
+    path = changed(
+        "enhanced.png", tmp_path, pixels="all", method="vessel", params=plain(least), statistics=plain(told)
+    )
+    replay(path, SOURCES, tmp_path / "new.png")
+    wanted = enhance_vessels(seen, least, statistics=told, pixels="all").image
+    assert np.array_equal(read_image(tmp_path / "new.png"), wanted)
+    assert not np.array_equal(wanted, enhance_vessels(seen, least, pixels="all").image)
 
 
 @pytest.mark.parametrize(

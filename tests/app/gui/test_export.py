@@ -30,7 +30,7 @@ from app.runs.clip_selection import ClipPart
 from app.scenes.records import RunSource
 from app.scenes.view_request import ViewRequest
 from assets import phantom_path
-from enhance import EnhanceParams
+from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 from renderer.clip import Clip
 from renderer.gaussians import DynamicGaussians
@@ -113,6 +113,21 @@ def test_a_caption_names_its_method_and_those_of_before_come_again(
     record = PanesPicture(source=Source(name="c", sha256="0"), frame=FrameRecord(index=0), panes=(pane,))
     (made,) = PaneMaker(record, Opened((), clip)).made(0)
     assert made.panel.label.startswith(f"Enhanced   {starts}")
+
+
+def test_a_page_of_vessels_is_made_again_with_what_was_measured(clip: Clip) -> None:
+    pane = pane_record("Enhanced", PictureRequest(clip, 0, None), VesselParams())
+    source = Source(name="c", sha256="0")
+
+    def made(told: Statistics | None) -> Statistics:
+        record = PanesPicture(source=source, panes=(replace(pane, statistics=told),))
+        (one,) = PaneMaker(record, Opened((), clip)).made(0)
+        assert one.statistics is not None
+        return one.statistics
+
+    other = replace(made(None), redness=0.01, bright_level=70.0)
+    assert made(other) == other
+    assert made(replace(other, field=None)) == made(None)
 
 
 def test_captions_fit_over_small_pictures() -> None:
