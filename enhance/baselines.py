@@ -190,7 +190,7 @@ TAO_STAND_INS: Final = ("msrcr", "aindane", "aindane-green")
 
 def _aindane(colors: Float32Image, intensity: Float32Image) -> ByteImage:
     """Brightness, contrast against Gaussian surrounds c = 5, 20 and 240, ratio colour restoration."""
-    z = z_from_level(level(value_histogram(intensity)))
+    z = z_from_level(level(value_histogram(intensity).cumsum()))
     lifted = brighten(intensity, z)
     p = _aindane_exponent(255 * float(intensity.std()))
     e = np.float32(FLOOR)

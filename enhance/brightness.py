@@ -29,9 +29,8 @@ def value_histogram(value: Float32Image) -> NDArray[np.int64]:
     return np.bincount(levels, minlength=256)
 
 
-def level(histogram: NDArray[np.int64], tenths: int = 1) -> int:
-    """L of Eq 2: the smallest grey level where the cumulative distribution reaches 0.1, or so many tenths."""
-    cumulative = histogram.cumsum()
+def level(cumulative: NDArray[np.int64], tenths: int = 1) -> int:
+    """L of Eq 2: the smallest grey level where the cumulative histogram reaches 0.1, or so many tenths."""
     return int(cumulative.searchsorted(-(-tenths * int(cumulative[-1]) // 10)))
 
 

@@ -14,7 +14,7 @@ from enhance import brightness, needs, saturation
 from enhance.chroma import places
 from enhance.field import FieldOfView
 from enhance.first_pass import first_pass
-from enhance.guided_filter import Grids, Window, WindowModels, Windows, window
+from enhance.guided_filter import Grids, Window, WindowModels, Windows, are_coarse, windows_of
 from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DEFAULTS, EnhanceParams
 from enhance.pixel_block import BINS, BLOCK
@@ -29,7 +29,7 @@ from enhance.second_pass import (
     render,
 )
 from enhance.shown import Pixels, Shown
-from enhance.statistics import LiveStatistics, Statistics, Tally, require_classes
+from enhance.statistics import LiveStatistics, Statistics, Tally, from_sums, require_classes
 from enhance.stream import Stream
 from enhance.survey import LIKELY_SIGMA, Moments, Survey
 
@@ -173,7 +173,7 @@ class Enhancer:
         return self._shown
 
     def _windows(self, params: EnhanceParams) -> Windows:
-        return tuple(window(radius, params.eps, params.subsample) for radius in params.radii)
+        return windows_of(params.radii, params.eps, params.subsample)
 
     def _surveyed(self, subsample: int) -> Survey:
         """The first pass; only the low resolution depends on a parameter."""
@@ -198,12 +198,10 @@ class Enhancer:
 
     def _statistics(self, params: EnhanceParams, windows: Windows) -> Statistics:
         """Those of the shown image, smoothed if the stream is live; likely sigmas where Q is not measured."""
-        seen, known = self._surveyed(params.subsample), self._moments
+        seen, known, now = self._surveyed(params.subsample), self._moments, self._now
         sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
-        snr, now = seen.chroma_snr if params.d_factor is None else None, self._now
-        measured = replace(
-            seen.statistics, sigmas=sigmas, chroma_snr=snr, redness=now.reds.share, field=now.field
-        )
+        snr = seen.chroma_snr if params.d_factor is None else None
+        measured = from_sums("image", seen.cumulative, seen.chroma, sigmas, snr, now.reds, now.field)
         return self._stream.smoothed(measured, seen.histogram).resolved(params)
 
     def _draw(
@@ -256,7 +254,7 @@ class Enhancer:
             np.float32(now.full),
             params.subsample,
             *self._models.of(seen.low, windows, filtered),
-            np.array([one.coarse for one in windows]),
+            are_coarse(windows),
             np.array(filtered),
             np.array(measured),
             np.array([-1.0 if one is None or one.p is None else one.p for one in made.scales], np.float32),

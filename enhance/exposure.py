@@ -19,9 +19,9 @@ NOTHING: Final = 4.0
 """Grey levels: the bright end of what a covered lens shows, which is noise."""
 
 
-def bright_level(histogram: NDArray[np.int64]) -> int:
-    """The smallest grey level where the cumulative distribution of V reaches 0.9."""
-    return level(histogram, TENTHS)
+def bright_level(cumulative: NDArray[np.int64]) -> int:
+    """The smallest grey level where the cumulative histogram of V reaches 0.9."""
+    return level(cumulative, TENTHS)
 
 
 def exposure(bright: float | None, most: float) -> float:

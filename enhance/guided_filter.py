@@ -80,6 +80,18 @@ def window_on(radius: int, eps: float, subsample: int, coarse: bool) -> Window:
     return Window(subsample, coarse, beyond // (2 * grid), beyond % (2 * grid) / (2 * grid), eps)
 
 
+@lru_cache(maxsize=64)
+def windows_of(radii: tuple[int, ...], eps: float, subsample: int) -> Windows:
+    """`window` of each radius."""
+    return tuple(window(radius, eps, subsample) for radius in radii)
+
+
+@lru_cache(maxsize=64)
+def are_coarse(windows: Windows) -> NDArray[np.bool_]:
+    """(n,) which are on the coarse grid; not to be written to."""
+    return np.array([one.coarse for one in windows])
+
+
 class WindowModels:
     """The linear models of several scales, in memory that stays; only what changed is computed again.
 
@@ -119,14 +131,11 @@ class WindowModels:
             self._done, self._kept_of = [None] * len(windows), [None] * len(windows)
         stale = [i for i, one in enumerate(windows) if needed[i] and self._done[i] != one]
         if stale:
-            coarse = np.array([one.coarse for one in windows])
-            reaches = tuple(min(one.whole, max(low.fine.shape)) for one in windows)
-            whole = np.array(reaches, dtype=np.int64)
-            part, eps = (np.array([getattr(one, name) for one in windows]) for name in ("part", "eps"))
-            rows = tuple(low[int(one.coarse)].shape[1] for one in windows)
-            tasks = _tasks(rows, tuple(stale), tuple(one.coarse for one in windows), reaches)
+            plan = _plan(windows, low.fine.shape, low.coarse.shape)
             stages = np.array([self._stage(i, one) if i in stale else PASS for i, one in enumerate(windows)])
-            _fit(*low, tasks, coarse, whole, part, eps, stages, *self._kept, *self._models)
+            tasks = _tasks(plan.rows, tuple(stale), plan.coarse, plan.whole)
+            coarse, whole = are_coarse(windows), np.array(plan.whole)
+            _fit(*low, tasks, coarse, whole, plan.part, plan.eps, stages, *self._kept, *self._models)
             for i in stale:
                 self._done[i] = windows[i]
         return self._models
@@ -142,6 +151,29 @@ class WindowModels:
             self._kept = _memory([plane.shape for plane in self._models])
         self._kept_of[index] = anyhow
         return KEEP
+
+
+class _Plan(NamedTuple):
+    """What `_fit` is told of the windows on grids of some size."""
+
+    rows: tuple[int, ...]
+    """Of each scale's grid."""
+    coarse: tuple[bool, ...]
+    whole: tuple[int, ...]
+    """No more than the grid has."""
+    part: NDArray[np.float64]
+    """As eps, not to be written to."""
+    eps: NDArray[np.float64]
+
+
+@lru_cache(maxsize=64)
+def _plan(windows: Windows, fine: tuple[int, ...], coarse: tuple[int, ...]) -> _Plan:
+    """fine, coarse: shapes of the grids."""
+    on_coarse = tuple(one.coarse for one in windows)
+    whole = tuple(min(one.whole, max(fine)) for one in windows)
+    rows = tuple(coarse[1] if one.coarse else fine[1] for one in windows)
+    part, eps = np.array([one.part for one in windows]), np.array([one.eps for one in windows])
+    return _Plan(rows, on_coarse, whole, part, eps)
 
 
 def _memory(shapes: Sequence[tuple[int, ...]]) -> Grids:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, partial
+from functools import cached_property
 from typing import Any, Final, Literal, get_args
 
 import cv2
@@ -27,6 +26,17 @@ SPARSE: Final = 128
 ALL_KEPT: NDArray[np.uint8] = np.empty((0, 0), np.uint8)
 
 
+class _Search:
+    """The field of view of a picture, looked for once, when it is first asked for."""
+
+    def __init__(self, picture: Picture) -> None:
+        self._picture = picture
+
+    @cached_property
+    def field(self) -> FieldOfView:
+        return found_in(self._picture)
+
+
 @dataclass(frozen=True, eq=False)
 class Shown:
     """One image, read."""
@@ -35,8 +45,7 @@ class Shown:
     """As it came."""
     picture: Picture
     """Filled, so that what is stored where alpha is 0 does not reach pixels beside it."""
-    find: Callable[[], FieldOfView]
-    """`found_in` the picture, looked for once, however often it is called."""
+    search: _Search
     pixels: NDArray[Any]
     """(H, W, 3), C-contiguous, uint8 or float32; grey three times."""
     tissue: NDArray[np.uint8]
@@ -67,7 +76,7 @@ class Shown:
         pixels = np.ascontiguousarray(pixels)
         if pixels.ndim == 2:
             pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB))
-        return cls(given, picture, cache(partial(found_in, picture)), pixels, tissue, wanted)
+        return cls(given, picture, _Search(picture), pixels, tissue, wanted)
 
     def within(self, statistics: Statistics | None) -> Shown:
         """Itself, or the same image within the field of view that is wanted, or that of given statistics."""
@@ -81,7 +90,7 @@ class Shown:
             return None
         if statistics is not None and (statistics.field is None or statistics.field.fits(self.pixels)):
             return statistics.field
-        return self.find()
+        return self.search.field
 
     @property
     def full(self) -> int:
@@ -160,7 +169,7 @@ def _check(wanted: object) -> None:
 
 def _is_grey(pixels: NDArray[Any]) -> bool:
     red, green, blue = (pixels[..., channel] for channel in range(3))
-    return np.array_equal(red, green) and np.array_equal(green, blue)
+    return bool((red == green).all() and (green == blue).all())
 
 
 def found_in(picture: Picture) -> FieldOfView:

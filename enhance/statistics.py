@@ -168,37 +168,37 @@ class Tally:
             ImageError: no pixel was.
         """
         snr = self.snr if self.colored else None
-        one = from_sums(scope, self.histogram, self.saturation, self.sigmas, snr, self.reds)
+        one = from_sums(scope, self.histogram.cumsum(), self.saturation, self.sigmas, snr, self.reds)
         return one.resolved(params)
 
 
 def from_sums(
     scope: Scope,
-    histogram: NDArray[np.int64],
+    cumulative: NDArray[np.int64],
     saturation: float,
     sigmas: tuple[float, ...],
     chroma_snr: float | None = None,
     reds: Reds = NO_REDS,
     field: FieldOfView | None = None,
 ) -> Statistics:
-    """Statistics of pixels with this histogram of V, of which `saturation` is the sum of S; z and P are to be
-    resolved.
+    """Statistics of pixels with this cumulative histogram of V of which `saturation` is the sum of S; z and P
+    are to be resolved.
 
     Raises:
         ImageError: there is no pixel.
     """
-    count = int(histogram.sum())
+    count = int(cumulative[-1])
     if count == 0:
         raise ImageError("expected at least one pixel to measure, got none: tissue_mask or alpha hides all")
     return Statistics(
-        level=brightness.level(histogram),
+        level=brightness.level(cumulative),
         z=0.0,
         saturation_mean=saturation / count,
         sigmas=sigmas,
         p=(),
         scope=scope,
         chroma_snr=chroma_snr,
-        bright_level=bright_level(histogram),
+        bright_level=bright_level(cumulative),
         redness=reds.share,
         field=field,
     )

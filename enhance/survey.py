@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 from enhance.chroma import chroma_snr
 from enhance.guided_filter import Grids
-from enhance.pixel_block import BINS
-from enhance.statistics import Statistics, from_sums
 
 LIKELY_SIGMA: Final = 64.0
 """Of Q on real images, in grey levels; all that is needed of it before it is measured is that P is 1/2."""
@@ -41,18 +39,20 @@ class Survey:
         return chroma_snr(self.samples, self.full)
 
     @cached_property
-    def statistics(self) -> Statistics:
-        """Without scales, noise and field. Raises ImageError: no pixel counts."""
-        return from_sums("image", self.histogram, self.chroma, ())
+    def cumulative(self) -> NDArray[np.int64]:
+        """(256,) pixels of up to each V."""
+        return self.histogram.cumsum()
 
     @cached_property
     def count(self) -> int:
-        return int(self.histogram.sum())
+        return int(self.cumulative[-1])
 
     @cached_property
     def mean(self) -> float:
         """Of V, in [0, 1]."""
-        return float(self.histogram @ np.arange(BINS)) / (255 * max(self.count, 1))
+        # Each pixel is above as many levels as its own is.
+        above = 255 * self.count - int(self.cumulative[:-1].sum())
+        return above / (255 * max(self.count, 1))
 
     def range(self, rounding: float) -> tuple[float, float]:
         """Darkest and brightest V counted, widened by what rounding hides, in grey levels."""

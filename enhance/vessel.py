@@ -255,7 +255,7 @@ class VesselEnhancer:
     def _measured(self, found: _Found) -> Statistics:
         """Of the shown image, smoothed if the stream is live."""
         counts, now = found.histogram, found.shown
-        one = from_sums("image", counts, found.chroma, (), reds=now.reds, field=now.field)
+        one = from_sums("image", counts.cumsum(), found.chroma, (), reds=now.reds, field=now.field)
         return self._stream.smoothed(one, counts)
 
 

@@ -31,7 +31,7 @@ def enhance_plainly(image: NDArray[np.uint8], params: EnhanceParams = DEFAULTS) 
 def _z(value: Plane) -> float:
     """Eq 2."""
     levels = cv2.calcHist([cv2.convertScaleAbs(value, None, 255)], [0], None, [256], [0, 256])
-    return z_from_level(level(levels.ravel().astype(np.int64)))
+    return z_from_level(level(levels.ravel().astype(np.int64).cumsum()))
 
 
 def _brightened(value: Plane, z: float) -> Plane:

@@ -54,7 +54,7 @@ def vessels_of(
     planes = _split(colors)
     calm = _calm(planes)
     bright = _largest(calm)
-    dark = level(value_histogram(bright[keep])) if statistics is None else statistics.level
+    dark = level(value_histogram(bright[keep]).cumsum()) if statistics is None else statistics.level
     bright_end = _bright_level(bright[keep]) if statistics is None else statistics.bright_level
     times = _times(bright_end, params.most_exposure)
     paper = EnhanceParams(z=1 - (1 - z_from_level(dark)) * params.lift, p=0.0, d_factor=0.0)
