@@ -20,6 +20,7 @@ from enhance.params import DEFAULTS, EnhanceParams
 from enhance.pixel_block import BINS, BLOCK
 from enhance.powers import LOG2_ZERO
 from enhance.result import EnhanceResult
+from enhance.result_memory import ResultMemory
 from enhance.second_pass import (
     FROM_LOGARITHM,
     FROM_POWER,
@@ -92,6 +93,7 @@ class Enhancer:
         self._values = NO_VALUES
         self._kept_of: list[_Scale | None] = []
         self._kept = np.empty((0, 0, 0), np.float32)
+        self._results = ResultMemory()
 
     def show(
         self, image: AnyImage, tissue_mask: AnyImage | None = None, *, pixels: Pixels = "automatic"
@@ -109,8 +111,9 @@ class Enhancer:
 
     @property
     def memory(self) -> int:
-        """Bytes of working memory."""
-        return sum(array.nbytes for array in (*self._low, *self._models.memory, self._values, self._kept))
+        """Bytes of working memory, and of the last result's."""
+        arrays = *self._low, *self._models.memory, self._values, self._kept
+        return self._results.size + sum(array.nbytes for array in arrays)
 
     def _take(self, shown: Shown | None) -> None:
         self._shown = shown
@@ -185,15 +188,25 @@ class Enhancer:
             if [grid.shape for grid in low] != shapes:
                 low = self._low = Grids(*(np.empty(shape, np.float32) for shape in shapes))
             blocks = -(-rows // BLOCK)
-            histograms, chroma = np.empty((blocks, BINS), np.int64), np.empty(blocks)
+            histograms, total = np.empty((blocks, BINS), np.int64), np.empty(BINS, np.int64)
+            chroma = np.empty(blocks)
             step, *spread = places(*now.pixels.shape[:2])
             samples = np.empty((3, *spread) if not now.is_grey else (3, 0, 0))
             full = np.float32(now.full)
             first_pass(
-                now.pixels, now.keep, now.spans, full, subsample, *low, histograms, chroma, step, samples
+                now.pixels,
+                now.keep,
+                now.spans,
+                full,
+                subsample,
+                *low,
+                histograms,
+                chroma,
+                step,
+                samples,
+                total,
             )
-            total, colors = histograms.sum(axis=0), float(chroma.sum())
-            self._survey = Survey(subsample, low, total, colors, samples, now.full)
+            self._survey = Survey(subsample, low, total, float(chroma.sum()), samples, now.full)
         return self._survey
 
     def _statistics(self, params: EnhanceParams, windows: Windows) -> Statistics:
@@ -246,33 +259,45 @@ class Enhancer:
         ]
         filtered = [want or measure for want, measure in zip(wanted, measured, strict=True)]
         sums = np.empty((-(-now.pixels.shape[0] // (BLOCK * params.subsample)), len(windows), 2))
-        out = np.empty_like(now.pixels)
+        totals: NDArray[np.float64] = np.empty((len(windows), 2))
+        out = self._results.like(now.pixels)
+        # Before the models: what Python has just used is in no cache any more once a kernel has run.
+        powers = [-1.0 if one is None or one.p is None else one.p for one in made.scales]
+        exponents, are_filtered, are_measured = (
+            np.array(powers, np.float32),
+            np.array(filtered),
+            np.array(measured),
+        )
+        curve = curve_of(made.z) if now.full > 1 else NO_CURVE
+        pull, mean = saturation.pull(color[0], params.k), seen.mean
+        models = self._models.of(seen.low, windows, filtered)
         render(
             now.pixels,
             now.keep,
             now.spans,
             np.float32(now.full),
             params.subsample,
-            *self._models.of(seen.low, windows, filtered),
+            *models,
             are_coarse(windows),
-            np.array(filtered),
-            np.array(measured),
-            np.array([-1.0 if one is None or one.p is None else one.p for one in made.scales], np.float32),
-            curve_of(made.z) if now.full > 1 else NO_CURVE,
+            are_filtered,
+            are_measured,
+            exponents,
+            curve,
             np.float32(made.z),
-            np.float32(saturation.pull(color[0], params.k)),
+            np.float32(pull),
             np.float32(color[1]),
             params.keep_black,
-            np.float32(seen.mean),
+            np.float32(mean),
             known,
             values,
             np.array(stages),
             self._kept,
             sums,
             out,
+            totals,
         )
         self._made = made
-        for one, is_new, total in zip(windows, measured, sums.sum(axis=0).tolist(), strict=True):
+        for one, is_new, total in zip(windows, measured, totals.tolist(), strict=True):
             if is_new:
                 self._moments[one] = Moments.of(total, seen)
         return out

@@ -47,6 +47,7 @@ def first_pass(
     chroma: NDArray[np.float64],  # (blocks,), out: sum of S over the kept pixels
     step: int,
     samples: NDArray[np.float64],  # (3, n, m), out: of `sample_rows`, `step` pixels apart; or empty
+    histogram: NDArray[np.int64],  # (BINS,), out: `histograms` together
 ) -> None:
     """First pass: V at low resolution, its histogram and the sum of S, and samples of colour and its noise.
 
@@ -74,6 +75,7 @@ def first_pass(
             np.zeros((4, BINS + 1), np.int32),
             np.zeros(CHUNK),
         )
+    _together(histograms, histogram)
 
 
 @part(forceinline=True, fastmath={"contract"})
@@ -244,6 +246,17 @@ def add_up(
     """A task's histograms together."""
     for level in range(BINS):
         histograms[task, level] = counts[0, level] + counts[1, level] + counts[2, level] + counts[3, level]
+
+
+@part()
+def _together(histograms: NDArray[np.int64], histogram: NDArray[np.int64]) -> None:
+    """Of all tasks."""
+    wide_vectors()
+    for level in range(BINS):
+        histogram[level] = 0
+    for task in range(len(histograms)):
+        for level in range(BINS):
+            histogram[level] += histograms[task, level]
 
 
 @part(fastmath={"contract"})

@@ -73,6 +73,7 @@ def render(
     kept: NDArray[np.float32],  # (n, H, W): the logarithm of Eq 7's ratio (P is not 1/2), or E
     sums: NDArray[np.float64],  # (blocks, n, 2), out: of Q - pivot and its square over the kept pixels
     out: NDArray[Any],  # (H, W, 3), out, of the image's type
+    totals: NDArray[np.float64],  # (n, 2), out: `sums` together
 ) -> None:
     """Second pass: Q, E, V*, S* and the colours, read once and written once."""
     columns, scales = image.shape[1], len(exponents)
@@ -111,6 +112,7 @@ def render(
             np.zeros((scales, 2, CHUNK), np.float32),
             np.zeros((scales, 2, CHUNK)),
         )
+    _add_up(sums, totals)
 
 
 @part(forceinline=True, fastmath={"contract"})
@@ -229,6 +231,14 @@ def _total(totals: NDArray[np.float64], sums: NDArray[np.float64]) -> None:
             drift += totals[scale, 0, i]
             spread += totals[scale, 1, i]
         sums[scale, 0], sums[scale, 1] = drift, spread
+
+
+@part()
+def _add_up(sums: NDArray[np.float64], totals: NDArray[np.float64]) -> None:
+    """Of all tasks, from the top of the image down."""
+    totals[:] = 0.0
+    for task in range(len(sums)):
+        totals += sums[task]
 
 
 @part(forceinline=True, fastmath={"contract"})

@@ -100,9 +100,12 @@ class Shown:
     @cached_property
     def is_grey(self) -> bool:
         """The image has no colours: one channel, or three that are equal."""
-        return self.picture.pixels.ndim == 2 or (
-            _is_grey(self.pixels[::SPARSE, ::SPARSE]) and _is_grey(self.pixels)
-        )
+        if self.picture.pixels.ndim == 2:
+            return True
+        height, width = self.pixels.shape[:2]
+        if len(set(self.pixels[height // 2, width // 2].tolist())) > 1:
+            return False
+        return _is_grey(self.pixels[::SPARSE, ::SPARSE]) and _is_grey(self.pixels)
 
     @cached_property
     def reds(self) -> Reds:

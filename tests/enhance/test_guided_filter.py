@@ -68,7 +68,7 @@ def shrunk(value: NDArray[Any], subsample: int) -> Grids:
     pixels, all_kept = np.repeat(value[..., None], 3, axis=2), np.empty((0, 0), np.uint8)
     full = np.float32(1 if value.dtype == np.float32 else 255)
     tallies = np.empty((blocks, 256), np.int64), np.empty(blocks), 1, np.empty((3, 0, 0))
-    first_pass(pixels, all_kept, EVERYWHERE, full, subsample, *low, *tallies)
+    first_pass(pixels, all_kept, EVERYWHERE, full, subsample, *low, *tallies, np.empty(256, np.int64))
     return low
 
 
