@@ -31,15 +31,22 @@ _LINE_SHARE = np.float32(0.5)
 
 def laid_over(image: Float32Array, alpha: Float32Array, background: Background) -> Float32Array:
     """(H, W, 3) of a premultiplied `image` (H, W, 3) with `alpha` (H, W) in [0, 1], not clipped."""
-    laid: Float32Array = image + (1 - alpha[..., None]) * _behind(image, alpha, background)
-    return laid
+    return laid(image, alpha, ground(image, alpha, background))
 
 
-def _behind(image: Float32Array, alpha: Float32Array, background: Background) -> Float32Array:
-    """(H, W, 3), or (3,) where it is the same everywhere."""
+def laid(image: Float32Array, alpha: Float32Array, behind: Float32Array) -> Float32Array:
+    """The same over what is `behind` it (H, W, 3)."""
+    left = np.repeat(1 - alpha, 3, axis=1).reshape(image.shape)
+    over: Float32Array = image + left * behind
+    return over
+
+
+def ground(image: Float32Array, alpha: Float32Array, background: Background) -> Float32Array:
+    """(H, W, 3), what is behind such an image; not to be written to."""
+    height, width = alpha.shape
     if not isinstance(background, str):
-        return np.array(background, np.float32)
-    lines, color = line_mask(*alpha.shape)[..., None], np.array(LINES, np.float32)
+        return np.broadcast_to(np.tile(np.array(background, np.float32), (width, 1)), (height, width, 3))
+    lines, color = line_mask(height, width)[..., None], np.array(LINES, np.float32)
     if background == "hatched":
         return np.where(lines, color, np.array(GREY, np.float32))
     smooth = _smooth(image, alpha)

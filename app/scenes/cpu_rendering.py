@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.scenes.backgrounds import Background, laid_over
+from app.scenes.backgrounds import Background, ground, laid
 from renderer.camera import Camera
 from renderer.in_view import InView
 from renderer.rasterize.rendered import Rendered, rounded
@@ -31,13 +31,21 @@ class DrawOptions:
     """Soft splats end at its sides."""
 
 
+_ROWS = 16
+"""Of an image at a time: what is worked out on the way stays in the processor's cache."""
+
 Draw = Callable[[Splats, Camera, DrawOptions], Rendered]
 """To a picture over black."""
 
 
 def over(drawn: Rendered, background: Background) -> NDArray[np.uint8]:
     """(H, W, 3) of what is drawn over black laid over that, rounded to 8 bits."""
-    return rounded(laid_over(drawn.image, drawn.alpha, background))
+    behind = ground(drawn.image, drawn.alpha, background)
+    levels = np.empty(drawn.image.shape, np.uint8)
+    for top in range(0, len(levels), _ROWS):
+        rows = slice(top, top + _ROWS)
+        levels[rows] = rounded(laid(drawn.image[rows], drawn.alpha[rows], behind[rows]))
+    return levels
 
 
 def colored_depth(depth: Float32Array) -> tuple[NDArray[np.uint8], tuple[float, float]]:

@@ -32,9 +32,10 @@ def close(
         right, count = min(left + TILE, width), min(TILE, width - left)
         first, last = max(left - radius, 0), min(right + radius, width)
         begin, end = max(top - radius, 0), min(top + TILE + radius, height)
-        if _is_empty(alpha[begin:end, first:last]):
-            closed_image[top : top + TILE, 3 * left : 3 * right] = _NONE
-            closed_alpha[top : top + TILE, left:right] = _NONE
+        if _is_empty(alpha, begin, end, first, last):
+            for y in range(top, min(top + TILE, height)):
+                _clear(closed_image[y, 3 * left : 3 * right])
+                _clear(closed_alpha[y, left:right])
             continue
         # Sums over the rows of a window, 0 in columns beside the image; and all of a window.
         alphas = np.zeros(count + 2 * radius, np.float32)
@@ -65,15 +66,27 @@ def close(
             _lay(image[y, pixels], around, kept, share, closed_image[y, pixels])
 
 
-@njit(fastmath={"contract"}, error_model="numpy")
-def _is_empty(alpha: Float32Array) -> bool:
-    for y in range(alpha.shape[0]):
-        most = _NONE
-        for x in range(alpha.shape[1]):
-            most = max(most, alpha[y, x])
-        if most > _NONE:
-            return False
-    return True
+@njit(error_model="numpy")
+def _is_empty(alpha: Float32Array, begin: int, end: int, first: int, last: int) -> bool:
+    # Row by row: of a part of several rows the compiler does not know that pixels lie side by side.
+    y = begin
+    while y < end and _sum(alpha[y, first:last]) == _NONE:
+        y += 1
+    return y == end
+
+
+@njit(fastmath={"contract", "reassoc"}, error_model="numpy")
+def _sum(values: Float32Array) -> np.float32:
+    total = _NONE
+    for i in range(len(values)):
+        total += values[i]
+    return total
+
+
+@njit(error_model="numpy")
+def _clear(values: Float32Array) -> None:
+    for i in range(len(values)):
+        values[i] = _NONE
 
 
 @njit(fastmath={"contract"}, error_model="numpy")

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from app.scenes.backgrounds import BACKGROUNDS, BackgroundName, laid_over
+from app.scenes.cpu_rendering import over
+from renderer.rasterize.rendered import Rendered, rounded
 from renderer.splats import Float32Array
 from renderer.unobserved import BLACK, GREY, LINES, line_mask
 
@@ -62,3 +64,14 @@ def test_a_smooth_background_of_any_size_is_finite(size: tuple[int, int], seen: 
     laid = laid_over(np.full((*size, 3), 0.5 * seen, np.float32), alpha, "smooth")
     assert laid.shape == (*size, 3)
     assert np.isfinite(laid).all()
+
+
+@pytest.mark.parametrize("name", BACKGROUNDS)
+@pytest.mark.parametrize("size", [(1, 1), (16, 7), (35, 60)])
+def test_an_image_laid_over_a_few_rows_at_a_time_is_the_same(
+    size: tuple[int, int], name: BackgroundName
+) -> None:
+    image, alpha = half_seen(*size)
+    image += np.random.default_rng(2).normal(0, 0.3, image.shape).astype(np.float32)
+    whole = rounded(laid_over(image, alpha, BACKGROUNDS[name]))
+    assert np.array_equal(over(Rendered(image, alpha, alpha), BACKGROUNDS[name]), whole)

@@ -21,7 +21,7 @@ FAULTS: tuple[Fault, ...] = (
     _fault("dropped", "sides of the image", "min(x + radius, width - 1)", "(x + radius)"),
     _fault("swapped", "green and blue", "green += colors[3 * ahead + 1]", "green += colors[3 * ahead + 2]"),
     _fault("guard", "of an empty window", "if t > _NONE else _NONE", "if True else _NONE"),
-    _fault("other", "a tile that is not empty passed over", "if most > _NONE", "if most > _TWO"),
+    _fault("other", "a tile that is not empty passed over", "last]) == _NONE", "last]) >= _NONE"),
     _fault("other", "a row too few", "y + radius < end", "y + radius < end - 1"),
     Fault("closed gaps", "float16", "image", ("closed gaps",), rounded(f"{GAPS}:close", 5, 6)),
 )
