@@ -240,6 +240,7 @@ def _browser_model(record: BrowserModel, sources: Sources, target: Path) -> None
     kind = "Reconstruction" if record.splats is None else "Splat file"
     about = f"{kind} of {record.trained_on}" if record.trained_on else kind
     about = ", ".join(filter(None, (about, far_off(record, scene.unit))))
+    about = f"{about}. Grey: what no frame showed" if record.splats is None else about
     within = scene.camera_at_rest if record.ends == "image" else scene.field_in_view
     within, shown = (None, None) if record.unobserved else (within, scene.shown)
     is_even = record.ends == "even" and not record.unobserved and scene.is_finished_run

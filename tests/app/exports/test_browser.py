@@ -257,7 +257,7 @@ def test_a_page_of_a_splat_file_says_that_it_is_one(
     vesselsplat("export", runs["original"], "--ply", tmp_path, "--frames", 0)
     told = {
         tmp_path / "frame-000000.ply": "Splat file",
-        runs["original"]: "Reconstruction of original frames",
+        runs["original"]: "Reconstruction of original frames. Grey: what no frame showed",
     }
     for path, about in told.items():
         page = tmp_path / f"{path.stem}.html"
