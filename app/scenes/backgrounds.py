@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from renderer.splats import Float32Array
-from renderer.unobserved import BLACK, GREY, LINES, Rgb, line_mask
+from renderer.unobserved import BLACK, GREY, LINES, PERIOD, Rgb, line_mask
 
 Background = Rgb | Literal["hatched", "smooth"]
 BackgroundName = Literal["grey", "hatched", "smooth", "black"]
@@ -46,10 +46,11 @@ def ground(image: Float32Array, alpha: Float32Array, background: Background) -> 
     height, width = alpha.shape
     if not isinstance(background, str):
         return np.broadcast_to(np.tile(np.array(background, np.float32), (width, 1)), (height, width, 3))
-    lines, color = line_mask(height, width)[..., None], np.array(LINES, np.float32)
+    color = np.array(LINES, np.float32)
     if background == "hatched":
-        return np.where(lines, color, np.array(GREY, np.float32))
-    smooth = _smooth(image, alpha)
+        once = np.where(line_mask(PERIOD, width)[..., None], color, np.array(GREY, np.float32))
+        return once[np.arange(height) % PERIOD]
+    smooth, lines = _smooth(image, alpha), line_mask(height, width)[..., None]
     return np.where(lines, smooth + _LINE_SHARE * (color - smooth), smooth)
 
 

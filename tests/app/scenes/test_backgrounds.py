@@ -40,7 +40,7 @@ def test_an_edge_over_grey_goes_from_tissue_to_grey_without_a_darker_fringe() ->
 
 
 def test_hatching_is_of_two_greys_alone() -> None:
-    image, alpha = half_seen()
+    image, alpha = half_seen(37, 61)
     laid = laid_over(image, alpha, "hatched")
     lines = line_mask(*alpha.shape)
     unseen = alpha == 0
