@@ -16,6 +16,8 @@ from app.gui.work.background import Failure
 from app.gui.work.listing import Entry, Listing, ListRequest, entry_at, is_folder
 from renderer.clip import ByteImage
 
+READING = "Reading the folder…"
+
 
 def begin(state: AppState, choosing: Choosing) -> None:
     """One dialog at a time."""
@@ -126,6 +128,8 @@ def why_not(browsing: Browsing) -> str:
     if browsing.choosing.kind == "save":
         return _why_not_saved(browsing)
     kind = _kind_at(browsing, typed_path(browsing))
+    if kind is None and browsing.listing is None:
+        return READING  # It may be the beginning of a name there.
     if browsing.choosing.kind == "folder":
         taken = kind == "folder" or (browsing.choosing.question.takes_files and kind == "file")
         return "" if taken else "Choose a folder." if kind == "file" else "There is no such folder."
@@ -136,7 +140,7 @@ def why_not(browsing: Browsing) -> str:
 
 def _why_not_saved(browsing: Browsing) -> str:
     if browsing.listing is None:
-        return "Reading the folder…"  # What it holds is not to be replaced unseen.
+        return READING  # What it holds is not to be replaced unseen.
     folder, name = _wanted(browsing)
     if browsing.typed and not is_folder(folder):
         return "There is no such folder."

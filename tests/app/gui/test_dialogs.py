@@ -17,7 +17,7 @@ from app.gui.actions import actions, browse_actions
 from app.gui.panels import file_browser
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing
-from app.gui.state.choosing import OPENED, QUESTIONS, Choosing
+from app.gui.state.choosing import OPENED, QUESTIONS, Choosing, Kind
 from app.gui.work.listing import SIDE, Entry, Listing, ListRequest, entry_at, list_folder
 from app.gui.work.settings import Places, load_settings
 from tests.app.gui.chooser import Chooser
@@ -138,6 +138,17 @@ def test_a_file_that_is_not_there_is_said_not_to_be(
     chooser.press(K.enter)
     assert texts[-1] == "There is no such file."
     assert chooser.chosen == []
+
+
+@pytest.mark.parametrize("kind", ["file", "folder"])
+def test_of_a_folder_that_is_still_read_nothing_is_said_not_to_be_there(
+    state: AppState, folder: Path, kind: Kind
+) -> None:
+    browsing = Browsing(Choosing(kind, [].append, kind, folder), folder)
+    browse_actions.type_path(browsing, str(folder / "sco"))
+    assert browse_actions.why_not(browsing) == "Reading the folder…"
+    browsing.listing = Listing(folder, ())
+    assert browse_actions.why_not(browsing) == f"There is no such {kind}."
 
 
 def test_arrows_mark_and_enter_goes_in_or_opens(chooser: Chooser, folder: Path) -> None:
