@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from app.enhancement.frame_enhancer import PictureRequest
-from app.enhancement.settable import ENHANCED
+from app.enhancement.settable import ENHANCED, ORIGINAL
 from app.exports.browser.of_scene import browser_model
 from app.exports.exporting import Enhanced, Exported, ExportRequest, MomentFiles
 from app.exports.make import Views
@@ -34,7 +34,7 @@ from app.gui.actions import batch_actions, path_actions
 from app.gui.actions.export_offers import FORMS, OFFERS, Form, Offer
 from app.gui.state.app_state import AppState
 from app.gui.state.exports import What
-from app.gui.state.panes import frame_share, other_request, shown_mode
+from app.gui.state.panes import frame_share, other_request, shown_mode, source_label
 from app.gui.views.comparison import Side, label_of
 from app.scenes.clip_speed import FRAMES_PER_SECOND
 from app.scenes.cpu_rendering import ON_CPU
@@ -210,7 +210,7 @@ def _pane(state: AppState, side: Side, picture: PictureRequest) -> PaneRecord:
     request = other_request(state, side) if active else None
     # As on screen, the original also where there is nothing else to show.
     if request is None:
-        return pane_record("Original", original)
+        return pane_record(source_label(state, ORIGINAL), original)
     frames = request.by.record.trained_on if isinstance(request.by, Scene) else ""
     title = f"{label_of(source)}   from {frames}" if frames else label_of(source)
     return pane_record(title, request.original, request.by, request.background)

@@ -20,7 +20,7 @@ from app.gui.panels.picture_pane import draw_divider, draw_pane
 from app.gui.panels.scene_marks import draw_color_bar
 from app.gui.panels.welcome import draw_welcome
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import difference_pane, pane, shown_mode, why_not
+from app.gui.state.panes import difference_pane, pane, shown_mode, source_label, why_not
 from app.gui.style import theme
 from app.gui.style.widgets import (
     Area,
@@ -35,7 +35,7 @@ from app.gui.style.widgets import (
     note,
     toggle,
 )
-from app.gui.views.comparison import SIDES, Side, label_of
+from app.gui.views.comparison import SIDES, Side
 
 MODE_LABELS = {mode: mode.capitalize() for mode in MODES}
 MODE_TEXT = (
@@ -114,11 +114,11 @@ def _draw_sources(state: AppState, half: float, gap: float) -> None:
 def _draw_source(state: AppState, side: Side, width: float) -> None:
     source = state.comparing.chosen.source(side)
     imgui.set_next_item_width(min(width, em(15)))
-    if imgui.begin_combo(f"##{side}", label_of(source), imgui.ComboFlags_.height_large):
+    if imgui.begin_combo(f"##{side}", source_label(state, source), imgui.ComboFlags_.height_large):
         for choice in SOURCES:
             reason = why_not(state, choice)
             flags = imgui.SelectableFlags_.disabled if reason else 0
-            chosen, _ = imgui.selectable(label_of(choice), choice == source, flags)
+            chosen, _ = imgui.selectable(source_label(state, choice), choice == source, flags)
             explain(reason)
             if chosen:
                 comparing.choose_source(state, side, choice)

@@ -13,7 +13,7 @@ from app.enhancement.amounts import Amount
 from app.enhancement.measures import DEFINITIONS, SMALLER_IS_BETTER, Measures
 from app.enhancement.methods import EnhancementSettings
 from app.enhancement.parameter_grid import Setting
-from app.enhancement.settable import MOST_VALUES
+from app.enhancement.settable import MOST_VALUES, ORIGINAL
 from app.enhancement.setting_words import LABELS, VESSEL_LABELS, in_the_paper, said
 from app.gui.actions import laid_out, picture_actions, tuning_actions
 from app.gui.drawing.textures import ShowsPictures
@@ -22,7 +22,7 @@ from app.gui.panels.overlays import make_room
 from app.gui.panels.picture_pane import draw_part, frame_text, zoom_by_wheel
 from app.gui.session_file import Choice
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import original_tag
+from app.gui.state.panes import original_tag, source_label
 from app.gui.state.tags import Tag
 from app.gui.style import theme
 from app.gui.style.fields import amount
@@ -236,7 +236,7 @@ def _draw_original(state: AppState, textures: ShowsPictures, size: ImVec2) -> No
         draw.add_image(textures.whole("tile original", cell.original), area.corner, area.end)
     before = cell.before if cell is not None else None
     measured = f"{_contrast(before)} · {_ratio(before)}" if before else "…"
-    _draw_words("Original", measured, size)
+    _draw_words(source_label(state, ORIGINAL), measured, size)
     frame, is_shown = _of_frame(state)
     with imgui_ctx.push_text_wrap_pos(imgui.get_cursor_pos_x() + size.x):
         imgui.text_colored(theme.now().muted if is_shown else theme.now().warning, frame)

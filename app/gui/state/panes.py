@@ -16,7 +16,7 @@ from app.files.legible import grouped, legible, named
 from app.gui.state.app_state import AppState
 from app.gui.state.live_words import live_tags
 from app.gui.state.tags import Tag, cautions
-from app.gui.views.comparison import SIDES, Side
+from app.gui.views.comparison import SIDES, Side, label_of
 from app.scenes.scene import Scene
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -128,6 +128,11 @@ def pane(state: AppState, pictures: Pictures, side: Side) -> Pane:
 def original_tag(state: AppState) -> Tag:
     """Of images as they are in their file."""
     return Tag("ENHANCED BEFORE", "caution") if state.source.is_enhanced else Tag("ORIGINAL")
+
+
+def source_label(state: AppState, source: str) -> str:
+    """As lists and captions name it; of a file that was enhanced before none is original."""
+    return "Enhanced before" if source == ORIGINAL and state.source.is_enhanced else label_of(source)
 
 
 def _content(state: AppState, pictures: Pictures, side: Side) -> tuple[ByteImage, tuple[Tag, ...], bool]:

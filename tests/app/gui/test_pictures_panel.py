@@ -10,11 +10,13 @@ from imgui_bundle import ImVec2
 
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.methods import VESSEL
-from app.enhancement.settable import MODES, Mode
+from app.enhancement.settable import MODES, ORIGINAL, Mode
+from app.exports.records import PanesPicture
 from app.gui.actions import arriving, clip_actions, comparing
+from app.gui.actions.export_records import request_of
 from app.gui.panels import picture_pane
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, original_tag, pane
+from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, original_tag, pane, source_label
 from app.gui.state.tags import Tag
 from app.gui.update.channels import Channels
 from app.gui.views.comparison import SIDES
@@ -82,8 +84,14 @@ def test_of_a_file_that_was_enhanced_before_nothing_is_called_original(opened: A
             tags = [said(pane(opened, pictures(opened), side)) for side in SIDES]
             assert "ENHANCED BEFORE" in tags[0]
             assert "ORIGINAL" not in "".join(tags)
+    assert source_label(opened, ORIGINAL) == "Enhanced before"
+    opened.enhancement.active, opened.enhancement.peeking = True, False
+    record = request_of(opened, "both panes", "again").record
+    assert isinstance(record, PanesPicture)
+    assert [one.title for one in record.panes] == ["Enhanced before", "Enhanced"]
     arriving.show_opened(opened, Path("clip"), Opened(opened.source.clip))
     assert original_tag(opened).text == "ORIGINAL"
+    assert source_label(opened, ORIGINAL) == "Original"
 
 
 def test_frozen_and_stale_are_tagged_on_both_sides(opened: AppState) -> None:
