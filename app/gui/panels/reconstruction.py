@@ -260,6 +260,13 @@ def _line(events: Sequence[Progress] | Sequence[Evaluated], name: str) -> Line:
     return np.array([[event.iteration for event in events], values], float)
 
 
+def round_ticks(most: int) -> list[float]:
+    """From 0 on, up to five in round steps; none near the end, where half of it would be cut off."""
+    steps = (digit * 10**power for power in range(12) for digit in (1, 2, 5))
+    step = next(step for step in steps if 5 * step >= most)
+    return [float(tick) for tick in range(0, most, step) if tick < 0.95 * most] or [0.0]
+
+
 def _draw_curve(
     name: str, value: str, color: ImVec4, line: Line, form: str, text: str, most: int, dots: Line = NO_DOTS
 ) -> None:
@@ -275,8 +282,7 @@ def _draw_curve(
     low, high = float(line[1].min()), float(line[1].max())
     # So low a diagram has room for two labels.
     implot.setup_axis_ticks(axis.y1, [low, high], [format(low, form), format(high, form)])
-    # None at the end, where its half would be cut off.
-    across = [most * quarter / 4 for quarter in range(4)]
+    across = round_ticks(most)
     implot.setup_axis_ticks(axis.x1, across, [grouped(round(tick)) for tick in across])
     implot.setup_axis_limits(axis.x1, 0, max(most, line[0, -1]), implot.Cond_.always)
     implot.plot_line(name, line[0], line[1], implot.Spec(line_color=color, line_weight=em(0.1)))
