@@ -10,6 +10,7 @@ from app.files.legible import as_label
 from app.gui.actions import actions, second_actions
 from app.gui.commands.command import Command
 from app.gui.state.app_state import AppState
+from app.gui.views.recent_names import told_apart
 
 
 def opening(state: AppState) -> tuple[Command, ...]:
@@ -29,5 +30,7 @@ def beside(state: AppState) -> tuple[Command, ...]:
 
 
 def _named(paths: Iterable[str]) -> list[tuple[str, str]]:
-    """What the label says and the path; the same name can stand for two paths."""
-    return [(f"{as_label(Path(text).name)}##{place}", text) for place, text in enumerate(paths)]
+    """What the label says and the path."""
+    every = list(paths)
+    names = zip(told_apart(every), every, strict=True)
+    return [(f"{as_label(name)}##{place}", text) for place, (name, text) in enumerate(names)]

@@ -20,6 +20,7 @@ from app.gui.state.app_state import AppState
 from app.gui.style import theme
 from app.gui.style.labels import tag
 from app.gui.style.widgets import Area, button, centered, em, explain, muted, shortened, width_of
+from app.gui.views.recent_names import told_apart
 from app.gui.work.recents import Kind, Recent
 
 WIDEST: Final = 74.0
@@ -158,18 +159,16 @@ def _draw_recents(state: AppState, textures: ShowsPictures, margin: float, width
     """One row, the newest first."""
     count, across = _row(width, TILE, MOST_TILES)
     imgui.set_cursor_pos_x(margin)
-    for place, text in enumerate(state.settings.recent[:count]):
+    for place, name in enumerate(told_apart(state.settings.recent)[:count]):
         if place:
             imgui.same_line()
-        _draw_recent(
-            state, textures, f"recent {place}", text, state.welcome.recents.get(text, UNKNOWN), across
-        )
+        _draw_recent(state, textures, place, name, across)
 
 
-def _draw_recent(
-    state: AppState, textures: ShowsPictures, slot: str, text: str, recent: Recent, across: float
-) -> None:
+def _draw_recent(state: AppState, textures: ShowsPictures, place: int, name: str, across: float) -> None:
     """Image over name, a button; greyed where nothing is there any more."""
+    slot, text = f"recent {place}", state.settings.recent[place]
+    recent = state.welcome.recents.get(text, UNKNOWN)
     image, line = Area.here(ImVec2(across, across / SHAPE)), imgui.get_text_line_height_with_spacing()
     imgui.begin_disabled(recent.missing)
     pressed = imgui.invisible_button(slot, image.size + ImVec2(0, line))
@@ -187,8 +186,8 @@ def _draw_recent(
         draw.add_rect(
             image.corner, image.end, imgui.get_color_u32(colors.accent), em(0.2), thickness=em(0.12)
         )
-    name = shortened(legible(Path(text).name), across)
-    draw.add_text(ImVec2(image.corner.x, image.end.y + em(0.15)), ink, name)
+    shown = shortened(legible(name), across)
+    draw.add_text(ImVec2(image.corner.x, image.end.y + em(0.15)), ink, shown)
     if pressed:
         actions.open_path(state, Path(text))
 

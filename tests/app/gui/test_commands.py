@@ -6,6 +6,7 @@ import sys
 from collections import Counter
 from dataclasses import replace
 from itertools import groupby
+from pathlib import Path
 
 import pytest
 from imgui_bundle import imgui
@@ -14,11 +15,13 @@ from app.gui.commands.command import Command, Section
 from app.gui.commands.commands import sections
 from app.gui.commands.finding import find
 from app.gui.commands.keys import Keyboard, chord
+from app.gui.commands.recent_commands import opening
 from app.gui.panels import menus
 from app.gui.panels.editing import HOW_TEXT
 from app.gui.panels.palette import draw_palette
 from app.gui.state.app_state import AppState
 from app.gui.views.key_words import with_keys
+from app.gui.views.recent_names import told_apart
 from app.gui.work.settings import Places, Settings
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import outside, start_live
@@ -64,6 +67,17 @@ def test_every_menu_entry_is_in_the_palette(ui: Ui, empty: AppState, monkeypatch
             ui.frame(lambda section=section: menus.draw_commands(empty, section.commands))  # type: ignore[misc]
     assert drawn
     assert Counter(drawn) == Counter(found.command.label for found in find(every, "", empty))
+
+
+def test_recent_files_of_one_name_are_told_apart_by_their_folders(empty: AppState) -> None:
+    assert [one.label.split("##")[0] for one in opening(empty)] == [
+        str(Path("clips/a")),
+        str(Path("other/a")),
+    ]
+    paths = ["/case 1/left/a.mp4", "/case 2/left/a.mp4", "/case 2/b.mp4", "/a.mp4", "/a.mp4"]
+    kept = ["case 1/left/a.mp4", "case 2/left/a.mp4", "b.mp4", "/a.mp4", "/a.mp4"]
+    assert told_apart(paths) == [str(Path(name)) for name in kept]
+    assert told_apart([]) == []
 
 
 def test_keys_are_called_as_on_this_system(ui: Ui, empty: AppState, monkeypatch: pytest.MonkeyPatch) -> None:
