@@ -6,7 +6,7 @@ from functools import partial
 
 from app.gui.actions import actions, camera_actions, export_actions, path_actions, second_actions
 from app.gui.commands import recent_commands
-from app.gui.commands.command import Command, Section, has_model, menu
+from app.gui.commands.command import Command, Needs, Section, has_model, menu
 from app.gui.state.app_state import AppState
 
 BLEND_STEP = 0.1
@@ -25,9 +25,9 @@ def camera_sections(state: AppState) -> tuple[Section, ...]:
                 applies=lambda s: s.has_frames, ticked=lambda s: s.scene.viewer.snapped,
                 synonyms=("blend", "snap", "compare")),
         Command("Less of the frame", lambda s: _blend(s, -BLEND_STEP), ("[",),
-                applies=lambda s: s.scene.viewer.snapped, repeats=True),
+                applies=_snapped, repeats=True),
         Command("More of the frame", lambda s: _blend(s, BLEND_STEP), ("]",),
-                applies=lambda s: s.scene.viewer.snapped, repeats=True),
+                applies=_snapped, repeats=True),
         Command("Next kind of view", camera_actions.next_view, ("N",),
                 text="3D view: colour, depth, normals and others", applies=has_model,
                 synonyms=("depth", "normals", "opacity", "motion", "ellipsoids", "points", "colour", "map")),
@@ -57,7 +57,7 @@ def camera_sections(state: AppState) -> tuple[Section, ...]:
                 applies=lambda s: bool(s.scene.cameras.views.path.keyframes or s.scene.cameras.views.named)),
         Command("Export the clip's cameras…", export_cameras, applies=has_model),
         Command("Export the path's cameras…", export_path,
-                applies=lambda s: bool(s.scene.cameras.views.path.keyframes)),
+                applies=_has_path),
     )  # fmt: skip
     return *menu("Camera", views, path, files), Section("Camera", second_commands(state), "Second view")
 
@@ -72,6 +72,12 @@ def second_commands(state: AppState) -> tuple[Command, ...]:
         Command("Close the second view", second_actions.close_second,
                 applies=lambda s: s.scene.second.model is not None),
     )  # fmt: skip
+
+
+_has_path = Needs(
+    lambda state: "" if state.scene.cameras.views.path.keyframes else "Add a keyframe to the path first."
+)
+_snapped = Needs(lambda state: "" if state.scene.viewer.snapped else "Turn on the frame overlay first (C).")
 
 
 def _blend(state: AppState, by: float) -> None:

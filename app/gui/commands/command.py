@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from app.files.legible import capital
 from app.gui.state.app_state import AppState
 
 Act = Callable[[AppState], object]
 Asks = Callable[[AppState], bool]
+
+
+NO_MODEL = "Reconstruct a clip first, or open a run or a splat file."
 
 
 def always(state: AppState) -> bool:
@@ -19,12 +23,20 @@ def never(state: AppState) -> bool:
     return False
 
 
-def has_clip(state: AppState) -> bool:
-    return state.source.clip is not None
+@dataclass(frozen=True)
+class Needs:
+    """When a command applies, as a question that can also say what is missing."""
+
+    why_not: Callable[[AppState], str]
+    """In a sentence; empty where nothing is missing."""
+
+    def __call__(self, state: AppState) -> bool:
+        return not self.why_not(state)
 
 
-def has_model(state: AppState) -> bool:
-    return state.scene.model is not None
+has_clip = Needs(lambda state: "" if state.source.clip is not None else "Open a clip first.")
+has_model = Needs(lambda state: "" if state.scene.model is not None else NO_MODEL)
+is_live = Needs(lambda state: "" if state.live.session is not None else "Open a live source first.")
 
 
 @dataclass(frozen=True)
@@ -53,6 +65,12 @@ class Command:
     def about(self) -> str:
         """What the help says."""
         return self.text or self.label
+
+    def tooltip(self, state: AppState) -> str:
+        """More than the label says, and where it does not apply what is missing; empty for nothing."""
+        lack = self.applies.why_not(state) if isinstance(self.applies, Needs) else ""
+        said = capital(self.text)
+        return f"{said.rstrip('.')}. {lack}" if said and lack else said or lack
 
 
 @dataclass(frozen=True)

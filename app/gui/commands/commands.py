@@ -24,7 +24,7 @@ from app.gui.actions import (
 )
 from app.gui.commands import export_commands, recent_commands
 from app.gui.commands.camera_commands import camera_sections
-from app.gui.commands.command import Act, Command, Section, WindowServices, has_clip, menu
+from app.gui.commands.command import Act, Command, Needs, Section, WindowServices, has_clip, is_live, menu
 from app.gui.commands.edit_commands import edit_sections
 from app.gui.commands.help_commands import help_sections
 from app.gui.commands.job_commands import job_sections
@@ -63,12 +63,13 @@ def sections(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     )
 
 
-def has_time(state: AppState) -> bool:
-    return state.moments > 0
+def _lacks(state: AppState) -> str:
+    shown = state.picture.pictures is not None or state.scene.model is not None
+    return "" if shown else "Open a clip, a run or a splat file first."
 
 
-def has_something(state: AppState) -> bool:
-    return state.picture.pictures is not None or state.scene.model is not None
+has_time = Needs(lambda state: "" if state.moments > 0 else "Open a clip or a run first.")
+has_something = Needs(_lacks)
 
 
 def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
@@ -109,14 +110,14 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
                 synonyms=("batch", "convert", "many", "process")),
         Command("Record the live source", live_actions.toggle_recording, ("Ctrl+Shift+L",),
                 text="record the live source, or end the recording",
-                applies=lambda s: s.live.session is not None, ticked=lambda s: s.live.recorder is not None,
+                applies=is_live, ticked=lambda s: s.live.recorder is not None,
                 synonyms=("video", "capture", "mp4", "store")),
         Command("Send the live source to 3D Slicer", live_actions.toggle_sending,
                 text="other programs can fetch the enhanced frames by OpenIGTLink, or no more",
-                applies=lambda s: s.live.session is not None, ticked=lambda s: s.live.sender is not None,
+                applies=is_live, ticked=lambda s: s.live.sender is not None,
                 synonyms=("igtl", "openigtlink", "share", "stream", "network")),
         Command("Close the live source", live_actions.leave_live,
-                applies=lambda s: s.live.session is not None, synonyms=("stop", "end", "disconnect")),
+                applies=is_live, synonyms=("stop", "end", "disconnect")),
         Command("Save session", session_actions.save, ("Ctrl+S",),
                 text="save the open files, settings, views and notes; open it like a clip",
                 applies=session_actions.has_content, synonyms=("project", "workspace", "store")),
@@ -251,7 +252,7 @@ def _clip() -> tuple[Section, ...]:
         Command("Mask tools by hand", masking_actions.toggle,
                 ("Ctrl+Shift+M",) if sys.platform == "darwin" else ("Ctrl+Shift+M", "Ctrl+M"),
                 text="mask surgical tools with a brush, or stop", ticked=lambda s: s.masking.active,
-                applies=lambda s: not clip_actions.why_no_clip(s),
+                applies=Needs(clip_actions.why_no_clip),
                 synonyms=("instruments", "brush", "paint", "segment", "segmentation", "erase", "find",
                           "detect")),
         Command("Tint masked areas", clip_actions.toggle_overlay, ("Shift+M",),

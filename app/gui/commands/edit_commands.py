@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from app.gui.actions import actions, edit_actions
-from app.gui.commands.command import Command, Section, has_model, menu
+from app.gui.commands.command import Command, Needs, Section, has_model, menu
 from app.gui.state.app_state import AppState
 from app.gui.state.editing import Tool
 
@@ -49,12 +49,16 @@ def _tool(tool: Tool) -> Command:
                    lambda s: s.editing.tool == tool)  # fmt: skip
 
 
-def _active(state: AppState) -> bool:
-    return state.editing.active
+def _refuse(state: AppState) -> None:
+    actions.announce(state, edit_actions.why_not_edit(state))
 
 
-def _some(state: AppState) -> bool:
-    return state.editing.active and len(state.editing.edits.selected) > 0
+def _none_selected(state: AppState) -> str:
+    return _active.why_not(state) or ("" if len(state.editing.edits.selected) else "Select Gaussians first.")
+
+
+_active = Needs(lambda state: "" if state.editing.active else "Turn on edit mode first (Ctrl+E).")
+_some = Needs(_none_selected)
 
 
 def _can_undo(state: AppState) -> bool:
@@ -63,7 +67,3 @@ def _can_undo(state: AppState) -> bool:
 
 def _can_redo(state: AppState) -> bool:
     return state.editing.active and bool(state.editing.history.future)
-
-
-def _refuse(state: AppState) -> None:
-    actions.announce(state, edit_actions.why_not_edit(state))

@@ -6,8 +6,7 @@ from functools import partial
 
 from app.gui.actions import export_actions
 from app.gui.actions.export_offers import GROUPS, OFFERS
-from app.gui.commands.command import Command
-from app.gui.state.app_state import AppState
+from app.gui.commands.command import Command, Needs
 from app.gui.state.exports import What
 
 
@@ -24,9 +23,7 @@ def exporting() -> tuple[Command, ...]:
 def _command(title: str, what: What) -> Command:
     offer = OFFERS[what]
 
-    def applies(state: AppState) -> bool:
-        return not export_actions.why_not_export(state, what)
-
+    applies = Needs(partial(export_actions.why_not_export, what=what))
     act = partial(export_actions.choose_what, what=what)
     text = f"export {title if title[1].isupper() else title.lower()}: {offer.text}"
     synonyms = ("splats",) if "splats" in what else ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.gui.actions import changing_runs, job_actions, queue_actions, run_actions
-from app.gui.commands.command import Command, Section, menu
+from app.gui.commands.command import Command, Needs, Section, menu
 from app.gui.state.app_state import AppState
 
 
@@ -11,7 +11,7 @@ def job_sections() -> tuple[Section, ...]:
     making = (
         Command("Reconstruct", job_actions.start_reconstruction, ("Ctrl+R",),
                 text="reconstruct with the current settings: now, or after those in the queue",
-                applies=lambda s: not job_actions.why_not_reconstruct(s),
+                applies=Needs(job_actions.why_not_reconstruct),
                 refuse=job_actions.refuse,
                 synonyms=("train", "3d", "gaussian", "splat", "model", "run", "start", "depth", "stereo",
                           "calibration")),

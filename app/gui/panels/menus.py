@@ -71,7 +71,7 @@ def draw_commands(state: AppState, commands: tuple[Command, ...]) -> None:
         keys = with_keys(command.keys[0]) if command.keys else ""
         if imgui.menu_item_simple(command.label, keys, command.ticked(state), command.applies(state)):
             command.act(state)
-        explain(command.text, below=False)  # Where the next entry is.
+        explain(command.tooltip(state), below=False)  # Where the next entry is.
 
 
 def draw_status(state: AppState) -> None:

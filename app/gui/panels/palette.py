@@ -48,7 +48,7 @@ def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
         by = imgui.is_key_pressed(imgui.Key.down_arrow) - imgui.is_key_pressed(imgui.Key.up_arrow)
         if by:
             palette.move(by, len(found))
-        chosen = _draw_found(found, palette.marked, by != 0, "" if matching else NONE)
+        chosen = _draw_found(state, found, palette.marked, by != 0, "" if matching else NONE)
         if imgui.is_key_pressed(imgui.Key.enter) or imgui.is_key_pressed(imgui.Key.keypad_enter):
             chosen = found[palette.marked]
         runs = chosen is not None and chosen.applies
@@ -59,7 +59,7 @@ def draw_palette(state: AppState, sections: tuple[Section, ...]) -> None:
         chosen.command.act(state)
 
 
-def _draw_found(found: list[Found], marked: int, moved: bool, heading: str) -> Found | None:
+def _draw_found(state: AppState, found: list[Found], marked: int, moved: bool, heading: str) -> Found | None:
     """The list, and what was clicked in it."""
     chosen = None
     height = imgui.get_text_line_height_with_spacing()
@@ -67,14 +67,14 @@ def _draw_found(found: list[Found], marked: int, moved: bool, heading: str) -> F
         if heading:
             muted(heading)
         for place, one in enumerate(found):
-            if _draw_row(one, place, place == marked):
+            if _draw_row(state, one, place, place == marked):
                 chosen = one
             if moved and place == marked:
                 imgui.set_scroll_here_y()
     return chosen
 
 
-def _draw_row(one: Found, place: int, marked: bool) -> bool:
+def _draw_row(state: AppState, one: Found, place: int, marked: bool) -> bool:
     """Name on the left, menu and key on the right; greyed when it does not apply now."""
     start, can = imgui.get_cursor_pos_x(), imgui.SelectableFlags_
     flags = can.none if one.applies else can.disabled
@@ -82,7 +82,7 @@ def _draw_row(one: Found, place: int, marked: bool) -> bool:
     clicked, _ = imgui.selectable(f"{name}##{place}", marked, flags)
     if marked:
         mark_row()
-    explain(one.command.text, below=False)  # Where the next row is.
+    explain(one.command.tooltip(state), below=False)  # Where the next row is.
     keys = with_keys(one.command.keys[0]) if one.command.keys else ""
     for text, x in ((one.where, em(20)), (keys, em(29))):
         imgui.same_line(start + x)

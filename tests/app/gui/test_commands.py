@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from imgui_bundle import imgui
 
+from app.gui.actions import job_actions
 from app.gui.commands.command import Command, Section
 from app.gui.commands.commands import sections
 from app.gui.commands.finding import find
@@ -67,6 +68,22 @@ def test_every_menu_entry_is_in_the_palette(ui: Ui, empty: AppState, monkeypatch
             ui.frame(lambda section=section: menus.draw_commands(empty, section.commands))  # type: ignore[misc]
     assert drawn
     assert Counter(drawn) == Counter(found.command.label for found in find(every, "", empty))
+
+
+def test_what_is_greyed_says_what_is_missing(empty: AppState, editing: AppState) -> None:
+    def said(state: AppState, label: str) -> str:
+        return next(one.tooltip(state) for one in commands(state) if one.label == label)
+
+    assert said(empty, "Measure") == (
+        "Measure between two clicks on the 3D view. Reconstruct a clip first, or open a run or a splat file."
+    )
+    assert said(empty, "Fit") == "Fit the whole frame. Open a clip first."
+    assert said(empty, "Reconstruct").endswith(job_actions.why_not_reconstruct(empty))
+    assert said(empty, "Select all") == "Turn on edit mode first (Ctrl+E)."
+    assert said(editing, "Select all") == ""
+    assert said(editing, "Hide") == "Hide the selected Gaussians. Select Gaussians first."
+    assert said(editing, "Measure") == "Measure between two clicks on the 3D view"
+    assert [one.tooltip(empty) for one in opening(empty)] == ["/clips/a", "/other/a"]
 
 
 def test_recent_files_of_one_name_are_told_apart_by_their_folders(empty: AppState) -> None:
