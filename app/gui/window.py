@@ -376,9 +376,12 @@ class Window:
 
     def _end_work(self) -> None:
         """Also of a window that a signal ends: what the job shares would be left in memory."""
-        if self.state.runs.reconstruction.job is not None:
-            self.state.runs.reconstruction.job.close()
-            self.state.runs.reconstruction.job = None
+        runs = self.state.runs
+        if runs.reconstruction.job is not None:
+            runs.reconstruction.job.close()
+        if runs.ending is not None:
+            runs.ending.job.close()
+        runs.reconstruction.job = runs.ending = None
         close_live(self.state)
         if self._preparer is not None:
             self._preparer.close()

@@ -83,6 +83,11 @@ class TrainingJob:
             self.state = STATE_AFTER.get(type(event), self.state)
         return events
 
+    @property
+    def has_gone(self) -> bool:
+        """Its process has ended, so that `close` waits for nothing."""
+        return not self._process.is_alive()
+
     def latest_model(self) -> DynamicGaussians | None:
         """The newest snapshot; the same object until there is a newer one. None before the first."""
         return self._reader.newest()
@@ -102,7 +107,9 @@ class TrainingJob:
     def close(self) -> None:
         """End the process, waiting at most a few seconds, and give back the shared memory."""
         if self._process.pid is not None:
-            self.cancel()
+            # One that has told its end closes its pipe before it goes, and to write to that can be a signal.
+            if self.state in ("running", "paused"):
+                self.cancel()
             self._process.join(SECONDS_TO_END)
             for end in (self._process.terminate, self._process.kill):
                 if self._process.is_alive():

@@ -130,6 +130,15 @@ class Reconstruction:
         return self.status == "paused" and not self.cancelling
 
 
+@dataclass(frozen=True)
+class Ending:
+    """A job whose run has ended, and whose process is about to."""
+
+    job: TrainingJob
+    since: float
+    """In the window's seconds."""
+
+
 @dataclass
 class RunQuestion:
     """What a person is asked about one run."""
@@ -153,6 +162,8 @@ class Runs:
     reconstruction: Reconstruction = field(default_factory=Reconstruction)
     queue: tuple[Waiting, ...] = ()
     """Reconstructions to be made after the present one, the next one first."""
+    ending: Ending | None = None
+    """Of the run that has ended last."""
     starts: bool = False
     """A person has asked for the next one: it starts with the next frame, where none is under way."""
     asked: bool = False

@@ -10,7 +10,7 @@ from app.errors import UserError, sentence
 from app.files.legible import without_flags
 from app.gui.actions import actions, job_actions, queue_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.reconstruction import Reconstruction
+from app.gui.state.reconstruction import Ending, Reconstruction
 from app.gui.work.runs import LeftRequest
 from app.runs.job import Cancelled, Failed, Paused, Resumed, TrainingJob
 from app.runs.memory import told
@@ -29,12 +29,16 @@ from renderer.train.events import (
 )
 
 log = logging.getLogger(__name__)
+LONGEST_END = 60.0
+"""Seconds after which the process of a run that has ended is not waited for."""
 MakeJob = Callable[[TrainRequest], TrainingJob]
 
 
 def start_due(state: AppState, make_job: MakeJob) -> None:
     """Once a frame: the next one, when a person has just asked for one, or when the one before has ended in
-    whatever way; once its clip is open, unless one is under way."""
+    whatever way and its process has; once its clip is open, unless one is under way."""
+    if state.runs.ending is not None:
+        return
     asked, state.runs.starts = state.runs.starts, False
     draft, first = state.runs.reconstruction, state.runs.next_waiting
     if draft.is_alive or first is None or first.clip is None:
@@ -65,6 +69,19 @@ def start_due(state: AppState, make_job: MakeJob) -> None:
 
 def follow_job(state: AppState) -> None:
     """Once a frame: hear what it says; when it has ended, give it back."""
+    _follow(state)
+    _close_ended(state)
+
+
+def _close_ended(state: AppState) -> None:
+    """Once its process has ended, which takes a while on a busy computer: the window must not wait for it."""
+    ending = state.runs.ending
+    if ending is not None and (ending.job.has_gone or state.window.now - ending.since > LONGEST_END):
+        ending.job.close()
+        state.runs.ending = None
+
+
+def _follow(state: AppState) -> None:
     job = state.runs.reconstruction.job
     if job is None:
         return
@@ -75,8 +92,7 @@ def follow_job(state: AppState) -> None:
             state.runs.preview = state.scene.model
         path = state.runs.reconstruction.run_path
         state.runs.reconstruction.ended = LeftRequest(path) if path is not None else None
-        job.close()
-        state.runs.reconstruction.job = None
+        state.runs.reconstruction.job, state.runs.ending = None, Ending(job, state.window.now)
     elif (model := job.latest_model()) is not None:
         job_actions.show_live_model(state, model)
 

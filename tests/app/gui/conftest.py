@@ -88,6 +88,7 @@ class FakeJob:
     inbox: list[object] = field(default_factory=list)
     told: list[str] = field(default_factory=list)
     model: DynamicGaussians | None = None
+    has_gone: bool = True
 
     def start(self) -> None:
         self.told.append("start")

@@ -19,7 +19,7 @@ from app.gui.actions import actions, clip_actions, closing, job_actions, queue_a
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.update.channels import Channels
-from app.gui.update.jobs import start_due
+from app.gui.update.jobs import LONGEST_END, start_due
 from app.gui.update.update import update
 from app.gui.work.settings import Places, Settings
 from app.runs.job import Cancelled, Failed
@@ -82,6 +82,33 @@ def test_the_next_starts_when_one_has_ended_and_never_before(
     assert [request.config.iterations for request in jobs.requests] == [100, 200]
     assert jobs.all[0].told == ["start", "close"]
     assert state.runs.queue == ()
+
+
+def test_a_process_that_takes_a_while_to_end_is_waited_for_by_the_next_and_not_by_the_window(
+    state: AppState, jobs: Jobs
+) -> None:
+    queued(state, jobs, 100)
+    channels, (first,) = Channels(), jobs.all
+    first.has_gone, first.inbox = False, [Started(0, 100, 30, ()), Cancelled()]
+    frame(state, jobs, channels)
+    assert state.runs.reconstruction.status == "cancelled"
+    queued(state, jobs, 200)
+    frame(state, jobs, channels)
+    assert (first.told, len(jobs.all)) == (["start"], 1)
+    first.has_gone = True
+    frame(state, jobs, channels)
+    assert first.told == ["start", "close"]
+    assert [request.config.iterations for request in jobs.requests] == [100, 200]
+
+
+def test_a_process_that_never_ends_is_ended(state: AppState, jobs: Jobs) -> None:
+    queued(state, jobs, 100)
+    channels, (first,) = Channels(), jobs.all
+    first.has_gone, first.inbox = False, [Started(0, 100, 30, ()), Cancelled()]
+    frame(state, jobs, channels)
+    state.window.now += LONGEST_END
+    frame(state, jobs, channels)
+    assert first.told == ["start", "close"]
 
 
 def test_one_whose_mask_leaves_nothing_is_told_and_the_next_starts(state: AppState, jobs: Jobs) -> None:

@@ -134,7 +134,8 @@ def test_words_that_change_nothing_are_not_answered(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("paused", [False, True])
-def test_cancel_closes_the_steps(tmp_path: Path, paused: bool) -> None:
+def test_cancel_closes_the_steps(tmp_path: Path, paused: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
     with job_of(fake_steps.endless, tmp_path) as job:
         events_until(job, is_a(Progress))
         if paused:
@@ -144,6 +145,12 @@ def test_cancel_closes_the_steps(tmp_path: Path, paused: bool) -> None:
         events_until(job, is_a(Cancelled))
         assert job.state == "cancelled"
         assert (tmp_path / "run" / "closed").exists()
+        end = time.monotonic() + PATIENCE
+        while not job.has_gone and time.monotonic() < end:
+            time.sleep(0.01)
+        assert job.has_gone
+        monkeypatch.setattr(job, "_say", said.append)
+    assert said == []  # Its end of the pipe may be closed.
 
 
 @pytest.mark.parametrize(
