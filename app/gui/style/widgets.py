@@ -17,7 +17,7 @@ from app.gui.views.key_words import with_keys
 
 IN_SIGHT = 16
 """Lines of a list to choose from, before it scrolls."""
-NAMES = 5.6
+NAMES = 6.0
 """Text heights that the names of controls have, before the controls."""
 EXPLANATION = 24.0
 """Text heights across that a tooltip has at most."""

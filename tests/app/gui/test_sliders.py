@@ -7,19 +7,21 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import pytest
-from imgui_bundle import ImVec2, imgui, imgui_ctx
+from imgui_bundle import ImVec2, hello_imgui, imgui, imgui_ctx
+from PIL import ImageFont
 
 from app.enhancement.amounts import AMOUNTS
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.methods import EnhancementSettings
-from app.enhancement.setting_words import before_strength
+from app.enhancement.setting_words import LABELS, before_strength
 from app.gui.actions import actions, history_actions
 from app.gui.panels import enhancement
 from app.gui.panels.enhancement import draw_enhancement
 from app.gui.state import scales
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
-from app.gui.style import fields
+from app.gui.style import fields, fonts
+from app.gui.style.widgets import NAMES
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
 from tests.app.gui.ui import Shown, Ui, pictures
@@ -290,3 +292,10 @@ def test_the_badge_on_the_image_says_what_the_sliders_say(hand: Hand, params: En
     said = dict(part.replace("auto ", "").split(" ")[:2] for part in badge.split(" · ") if " " in part)
     assert said.keys() >= {"Colour"}
     assert said == {name: numbers[name] for name in said}
+
+
+def test_names_of_settings_end_before_their_sliders() -> None:
+    font = ImageFont.truetype(hello_imgui.asset_file_full_path(fonts.OWN), 100)
+    wide = {label: font.getlength(label) / sum(font.getmetrics()) for label in LABELS.values()}
+    assert max(wide.values()) > 5  # Text heights: it is the window's own font.
+    assert [label for label, width in wide.items() if width > NAMES - 0.5] == []
