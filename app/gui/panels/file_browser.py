@@ -27,6 +27,7 @@ from app.gui.style.widgets import (
     shortened,
     within,
 )
+from app.gui.views.key_words import with_keys
 from app.gui.work.listing import Entry
 
 ENTER = (imgui.Key.enter, imgui.Key.keypad_enter)
@@ -49,6 +50,7 @@ EMPTY = {
     "file": "No folder here, and no file of this kind.",
     "save": "No folder and no session here.",
 }
+ONE_VIDEO = "Open file (Ctrl+I) lists the video here."
 UP_TEXT = "Backspace or Alt+Up: the folder above."
 HINTS = {
     "folder": "Enter goes in; Enter again opens the folder.",
@@ -236,7 +238,15 @@ def _draw_choice(state: AppState, browsing: Browsing) -> None:
         imgui.text_colored(theme.now().warning, f"{legible(browse_actions.target(browsing).name)} exists.")
     else:
         typed = browsing.typed or (saves and browsing.name.strip())
-        muted(reason if reason and typed else HINTS[browsing.choosing.kind])
+        muted(reason if reason and typed else with_keys(_hint(browsing)))
+
+
+def _hint(browsing: Browsing) -> str:
+    """Of a folder whose videos are not listed, where they are."""
+    videos = browsing.listing.videos if browsing.listing is not None else 0
+    if browsing.choosing.kind == "folder" and browsing.choosing.question.takes_files and videos:
+        return f"Open file (Ctrl+I) lists the {videos} videos here." if videos > 1 else ONE_VIDEO
+    return HINTS[browsing.choosing.kind]
 
 
 def _take_keys(state: AppState, browsing: Browsing) -> None:

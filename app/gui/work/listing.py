@@ -6,6 +6,7 @@ import os
 import stat
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
@@ -77,6 +78,11 @@ class Listing:
     entries: tuple[Entry, ...] = ()
     trouble: str = ""
     """Why it cannot be looked into."""
+
+    @cached_property
+    def videos(self) -> int:
+        """How many of the files are videos by their names."""
+        return sum(entry.kind == "file" and entry.path.suffix.lower() in VIDEOS for entry in self.entries)
 
 
 def list_folder(request: ListRequest) -> Iterator[Listing]:

@@ -151,6 +151,25 @@ def test_of_a_folder_that_is_still_read_nothing_is_said_not_to_be_there(
     assert browse_actions.why_not(browsing) == f"There is no such {kind}."
 
 
+def test_where_a_folder_is_asked_for_videos_that_are_not_listed_are_told_of(
+    chooser: Chooser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(file_browser, "muted", said.append)
+    for name in ("a.mp4", "B.AVI", "c.png", "d.txt"):
+        (tmp_path / name).write_text("")
+    (tmp_path / "empty.mp4").mkdir()
+    chooser.ask("folder", "folder", tmp_path)
+    assert said[-1] == "Open file (Ctrl+I) lists the 2 videos here."
+    chooser.press(K.escape)
+    (tmp_path / "a.mp4").unlink()
+    chooser.ask("folder", "folder", tmp_path)
+    assert said[-1] == "Open file (Ctrl+I) lists the video here."
+    chooser.press(K.escape)
+    chooser.ask("folder", "masks", tmp_path)
+    assert said[-1].startswith("Enter goes in")
+
+
 def test_arrows_mark_and_enter_goes_in_or_opens(chooser: Chooser, folder: Path) -> None:
     (folder / "b clip" / "x.png").write_text("")
     chooser.ask("file", "file", folder)
