@@ -50,6 +50,7 @@ EMPTY = {
     "file": "No folder here, and no file of this kind.",
     "save": "No folder and no session here.",
 }
+WHOLE_FOLDER = "Open folder (Ctrl+O) opens a whole folder."
 ONE_VIDEO = "Open file (Ctrl+I) lists the video here."
 UP_TEXT = "Backspace or Alt+Up: the folder above."
 HINTS = {
@@ -242,7 +243,9 @@ def _draw_choice(state: AppState, browsing: Browsing) -> None:
 
 
 def _hint(browsing: Browsing) -> str:
-    """Of a folder whose videos are not listed, where they are."""
+    """Of a folder whose videos are not listed, where they are; where none is opened, what opens it."""
+    if browsing.choosing.purpose == "file" and browsing.marked is None:
+        return WHOLE_FOLDER
     videos = browsing.listing.videos if browsing.listing is not None else 0
     if browsing.choosing.kind == "folder" and browsing.choosing.question.takes_files and videos:
         return f"Open file (Ctrl+I) lists the {videos} videos here." if videos > 1 else ONE_VIDEO

@@ -133,6 +133,8 @@ def test_a_file_that_is_not_there_is_said_not_to_be(
     texts: list[str] = []
     monkeypatch.setattr(file_browser, "muted", texts.append)
     chooser.ask("file", "file", folder)
+    assert texts[-1] == "Open folder (Ctrl+O) opens a whole folder."
+    chooser.press(K.down_arrow)
     assert texts[-1].startswith("Enter opens")
     chooser.type("gone.png")
     chooser.press(K.enter)
