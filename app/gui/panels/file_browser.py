@@ -200,9 +200,9 @@ def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, tex
 
 
 def _sized(entry: Entry) -> str:
-    """Bytes as a person says them."""
+    """Bytes as a person says them; of a folder, whose thumbnail is like a file's, that it is one."""
     if entry.kind != "file":
-        return ""
+        return "folder" if entry.kind == "folder" else ""
     for unit, bytes_ in (("GB", 1e9), ("MB", 1e6)):
         if entry.size >= bytes_:
             return f"{entry.size / bytes_:.1f} {unit}"

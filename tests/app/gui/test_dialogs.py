@@ -153,6 +153,18 @@ def test_of_a_folder_that_is_still_read_nothing_is_said_not_to_be_there(
     assert browse_actions.why_not(browsing) == f"There is no such {kind}."
 
 
+def test_folders_are_told_from_files(
+    chooser: Chooser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said: list[str] = []
+    monkeypatch.setattr(file_browser, "muted", said.append)
+    (tmp_path / "a.png").write_bytes(b"0" * 4000)
+    (tmp_path / "b").mkdir()
+    chooser.ask("file", "file", tmp_path)
+    folder, file = said[-5:-3], said[-3:-1]  # The folder's row comes first, the hint last.
+    assert (folder[1], file[1]) == ("folder", "4 kB")
+
+
 def test_where_a_folder_is_asked_for_videos_that_are_not_listed_are_told_of(
     chooser: Chooser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
