@@ -14,7 +14,7 @@ from rich.table import Table
 from app.console.flags import refuse
 from app.console.progress import WIDTH, Terminal, progress
 from app.errors import UserError
-from app.files.atomic import make_folder, write_bytes
+from app.files.atomic import made, write_bytes
 from app.files.legible import in_utf8
 from app.files.provenance import provenance, strict_json
 from app.report.section import Table as Measured
@@ -108,8 +108,7 @@ def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: 
     Raises:
         UserError: another process runs a sweep there, or the engine is gone.
     """
-    make_folder(folder)
-    with sweep_locked(folder):
+    with made(folder), sweep_locked(folder):
         write_sweep(plan, folder)
         if retry:
             for job in plan.jobs:

@@ -152,3 +152,16 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError) as error:
         raise UserError(f"expected a folder, got a file as a parent of {folder}") from error
+
+
+@contextmanager
+def made(folder: Path) -> Iterator[None]:
+    """The folder and its parents are made; one that is new and still empty at the end is gone again."""
+    is_new = not folder.exists()
+    make_folder(folder)
+    try:
+        yield
+    finally:
+        if is_new:
+            with suppress(OSError):  # Something is in it.
+                folder.rmdir()

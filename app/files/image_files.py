@@ -49,6 +49,7 @@ TURNS: Mapping[int, Callable[[ArrayImage], ArrayImage]] = {
     8: np.rot90,
 }
 """What makes a picture upright, by its EXIF orientation."""
+ONE_OF = "name one of these (enhance --recursive takes all)"
 PLAIN_NETPBM = (b"P1", b"P2", b"P3")
 """How images of numbers in ASCII begin."""
 
@@ -76,9 +77,8 @@ def frames_in(folder: Path) -> PictureKinds:
     if not kinds.frames:
         kinds = PictureKinds(tuple(path for path in files if path.suffix.lower() == ".npy"))
     if not kinds.frames:
-        folders = ", ".join(path.name for path in folders_in(folder))
-        one = "name one of these, or add --recursive for all of them"
-        hint = f", which holds the folders {folders}: {one}" if folders else ""
+        folders = listed([path.name for path in folders_in(folder)])
+        hint = f", which holds the folders {folders}: {ONE_OF}" if folders else ""
         lost = "".join(f"; {said}" for said in broken_links(inside.iterdir()))
         raise UserError(
             f"expected a folder with images, found none in {folder}{hint or _videos(files)}{lost}"
@@ -89,7 +89,7 @@ def frames_in(folder: Path) -> PictureKinds:
 def _videos(files: list[Path]) -> str:
     """What to do with a folder of videos; empty without any."""
     names = [path.name for path in files if moves(path)]
-    return f", which holds the videos {listed(names)}: name one of these, or add --recursive" if names else ""
+    return f", which holds the videos {listed(names)}: {ONE_OF}" if names else ""
 
 
 def read_image(path: Path) -> ArrayImage:

@@ -28,7 +28,7 @@ class LiveAddress:
 
     @classmethod
     def of_file(cls, path: Path) -> LiveAddress:
-        return cls("file", str(path.absolute()), path.resolve().name)
+        return cls("file", str(path.absolute()), path.resolve().name or str(path))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import threading
 import time
 import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -22,6 +22,7 @@ from typing import Any, Final, Literal
 from filelock import FileLock, Timeout
 
 from app.errors import UserError, sentence
+from app.files.atomic import write_bytes
 from app.sweeps.jobs import PICTURE, Job, JobFolder, Keeps
 
 TOKEN: Final = ".sweep"
@@ -130,14 +131,15 @@ def made_known(sweep: Path) -> str:
     """The word by which workers know the folder; written when it is not there yet."""
     place = sweep / TOKEN
     if not place.exists():
-        place.write_text(secrets.token_hex(16))
+        write_bytes(place, secrets.token_hex(16).encode())
     return place.read_text()
 
 
 @contextmanager
 def sweep_locked(sweep: Path) -> Iterator[None]:
     """Nobody else hands out this sweep's jobs meanwhile. Raises UserError: another process does."""
-    lock = FileLock(sweep / ".lock", blocking=False)
+    file = sweep / ".lock"
+    lock = FileLock(file, blocking=False)
     try:
         lock.acquire()
     except Timeout as error:
@@ -145,6 +147,9 @@ def sweep_locked(sweep: Path) -> Iterator[None]:
     try:
         yield
     finally:
+        # Removed while it is held, so that nobody else's is; Windows lets go of it first.
+        with suppress(PermissionError):
+            file.unlink(missing_ok=True)
         lock.release()
 
 

@@ -221,6 +221,11 @@ def test_a_folder_of_folders_says_which_it_holds(tmp_path: Path, vesselsplat: Cl
     assert call.code == 2
     assert "which holds the folders input: name one of these" in call.error
     assert not (tmp_path / "out").exists()
+    for number in range(20):
+        (tmp_path / "case" / f"of{number:02}").mkdir()
+    call = vesselsplat("metrics", tmp_path / "case")
+    assert "the folders input, of00, of01, of02, of03 and 16 more: name one" in call.error
+    assert "or add" not in call.error, "only enhance has --recursive"
 
 
 def with_maps(folder: Path) -> Path:

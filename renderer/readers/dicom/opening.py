@@ -28,7 +28,9 @@ PREAMBLE, MARK = 128, b"DICM"
 def is_dicom(path: Path) -> bool:
     """Whether a file, of any name, bears the mark of DICOM."""
     try:
-        require_regular(path)
+        # Files of a system's state, such as /proc/kmsg, are empty by their size, and reading them may wait.
+        if require_regular(path) < PREAMBLE + len(MARK):
+            return False
         with path.open("rb") as file:
             return file.read(PREAMBLE + len(MARK))[PREAMBLE:] == MARK
     except OSError:

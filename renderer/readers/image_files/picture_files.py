@@ -41,7 +41,8 @@ def opened(path: Path) -> Iterator[ImageFile.ImageFile]:
         OSError, ValueError, SyntaxError: it is no regular file, or no picture; or what is read of it while
             it is open is damaged. Of DICOM and of `is_coded` a ClipError, which is a ValueError, says all.
     """
-    require_regular(path)
+    if not require_regular(path):
+        raise UnidentifiedImageError(f"expected an image, got an empty file: {path}")
     try:
         with _opened(path) as picture:
             # What has a name Pillow maps into memory, and then reads grey TIFF that lies on its side wrongly.

@@ -60,7 +60,7 @@ def _instead(visible: Sequence[Path], files: Sequence[Path]) -> str:
     if splats:
         own = "open one of these, or the run that they were exported from"
         return f"; it holds the splat files {listed(splats)}: {own}"
-    folders = ", ".join(sorted(entry.name for entry in visible if entry.is_dir()))
+    folders = listed(sorted(entry.name for entry in visible if entry.is_dir()))
     videos = [entry.name for entry in files if moves(entry)]
     inside = f"folders {folders}" if folders else f"videos {listed(videos)}" if videos else ""
     return f"; it holds the {inside}: open one of these" if inside else ""

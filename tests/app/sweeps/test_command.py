@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 from pathlib import Path
 
 import cv2
@@ -90,6 +92,24 @@ def test_what_a_sweep_that_runs_records_is_not_replaced(vesselsplat: Cli, spec: 
     assert called.code == 2
     assert "another process" in called.error
     assert (out / "sweep.json").read_text() == "of the one that runs"
+
+
+@pytest.mark.parametrize("is_new", [True, False])
+def test_a_sweep_that_finds_no_room_leaves_nothing(
+    vesselsplat: Cli, spec: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_new: bool
+) -> None:
+    def refused(path: Path, content: bytes) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    out = tmp_path / "out"
+    if not is_new:
+        out.mkdir()
+    monkeypatch.setattr("app.sweeps.plan.write_bytes", refused)
+    called = vesselsplat("sweep", spec, "--out", out)
+    assert called.code == 2
+    assert called.error.endswith(f"No space left on device: {out / 'sweep.json'}\n")
+    assert out.exists() is not is_new, "a folder that was there stays"
+    assert is_new or not [*out.iterdir()]
 
 
 def test_info_says_what_a_sweep_has_and_what_is_next(vesselsplat: Cli, tmp_path: Path) -> None:

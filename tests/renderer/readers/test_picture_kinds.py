@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from renderer.readers.image_files.file_kinds import moves
+from renderer.readers.image_files.file_kinds import is_frame, moves
 from renderer.readers.image_folders.frames import open_images
 from renderer.readers.image_folders.picture_kinds import frame_folder, kind_by_name, kinds_of
 from renderer.sources import open_clip
@@ -32,6 +32,19 @@ def numbers(path: Path, kind: type = np.uint16) -> Path:
 def labels(path: Path, values: tuple[int, ...] = (0, 1)) -> Path:
     Image.fromarray(np.resize(np.array(values, np.uint8), SHAPE)).save(path)
     return path
+
+
+def test_nothing_is_read_of_a_file_without_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files of a system's state, such as /proc/kmsg, are of that size, and reading them may wait for ever."""
+
+    def waits(*_given: object, **_named: object) -> None:
+        pytest.fail("it was opened")
+
+    (tmp_path / "kmsg").touch()
+    monkeypatch.setattr("io.open", waits)
+    monkeypatch.setattr("builtins.open", waits)
+    assert not is_frame(tmp_path / "kmsg")
+    assert not moves(tmp_path / "kmsg")
 
 
 @pytest.mark.parametrize(
