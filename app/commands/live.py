@@ -129,6 +129,8 @@ def run(flags: argparse.Namespace) -> None:
         sending = None if sender is None else sender.finish()
     last = session.status()
     if last.made == 0:
+        if is_ended():
+            raise KeyboardInterrupt
         raise UserError(f"no frame came from {asked.name}: {last.reason or 'none in that time'}")
     facts = _facts(last, time.perf_counter() - began) | {"source": asked.name, "setting": setting}
     if recording is not None:

@@ -66,6 +66,23 @@ def ended_by_ctrl_c() -> Iterator[Callable[[], bool]]:
             signal.signal(signal.SIGINT, before)
 
 
+@contextmanager
+def unheard() -> Iterator[None]:
+    """Processes that begin meanwhile are not ended by Ctrl+C or a lost terminal, not even while Python starts
+    in them; here these come at the end. Not on Windows, where processes inherit nothing of it."""
+    if sys.platform == "win32":
+        yield
+        return
+    from multiprocessing import resource_tracker  # Commands that start no process do without.
+
+    resource_tracker.ensure_running()  # As it starts, it lets both through again.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 class Interrupted(KeyboardInterrupt):
     """Where a plain KeyboardInterrupt has passed a library in C, Python ends by SIGINT whatever its code."""
 

@@ -22,6 +22,7 @@ from typing import Final
 
 import psutil
 
+from app.console.ending import unheard
 from app.console.startup import rest_while_waiting
 from app.kernels.progress import Kind, Preparation, tasks
 
@@ -43,7 +44,8 @@ class Preparer:
         """When it should be complete, by the best that was expected so far."""
 
     def start(self) -> None:
-        self._process.start()
+        with unheard():
+            self._process.start()
         self._far_end.close()
 
     def poll(self) -> Preparation | None:
@@ -80,7 +82,8 @@ def taken_beside(kinds: Sequence[Kind]) -> Iterator[Callable[[], None]]:
     context = multiprocessing.get_context("spawn")
     pipe, far_end = context.Pipe()
     process = context.Process(target=take, args=(far_end, kinds), daemon=True)
-    process.start()
+    with unheard():
+        process.start()
     far_end.close()
     try:
         yield process.join

@@ -15,6 +15,7 @@ from contextlib import suppress
 from queue import SimpleQueue
 from typing import Final, Literal
 
+from app.console.ending import unheard
 from app.errors import sentence
 from app.runs.run_folder import RunFolder
 from app.runs.shared_model import Slot, SlotReader
@@ -71,7 +72,8 @@ class TrainingJob:
 
     def start(self) -> None:
         """Start the process. A job starts once."""
-        self._process.start()
+        with unheard():
+            self._process.start()
         self._far_end.close()
         self._listener.start()
         self.state = "running"

@@ -10,6 +10,7 @@ from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExec
 from contextlib import contextmanager
 from typing import Any
 
+from app.console.ending import unheard
 from app.console.startup import rest_while_waiting
 from app.sweeps.engines.engine import Engine, workers_for
 from app.sweeps.worker import end_with_parent
@@ -46,11 +47,12 @@ class Processes(Executor):
         return ProcessPoolExecutor(self._workers, context, _begin)
 
     def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
-        try:
-            return self._pool.submit(function, *given, **named)
-        except BrokenExecutor:
-            self._pool = self._new()
-            return self._pool.submit(function, *given, **named)
+        with unheard():
+            try:
+                return self._pool.submit(function, *given, **named)
+            except BrokenExecutor:
+                self._pool = self._new()
+                return self._pool.submit(function, *given, **named)
 
     def end(self) -> None:
         """Without waiting for what runs: a training goes on from its checkpoint the next time."""

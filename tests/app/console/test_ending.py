@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -16,7 +17,7 @@ from pydantic import model_serializer
 from pydantic.dataclasses import dataclass
 from pydantic_core import to_jsonable_python
 
-from app.console.ending import EndingSignals, noted
+from app.console.ending import EndingSignals, noted, unheard
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -45,6 +46,21 @@ def ended_by(number: int, given: Path, out: Path) -> tuple[int, str]:
     process.send_signal(number)
     error = process.communicate(timeout=60)[1]
     return process.returncode, error
+
+
+def idle() -> None:
+    """In a process of its own."""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="Windows has no such signals")
+def test_a_process_is_not_ended_by_ctrl_c_while_python_starts_in_it() -> None:
+    process = multiprocessing.get_context("spawn").Process(target=idle)
+    with unheard():
+        process.start()
+    assert process.pid is not None
+    os.kill(process.pid, signal.SIGINT)
+    process.join(60)
+    assert process.exitcode == 0
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="Windows has no such signals")

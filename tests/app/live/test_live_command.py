@@ -101,6 +101,15 @@ def test_ctrl_c_ends_it_as_the_time_does(tmp_path: Path) -> None:
     assert len(open_clip(film)) == told["recording"]["pictures"] > 0
 
 
+def test_ctrl_c_before_the_first_frame_is_no_fault_of_the_source(
+    vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.commands.live._follow", lambda *_: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr("app.commands.live.load", lambda _: None)
+    done = vesselsplat("live", "tcp://127.0.0.1:9")
+    assert (done.code, done.error) == (130, "vesselsplat: interrupted\n")
+
+
 def test_a_recording_that_ends_early_is_told_at_once(vesselsplat: Cli, tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"no folder")
     done = vesselsplat("live", phantom_path(), "--seconds", "1.5", "--record", tmp_path / "file" / "x.mp4")
