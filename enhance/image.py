@@ -103,7 +103,7 @@ def read_picture(image: AnyImage) -> Picture:
         ImageError: anything else, NaN, and masked arrays.
     """
     image = _plain(image, "an image")
-    _check_shape(image)
+    check_shape(image)
     _check_values(image)
     alpha = image[..., 3] if image.ndim == 3 and image.shape[2] == 4 else None
     colors = image if alpha is None else image[..., :3]
@@ -149,7 +149,8 @@ def _plain(array: AnyImage, name: str) -> AnyImage:
     return array if array.dtype.isnative else array.astype(array.dtype.newbyteorder("="))
 
 
-def _check_shape(image: AnyImage) -> None:
+def check_shape(image: AnyImage) -> None:
+    """Raises ImageError: it is no image by its axes, or one without pixels."""
     grey, color = image.ndim == 2, image.ndim == 3 and image.shape[-1] in (3, 4)
     if not (grey or color):
         raise ImageError(f"expected an image of shape (H, W), (H, W, 3) or (H, W, 4), got {image.shape}")

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.brightness import BLACK, value
-from enhance.image import AnyImage, BoolImage, Float32Image, ImageError
+from enhance.image import AnyImage, BoolImage, Float32Image, ImageError, check_shape
 from enhance.measured_pixels import check_sizes, green, kept, seen, unit
 from enhance.strips import strips
 
@@ -121,17 +121,23 @@ def line_scale(image: AnyImage) -> float:
     """What lengths in pixels are multiplied by to measure vessels of a small image as those of a larger one
     of the same scene: its longer side by 640, between a third and 1.
 
+    Raises:
+        ImageError: no image by its shape.
+
     Example:
         >>> import numpy as np
         >>> from enhance import line_scale
         >>> line_scale(np.zeros((240, 320, 3), np.uint8)), line_scale(np.zeros((1080, 1920), np.uint8))
         (0.5, 1.0)
     """
-    return float(min(1.0, max(LEAST_SCALE, max(image.shape[:2]) / FULL_SIDE)))
+    check_shape(array := np.asarray(image))
+    return float(min(1.0, max(LEAST_SCALE, max(array.shape[:2]) / FULL_SIDE)))
 
 
 def scaled(length: float, scale: float, least: int = 1) -> int:
-    """Whole pixels."""
+    """Whole pixels. Raises ImageError: such a scale makes no length."""
+    if not 0 < scale < math.inf:
+        raise ImageError(f"expected a scale above 0, got {scale}")
     return max(least, round(length * scale))
 
 
@@ -210,7 +216,7 @@ def blackened_share(image: AnyImage, original: AnyImage, vessel_mask: BoolImage)
     """
     before, after = seen(original), seen(image)
     check_sizes(after, before)
-    vessel = kept(original, vessel_mask) & kept(image)
+    vessel = _vessel(original, vessel_mask) & kept(image)
     dark, was_dark = (unit(value(pixels)[vessel]) < np.float32(2 * BLACK) for pixels in (after, before))
     return _mean(dark & ~was_dark)
 
@@ -273,10 +279,17 @@ def vessel_and_ring(
     Raises:
         ImageError: an image that cannot be used, or a mask of another size.
     """
-    pixels, vessel = seen(image), kept(image, vessel_mask)
+    pixels, vessel = seen(image), _vessel(image, vessel_mask)
     gap, width = scaled(RING_GAP, scale), scaled(RING_WIDTH, scale, 2)
     ring = _dilated(vessel, gap + width) & ~_dilated(vessel, gap)
     return pixels, vessel, ring & kept(image, tissue_mask)
+
+
+def _vessel(image: AnyImage, vessel_mask: BoolImage | None) -> BoolImage:
+    """Without a mask, as OpenCV reads a file that is not there, all would be vessel. Raises ImageError."""
+    if vessel_mask is None:
+        raise ImageError("expected a vessel_mask of shape (H, W), got None")
+    return kept(image, vessel_mask)
 
 
 def _mean_step(means: list[float]) -> float:

@@ -156,7 +156,7 @@ class Clip:
     """A readable clip; frames are decoded on request, never all at once.
 
     `open_clip` opens one from files; one from arrays is made as below. Reading a damaged frame raises
-    ClipError, one that is not there IndexError.
+    ClipError, one that is not there IndexError. Another process opens it anew: it cannot be pickled.
 
     Example:
         >>> from pathlib import Path

@@ -28,6 +28,7 @@ def open_clip(path: str | Path, options: ClipOptions = DEFAULTS) -> Clip:
 
     Raises:
         ClipError: nothing there, or nothing that can be read; one line that names the path.
+        TypeError: `options` of another class.
 
     Example:
         >>> from pathlib import Path
@@ -42,6 +43,8 @@ def open_clip(path: str | Path, options: ClipOptions = DEFAULTS) -> Clip:
         >>> clip.format, len(clip), clip.size, clip.has_depth
         ('images', 3, (32, 24), False)
     """
+    if not isinstance(options, ClipOptions):
+        raise TypeError(f"expected options to be ClipOptions, got {type(options).__name__}")
     return with_chosen_depth(open_bare(Path(path), options), options)
 
 

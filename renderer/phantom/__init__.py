@@ -226,6 +226,7 @@ def write_phantom(
     Raises:
         ClipError: it exists already or cannot be written.
         TypeError: `params` of another class.
+        ValueError: no such layout.
 
     Example:
         >>> from pathlib import Path
@@ -243,6 +244,8 @@ def write_phantom(
     if out.exists():
         raise ClipError(f"expected a new folder for the phantom, got one that exists: {out}")
     writers = {"endonerf": write_endonerf, "scared": write_scared}
+    if layout not in writers:
+        raise ValueError(f"expected a layout among {', '.join(writers)}, got {layout!r}")
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         clear(out.parent)

@@ -16,11 +16,13 @@ from enhance.metrics import (
     dvbv_local,
     dvbv_otsu,
     flicker,
+    line_scale,
     saturated_share,
     vessel_cnr,
     vessel_contrast,
 )
 from enhance.noise import chroma_noise_gain, noise_gain
+from enhance.ridges import vessel_mask
 from tests.enhance.pictures import DTYPES, as_type, vessels
 
 
@@ -309,3 +311,31 @@ def test_a_mask_that_is_no_array_is_refused() -> None:
     nothing: Any = "x"
     with pytest.raises(ImageError, match="expected a mask as an array of numbers, got str of <U1"):
         vessel_cnr(np.zeros((20, 20, 3), np.uint8), nothing)
+
+
+VESSEL_MEASURES: list[Callable[..., float]] = [vessel_contrast, vessel_cnr, vessel_color_difference]
+
+
+@pytest.mark.parametrize("measure", VESSEL_MEASURES)
+def test_a_file_of_vessels_that_is_not_there_is_no_image_full_of_them(measure: Callable[..., float]) -> None:
+    image, unread = np.zeros((20, 20, 3), np.uint8), None  # As OpenCV reads it.
+    with pytest.raises(ImageError, match="expected a vessel_mask of shape"):
+        measure(image, unread)
+    with pytest.raises(ImageError, match="expected a vessel_mask of shape"):
+        blackened_share(image, image, unread)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("scale", [0, -1, math.nan])
+@pytest.mark.parametrize("measure", VESSEL_MEASURES)
+def test_a_scale_that_makes_no_length_is_refused(measure: Callable[..., float], scale: float) -> None:
+    image, vessel = np.zeros((20, 20, 3), np.uint8), np.ones((20, 20), bool)
+    with pytest.raises(ImageError, match="expected a scale above 0, got"):
+        measure(image, vessel, scale=scale)
+    with pytest.raises(ImageError, match="expected a scale above 0, got"):
+        vessel_mask(image, scale=scale)
+
+
+@pytest.mark.parametrize("given", [None, "x.png", np.zeros(5, np.uint8), np.zeros((0, 4), np.uint8)])
+def test_the_scale_of_what_is_no_image_is_refused(given: Any) -> None:
+    with pytest.raises(ImageError, match="expected an image"):
+        line_scale(given)

@@ -14,8 +14,10 @@ from renderer import (
     Camera,
     Clip,
     ClipError,
+    PhantomParams,
     Splats,
     TrainConfig,
+    open_clip,
     psnr,
     rasterize,
     render,
@@ -46,6 +48,7 @@ MOMENT: Any = SPLATS
         (lambda: render(SPLATS, WRONG), "expected Splats and a Camera, got Splats and str"),
         (lambda: render(WRONG, CAMERA), "expected Splats and a Camera, got str and Camera"),
         (lambda: write_phantom("a", WRONG), "expected params to be PhantomParams, got str"),
+        (lambda: open_clip("a", WRONG), "expected options to be ClipOptions, got str"),
         (lambda: next(train(CLIP, WRONG)), "expected a TrainConfig, got str"),
         (lambda: rasterize(*[IMAGE] * 5, CAMERA), "expected five tensors and a Camera, got ndarray, ndarray"),
         (lambda: psnr(IMAGE, IMAGE, WRONG), "as numpy arrays, got ndarray, ndarray, str"),
@@ -55,6 +58,12 @@ MOMENT: Any = SPLATS
 def test_arguments_of_another_class_are_refused(call: Callable[[], object], says: str) -> None:
     with pytest.raises(TypeError, match=says):
         call()
+
+
+def test_a_layout_that_no_phantom_has_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="expected a layout among endonerf, scared, got 'hamlyn'"):
+        write_phantom(tmp_path / "clip", PhantomParams(), "hamlyn")  # type: ignore[arg-type]
+    assert not [*tmp_path.iterdir()]
 
 
 def test_colours_of_bytes_are_refused_and_whole_numbers_are_not() -> None:
