@@ -15,8 +15,11 @@ from enhance.field_outline import Levels
 from enhance.field_shape import around_circle
 from enhance.image import AnyImage, full_scale
 
-EVEN: Final = 3
-"""Grey levels from the surround's colour that a corner lies within: cameras leave more noise."""
+EVEN: Final = 6
+"""Grey levels from the surround's colour that the middle tone of a corner lies within: lamps of scanners and
+lenses of cameras leave that."""
+NOISE: Final = 12
+"""Grey levels that three quarters of a corner lie within."""
 ALIKE: Final = 3
 """Corners at least, of four: there may be text in one."""
 CORNER: Final = 24
@@ -32,14 +35,15 @@ def even_surround(small: Levels) -> NDArray[np.int16] | None:
     # Of values of which three are alike, the two in the middle are: nearly every image is told by that.
     ends = (colors[row, column].tolist() for row in (0, -1) for column in (0, -1))
     middle = [sorted(values)[1:3] for values in zip(*ends, strict=True)]
-    if max(high for _, high in middle) < 255 * BLACK or any(high - low > 2 * EVEN for low, high in middle):
+    if max(high for _, high in middle) < 255 * BLACK or any(high - low > NOISE for low, high in middle):
         return None
     side = max(2, min(colors.shape[:2]) // CORNER)
     rows = np.stack((colors[:side], colors[-side:]))
-    corners = np.stack((rows[:, :, :side], rows[:, :, -side:])).reshape(4, -1, colors.shape[2])
-    least, most = corners.min(axis=1).astype(np.int16), corners.max(axis=1).astype(np.int16)
-    color = np.sort(least + most, axis=0)[1:3].sum(axis=0) // 4
-    alike = ((most <= color + EVEN) & (least >= color - EVEN)).all(axis=1)
+    corners = np.sort(np.stack((rows[:, :, :side], rows[:, :, -side:])).reshape(4, side * side, -1), axis=1)
+    tones = corners[:, side * side // 2].astype(np.int16)
+    color = np.sort(tones, axis=0)[1:3].sum(axis=0) // 2
+    noise = corners[:, -1 - side * side // 8] - corners[:, side * side // 8]
+    alike = ((noise <= NOISE) & (abs(tones - color) <= EVEN)).all(axis=1)
     return color.astype(np.int16) if np.count_nonzero(alike) >= ALIKE else None
 
 

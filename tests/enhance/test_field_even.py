@@ -22,6 +22,18 @@ def test_a_page_or_window_around_a_field_is_surround(
         assert_found(found(as_type(image[..., 1] / 255, dtype)).mask(), fields)
 
 
+@pytest.mark.parametrize("name", ["circle", "two rectangles"])
+@pytest.mark.parametrize("color", [(250, 249, 247), (238, 230, 215), (30, 60, 120)])
+@pytest.mark.parametrize("noise", [2.0, 5.0])
+def test_a_page_that_was_scanned_is_surround(name: str, color: tuple[int, int, int], noise: float) -> None:
+    fields = np.kron(outline(name), np.ones((3, 3), bool))
+    tissue = seen_in(np.ones(fields.shape, bool)) // 2
+    lamp = np.linspace(-2, 2, fields.shape[1])[:, None]
+    grain = np.random.default_rng(3).normal(0, noise, tissue.shape)
+    image = np.where(fields[..., None], tissue, np.array(color)) + lamp + grain
+    assert_found(found(np.rint(np.clip(image, 0, 255)).astype(np.uint8)).mask(), fields)
+
+
 def test_corners_that_are_overexposed_are_field() -> None:
     y, x = np.mgrid[:240, :320]
     for lit in (x < 60, x + y < 120):
