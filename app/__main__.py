@@ -21,6 +21,9 @@ from app.errors import UserError
 # A damaged file is one line of ours, none of the decoders'. OpenCV reads these once, when it loads.
 QUIET_DECODERS = {"OPENCV_LOG_LEVEL": "SILENT", "OPENCV_FFMPEG_LOGLEVEL": "-8"}
 
+NO_PLACE = "no locator available"
+"""In numba's words, where neither the program's own folder nor the user's cache folder can be written."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command. A mistake of the user is one line on stderr; a bug keeps its traceback."""
@@ -103,6 +106,9 @@ def mistake(error: ValueError | RuntimeError) -> str | None:
 
     if isinstance(error, ValidationError):
         return problem(error)
+    if NO_PLACE in str(error):
+        wanted = "expected a folder that can be written, for compiled kernels"
+        return f"{wanted}, got none: name one by the environment variable NUMBA_CACHE_DIR"
     if isinstance(cause := error.__context__, OSError) and cause.errno == errno.ELOOP:
         return f"expected a file or folder, got links that lead to each other: {cause.filename}"
     return str(error) if isinstance(error, ClipError | ImageError) else None

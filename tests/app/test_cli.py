@@ -234,6 +234,15 @@ def test_too_little_memory_is_one_line(monkeypatch: pytest.MonkeyPatch, vesselsp
     assert (call.code, call.error.count("\n"), "out of memory" in call.error) == (2, 1, True)
 
 
+def test_no_place_for_compiled_kernels_is_one_line(tmp_path: Path) -> None:
+    # Neither the program's folder nor that of the user, as for a stranger in a container.
+    environment = os.environ | {"NUMBA_CACHE_LOCATOR_CLASSES": "ZipCacheLocator"}
+    command = [sys.executable, "-m", "app", "enhance", picture(tmp_path / "a.png"), tmp_path / "b.png"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, env=environment)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert "NUMBA_CACHE_DIR" in done.stderr
+
+
 def test_an_interruption_is_one_line_and_130(monkeypatch: pytest.MonkeyPatch, vesselsplat: Cli) -> None:
     def interrupted() -> None:
         raise KeyboardInterrupt
