@@ -7,7 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import count
 from typing import Final
 
@@ -20,7 +20,7 @@ from app.live.delays import Delays
 from app.live.newest import Newest
 from app.live.picture import EyePair, LivePicture, LiveSetting, LiveStatus, Signal
 from app.live.sources.source import Arrived, Source, SourceLost
-from enhance import ImageError, LiveStatistics
+from enhance import ImageError, LiveStatistics, Statistics
 from renderer.clip import ByteImage, ClipError
 from renderer.readers.video_decoding.stereo_layout import eyes
 
@@ -30,6 +30,8 @@ SLOW: Final = 2.5
 """Frames of a slow source that may be missing before."""
 HALF_LIFE: Final = 0.5
 """Seconds in which statistics follow half of a change."""
+LEAST_APART: Final = 1e-3
+"""Seconds from one frame to the next, at least: two may arrive at once."""
 USUAL_RATE: Final = 25.0
 BLACK: Final = 8
 """Grey levels that no pixel of a picture without a signal passes; some grabbers give 16 for black: see
@@ -44,6 +46,18 @@ WAITING: Final = 0.1
 
 log = logging.getLogger(__name__)
 Recipient = Callable[[LivePicture], None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Followed(LiveStatistics):
+    """As much in a second whatever the source's rate, and however many of its frames are left out."""
+
+    apart: Callable[[], float] = lambda: 1 / USUAL_RATE
+    """Seconds between the last two frames that were taken."""
+
+    def follow(self, before: Statistics | None, measured: Statistics) -> Statistics:
+        frames = HALF_LIFE / max(self.apart(), LEAST_APART)
+        return LiveStatistics(half_life=frames, cut=self.cut).follow(before, measured)
 
 
 class LiveSession:
@@ -72,6 +86,7 @@ class LiveSession:
         self._made = 0
         self._trouble = ""
         self._last: float | None = None
+        self._apart = 1 / USUAL_RATE
         self._black_since: float | None = None
         self._times: deque[float] = deque(maxlen=512)
         self._closing = threading.Event()
@@ -145,7 +160,9 @@ class LiveSession:
             try:
                 original, pair = _split(arrived)
                 if enhancer is None or original.shape != of_size:
-                    enhancer, of_size = MethodEnhancer(self._statistics()), original.shape
+                    enhancer, of_size = MethodEnhancer(Followed(apart=lambda: self._apart)), original.shape
+                if self._last is not None:
+                    self._apart = arrived.at - self._last
                 picture = _enhanced(enhancer, next(numbers), arrived, original, self.setting)
                 aspect = arrived.pixel_aspect if pair is None else pair.eye_aspect
                 self._deliver(replace(picture, pair=pair, pixel_aspect=aspect))
@@ -153,10 +170,6 @@ class LiveSession:
                 # One damaged frame is passed over; where all are, the picture goes stale with this reason.
                 self._trouble = sentence(error)
                 log.info("a live frame failed", exc_info=True)
-
-    def _statistics(self) -> LiveStatistics:
-        rate = self._capture.connection.frames_per_second or USUAL_RATE
-        return LiveStatistics(half_life=HALF_LIFE * rate)
 
     def _deliver(self, picture: LivePicture) -> None:
         ready = time.perf_counter()

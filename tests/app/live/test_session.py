@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -120,6 +121,27 @@ def test_a_setting_is_taken_over_with_the_next_frame() -> None:
     expected = enhance(painted(120), params, pixels="all").image
     assert found[0].setting.params == params
     assert np.array_equal(found[0].enhanced, expected)
+
+
+@pytest.mark.parametrize("apart", [0.25, 0.5])
+def test_statistics_follow_by_the_seconds_however_many_frames_are_left_out(apart: float) -> None:
+    """A source of 100 frames a second, of which few are taken."""
+    seen = list[LivePicture]()
+    source = PaintedSource([100, 110, 110], pause=0.0, frames_per_second=100.0)
+    read = source.read
+
+    def later() -> Arrived | None:
+        number = source._given
+        wait_for(lambda: len(seen) == number, "the frame before", 60)
+        arrived = read()
+        return None if arrived is None else replace(arrived, at=1 + apart * number)
+
+    source.read = later  # type: ignore[method-assign]
+    session = LiveSession(lambda: source, LiveSetting(EnhanceParams(), "all"), recipients=(seen.append,))
+    wait_for(lambda: session.is_over, "the end", 60)
+    levels = [one.statistics.level for one in seen if one.statistics is not None]
+    left = 0.5 ** (apart / 0.5)
+    assert levels == pytest.approx([100, 110 - 10 * left, 110 - 10 * left**2], abs=0.01)
 
 
 def test_silence_is_a_loss_with_its_reason() -> None:
