@@ -14,14 +14,14 @@ from typing import Final
 import numpy as np
 
 from app.enhancement.methods import MethodEnhancer, load_kernels
-from app.errors import UserError, sentence
+from app.errors import sentence
 from app.live.capture import Capture
 from app.live.delays import Delays
 from app.live.newest import Newest
 from app.live.picture import EyePair, LivePicture, LiveSetting, LiveStatus, Signal
-from app.live.sources.source import Arrived, Source, SourceLost
-from enhance import ImageError, LiveStatistics, Statistics
-from renderer.clip import ByteImage, ClipError
+from app.live.sources.source import Arrived, Source
+from enhance import LiveStatistics, Statistics
+from renderer.clip import ByteImage
 from renderer.readers.video_decoding.stereo_layout import eyes
 
 STALE: Final = 0.5
@@ -166,8 +166,9 @@ class LiveSession:
                 picture = _enhanced(enhancer, next(numbers), arrived, original, self.setting)
                 aspect = arrived.pixel_aspect if pair is None else pair.eye_aspect
                 self._deliver(replace(picture, pair=pair, pixel_aspect=aspect))
-            except (SourceLost, ClipError, ImageError, UserError) as error:
-                # One damaged frame is passed over; where all are, the picture goes stale with this reason.
+            except Exception as error:
+                # Of whatever kind, as drivers give anything and memory may be short for a while: one damaged
+                # frame is passed over; where all are, the picture goes stale with this reason.
                 self._trouble = sentence(error)
                 log.info("a live frame failed", exc_info=True)
 

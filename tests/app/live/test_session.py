@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -17,7 +18,7 @@ from app.live.picture import LivePicture, LiveSetting
 from app.live.session import LiveSession, is_black, rate_of
 from app.live.sources.source import Arrived, Source, SourceLost
 from enhance import EnhanceParams, enhance
-from renderer.clip import ByteImage
+from renderer.clip import ByteImage, ClipError
 from tests.app.live.painted import PaintedSource, painted, wait_for
 
 PLAIN = LiveSetting(None)
@@ -142,6 +143,25 @@ def test_statistics_follow_by_the_seconds_however_many_frames_are_left_out(apart
     levels = [one.statistics.level for one in seen if one.statistics is not None]
     left = 0.5 ** (apart / 0.5)
     assert levels == pytest.approx([100, 110 - 10 * left, 110 - 10 * left**2], abs=0.01)
+
+
+@pytest.mark.parametrize("error", [MemoryError("no memory"), cv2.error("no colours"), ClipError("no eyes")])
+def test_a_frame_that_cannot_be_read_is_passed_over(error: Exception) -> None:
+    def damaged() -> ByteImage:
+        raise error
+
+    source = PaintedSource([100] * 4, pause=0.1)
+    read = source.read
+
+    def once_damaged() -> Arrived | None:
+        arrived = read()
+        return replace(arrived, read=damaged) if arrived is not None and source._given == 2 else arrived
+
+    source.read = once_damaged  # type: ignore[method-assign]
+    with live(source) as session:
+        wait_for(lambda: session.is_over, "the end")
+        status = session.status()
+    assert status.made + status.dropped >= 3
 
 
 def test_silence_is_a_loss_with_its_reason() -> None:
