@@ -20,7 +20,6 @@ from enhance.pixel_block import (
     LEVELS,
     MOST,
     ONE,
-    PLANES,
     QUARTER,
     TOTAL,
     VALUE,
@@ -28,6 +27,7 @@ from enhance.pixel_block import (
     keep_within,
     load,
     load_keep,
+    zero_chunk,
 )
 from enhance.powers import rounded
 from enhance.prefetch import fetch
@@ -68,7 +68,7 @@ def first_pass(
             chroma,
             step,
             samples,
-            np.empty((PLANES, CHUNK), np.float32),
+            zero_chunk(),  # type: ignore[call-arg]
             np.zeros((5, CHUNK), image.dtype),
             np.empty((3, width + CHUNK), np.float32),
             np.empty(CHUNK, np.uint16),

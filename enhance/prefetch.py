@@ -14,10 +14,8 @@ from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from enhance.part import part
-from enhance.pixel_block import CHUNK
+from enhance.pixel_block import CHUNK, LINE
 
-LINE = 64
-"""Bytes of a line of the cache."""
 _READ, _KEPT_CLOSE, _DATA = 0, 3, 1
 
 

@@ -22,7 +22,6 @@ from enhance.pixel_block import (
     LOG,
     MOST,
     ONE,
-    PLANES,
     SLOPE,
     TOTAL,
     TWO,
@@ -33,6 +32,7 @@ from enhance.pixel_block import (
     keep_within,
     load,
     load_keep,
+    zero_chunk,
 )
 from enhance.powers import exp2, log2
 from enhance.prefetch import fetch
@@ -104,7 +104,7 @@ def render(
             kept,
             sums[block],
             out,
-            np.empty((PLANES, CHUNK), np.float32),
+            zero_chunk(),  # type: ignore[call-arg]
             np.zeros((5, CHUNK), image.dtype),
             np.empty(scales, np.float32),
             np.zeros((scales, 2, 2, width), np.float32),

@@ -25,7 +25,6 @@ from enhance.pixel_block import (
     LEAST_COLOR,
     LEVELS,
     ONE,
-    PLANES,
     QUARTER,
     RED,
     TOTAL,
@@ -33,6 +32,7 @@ from enhance.pixel_block import (
     ZERO,
     keep_within,
     load_keep,
+    zero_chunk,
 )
 from enhance.powers import LN_2, brief_log2, rounded
 from enhance.prefetch import fetch
@@ -84,7 +84,7 @@ def first_pass(
             np.zeros((ROWS, 3, width), image.dtype),
             np.zeros((ROWS, 3, width), sums.dtype),
             np.zeros((3, CHUNK), sums.dtype),
-            np.zeros((PLANES, CHUNK), np.float32),
+            zero_chunk(),  # type: ignore[call-arg]
             np.empty(width, np.float32),
             np.empty((2, width), sums.dtype),
             np.empty(CHUNK, np.uint16),

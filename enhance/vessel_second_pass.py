@@ -21,13 +21,13 @@ from enhance.pixel_block import (
     GREEN,
     LEAST_COLOR,
     ONE,
-    PLANES,
     RED,
     TOTAL,
     TWO,
     VALUE,
     ZERO,
     copy_pixels,
+    zero_chunk,
 )
 from enhance.powers import LOG2_E, brief_exp2, brief_log2
 from enhance.prefetch import fetch
@@ -84,7 +84,7 @@ def second_pass(
             np.zeros((ROWS, 3, width), sums_type.dtype),
             np.zeros((3, CHUNK), image.dtype),
             np.zeros((3, CHUNK), sums_type.dtype),
-            np.zeros((PLANES, CHUNK), np.float32),
+            zero_chunk(),  # type: ignore[call-arg]
             np.zeros((2, 1, width + SUBSAMPLE), np.float32),
             np.full(2, -1),
         )
