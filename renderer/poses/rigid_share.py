@@ -52,13 +52,8 @@ _SMALLEST = 1e-6
 
 def divided(now: Deforming) -> Deforming:
     """The same places in each frame's camera, to first order; shifts are held to what they are then."""
-    now = _by_speed(now)
-    fast = list[int]()
-    for motion in range(now.courses.shape[1]):
-        smoother = _smoothed_path(now, [*fast, motion])
-        if _speeds(now.courses)[motion] < _FASTER * _speeds(_path(smoother)[:, 3:], together=True)[0]:
-            break
-        fast.append(motion)
+    now = by_speed(now)
+    fast = fast_motions(now)
     if fast:
         now = _smoothed_path(now, fast)
     turns = motion_slopes(now.rest - now.rest.mean(axis=0))
@@ -70,7 +65,7 @@ def divided(now: Deforming) -> Deforming:
     return replace(now, held_to=now.shifts)
 
 
-def _by_speed(now: Deforming) -> Deforming:
+def by_speed(now: Deforming) -> Deforming:
     """Motions that differ in speed as far as they can, the fastest first; courses of mean 0 and size 1."""
     mean = now.courses.mean(axis=0)
     courses = now.courses - mean
@@ -81,6 +76,18 @@ def _by_speed(now: Deforming) -> Deforming:
     shifts = np.einsum("kj,pji->pki", np.linalg.inv(mixed), now.shifts)
     rest = now.rest + np.einsum("k,pki->pi", mean, now.shifts)
     return replace(now, courses=courses @ mixed, rest=rest, shifts=shifts, held_to=shifts)
+
+
+def fast_motions(now: Deforming) -> list[int]:
+    """Of motions in order of their speed (`by_speed`), the first ones, that are much faster than the camera's
+    path is without them."""
+    fast = list[int]()
+    for motion in range(now.courses.shape[1]):
+        smoother = _smoothed_path(now, [*fast, motion])
+        if _speeds(now.courses)[motion] < _FASTER * _speeds(_path(smoother)[:, 3:], together=True)[0]:
+            break
+        fast.append(motion)
+    return fast
 
 
 def _speeds(series: FloatArray, *, together: bool = False) -> FloatArray:
