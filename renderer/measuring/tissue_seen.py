@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from renderer.clip import BoolImage, ByteImage, Clip
+from renderer.clip import BoolImage, ByteImage, Clip, Frame
 from renderer.unobserved import GREY
 
 SELDOM: Final = 0.3
@@ -21,7 +21,7 @@ AROUND: Final = 11
 GLARING: Final = 40
 """Grey levels, in some channel, by which it differs."""
 STRAYS: Final = 3
-"""Pixels that a highlight may lie beside where some frame shows it."""
+"""Pixels that a highlight, or any colour of tissue, may lie beside where a frame shows it."""
 
 
 def shares_seen(clip: Clip, fit: Sequence[int]) -> NDArray[np.float64] | None:
@@ -62,12 +62,21 @@ def highlights(clip: Clip, fit: Sequence[int]) -> BoolImage:
     return cv2.dilate(found.astype(np.uint8), _disc(STRAYS)) > 0
 
 
+def recorded(render: ByteImage, frame: Frame) -> BoolImage:
+    """(H, W) True where each channel of a render of the frame lies between those of the tissue that the frame
+    itself shows within STRAYS: it differs from its surroundings as the tissue does."""
+    tissue, disc = frame.tissue_mask[..., None], _disc(STRAYS)
+    least = cv2.erode(np.where(tissue, frame.image, np.uint8(255)), disc)
+    most = cv2.dilate(np.where(tissue, frame.image, np.uint8(0)), disc)
+    return np.asarray(((render >= least) & (render <= most)).all(axis=2))
+
+
 def specks(render: ByteImage, seen: BoolImage, shown: BoolImage) -> int:
     """Pixels that differ glaringly from those around them, near the edge of what was ever seen (`seen`).
 
-    What frames show so themselves (`shown`) is no speck but a highlight, and what looks like the grey that
-    the render lies over, or like a mixture of that and what is around, is none but a place that was not
-    observed, or its edge.
+    What frames show so themselves (`shown`, see `highlights` and `recorded`) is no speck, and what looks like
+    the grey that the render lies over, or like a mixture of that and what is around, is none but a place that
+    was not observed, or its edge.
     """
     ever, disc = seen.astype(np.uint8), _disc(NEAR)
     edge = (cv2.dilate(ever, disc) > 0) & (cv2.erode(ever, disc, borderValue=1) == 0)

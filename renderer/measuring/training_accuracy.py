@@ -14,7 +14,7 @@ from renderer.camera import FloatArray
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.measuring.closeness import Closeness, closeness
-from renderer.measuring.tissue_seen import highlights, is_seldom, shares_seen, specks
+from renderer.measuring.tissue_seen import highlights, is_seldom, recorded, shares_seen, specks
 from renderer.metrics import depth_rmse, psnr_masked
 from renderer.near_plane import near_plane
 from renderer.paint import painted
@@ -97,12 +97,14 @@ def measured(
         drawn = _drawn(model, frame, mode)
         picture = _rounded(drawn)
         mask = frame.evaluation_mask
+        over_grey = _rounded(drawn, GREY)
+        shown = bright | recorded(over_grey, frame)
         known = frame.measured_depth
         depth = np.zeros_like(drawn.depth) if known is None else known
         rows.append(
             {
                 **vars(closeness(picture, drawn.alpha, frame, seldom)),
-                "specks": np.nan if shares is None else specks(_rounded(drawn, GREY), shares > 0, bright),
+                "specks": np.nan if shares is None else specks(over_grey, shares > 0, shown),
                 "depth_rmse": depth_rmse(drawn.depth, depth, mask),
             }
         )

@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 from renderer.clip import Clip, Frame
-from renderer.measuring.tissue_seen import NEAR, STRAYS, highlights, seldom_seen, shares_seen, specks
+from renderer.measuring.tissue_seen import (
+    NEAR,
+    STRAYS,
+    highlights,
+    recorded,
+    seldom_seen,
+    shares_seen,
+    specks,
+)
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.unobserved import GREY
@@ -62,6 +70,26 @@ def test_what_frames_show_is_no_speck() -> None:
     shown[at] = True
     assert specks(image(at), SEEN, shown) == 0
     assert specks(image(at), SEEN, NOWHERE) == 1
+
+
+def test_tissue_as_the_frame_itself_shows_it_is_no_speck(clip: Clip) -> None:
+    """A vessel at the edge is one, in the frame as in the render, and a tool beside it shows no tissue."""
+    frame, bright, dark, metal = clip.read_frame(0), (220, 150, 140), (150, 30, 40), (240, 240, 250)
+    shape, column = frame.tissue_mask.shape, 40
+    tissue = np.zeros(shape, bool)
+    tissue[:, :column] = True
+    seen = np.full((*shape, 3), metal, np.uint8)
+    seen[:, :column], seen[30] = bright, dark
+    render = np.full((*shape, 3), bright, np.uint8)
+    render[30, column - 1] = render[30, column + 1] = dark  # As the frame shows it, a little beyond the edge.
+    known = replace(frame, image=seen, tissue_mask=tissue)
+    assert specks(render, tissue, np.zeros(shape, bool)) == 2
+    assert specks(render, tissue, recorded(render, known)) == 0
+    others = ((10, column - 1), dark), ((50, column - 1), metal), ((30, column + STRAYS), dark)
+    for place, color in others:
+        render[place] = color
+        assert not recorded(render, known)[place]
+    assert specks(render, tissue, recorded(render, known)) == len(others)
 
 
 def test_a_thin_part_that_was_not_observed_is_no_speck_but_colour_in_it_is() -> None:
