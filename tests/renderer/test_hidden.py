@@ -15,7 +15,16 @@ from renderer.gaussians import DynamicGaussians
 from renderer.raw_gaussians import RawGaussians
 from renderer.train import hidden as hidden_tissue
 from renderer.train.frames import TrainFrame, train_frame
-from renderer.train.hidden import EDGE, GLARE, LEAK, REST, SLACK, _seen_shares, smooth_occluded_motion
+from renderer.train.hidden import (
+    EDGE,
+    GLARE,
+    LEAK,
+    REST,
+    SLACK,
+    STRAY,
+    _seen_shares,
+    smooth_occluded_motion,
+)
 from tests.renderer.splines import without_nodes
 
 CONTROLS, COUNT, SIDE = 9, 12, 32
@@ -134,6 +143,7 @@ def test_curves_are_the_minimiser_of_the_stated_sum(monkeypatch: pytest.MonkeyPa
     shares = [share * (rng.uniform(size=COUNT) < 0.3) for share in shares]
     clear = [share * (rng.uniform(size=COUNT) < 0.5).astype(np.float32) for share in shares]
     told = [(share[::-1].copy(), share, some) for share, some in zip(shares, clear, strict=True)]
+    monkeypatch.setattr(hidden_tissue, "STRAY", np.float32(10))  # Of others' colours it knows nothing.
     monkeypatch.setattr(hidden_tissue, "_seen_shares", lambda *_: told)
     still, _ = smooth_occluded_motion(model, frames(hidden_after=2.0), near=0.1)
     basis = np.zeros((len(TIMES), CONTROLS))
@@ -164,12 +174,34 @@ def test_curves_are_the_minimiser_of_the_stated_sum(monkeypatch: pytest.MonkeyPa
     assert reached > 0
 
 
+@pytest.mark.parametrize("stray", [STRAY, np.float32(10)])
+@pytest.mark.parametrize("glare", [0.5, -0.4])
+def test_a_highlight_that_a_tool_covers_goes_out_with_it(
+    monkeypatch: pytest.MonkeyPatch, glare: float, stray: np.float32
+) -> None:
+    """It is there in all the frames that show its tissue."""
+    monkeypatch.setattr(hidden_tissue, "STRAY", stray)
+    model, shown, lit = gaussians(np.random.default_rng(8)), frames(hidden_after=0.5), COUNT // 2
+    controls = np.zeros((COUNT, CONTROLS, 3), np.float32)
+    controls[lit] = glare
+    model = replace(model, motion=without_nodes(np.zeros_like(controls), controls))
+    still, _ = smooth_occluded_motion(model, shown, near=0.1)
+
+    def apart(of: DynamicGaussians, time: float) -> np.ndarray:
+        colors = of.at(time).colors
+        return np.asarray(np.abs(colors[lit] - np.median(np.delete(colors, lit, axis=0), axis=0)))
+
+    np.testing.assert_allclose(apart(still, 0.35), apart(model, 0.35), atol=0.02)
+    assert (apart(still, 0.8).max() < 1.5 * STRAY) == (stray == STRAY)
+
+
 @pytest.mark.parametrize(("edge", "ghost"), [(EDGE, False), (0.0, True)])
 def test_hidden_tissue_has_the_colour_of_before_not_that_beside_the_tool(
     monkeypatch: pytest.MonkeyPatch, edge: float, ghost: bool
 ) -> None:
     """A tool comes from the right, and tissue within three pixels of it has its colour."""
     monkeypatch.setattr(hidden_tissue, "EDGE", edge)
+    monkeypatch.setattr(hidden_tissue, "STRAY", np.float32(10))  # Of others' colours it knows nothing.
     model, shown = gaussians(np.random.default_rng(5)), []
     motion, tool = model.motion, 1.0
     assert isinstance(motion, SplineMotion)
