@@ -21,12 +21,13 @@ from enhance.field_outline import (
     Levels,
     Lit,
     Outline,
+    around,
     filled,
     lit_above,
     outline_of,
 )
 from enhance.field_parts import apart, insets, nearest_of, touching
-from enhance.field_rim import Rim, cropped_by, left_along_rays
+from enhance.field_rim import ALONG, Rim, are_free, cropped_by, left_along_rays
 from enhance.field_shape import LEAST_ON_CIRCLE, are_circles, fitted, share_on_circle
 from enhance.image import AnyImage, Picture, read_picture
 
@@ -52,6 +53,11 @@ FAINT_STEP: Final = 4.0
 LEAST_SIDE: Final = 16
 """Pixels: smaller pictures are too small for a surround with a rim. No narrower, in pixels of the small copy,
 is what a page shows."""
+RINGED, LEAST_RINGED = 0.5, 0.9
+"""Brighter than `Tones.most` by this share of its own height is so much of the rim within a dim ring; and so
+much of that rim is on a circle."""
+BESIDE, BESIDE_RAYS = 3, 8
+"""Small pixels from a rim to where it is looked at whether a ring lies there, along one ray of so many."""
 
 EDGE: Final = 2
 """Pixels along the sides of an image on a page."""
@@ -161,7 +167,8 @@ def _found(
     if outline is None:
         faint = search.faint(ALL_BUT)
         return None if faint.is_whole else faint
-    return search.with_insets(search.field(lit, outline), colors, lit, outline)
+    field = search.without_ring(search.field(lit, outline))
+    return search.with_insets(field, colors, lit, outline)
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,6 +206,34 @@ class _Search:
         else:
             return field
         return field if faint.is_whole else faint
+
+    def without_ring(self, field: FieldOfView) -> FieldOfView:
+        """A round field without the dim ring that is the inside of a sheath or speculum: within it all is
+        bright up to another circle, where tissue that darkens towards the rim has none."""
+        if field.circle is None or not self._is_dim_within(field.circle):
+            return field
+        bright = lit_above(self.low, self.tones.most)
+        outline = outline_of(self.low, bright)
+        if outline is None or len(outline.corners) == 0 or not outline.is_convex:
+            return field
+        within = filled(self.low, outline.corners.astype(np.int32))
+        middle = self.tones.most + RINGED * (self.tones.most - self.tones.level)
+        _, _, rim, sharp = around(self.low, bright.pixels, within, middle)
+        if sharp < LEAST_RINGED * rim:
+            return field
+        found = self._rim(outline.corners, self.tones.most)
+        inner = fitted(found, self.whole, NEVER, LEAST_RINGED)
+        is_other = inner.circle is not None and are_free(found.cropped)
+        return inner if is_other and overlap(inner, field) * (1 + LEAST_SHADED) < 1 else field
+
+    def _is_dim_within(self, circle: tuple[float, float, float]) -> bool:
+        """What lies beside its rim, all around."""
+        beside = (circle[2] - BESIDE * self.factor) * ALONG[::BESIDE_RAYS]
+        x, y = ((beside + circle[:2]) / self.factor).astype(np.intp).T
+        height, width = self.low.shape
+        seen = (x >= 0) & (y >= 0) & (x < width) & (y < height)
+        dim = np.count_nonzero(self.low[y[seen], x[seen]] <= self.tones.most)
+        return bool(dim >= LEAST_RINGED * np.count_nonzero(seen))
 
     def _beyond_stray_light(self, field: FieldOfView, rim: Rim) -> FieldOfView:
         """A field beyond a rim that is all lit; all of the picture where a soft rim lies there, which is

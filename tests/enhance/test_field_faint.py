@@ -71,3 +71,27 @@ def test_the_soft_rim_of_an_enlarged_image_is_none_of_the_field(name: str) -> No
     mask, field = found(image).mask(), outline(name, 720, 960)
     assert agreement(mask, field) > 0.95
     assert (mask & ~field).mean() < 0.005
+
+
+@pytest.mark.parametrize("level", [25, 50])
+@pytest.mark.parametrize("gap", [0, 4])
+@pytest.mark.parametrize("size", [1, 2])
+def test_the_inside_of_a_speculum_is_none_of_the_field(level: int, gap: int, size: int) -> None:
+    y, x = np.mgrid[: 480 * size, : 640 * size] + 0.5
+    away = np.hypot(x / size - 330, y / size - 235)
+    light = np.where(away < 150, 170 - away / 4, np.where((away > 150 + gap) & (away < 200), level, 3))
+    grain = np.random.default_rng(2).normal(0, 1, (*away.shape, 3))
+    image = cv2.GaussianBlur(light, (0, 0), 0.8)[..., None] * np.array([1, 0.8, 0.75]) + grain
+    field = found(np.rint(np.clip(image, 0, 255)).astype(np.uint8))
+    assert field.circle is not None
+    assert_found(field.mask(), away < 150, 8 * size)
+
+
+@pytest.mark.parametrize("width", [0.02, 0.05, 0.1])
+def test_a_lens_that_darkens_towards_its_rim_has_all_of_its_field(width: float) -> None:
+    y, x = np.mgrid[:480, :640] + 0.5
+    away = np.hypot(x - 320, y - 240) / 200
+    light = np.where(away < 1, 40 + 130 / (1 + np.exp((away - 0.75) / width)), 3)
+    grain = np.random.default_rng(2).normal(0, 1, away.shape)
+    image = np.rint(np.clip(cv2.GaussianBlur(light, (0, 0), 0.8) + grain, 0, 255)).astype(np.uint8)
+    assert_found(found(image).mask(), away < 1)
