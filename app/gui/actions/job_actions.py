@@ -115,6 +115,8 @@ def enqueue(state: AppState, waiting: tuple[Waiting, ...]) -> None:
         asleep = tuple(each for each in state.runs.queue if each.asleep)
         state.runs.queue, state.runs.reconstruction.name = awake + waiting + asleep, ""
         state.runs.starts = True
+        if state.runs.ending is not None:
+            announce(state, "It starts as soon as the process of the last reconstruction has ended")
 
     if state.runs.reconstruction.is_alive:
         go()

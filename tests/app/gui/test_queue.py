@@ -95,6 +95,8 @@ def test_a_process_that_takes_a_while_to_end_is_waited_for_by_the_next_and_not_b
     queued(state, jobs, 200)
     frame(state, jobs, channels)
     assert (first.told, len(jobs.all)) == (["start"], 1)
+    assert state.window.toast is not None
+    assert state.window.toast.message.startswith("It starts as soon as")
     first.has_gone = True
     frame(state, jobs, channels)
     assert first.told == ["start", "close"]
