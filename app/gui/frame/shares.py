@@ -22,17 +22,21 @@ class Shares:
 
     def __init__(self) -> None:
         self._whole, self._is_new = (0.0, 0.0), False
+        self._divided: list[int] = []
 
     def follow(self, params: hello_imgui.DockingParams) -> None:
         """Before a frame."""
         line = _line(_node(params.dock_space_id_from_name("MainDockSpace")))
         if not line:
             return
-        root, before, was_new = line[-1], self._whole, self._is_new
+        root, before, was_new, divided = line[-1], self._whole, self._is_new, self._divided
+        self._divided = _divided(root)
         self._whole = now = root.size.x, root.size.y
         # What was just read is still as large as the window that it is of.
         self._is_new = root.last_frame_alive < 0
-        if (was_new or now != before) and not self._is_new and min(*before, *now) > 0:
+        # What was just arranged anew, as other text may have it, is so for the window as it is now.
+        changed = was_new or (now != before and divided == self._divided)
+        if changed and not self._is_new and min(*before, *now) > 0:
             _fit(root, params.dockable_windows, before, now)
 
 
@@ -44,7 +48,7 @@ def _fit(
 ) -> None:
     """Give what is beside or below the images its part of the pixels `now`, by what it had of those `before`;
     both across and down."""
-    divided = [node.id_ for node in _line(imgui.internal.dock_builder_get_central_node(root.id_))]
+    divided = _divided(root)
     beside: dict[int, tuple[Node, bool]] = {}
     for panel in panels:
         part = next((node for node in _line(_place_of(panel.label)) if _above(node) in divided), None)
@@ -63,6 +67,11 @@ def _fit(
         size[axis] = share * left[axis] if grows else min(had, max(share, MOST) * left[axis])
         imgui.internal.dock_builder_set_node_size(node.id_, size)
         whole[axis], left[axis] = max(whole[axis] - had, 1.0), max(left[axis] - size[axis], 1.0)
+
+
+def _divided(root: Node) -> list[int]:
+    """Around the images, from within."""
+    return [node.id_ for node in _line(imgui.internal.dock_builder_get_central_node(root.id_))]
 
 
 def _place_of(panel: str) -> Node | None:

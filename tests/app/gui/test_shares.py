@@ -112,6 +112,22 @@ def test_the_layout_of_other_content_fits_a_window_that_has_changed_meanwhile(
 
 
 @pytest.mark.display
+def test_the_images_keep_their_share_after_text_so_large_that_panels_were_arranged_anew(
+    places: Places, model: DynamicGaussians
+) -> None:
+    def drive(ctx: Context, state: AppState) -> None:
+        show(ctx, state, phantom_path(), "Default")
+        resize(ctx, SMALL)
+        for percent in (200, 100):
+            actions.choose_text_size(state, percent)
+            ctx.yield_(8)
+        assert share_below(ctx, state, model) == pytest.approx(0.52, abs=0.02)
+        leave(state)
+
+    kept(places, drive)
+
+
+@pytest.mark.display
 def test_controls_keep_their_width_in_a_larger_window_and_leave_room_in_a_smaller_one(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
 
