@@ -19,7 +19,7 @@ from app.files.legible import in_utf8
 from app.files.provenance import provenance, strict_json
 from app.report.section import Table as Measured
 from app.report.section import said
-from app.sweeps.engines.opening import open_engine
+from app.sweeps.engines.opening import open_engine, require_engine
 from app.sweeps.jobs import JobFolder
 from app.sweeps.keeping import not_kept, to_render
 from app.sweeps.page import sweep_page
@@ -106,8 +106,9 @@ def carry_out(plan: Plan, folder: Path, *, on: str, workers: int | None, retry: 
     of what is asked for is a line on stderr.
 
     Raises:
-        UserError: another process runs a sweep there, or the engine is gone.
+        UserError: no such engine, another process runs a sweep there, or the engine is gone.
     """
+    require_engine(on)
     with made(folder), sweep_locked(folder):
         write_sweep(plan, folder)
         if retry:

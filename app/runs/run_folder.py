@@ -257,7 +257,8 @@ class RunFolder:
     def record(self) -> RunRecord:
         """Read run.json. Raises UserError when this is no run, or a damaged one."""
         if not self.is_run:
-            raise UserError(f"expected a run folder with run.json, found none in {self.path}")
+            got = f"found none in {self.path}" if self.path.exists() else f"got no such path: {self.path}"
+            raise UserError(f"expected a run folder with run.json, {got}")
         try:
             return self._with_own_masks(RECORD.validate_json(read_regular(self.record_path)))
         except ValidationError as error:

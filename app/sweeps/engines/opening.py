@@ -9,6 +9,15 @@ from app.errors import UserError
 from app.sweeps.engines.engine import Engine
 from app.sweeps.spec import Slurm
 
+ADDRESSES = ("tcp://", "tls://")
+"""How those of dask's schedulers begin."""
+
+
+def require_engine(on: str) -> None:
+    """Before anything is written. Raises UserError: no such place."""
+    if on not in ("local", "dask", "slurm") and not on.startswith(ADDRESSES):
+        raise UserError(f"--on: expected local, dask, tcp://HOST:PORT or slurm, got {on!r}")
+
 
 def open_engine(
     on: str, *, workers: int | None, threads: int, slurm: Slurm, folder: Path
@@ -22,12 +31,11 @@ def open_engine(
         from app.sweeps.engines.local import local
 
         return local(workers, threads)
-    if on == "dask" or on.startswith(("tcp://", "tls://")):
+    if on == "dask" or on.startswith(ADDRESSES):
         from app.sweeps.engines.dask import dask
 
         return dask(None if on == "dask" else on, workers, threads)
-    if on == "slurm":
-        from app.sweeps.engines.slurm import slurm as on_slurm
+    require_engine(on)
+    from app.sweeps.engines.slurm import slurm as on_slurm
 
-        return on_slurm(threads, slurm, folder)
-    raise UserError(f"--on: expected local, dask, tcp://HOST:PORT or slurm, got {on!r}")
+    return on_slurm(threads, slurm, folder)

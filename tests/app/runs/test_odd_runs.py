@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from contextlib import suppress
 from pathlib import Path
@@ -65,3 +66,10 @@ def test_links_in_a_run_make_no_files_elsewhere(
     assert not (tmp_path / "outside").exists()
     assert run.is_finished
     assert not run.model_path.is_symlink()
+
+
+def test_a_run_that_is_not_there_is_told_from_a_folder_that_is_none(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"got no such path: .*gone$"):
+        RunFolder(tmp_path / "gone").record()
+    with pytest.raises(UserError, match=f"found none in {re.escape(str(tmp_path))}$"):
+        RunFolder(tmp_path).record()

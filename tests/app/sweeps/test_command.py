@@ -83,6 +83,13 @@ def test_mistakes_are_one_line(
         assert "Traceback" not in called.error
 
 
+def test_where_no_jobs_run_nothing_is_written(vesselsplat: Cli, spec: Path, tmp_path: Path) -> None:
+    called = vesselsplat("sweep", spec, "--out", tmp_path / "out", "--on", "slrum")
+    assert called.code == 2
+    assert "--on: expected local, dask, tcp://HOST:PORT or slurm, got 'slrum'" in called.error
+    assert not (tmp_path / "out").exists()
+
+
 def test_what_a_sweep_that_runs_records_is_not_replaced(vesselsplat: Cli, spec: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     out.mkdir()
