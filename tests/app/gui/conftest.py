@@ -180,6 +180,17 @@ def ui() -> Iterator[Ui]:
 
 
 @pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """With clips and files, for the file dialog."""
+    inside = tmp_path / "case"
+    for name in ("b clip", "A clip", ".hidden"):
+        (inside / name).mkdir(parents=True)
+    for name in ("10.png", "2.png", "notes.txt", ".DS_Store", "scope.mp4"):
+        (inside / name).write_text("")
+    return inside
+
+
+@pytest.fixture
 def chooser(ui: Ui, places: Places, monkeypatch: pytest.MonkeyPatch) -> Chooser:
     """Where no program of the desktop asks in the window's place."""
     monkeypatch.setattr(sys, "platform", "linux")

@@ -18,6 +18,7 @@ from app.gui.panels.reconstruction import (
     STARTS_OVER,
     WAITS_FOR_EDITS,
     draw_reconstruction,
+    round_ticks,
 )
 from app.gui.panels.timeline import draw_timeline
 from app.gui.panels.welcome import CHOICES, draw_welcome
@@ -246,3 +247,10 @@ def test_continue_says_whether_a_run_goes_on_or_starts_over(
     monkeypatch.setattr(reconstruction, "button", noted)
     ui.frame(lambda: draw_reconstruction(opened))
     assert said["Continue"] == (CONTINUES if has_checkpoint else STARTS_OVER)
+
+
+def test_the_curves_count_iterations_in_round_steps() -> None:
+    ticks = {1: [0], 10: [0, 2, 4, 6, 8], 150: [0, 50, 100], 3000: [0, 1000, 2000], 30000: [0, 10000, 20000]}
+    assert {most: round_ticks(most) for most in ticks} == ticks
+    assert round_ticks(1020) == [0, 500]
+    assert round_ticks(0) == [0]

@@ -15,7 +15,7 @@ from imgui_bundle import imgui
 
 from app.gui.actions import arriving, job_actions, run_actions
 from app.gui.panels import runs
-from app.gui.panels.reconstruction import draw_reconstruction, round_ticks
+from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.state.run_words import doing
@@ -398,10 +398,3 @@ def test_damaged_checkpoints_are_no_model(folder: Path) -> None:
     (answer,) = open_path(OpenRequest(short))
     assert answer.run is not None
     assert answer.run.model is None
-
-
-def test_the_curves_count_iterations_in_round_steps() -> None:
-    ticks = {1: [0], 10: [0, 2, 4, 6, 8], 150: [0, 50, 100], 3000: [0, 1000, 2000], 30000: [0, 10000, 20000]}
-    assert {most: round_ticks(most) for most in ticks} == ticks
-    assert round_ticks(1020) == [0, 500]
-    assert round_ticks(0) == [0]
