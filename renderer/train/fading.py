@@ -13,6 +13,11 @@ frame without, 1.2 with (0.1, 0.4) and (0.3, 0.7), 1.5 with (0.5, 0.9), and seld
 39.61 and 39.60 dB; of the phantom 24, 14, 17 and 17 pixels; PSNR stays within 0.002 dB. Leaving out what has
 more than half of its weight beyond the edge (176 Gaussians) loses 0.2 dB, 3 of seldom seen tissue.
 
+The curve is fitted twice, the second time by what the first one leaves: a few frames beyond the edge between
+many within it would count too little. Of pulling (2000 steps, seed 0) it takes 18 pixels of specks of two
+training frames; of training frames held out (3000 steps) 39.356 and 39.355 dB, 39.56 and 39.54 of what is
+seldom seen.
+
 Where frames are missing, as those held out, moments between two are looked at as well. Without, at one of 16
 such moments of pulling (1000 steps, seed 0) a speck of 3 pixels stays, with them none.
 """
@@ -47,6 +52,8 @@ LEAST: Final = 0.01
 """Of the opacity that is left: a curve to nothing would swing between frames."""
 WITHIN: Final = (1e-6, 1 - 1e-6)
 """Opacities whose logits are reckoned with."""
+CLOSE: Final = 1e-3
+"""Logits that differ by less are alike."""
 TRACE: Final = np.float32(0.1)
 """Blending weight, in pixels, that is too little to tell by."""
 RING: Final = 2
@@ -88,7 +95,13 @@ def faded_out_of_sight(
     wanted = (_kept(beyond[:, strays]) * opacities).clip(*WITHIN)
     # What a step of the logit does to the opacity: of next to nothing left, little matters.
     weights = wanted * (1 - wanted)
-    curves = fitted_curves(logits(wanted) - logits(opacities), weights, times, motion.n_controls)
+    goal, begun = logits(wanted), logits(opacities)
+    curves = fitted_curves(goal - begun, weights, times, motion.n_controls)
+    # Where it then falls short of a low goal, a step of the logit does much.
+    missed = begun + _values(curves, times) - goal
+    rise = np.abs(_opacities(goal + missed) - wanted) / np.maximum(np.abs(missed), CLOSE)
+    weights = np.where(np.abs(missed) < CLOSE, weights, rise)
+    curves = fitted_curves(goal - begun, weights, times, motion.n_controls)
     controls = opacity_curves(motion, len(gaussians))
     controls[strays, :, 0] += curves.astype(np.float32)
     return replace(gaussians, motion=replace(motion, opacity_controls=controls))
@@ -142,6 +155,19 @@ def opacity_curves(motion: SplineMotion, count: int) -> NDArray[np.float32]:
     """(N, K, 1) a copy of those of `count` Gaussians, 0 where they have none."""
     curves = motion.opacity_controls
     return curves.copy() if len(curves) else np.zeros((count, motion.n_controls, 1), np.float32)
+
+
+def _opacities(logit: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(1 / (1 + np.exp(-logit)))
+
+
+def _values(curves: NDArray[np.float64], times: Sequence[float]) -> NDArray[np.float64]:
+    """(T, S) of the splines of (S, K) control values."""
+    values = np.empty((len(times), len(curves)))
+    for row, time in zip(values, times, strict=True):
+        first, taps = spline_taps(time, curves.shape[1])
+        row[:] = curves[:, first : first + len(taps)] @ taps
+    return values
 
 
 def fitted_curves(

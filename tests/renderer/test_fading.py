@@ -76,6 +76,21 @@ def test_it_is_gone_where_nothing_is_seen_and_as_it_was_before() -> None:
     assert ways[1, beyond, LEAVES].max() < 0.1
 
 
+def test_it_is_gone_on_a_short_way_out_of_sight() -> None:
+    """Between many frames that show it."""
+    before = model(down=0)
+    motion = before.motion
+    assert isinstance(motion, SplineMotion)
+    motion.position_controls[LEAVES, CONTROLS // 2, 1] = 36 * DEPTH / FOCAL
+    after = faded(before)
+    ways = np.array([[one.at(float(time)).opacities[LEAVES] for time in TIMES] for one in (before, after)])
+    rows = np.array([before.at(float(time)).means[LEAVES, 1] * FOCAL / DEPTH + HEIGHT / 2 for time in TIMES])
+    beyond = rows > BAR + 6
+    assert 0 < beyond.sum() < len(TIMES) / 4
+    assert ways[1, beyond].max() < 3 * LEAST
+    assert ways[1, rows < HEIGHT / 2 + 1].min() > 0.9 * ways[0].max()
+
+
 def test_the_curve_hardly_swings_between_frames() -> None:
     before = model(down=40)
     after = faded(before)
