@@ -210,26 +210,34 @@ def _fill_row(left: float, right: float, width: int, span: NDArray[np.int32]) ->
 def overlap(one: FieldOfView, other: FieldOfView) -> float:
     """Intersection over union of two fields of one picture size, in [0, 1]."""
     ones, others = _bounds(one), _bounds(other)
-    together = _count(ones + others)
+    together = _count(np.concatenate((ones, others)))
     return (_count(ones) + _count(others) - together) / together if together else 1.0
 
 
-def _bounds(field: FieldOfView) -> list[Spans]:
-    """Spans of each of its parts."""
+def _bounds(field: FieldOfView) -> NDArray[np.int32]:
+    """(n, H, 2) spans of each of its parts."""
     if field.is_whole:
-        return [np.array([(0, field.width)] * field.height, np.int32)]
-    return [one.spans() for one in field.parts or (field,)]
+        spans = np.zeros((1, field.height, 2), np.int32)
+        spans[..., 1] = field.width
+        return spans
+    return np.array([one.spans() for one in field.parts or (field,)])
 
 
-def _count(bounds: list[Spans]) -> int:
-    """Pixels in any of these."""
-    spans = np.array(bounds)
-    order = spans[..., :1].argsort(axis=0)
-    first, end = np.moveaxis(np.take_along_axis(spans, order, axis=0), 2, 0)
-    # Of each row, from left to right: what the parts before have not reached.
-    reached = np.maximum.accumulate(end, axis=0)
-    new = reached - np.maximum(first, np.vstack((np.zeros_like(first[:1]), reached[:-1])))
-    return int(np.maximum(new, 0).sum())
+@njit(cache=True, error_model="numpy")
+def _count(bounds: NDArray[np.int32]) -> int:
+    """Pixels in any of these: of each row, from left to right, what the spans before have not reached."""
+    total = 0
+    for row in range(bounds.shape[1]):
+        reached, goes_on = 0, True
+        while goes_on:
+            begin, end, goes_on = reached, reached, False
+            for span in range(len(bounds)):
+                first = max(bounds[span, row, 0], reached)
+                if first < bounds[span, row, 1] and (first < begin or not goes_on):
+                    begin, end, goes_on = first, bounds[span, row, 1], True
+            total += end - begin if goes_on else 0
+            reached = end
+    return total
 
 
 def typical(fields: Sequence[FieldOfView]) -> FieldOfView:
