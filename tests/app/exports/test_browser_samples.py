@@ -112,7 +112,8 @@ def test_the_page_says_how_far_it_is_off(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setattr("app.exports.browser.of_scene.MOST_VALUES", 2 * 60)
     record, text = written(scene, tmp_path / "b.html")
     assert record.error is not None
-    assert f"<p>Reconstruction, shown with an error of up to {record.error:.2g} mm</p>" in text
+    said = f"Reconstruction, shown with an error of up to {record.error:.2g} mm. Grey: what no frame showed"
+    assert f"<p>{said}</p>" in text
     assert far_off(record, "mm") == f"shown with an error of up to {record.error:.2g} mm"
     assert page_windows(scene, None, None)[0].tracks.error is None, "as earlier versions sampled"
 

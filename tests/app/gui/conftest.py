@@ -180,8 +180,8 @@ def ui() -> Iterator[Ui]:
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    """With clips and files, for the file dialog."""
+def case(tmp_path: Path) -> Path:
+    """A folder with clips and files, for the file dialog."""
     inside = tmp_path / "case"
     for name in ("b clip", "A clip", ".hidden"):
         (inside / name).mkdir(parents=True)

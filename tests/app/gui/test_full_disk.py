@@ -168,16 +168,17 @@ def test_under_the_runs(disk: Disk, places: Places, own_clip: Path) -> None:
     assert app.works
     assert job_actions.can_continue(state)
 
-    job_actions.continue_reconstruction(state)
+    def go_on() -> None:
+        app.wait(lambda: state.runs.ending is None)
+        job_actions.continue_reconstruction(state)
+        start_due(state, TrainingJob)
+        app.wait(lambda: not state.runs.reconstruction.is_alive)
 
-    start_due(state, TrainingJob)
-    app.wait(lambda: not state.runs.reconstruction.is_alive)
+    go_on()
     assert "of free disk" in app.trouble()
 
     disk.free()
     assert job_actions.can_continue(state)
-    job_actions.continue_reconstruction(state)
-    start_due(state, TrainingJob)
-    app.wait(lambda: not state.runs.reconstruction.is_alive)
+    go_on()
     assert state.runs.reconstruction.status == "finished"
     assert run.is_finished

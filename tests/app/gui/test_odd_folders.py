@@ -21,7 +21,7 @@ K = imgui.Key
 
 
 def test_entries_that_may_not_be_looked_at_cannot_be_chosen(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
+    case: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     look = Path.stat
 
@@ -31,19 +31,19 @@ def test_entries_that_may_not_be_looked_at_cannot_be_chosen(
         return look(path, **how)
 
     monkeypatch.setattr(Path, "stat", stat)
-    (listing,) = list_folder(ListRequest(folder))
+    (listing,) = list_folder(ListRequest(case))
     kinds = {entry.name: entry.kind for entry in listing.entries}
     assert (kinds["A clip"], kinds["b clip"], kinds["2.png"]) == (None, "folder", "file")
 
 
 def test_a_folder_that_cannot_be_read_says_so(
-    chooser: Chooser, folder: Path, monkeypatch: pytest.MonkeyPatch
+    chooser: Chooser, case: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refused(path: object) -> None:
         raise PermissionError(13, "Permission denied", str(path))
 
     monkeypatch.setattr("app.gui.work.listing.os.scandir", refused)
-    chooser.ask("file", "file", folder)
+    chooser.ask("file", "file", case)
     assert chooser.browsing.listing is not None
     assert "Permission denied" in chooser.browsing.listing.trouble
     assert chooser.names() == []
@@ -53,10 +53,10 @@ def test_a_folder_that_cannot_be_read_says_so(
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere file names are Unicode")
-def test_a_name_that_is_not_utf_8_is_shown_and_still_opens_its_file(chooser: Chooser, folder: Path) -> None:
-    path = Path(os.fsdecode(os.fsencode(folder) + b"/caf\xe9.png"))
+def test_a_name_that_is_not_utf_8_is_shown_and_still_opens_its_file(chooser: Chooser, case: Path) -> None:
+    path = Path(os.fsdecode(os.fsencode(case) + b"/caf\xe9.png"))
     path.write_text("")
-    chooser.ask("file", "file", folder)
+    chooser.ask("file", "file", case)
     entry = next(one for one in chooser.browsing.entries if one.path == path)
     assert entry.name == "caf?.png"
     browse_actions.mark(chooser.browsing, entry)
@@ -67,19 +67,19 @@ def test_a_name_that_is_not_utf_8_is_shown_and_still_opens_its_file(chooser: Cho
 
 
 def test_images_videos_and_clips_have_thumbnails_and_damaged_files_an_icon(
-    chooser: Chooser, folder: Path
+    chooser: Chooser, case: Path
 ) -> None:
     red = np.full((60, 320, 3), (0, 0, 200), np.uint8)
-    cv2.imwrite(str(folder / "2.png"), red)
-    cv2.imwrite(str(folder / "A clip" / "mask.png"), np.zeros_like(red))
-    (folder / "A clip" / "img_left").mkdir()
-    cv2.imwrite(str(folder / "A clip" / "img_left" / "0.jpg"), red)
-    cv2.imwrite(str(folder / "deep.png"), np.full((40, 80), 60000, np.uint16))
-    writer = cv2.VideoWriter(str(folder / "scope.mp4"), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
+    cv2.imwrite(str(case / "2.png"), red)
+    cv2.imwrite(str(case / "A clip" / "mask.png"), np.zeros_like(red))
+    (case / "A clip" / "img_left").mkdir()
+    cv2.imwrite(str(case / "A clip" / "img_left" / "0.jpg"), red)
+    cv2.imwrite(str(case / "deep.png"), np.full((40, 80), 60000, np.uint16))
+    writer = cv2.VideoWriter(str(case / "scope.mp4"), cv2.VideoWriter.fourcc(*"mp4v"), 10.0, (64, 48))
     for frame in range(20):
         writer.write(np.full((48, 64, 3), (0, 0, 200 if frame else 0), np.uint8))
     writer.release()
-    chooser.ask("file", "file", folder)
+    chooser.ask("file", "file", case)
     chooser.frames(10)
     found = {path.name: image for path, image in chooser.browsing.thumbnails.items()}
     assert found["10.png"] is None  # It is empty.
