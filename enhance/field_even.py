@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import cv2
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from enhance.brightness import BLACK
@@ -37,14 +38,40 @@ def even_surround(small: Levels) -> NDArray[np.int16] | None:
     middle = [sorted(values)[1:3] for values in zip(*ends, strict=True)]
     if max(high for _, high in middle) < 255 * BLACK or any(high - low > NOISE for low, high in middle):
         return None
-    side = max(2, min(colors.shape[:2]) // CORNER)
-    rows = np.stack((colors[:side], colors[-side:]))
-    corners = np.sort(np.stack((rows[:, :, :side], rows[:, :, -side:])).reshape(4, side * side, -1), axis=1)
-    tones = corners[:, side * side // 2].astype(np.int16)
-    color = np.sort(tones, axis=0)[1:3].sum(axis=0) // 2
-    noise = corners[:, -1 - side * side // 8] - corners[:, side * side // 8]
-    alike = ((noise <= NOISE) & (abs(tones - color) <= EVEN)).all(axis=1)
-    return color.astype(np.int16) if np.count_nonzero(alike) >= ALIKE else None
+    color, alike = _corners(np.ascontiguousarray(colors), max(2, min(colors.shape[:2]) // CORNER))
+    return color if alike >= ALIKE else None
+
+
+@njit(cache=True, error_model="numpy")
+def _corners(colors: Levels, side: int) -> tuple[NDArray[np.int16], int]:
+    """The colour of squares of that side in the corners of (h, w, n), the mean of the two middle ones of
+    their tones, and how many have it."""
+    height, width, channels = colors.shape
+    size, color = side * side, np.empty(channels, np.int16)
+    tones, alike = np.empty(4, np.int16), np.ones(4, np.bool_)
+    for channel in range(channels):
+        for corner in range(4):
+            counts = np.zeros(256, np.int16)
+            top, left = (height - side) * (corner % 2), (width - side) * (corner // 2)
+            for y in range(top, top + side):
+                for x in range(left, left + side):
+                    counts[colors[y, x, channel]] += 1
+            tones[corner] = _ranked(counts, size // 2)
+            alike[corner] &= _ranked(counts, size - 1 - size // 8) - _ranked(counts, size // 8) <= NOISE
+        color[channel] = (tones.sum() - tones.min() - tones.max()) // 2
+        for corner in range(4):
+            alike[corner] &= abs(tones[corner] - color[channel]) <= EVEN
+    return color, alike.sum()
+
+
+@njit(error_model="numpy")
+def _ranked(counts: NDArray[np.int16], place: int) -> int:
+    """The tone in this place from the darkest one on, of so many of each."""
+    tone, below = 0, int(counts[0])
+    while below <= place:
+        tone += 1
+        below += counts[tone]
+    return tone
 
 
 def apart_from(pixels: AnyImage, color: NDArray[np.int16]) -> NDArray[Any]:

@@ -118,7 +118,7 @@ def _fades(rim: Rim, whole: FieldOfView) -> bool:
 
 
 def _polygon(corners: NDArray[Any], whole: FieldOfView) -> FieldOfView:
-    polygon = tuple((round(float(x), 1), round(float(y), 1)) for x, y in corners)
+    polygon = tuple((round(x, 1), round(y, 1)) for x, y in corners.tolist())
     return FieldOfView(whole.width, whole.height, polygon=polygon)
 
 
