@@ -4,6 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
+from enhance.brightness import BLACK
+from enhance.field_even import ALIKE, CORNER, EVEN, NOISE, even_surround
 from tests.enhance.endoscopes import assert_found, found, outline, seen_in
 from tests.enhance.pictures import as_type
 
@@ -32,6 +34,42 @@ def test_a_page_that_was_scanned_is_surround(name: str, color: tuple[int, int, i
     grain = np.random.default_rng(3).normal(0, noise, tissue.shape)
     image = np.where(fields[..., None], tissue, np.array(color)) + lamp + grain
     assert_found(found(np.rint(np.clip(image, 0, 255)).astype(np.uint8)).mask(), fields)
+
+
+@pytest.mark.parametrize("noise", [0.5, 4.0, 9.0])
+@pytest.mark.parametrize("slope", [0, 3, 6])
+@pytest.mark.parametrize("shape", [(97, 160, 3), (130, 61), (16, 16, 3)])
+def test_the_colour_of_corners_is_that_of_the_sorted_values(
+    shape: tuple[int, ...], slope: int, noise: float
+) -> None:
+    rng, told = np.random.default_rng(slope), 0
+    for _ in range(40):
+        lamp = slope * np.linspace(-1, 1, shape[1]).reshape(1, -1, *(1,) * (len(shape) - 2))
+        page = rng.integers(20, 235) + lamp + noise * rng.normal(size=shape)
+        small = np.clip(page, 0, 255).astype(np.uint8)
+        expected = literally(small)
+        found_one = even_surround(small)
+        assert (found_one is None) == (expected is None)
+        assert expected is None or np.array_equal(found_one, expected)
+        told += expected is not None
+    assert told > 0 or noise > 4
+
+
+def literally(small: np.ndarray) -> np.ndarray | None:
+    """By sorting the values of each corner."""
+    colors = small.reshape(*small.shape[:2], -1)
+    ends = np.sort(colors[[0, 0, -1, -1], [0, -1, 0, -1]].astype(int), axis=0)
+    if ends[2].max() < 255 * BLACK or (ends[2] - ends[1] > NOISE).any():
+        return None
+    side = max(2, min(colors.shape[:2]) // CORNER)
+    near, far = slice(None, side), slice(-side, None)
+    squares = [colors[rows, columns].reshape(side**2, -1) for rows in (near, far) for columns in (near, far)]
+    values = np.sort(np.array(squares, int), axis=1)
+    tones, eighth = values[:, side**2 // 2], side**2 // 8
+    color = np.sort(tones, axis=0)[1:3].sum(axis=0) // 2
+    spread = values[:, -1 - eighth] - values[:, eighth]
+    alike = ((spread <= NOISE) & (abs(tones - color) <= EVEN)).all(axis=1)
+    return np.asarray(color) if alike.sum() >= ALIKE else None
 
 
 def test_corners_that_are_overexposed_are_field() -> None:
