@@ -30,6 +30,7 @@ from app.gui.style.widgets import (
     em,
     end_of,
     explain,
+    explain_entry,
     mark_row,
     muted,
     note,
@@ -143,7 +144,7 @@ def _draw_offer(state: AppState, what: What, offer: Offer) -> None:
         clicked, _ = imgui.selectable(f"{offer.label}###{what}", state.exports.what == what)
     if state.exports.what == what:
         mark_row()
-    explain(reason, below=False)
+    explain_entry(reason)
     if clicked:
         export_actions.choose_what(state, what)
 

@@ -13,7 +13,7 @@ from app.gui.commands.command import Command, Section
 from app.gui.panels.overlays import LONG_NOTICE
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
-from app.gui.style.widgets import em, explain, muted, shortened
+from app.gui.style.widgets import em, explain, explain_entry, muted, shortened
 from app.gui.views.key_words import with_keys
 from app.kernels.progress import worded
 
@@ -71,7 +71,7 @@ def draw_commands(state: AppState, commands: tuple[Command, ...]) -> None:
         keys = with_keys(command.keys[0]) if command.keys else ""
         if imgui.menu_item_simple(command.label, keys, command.ticked(state), command.applies(state)):
             command.act(state)
-        explain(command.tooltip(state), below=False)  # Where the next entry is.
+        explain_entry(command.tooltip(state))
 
 
 def draw_status(state: AppState) -> None:

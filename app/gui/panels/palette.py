@@ -8,7 +8,7 @@ from app.files.legible import legible
 from app.gui.commands.command import Section
 from app.gui.commands.finding import Found, find, find_help
 from app.gui.state.app_state import AppState
-from app.gui.style.widgets import em, explain, mark_row, muted, shortened
+from app.gui.style.widgets import em, explain_entry, mark_row, muted, shortened
 from app.gui.views.key_words import with_keys
 
 NAME = "##palette"
@@ -82,7 +82,7 @@ def _draw_row(state: AppState, one: Found, place: int, marked: bool) -> bool:
     clicked, _ = imgui.selectable(f"{name}##{place}", marked, flags)
     if marked:
         mark_row()
-    explain(one.command.tooltip(state), below=False)  # Where the next row is.
+    explain_entry(one.command.tooltip(state))
     keys = with_keys(one.command.keys[0]) if one.command.keys else ""
     for text, x in ((one.where, em(20)), (keys, em(29))):
         imgui.same_line(start + x)

@@ -119,24 +119,28 @@ def choose_row(label: str, now: T, values: Mapping[T, str], text: str, width: fl
     return choose(label, now, values, text, width)
 
 
-def explain(text: str, *, below: bool = True) -> None:
+def explain(text: str) -> None:
     """A tooltip on the item before, also when that is disabled; not while something is dragged.
 
-    `below` the item, so that it stays to be read; else, and on what is tall, beside the pointer.
+    Below the item, so that it stays to be read; on what is tall beside the pointer.
     """
     if not _is_asked(text):
         return
-    if below and imgui.get_item_rect_size().y < em(LINE):
+    if imgui.get_item_rect_size().y < em(LINE):
         imgui.set_next_window_pos(_below(with_keys(legible(text))))
     _tooltip(text)
 
 
 def explain_entry(text: str) -> None:
-    """The same on an entry of an open list: left of the list, where it covers no other entry."""
-    if _is_asked(text):
-        end = ImVec2(imgui.get_window_pos().x - em(0.25), imgui.get_item_rect_min().y)
-        imgui.set_next_window_pos(end, imgui.Cond_.always, ImVec2(1, 0))
-        _tooltip(text)
+    """The same on an entry of a menu or list: beside that, where it covers no other entry; on its left, or on
+    its right where the screen ends."""
+    if not _is_asked(text):
+        return
+    gap, left, top = em(0.25), imgui.get_window_pos().x, imgui.get_item_rect_min().y
+    fits = left - gap - _size(with_keys(legible(text))).x >= imgui.get_main_viewport().pos.x
+    beside = left - gap if fits else left + imgui.get_window_width() + gap
+    imgui.set_next_window_pos(ImVec2(beside, top), imgui.Cond_.always, ImVec2(1 if fits else 0, 0))
+    _tooltip(text)
 
 
 def _is_asked(text: str) -> bool:
@@ -150,11 +154,15 @@ def _tooltip(text: str) -> None:
         imgui.text_unformatted(with_keys(legible(text)))
 
 
+def _size(text: str) -> ImVec2:
+    """Of a tooltip."""
+    padding = imgui.get_style().window_padding
+    return imgui.calc_text_size(text, wrap_width=em(EXPLANATION) - padding.x) + padding * 2
+
+
 def _below(text: str) -> ImVec2:
     """Where a tooltip on the item before goes: below it, or above where the screen ends."""
-    style, screen = imgui.get_style(), imgui.get_main_viewport()
-    wrap = em(EXPLANATION) - style.window_padding.x
-    size = imgui.calc_text_size(text, wrap_width=wrap) + style.window_padding * 2
+    screen, size = imgui.get_main_viewport(), _size(text)
     low, high, gap = imgui.get_item_rect_min(), imgui.get_item_rect_max(), em(0.25)
     end = screen.pos + screen.size
     y = high.y + gap if high.y + gap + size.y <= end.y else low.y - gap - size.y

@@ -24,7 +24,7 @@ from app.gui.style import fields, fonts
 from app.gui.style.widgets import NAMES
 from enhance import EnhanceParams, Statistics
 from enhance.vessel import VesselParams
-from tests.app.gui.ui import Shown, Ui, pictures
+from tests.app.gui.ui import Shown, Ui, pictures, tooltip
 
 Spot = tuple[float, float]
 AUTOMATIC = ("z", "p", "d_factor")
@@ -253,12 +253,6 @@ def test_in_a_narrow_panel_sliders_are_below_their_numbers(
     assert all(one.end <= width + 8 for one in hand.numbers)
     hand.drag("z", 0.3, 0.75)
     assert shown(opened.enhancement.params, "z") == pytest.approx(0.75, abs=0.02)  # type: ignore[arg-type]
-
-
-def tooltip() -> Any:
-    """The window of the one on screen."""
-    found = imgui.internal.find_window_by_name("##Tooltip_00")
-    return found if found is not None and found.active else None
 
 
 def test_a_tooltip_is_below_its_slider_and_gone_while_it_is_dragged(hand: Hand) -> None:

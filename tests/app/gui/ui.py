@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import Any
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx, implot
 
@@ -122,3 +123,9 @@ def texts(tags: Iterable[Tag]) -> str:
 
 def compare(state: AppState, shown: Shown) -> Draw:
     return lambda: draw_compare(state, shown)
+
+
+def tooltip() -> Any:
+    """The window of the one on screen."""
+    found = imgui.internal.find_window_by_name("##Tooltip_00")
+    return found if found is not None and found.active else None
