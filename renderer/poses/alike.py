@@ -30,13 +30,13 @@ def left_by_neighbours(now: Deforming) -> float:
 
 
 def shared_motions(now: Deforming) -> Deforming:
-    """With those motions alone that points share with those around them, the largest first. Where there are
-    fewer than were fitted, the others are how tracks drift, each for itself, and take the path along.
+    """Of motions in order of their size (`by_size`), the first ones, that points share with those around
+    them. Where there are fewer than were fitted, the others are how tracks drift, each for itself, and take
+    the path along.
 
     A motion is shared where half of the variance that is left over without it in the image is gone when each
     point takes part in it as the median of those around it does. The first one stays.
     """
-    now = _by_size(now)
     rigid = rigid_part(now)
     beside = _beside(now, rigid)
     kept = 1
@@ -50,10 +50,9 @@ def shared_motions(now: Deforming) -> Deforming:
 
 
 def told_by_depth(now: Deforming) -> bool:
-    """Whether half of the variance that the smallest motion leaves in depth is gone as each point makes it. A
-    track that drifts takes no path along then: errors of depth are each frame's own, and so small that where
-    the track goes is seen."""
-    now = _by_size(now)
+    """Whether half of the variance that the last of motions in order of their size (`by_size`) leaves in
+    depth is gone as each point makes it. A track that drifts takes no path along then: errors of depth are
+    each frame's own, and so small that where the track goes is seen."""
     rigid = rigid_part(now)
     own = now.shifts - rigid
     count = own.shape[1]
@@ -66,9 +65,9 @@ def _first(shifts: FloatArray, count: int) -> FloatArray:
     return np.where(np.arange(shifts.shape[1])[:, None] < count, shifts, 0.0)
 
 
-def _by_size(now: Deforming) -> Deforming:
-    """The motions in order of how far neighbours go together (principal components), over courses of mean 0
-    and size 1."""
+def by_size(now: Deforming) -> Deforming:
+    """The motions in order of how far neighbours go together (principal components), the largest first, over
+    courses of mean 0 and size 1."""
     now = by_speed(now)
     beside = _beside(now, rigid_part(now))
     axes = np.linalg.eigh(np.einsum("pki,pli->kl", beside, beside))[1][:, ::-1]

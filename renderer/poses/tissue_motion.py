@@ -9,7 +9,7 @@ import numpy as np
 
 from renderer.camera import Camera, FloatArray, IntArray
 from renderer.evenly import evenly
-from renderer.poses.alike import left_by_neighbours, shared_motions, told_by_depth
+from renderer.poses.alike import by_size, left_by_neighbours, shared_motions, told_by_depth
 from renderer.poses.between import between
 from renderer.poses.bundle import summed
 from renderer.poses.deforming import Deforming, fitted
@@ -68,8 +68,9 @@ def poses_by_motion(lens: Camera, views: Sequence[View], points: FloatArray) -> 
         now = fitted(_weighed(now), _ROUNDS)
     if _noise(now)[0] > _LEFT * _noise(still)[0] or left_by_neighbours(now) > _BY_NEIGHBOURS:
         return None
-    if not told_by_depth(now) and not fast_motions(by_speed(now)):
-        now = shared_motions(now)
+    sized = by_size(now)
+    if not told_by_depth(sized) and not fast_motions(by_speed(now)):
+        now = shared_motions(sized)
         for _ in range(_SLOW_STAGES):
             now = fitted(_weighed(now, _SLOW_SLACK), _ROUNDS)
     for _ in range(_DIVISIONS):

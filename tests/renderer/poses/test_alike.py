@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from renderer.poses.alike import shared_motions, told_by_depth
+from renderer.poses.alike import by_size, shared_motions, told_by_depth
 from renderer.poses.deforming import Deforming
 from renderer.poses.rigid_motion import Seen, local, projected
 from renderer.poses.tissue_motion import poses_by_motion
@@ -49,7 +49,7 @@ def left_of(course, now):
 
 
 def test_a_motion_that_each_point_has_to_itself_is_not_the_tissues():
-    now = shared_motions(found_in(np.c_[PULL, TIMES], 0.0, own=0.01))
+    now = shared_motions(by_size(found_in(np.c_[PULL, TIMES], 0.0, own=0.01)))
     assert now.courses.shape[1] == now.shifts.shape[1] == now.held_to.shape[1] == 1
     assert left_of(PULL, now) < 0.05
 
@@ -57,7 +57,7 @@ def test_a_motion_that_each_point_has_to_itself_is_not_the_tissues():
 @pytest.mark.parametrize("second", [1.0, 0.5])
 def test_two_slow_pulls_at_two_places_are_both_kept(second):
     before = found_in(np.c_[PULL, LATER], second, own=0.003)
-    now = shared_motions(before)
+    now = shared_motions(by_size(before))
     assert now.courses.shape[1] == 2
     np.testing.assert_allclose(now.places(), before.places(), atol=1e-9)
     assert np.abs(now.courses.mean(axis=0)).max() < 1e-9
@@ -65,15 +65,15 @@ def test_two_slow_pulls_at_two_places_are_both_kept(second):
 
 def test_depth_that_is_exact_tells_of_a_motion_of_each_point():
     courses = np.c_[PULL, TIMES]
-    assert told_by_depth(found_in(courses, 0.0, own=0.01, in_depth=1e-4))
-    assert not told_by_depth(found_in(courses, 0.0, own=0.01, in_depth=0.02))
-    assert told_by_depth(found_in(courses, 1.0, own=0.0, in_depth=1e-4))
+    assert told_by_depth(by_size(found_in(courses, 0.0, own=0.01, in_depth=1e-4)))
+    assert not told_by_depth(by_size(found_in(courses, 0.0, own=0.01, in_depth=0.02)))
+    assert told_by_depth(by_size(found_in(courses, 1.0, own=0.0, in_depth=1e-4)))
 
 
 def test_one_motion_alone_stays():
     two = found_in(np.c_[PULL, TIMES], 0.0, own=0.0)
     one = replace(two, courses=two.courses[:, :1], shifts=two.shifts[:, :1], held_to=two.shifts[:, :1])
-    assert shared_motions(one).courses.shape[1] == 1
+    assert shared_motions(by_size(one)).courses.shape[1] == 1
 
 
 def drifting(seed, lasting=20, count=500):
