@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,13 @@ from renderer.harmonics import BANDS
 from renderer.splats import Float32Array, Splats
 from renderer.stored_arrays import Arrays, Stored, check
 
+Floating = TypeVar("Floating", np.float32, np.float64)
 
-def sigmoid(logits: Float32Array) -> Float32Array:
-    """1 / (1 + exp(-x)) without overflow."""
-    half = np.float32(0.5)
-    values: Float32Array = half + half * np.tanh(half * logits)
+
+def sigmoid(logits: NDArray[Floating]) -> NDArray[Floating]:
+    """1 / (1 + exp(-x)) without overflow, of the same type."""
+    half = logits.dtype.type(0.5)
+    values: NDArray[Floating] = half + half * np.tanh(half * logits)
     return values
 
 

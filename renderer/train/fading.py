@@ -40,7 +40,7 @@ from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.binning import TILE
 from renderer.rasterize.cpu import BLACK, Rasterizer
-from renderer.raw_gaussians import logits
+from renderer.raw_gaussians import logits, sigmoid
 from renderer.splats import RenderMode
 from renderer.train.frames import TrainFrame, tissue_tiles, unseen_beyond
 
@@ -99,7 +99,7 @@ def faded_out_of_sight(
     curves = fitted_curves(goal - begun, weights, times, motion.n_controls)
     # Where it then falls short of a low goal, a step of the logit does much.
     missed = begun + _values(curves, times) - goal
-    rise = np.abs(_opacities(goal + missed) - wanted) / np.maximum(np.abs(missed), CLOSE)
+    rise = np.abs(sigmoid(goal + missed) - wanted) / np.maximum(np.abs(missed), CLOSE)
     weights = np.where(np.abs(missed) < CLOSE, weights, rise)
     curves = fitted_curves(goal - begun, weights, times, motion.n_controls)
     controls = opacity_curves(motion, len(gaussians))
@@ -155,10 +155,6 @@ def opacity_curves(motion: SplineMotion, count: int) -> NDArray[np.float32]:
     """(N, K, 1) a copy of those of `count` Gaussians, 0 where they have none."""
     curves = motion.opacity_controls
     return curves.copy() if len(curves) else np.zeros((count, motion.n_controls, 1), np.float32)
-
-
-def _opacities(logit: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(1 / (1 + np.exp(-logit)))
 
 
 def _values(curves: NDArray[np.float64], times: Sequence[float]) -> NDArray[np.float64]:

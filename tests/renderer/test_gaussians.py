@@ -97,9 +97,11 @@ def de_boor(controls: np.ndarray, time: float) -> np.ndarray:
     return points[3]
 
 
-def test_sigmoid_has_no_overflow() -> None:
-    logits = np.array([-1e4, -90, 0, 90, 1e4], np.float32)
-    assert sigmoid(logits).tolist() == [0, 0, 0.5, 1, 1]
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+def test_sigmoid_has_no_overflow(kind: type[np.float32] | type[np.float64]) -> None:
+    values = sigmoid(np.array([-1e4, -90, 0, 90, 1e4], kind))
+    assert values.tolist() == [0, 0, 0.5, 1, 1]
+    assert values.dtype == kind
 
 
 def test_file_round_trip_is_exact(tmp_path: Path) -> None:
