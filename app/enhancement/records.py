@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from app.enhancement.contact_sheet import Undefined
 from app.enhancement.measures import Lengths, MeasuredOver, Measures
-from app.enhancement.methods import RecordedSettings
+from app.enhancement.methods import EnhancementSettings, RecordedSettings
 from app.enhancement.settable import Pixels
 from app.files.dicom.choices import DicomChoices
 from app.files.image_files import ArrayImage
@@ -29,6 +29,15 @@ def _numbers(given: Any) -> Any:
     if not isinstance(given, dict):
         return given
     return {name: math.nan if value is None else value for name, value in given.items()}
+
+
+def told_in_full(
+    used: Statistics | None, pixels: Pixels, params: EnhancementSettings | None
+) -> Statistics | None:
+    """Those that `vessel` used for an image, where a record tells all that it looked for: another version may
+    measure otherwise. None: to be measured, as of the paper's method always."""
+    is_told = used is not None and (used.field is not None or pixels != "automatic")
+    return used if is_told and isinstance(params, VesselParams) else None
 
 
 RecordedMeasures = Annotated[Measures, BeforeValidator(_numbers)]
@@ -78,10 +87,7 @@ class EnhancedPicture(Record):
     def known(self) -> Statistics | None:
         """With which it is made: of `vessel`, also those of this picture alone, which another version may
         measure otherwise. None: to be measured."""
-        told = isinstance(self.params, VesselParams) and (
-            self.pixels != "automatic" or self.field is not None
-        )
-        return self.statistics if told else self.pooled
+        return self.pooled or told_in_full(self.statistics, self.pixels, self.params)
 
 
 Made = tuple[ArrayImage, EnhancedPicture]

@@ -11,6 +11,7 @@ import numpy as np
 from app.enhancement.clip_statistics import ClipMeasurer, OfClip, StatisticsRequest
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import METHODS, EnhancementSettings
+from app.enhancement.records import told_in_full
 from app.enhancement.setting_words import in_letters, with_method, worded
 from app.errors import UserError
 from app.exports.comparison_images import (
@@ -100,7 +101,7 @@ class PaneMaker:
         Raises ClipError or ImageError.
         """
         for pane, by in self._panes:
-            if _given(pane, by) is not None or not isinstance(by, EnhanceParams | VesselParams):
+            if not isinstance(by, EnhanceParams | VesselParams) or _known(pane, by) is not None:
                 continue
             wanted = self._request(pane, 0).statistics_request(by)
             if wanted in self._measured or self._sources.of_clip(wanted) is not None:
@@ -139,7 +140,7 @@ class PaneMaker:
         original = self._request(pane, frame)
         if isinstance(by, EnhanceParams | VesselParams):
             wanted = original.statistics_request(by)
-            given = _given(pane, by)
+            given = _known(pane, by)
             known = given or self._sources.of_clip(wanted) or self._measured.get(wanted)
             scope = original.scope if given is None else "clip"
             original = replace(original, scope=scope, of_clip=known)
@@ -150,12 +151,9 @@ class PaneMaker:
         return Made(Panel(f"{pane.title}   {said}".rstrip(), sizing.of(other.image)), used)
 
 
-def _given(pane: PaneRecord, by: Shown) -> Statistics | None:
-    """With which a pane is made; of `vessel` also those that it was made with, where all of them are told:
-    another version may measure otherwise."""
-    told = pane.statistics
-    is_known = told is not None and (told.field is not None or pane.pixels != "automatic")
-    return pane.given or (told if is_known and isinstance(by, VesselParams) else None)
+def _known(pane: PaneRecord, by: EnhancementSettings) -> Statistics | None:
+    """With which a pane is made, whatever its clip; None: to be measured."""
+    return pane.given or told_in_full(pane.statistics, pane.pixels, by)
 
 
 def _shown(pane: PaneRecord, sources: Sources) -> Shown:
