@@ -14,7 +14,7 @@ from typing import TextIO
 
 from app.cli import run
 from app.console.ending import EndingSignals
-from app.console.startup import require_one_place, rest_while_waiting
+from app.console.startup import require_one_place, require_threads, rest_while_waiting
 from app.console.unread import unread
 from app.errors import UserError
 
@@ -41,6 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with signals:
             require_one_place()
+            require_threads()
             run(sys.argv[1:] if arguments is None else arguments)
             sys.stdout.flush()
     except KeyboardInterrupt as interrupt:

@@ -8,11 +8,14 @@ from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from pathlib import Path
 from threading import RLock
-from typing import Any
+from typing import Any, Final
 
 from app.errors import UserError
 
 PACKAGES = ("app", "renderer", "enhance", "assets")
+THREADS: Final = "NUMBA_NUM_THREADS"
+MOST_THREADS: Final = 1024
+"""Each has memory of its own and is begun for nothing on most machines; of too many the system ends all."""
 
 
 def require_one_place() -> None:
@@ -49,6 +52,18 @@ def _path(spec: ModuleSpec) -> Path:
 def _listed() -> str:
     *most, last = PACKAGES
     return f"{', '.join(most)} and {last}"
+
+
+def require_threads() -> None:
+    """Before numba reads how many threads it is to have: it takes what is no number as if nothing were said.
+
+    Raises:
+        UserError: the environment says none, more than MOST_THREADS or no number.
+    """
+    said = os.environ.get(THREADS, "")
+    is_number = said.isascii() and said.isdecimal()
+    if said and not (is_number and 1 <= int(said) <= MOST_THREADS):
+        raise UserError(f"expected {THREADS} from 1 to {MOST_THREADS} in the environment, got {said!r}")
 
 
 def rest_while_waiting() -> None:
