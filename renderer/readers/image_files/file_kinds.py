@@ -29,6 +29,9 @@ ANIMATED = frozenset({"PNG", "WEBP"})
 
 ARRAY = ".npy"
 
+GIF = ".gif"
+"""Of an image, or of a film of several."""
+
 VIDEOS = frozenset({".avi", ".m4v", ".mkv", ".mov", ".mp4", ".mpeg", ".mpg", ".mts", ".ogv", ".webm", ".wmv"})
 
 RARER_VIDEOS = frozenset({".3gp", ".asf", ".flv", ".gif", ".m2ts", ".m2v", ".mxf", ".ts", ".vob", ".y4m"})
@@ -49,13 +52,15 @@ def is_picture(path: Path) -> bool:
 
 
 def is_frame(path: Path) -> bool:
-    """Whether a file is one picture of its folder: by its name, of CODED where PyAV is there to read it;
-    DICOM of any name but those of others; or an image without a suffix."""
+    """Whether a file is one picture of its folder: by its name, of CODED where PyAV is there to read it; a
+    GIF of one image; DICOM of any name but those of others; or an image without a suffix."""
     suffix = path.suffix.lower()
     if suffix in CODED:
         return is_visible(path) and has_pyav()
     if suffix in NAMED:
         return is_picture(path)
+    if suffix == GIF:
+        return is_visible(path) and _is_still(path)
     return _kind(path) == "image" or is_unnamed(path)
 
 
@@ -88,7 +93,7 @@ def moves(path: Path) -> bool:
     that holds several frames or a video."""
     suffix = path.suffix.lower()
     if suffix in VIDEOS | RARER_VIDEOS:
-        return not (suffix == ".gif" and _is_still(path)) and not (suffix == ".ts" and _is_text(path))
+        return not (suffix == GIF and _is_still(path)) and not (suffix == ".ts" and _is_text(path))
     return _kind(path) == "clip"
 
 

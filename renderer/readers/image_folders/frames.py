@@ -12,7 +12,7 @@ from renderer.listing import listed
 from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.image_files.coded_picture import CODED
-from renderer.readers.image_files.file_kinds import SUFFIXES, is_visible, moves, natural_key
+from renderer.readers.image_files.file_kinds import GIF, SUFFIXES, is_visible, moves, natural_key
 from renderer.readers.image_files.pictures import common_size, read_rgb
 from renderer.readers.image_folders.pages import left_pages
 from renderer.readers.image_folders.passed_over import broken_links, passed_over
@@ -87,7 +87,7 @@ def _check_names(paths: tuple[Path, ...], folder: Path) -> None:
     first: dict[str, Path] = {}
     for path in paths:
         # What follows the last point of another name is a part of it, as of DICOM's numbers.
-        name = path.stem if path.suffix.lower() in SUFFIXES | CODED else path.name
+        name = path.stem if path.suffix.lower() in SUFFIXES | CODED | {GIF} else path.name
         other = first.setdefault(name, path)
         if other != path:
             both = f"{other.name} and {path.name}"

@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 from renderer.readers.image_files.file_kinds import is_frame, moves
+from renderer.readers.image_files.pictures import upright_size
 from renderer.readers.image_folders.frames import open_images
 from renderer.readers.image_folders.picture_kinds import frame_folder, kind_by_name, kinds_of
 from renderer.sources import open_clip
@@ -134,6 +135,21 @@ def test_one_name_in_two_formats_is_refused(tmp_path):
     image(tmp_path / "1.png")
     image(tmp_path / "1.jpg")
     with pytest.raises(ValueError, match=r"1\.jpg and 1\.png"):
+        open_images(tmp_path)
+
+
+def test_a_gif_of_one_image_is_a_frame_and_a_film_is_none(tmp_path):
+    image(tmp_path / "1.png")
+    first, second = (Image.new("RGB", (8, 8), colour) for colour in ((200, 40, 30), (30, 40, 200)))
+    first.resize(upright_size(tmp_path / "1.png")).save(tmp_path / "2.gif")
+    first.save(tmp_path / "3.gif", save_all=True, append_images=[second])
+    (tmp_path / "4.gif").write_bytes(b"GIF89a")
+    clip = open_images(tmp_path)
+    assert clip.labels == ("1.png", "2.gif")
+    assert clip.read_image(1)[0, 0].tolist() == [200, 40, 30]
+    assert clip.notices == ("left out, not numbered images: 3.gif, 4.gif",)
+    image(tmp_path / "2.png")
+    with pytest.raises(ValueError, match=r"2\.gif and 2\.png"):
         open_images(tmp_path)
 
 
