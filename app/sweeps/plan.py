@@ -15,12 +15,14 @@ from pydantic.dataclasses import dataclass as checked_dataclass
 from app.console.progress import progress
 from app.errors import UserError
 from app.files.atomic import make_folder, write_bytes
+from app.files.image_files import frames_in
 from app.files.provenance import digest, provenance, strict_json
 from app.sweeps.folder import SWEEP, is_sweep
 from app.sweeps.jobs import Job, JobFolder, JobState
 from app.sweeps.names import names_of
 from app.sweeps.settings import TaskName
 from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for
+from renderer.layouts import layout_of
 from renderer.regular_files import read_regular
 
 
@@ -53,6 +55,8 @@ RECORD: Final = TypeAdapter(SweepRecord)
 def planned(spec: Spec, path: Path) -> Plan:
     """`path`: of the file with the spec. Raises UserError: a setting, a clip or their number."""
     paths = clip_paths(spec, path.absolute().parent)
+    for clip in paths:
+        _require_images(clip)
     try:
         jobs_asked_for(spec, len(paths))
         settings = all_settings(spec)
@@ -72,6 +76,12 @@ def planned(spec: Spec, path: Path) -> Plan:
         for setting in settings
     ]
     return Plan(spec, tuple({job.key: job for job in jobs}.values()), clips)
+
+
+def _require_images(clip: Path) -> None:
+    """Raises UserError: it is a folder without any, of which each job would only say so."""
+    if clip.is_dir() and layout_of(clip).name == "images":
+        frames_in(clip)
 
 
 def write_sweep(plan: Plan, folder: Path) -> None:

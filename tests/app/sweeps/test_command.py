@@ -32,6 +32,25 @@ def spec(tmp_path: Path) -> Path:
     return path
 
 
+def test_a_folder_without_images_is_refused_before_anything_is_run(
+    vesselsplat: Cli, spec: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "notes").mkdir()
+    (tmp_path / "notes" / "read me.txt").write_text("none")
+    spec.write_text('clips = ["good.png", "notes"]\ntask = "enhance"\n')
+    out = tmp_path / "out"
+    for flags in ((), ("--dry-run",)):
+        done = vesselsplat("sweep", spec, "--out", out, *flags)
+        assert (done.code, done.out) == (2, "")
+        assert done.error == (
+            f"vesselsplat: expected a folder with images, found none in {tmp_path / 'notes'}\n"
+        )
+        assert not out.exists()
+    done = vesselsplat("protocol", tmp_path / "notes", "--out", out)
+    assert (done.code, out.exists()) == (2, False)
+    assert "found none in" in done.error
+
+
 @pytest.mark.slow
 def test_a_failed_job_is_one_line_the_rest_is_done_and_repeated_on_request(
     vesselsplat: Cli, spec: Path, tmp_path: Path
