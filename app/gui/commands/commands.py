@@ -74,31 +74,34 @@ has_something = Needs(_lacks)
 
 def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     opening = (
-        Command("Open folder…", open_folder, ("Ctrl+O",), synonyms=("load", "case", "directory", "dataset")),
+        Command("Open folder…", open_folder, ("Ctrl+O",),
+                synonyms=("load", "case", "directory", "dataset", "import", "browse")),
         Command("Open file…", open_file, ("Ctrl+I",), text="open an image, a video, a session or a report",
-                synonyms=("load", "image", "video", "session", "report", "movie", "still", "run")),
+                synonyms=("load", "image", "video", "session", "report", "movie", "still", "run", "import",
+                          "film")),
         Command("Open live source…", live_actions.choose_source, ("Ctrl+L",),
                 text="a capture device, a stream, a file as if live, or two for both eyes",
                 synonyms=("camera", "capture", "stream", "rtsp", "webcam", "grabber", "device", "record",
-                          "stereo")),
+                          "stereo", "endoscope", "microscope", "usb", "connect")),
         Command("Try the built-in clip", actions.open_phantom,
                 synonyms=("demo", "example", "sample", "phantom", "test")),
     )  # fmt: skip
     remember = (
         Command("Remember recent files", _toggle_recent, ticked=lambda s: s.settings.remember_recent,
                 text="keep a list of opened files; turning this off clears it",
-                synonyms=("history", "privacy", "forget")),
+                synonyms=("history", "privacy", "forget", "preferences", "options")),
     )  # fmt: skip
     saving = (
         Command("Save image", export_actions.save_picture, ("S",), text="save an image of what is shown",
                 applies=has_something,
-                synonyms=("picture", "screenshot", "snapshot", "capture", "png")),
+                synonyms=("picture", "screenshot", "snapshot", "capture", "png", "photo", "copy", "still")),
         Command("Save the whole window", export_actions.save_window, ("F12",),
                 text="save an image of the window as it is",
                 synonyms=("screenshot", "capture", "print", "screen")),
         Command("Export…", lambda s: floating_windows.toggle(s.exports), ("Ctrl+Shift+E",),
                 text="export images, videos, measures and 3D models", applies=has_something,
-                synonyms=("mp4", "video", "movie", "record", "share", "csv", "table", "png", "jpeg", "tiff")),
+                synonyms=("mp4", "video", "movie", "record", "share", "csv", "table", "png", "jpeg", "tiff",
+                          "film", "render", "save", "send", "powerpoint")),
         Command("Add to the case summary", summary_actions.add_shown, ("Ctrl+J",),
                 text="save what is shown with its measures, for a page to print", applies=has_something,
                 synonyms=("report", "pdf", "html", "print", "collect")),
@@ -152,7 +155,9 @@ def _picture(state: AppState) -> tuple[Section, ...]:
     looks = (
         Command("Enhancement", actions.toggle_enhancement, ("E",), text="enhancement on or off",
                 applies=has_clip, ticked=lambda s: s.enhancement.active,
-                synonyms=("vessel", "enhance", "filter", "brighter", "brightness", "contrast", "on", "off")),
+                synonyms=("vessel", "vessels", "enhance", "filter", "brighter", "brightness", "contrast",
+                          "on", "off", "sharpen", "colour", "color", "saturation", "gamma", "clahe",
+                          "angiography", "darker", "noise", "denoise", "strength", "sliders")),
         Command("Plain white light", actions.white_light, ("Shift+W",), applies=has_clip,
                 text="white light: the frames as recorded, in all panes and the 3D view",
                 synonyms=("original", "wli", "normal", "unenhanced", "before")),
@@ -164,7 +169,8 @@ def _picture(state: AppState) -> tuple[Section, ...]:
         Command("Fit", lambda s: picture_actions.fit(s.picture), ("0",), text="fit the whole frame",
                 applies=has_clip, synonyms=("zoom", "out", "reset", "view")),
         Command("1:1", one_to_one, ("1",), text="actual pixels (1:1)", applies=has_clip,
-                synonyms=("zoom", "magnify", "100%", "actual", "size", "native")),
+                synonyms=("zoom", "magnify", "100%", "actual", "size", "native", "enlarge", "magnifier",
+                          "loupe")),
     )  # fmt: skip
     parameters = (
         Command(history_actions.undo_name(state), history_actions.undo, ("Ctrl+Z",),
@@ -194,7 +200,8 @@ def _compare() -> tuple[Section, ...]:
         Command("Wipe to the right", _wipe(1), ("Shift+]",), applies=has_clip, repeats=True),
         Command("Zebra: stripes on clipped pixels", comparing.toggle_zebra, ("Z",), applies=has_clip,
                 ticked=lambda s: s.comparing.chosen.zebra,
-                synonyms=("overexposed", "saturated", "exposure")),
+                synonyms=("overexposed", "saturated", "exposure", "highlights", "glare", "reflections",
+                          "burnt")),
     )  # fmt: skip
     slots = tuple(command for slot in SLOTS for command in _slot(slot))
     return menu("Compare", tuple(map(_mode, MODES)), sides, slots)
@@ -224,7 +231,7 @@ def _clip() -> tuple[Section, ...]:
     time = (
         Command("Play", actions.toggle_play, ("Space", "P", "K"), text="play or pause",
                 applies=lambda s: s.moments > 1, ticked=lambda s: s.timeline.playing,
-                synonyms=("pause", "stop", "start", "video")),
+                synonyms=("pause", "stop", "start", "video", "playback", "loop", "watch", "cine")),
         Command("Previous frame", partial(actions.step, frames=-1), ("Left", "comma"), applies=has_time,
                 repeats=True),
         Command("Next frame", partial(actions.step, frames=1), ("Right", "period"), applies=has_time,
@@ -254,7 +261,7 @@ def _clip() -> tuple[Section, ...]:
                 text="mask surgical tools with a brush, or stop", ticked=lambda s: s.masking.active,
                 applies=Needs(clip_actions.why_no_clip),
                 synonyms=("instruments", "brush", "paint", "segment", "segmentation", "erase", "find",
-                          "detect")),
+                          "detect", "draw", "region", "annotate")),
         Command("Tint masked areas", clip_actions.toggle_overlay, ("Shift+M",),
                 text="tint tools and masked areas", applies=has_clip, ticked=lambda s: s.picture.overlay,
                 synonyms=("mask", "overlay", "instruments", "tools")),

@@ -25,14 +25,16 @@ def help_sections() -> tuple[Section, ...]:
         Command("Find a command…", lambda s: s.window.palette.open(), ("Ctrl+Shift+P",),
                 text="find a command by its name", synonyms=("search", "palette")),
         Command("Keys and mouse", toggle_help, ("?",), text="every key and gesture",
-                synonyms=("shortcuts", "hotkeys", "keyboard", "help", "bindings")),
+                synonyms=("shortcuts", "hotkeys", "keyboard", "help", "bindings", "rotate", "pan",
+                          "orbit", "zoom", "scroll")),
     )  # fmt: skip
     about = (
         Command("Open log folder", about_actions.open_log_folder, synonyms=("bug", "errors", "support"),
                 text="errors of this and earlier sessions, for bug reports"),
         Command("About VesselSplat", lambda s: floating_windows.toggle(s.about),
                 text="version, licences, and what to copy into a bug report",
-                synonyms=("version", "licence", "license", "bug", "system", "credits")),
+                synonyms=("version", "licence", "license", "bug", "system", "credits", "update", "upgrade",
+                          "gpu", "cite", "citation", "paper")),
     )  # fmt: skip
     return menu("Help", guide, found, about)
 

@@ -14,7 +14,7 @@ def job_sections() -> tuple[Section, ...]:
                 applies=Needs(job_actions.why_not_reconstruct),
                 refuse=job_actions.refuse,
                 synonyms=("train", "3d", "gaussian", "splat", "model", "run", "start", "depth", "stereo",
-                          "calibration")),
+                          "calibration", "quality", "iterations", "training", "nerf", "mesh", "settings")),
         Command("Pause reconstruction", job_actions.toggle_pause, ("Ctrl+P",),
                 text="pause or resume training", ticked=lambda s: s.runs.reconstruction.can_resume,
                 applies=lambda s: s.runs.reconstruction.can_pause or s.runs.reconstruction.can_resume,

@@ -17,7 +17,7 @@ def presenting_commands() -> tuple[Command, ...]:
         Command("Presentation", presenting.toggle, ("F5",),
                 text="one pane alone on the whole screen: the one under the pointer, or clicked last",
                 applies=lambda s: bool(presenting.panes(s)), ticked=lambda s: s.presenting.pane is not None,
-                synonyms=("slideshow", "teaching", "lecture")),
+                synonyms=("slideshow", "teaching", "lecture", "slides")),
         Command("Second window", presenting.toggle_second, ("Shift+F5",),
                 text="one pane in a window of its own, for a second monitor; the controls stay here",
                 ticked=lambda s: s.second_window.shown,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
+from typing import Final
 
 from app.gui.actions import actions, notes_actions, path_actions, window_actions
 from app.gui.commands.command import Asks, Command, Section, WindowServices, has_model, menu
@@ -11,11 +13,14 @@ from app.gui.state.app_state import AppState
 from app.gui.work.settings import TEXT_PERCENTS, Theme
 from app.scenes.backgrounds import BACKGROUNDS, EXPLAINED, BackgroundName
 
+PREFERENCES: Final = ("preferences", "options", "settings")
+THEME_WORDS: Final[Mapping[Theme, tuple[str, ...]]] = {"dark": ("night", "black"), "light": ("day", "white")}
+
 
 def view_sections(outside: WindowServices) -> tuple[Section, ...]:
     panels = (
         _panel("Log", "panel: messages of this session", outside),
-        _panel("Notes", "panel: notes saved with the session", outside),
+        _panel("Notes", "panel: notes saved with the session", outside, ("comment", "annotation", "write")),
         _panel("Report", "panel: an opened report of measurements", outside),
     )
     whole = (
@@ -55,9 +60,9 @@ def view_sections(outside: WindowServices) -> tuple[Section, ...]:
     )
 
 
-def _panel(name: str, text: str, outside: WindowServices) -> Command:
+def _panel(name: str, text: str, outside: WindowServices, synonyms: tuple[str, ...] = ()) -> Command:
     toggle = partial(_toggle, outside=outside, name=name)
-    return Command(name, toggle, text=text, ticked=lambda s: outside.panel_shown(name))
+    return Command(name, toggle, text=text, ticked=lambda s: outside.panel_shown(name), synonyms=synonyms)
 
 
 def _toggle(state: AppState, outside: WindowServices, name: str) -> None:
@@ -75,13 +80,13 @@ def _background(name: BackgroundName) -> Command:
 
 def _theme(theme: Theme) -> Command:
     choose = partial(actions.choose_theme, theme=theme)
-    words = ("appearance", "colours", "mode")
+    words = ("appearance", "colours", "colors", "mode", *PREFERENCES, *THEME_WORDS[theme])
     return Command(f"{theme.capitalize()} theme", choose, ticked=lambda s: s.settings.theme == theme,
                    synonyms=words)  # fmt: skip
 
 
 def _text_size() -> tuple[Command, ...]:
-    words = ("font", "size", "scale", "letters", "interface")
+    words = ("font", "size", "scale", "letters", "interface", *PREFERENCES)
     steps = (
         Command("Larger text", partial(actions.resize_text, steps=1), ("Ctrl+plus", "Ctrl+keypad plus"),
                 applies=lambda s: s.settings.text_percent < TEXT_PERCENTS[-1],
