@@ -94,7 +94,7 @@ def _file(state: AppState, outside: WindowServices) -> tuple[Section, ...]:
     saving = (
         Command("Save image", export_actions.save_picture, ("S",), text="save an image of what is shown",
                 applies=has_something,
-                synonyms=("picture", "screenshot", "snapshot", "capture", "png", "photo", "copy", "still")),
+                synonyms=("picture", "screenshot", "snapshot", "capture", "png", "copy", "still")),
         Command("Save the whole window", export_actions.save_window, ("F12",),
                 text="save an image of the window as it is",
                 synonyms=("screenshot", "capture", "print", "screen")),

@@ -14,7 +14,7 @@ from app.gui.state.exports import What
 SURFACE: Final = ("mesh", "stl", "polygons", "blender", "print")
 VIDEO: Final = ("film", "movie", "mp4", "gif", "animation")
 SYNONYMS: Final[Mapping[Form, tuple[str, ...]]] = {
-    "picture": ("photo", "picture", "screenshot", "snapshot", "save"),
+    "picture": ("picture", "screenshot", "snapshot", "save"),
     "panes video": VIDEO,
     "view video": VIDEO,
     "measures": ("excel", "spreadsheet", "statistics", "quantify", "histogram", "numbers", "results"),

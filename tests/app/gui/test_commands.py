@@ -300,7 +300,6 @@ SOUGHT = (
     ("render", "Export…"),
     ("render 3d", "Image: 3D view"),
     ("picture", "Save image"),
-    ("photo", "Save image"),
     ("film", "Export…"),
     ("import film", "Open file…"),
     ("gif", "Video: panes as shown"),
