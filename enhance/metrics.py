@@ -94,7 +94,7 @@ def dvbv_local(
         tissue_mask: (H, W), True = keep; only windows that lie within count, also for the mean.
 
     Raises:
-        ImageError: images of different sizes.
+        ImageError: images of different sizes, or a threshold that is negative or no number.
 
     Example:
         >>> import numpy as np
@@ -104,6 +104,8 @@ def dvbv_local(
         >>> bool(dvbv_local(unsharp(image), image).dv > dvbv_local(image, image).dv)
         True
     """
+    if threshold is not None and not 0 <= threshold < math.inf:
+        raise ImageError(f"expected a threshold of 0 or more, got {threshold}")
     before, after = _local_variance(seen(original)), _local_variance(seen(image))
     check_sizes(after, before)
     counted = _whole_windows(kept(original, tissue_mask) & kept(image))

@@ -112,6 +112,9 @@ def test_local_threshold_and_window() -> None:
     spot = np.zeros((21, 21), np.uint8)
     spot[10, 10] = 100
     variance = 100**2 * (1 / 25) * (24 / 25)  # the same in each of the 25 windows that hold the spot
+    for unknown in (-1.0, math.nan, math.inf):
+        with pytest.raises(ImageError, match="expected a threshold of 0 or more, got"):
+            dvbv_local(spot, spot, threshold=unknown)
     result = dvbv_local(spot, spot, threshold=variance / 2)
     assert result.dv == pytest.approx(variance)
     assert result.bv == pytest.approx(0, abs=1e-9)
