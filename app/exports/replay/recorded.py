@@ -75,6 +75,8 @@ def _beside(path: Path) -> Facts:
             f"expected the export itself, {path.with_suffix('').name}, got its provenance: {path}"
         )
     sidecar = path.with_name(f"{path.name}.json")
+    if path.suffix.lower() == ".json" and not sidecar.is_file():
+        raise UserError(f"expected an export that tells how it was made, got JSON, as of cameras: {path}")
     if not sidecar.is_file():
         raise UserError(f"expected {sidecar.name} beside {path.name}, which holds its provenance: {path}")
     return facts_of(read_whole(sidecar).decode(errors="replace"), sidecar)

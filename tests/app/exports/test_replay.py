@@ -84,6 +84,16 @@ def test_files_of_before_come_again_by_the_file_beside_them(
     assert f"{out.name}.json" in call.error
 
 
+def test_json_that_holds_no_provenance_is_told_as_such(tmp_path: Path, vesselsplat: Cli) -> None:
+    path = tmp_path / "cameras.json"
+    path.write_text("[]")
+    call = vesselsplat("replay", path)
+    assert call.code == 2
+    assert call.error == (
+        f"vesselsplat: expected an export that tells how it was made, got JSON, as of cameras: {path}\n"
+    )
+
+
 def test_an_enhanced_video_comes_again(folder: Path, vesselsplat: Cli) -> None:
     out = folder.parent / "out.mp4"
     assert vesselsplat("enhance", folder, out, "--statistics", "clip").code == 0
