@@ -70,6 +70,7 @@ def _take_source(state: AppState, path: Path, opened: Opened) -> None:
     source.path = opened.path if opened.session is not None else opened.path or path
     source.clip, source.options, source.content = clip, opened.options, opened.content
     source.bare, source.is_enhanced, source.depth_ways = opened.bare, opened.is_enhanced, None
+    source.is_dicom = opened.is_dicom
     source.notices, source.depth_wish = opened.to_be_read, _kept_depth(state, opened)
     source.tool_masks = None
     said = source.known.get(str(clip.path), UNKNOWN) if clip is not None else UNKNOWN

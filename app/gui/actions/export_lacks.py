@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import lru_cache, partial
-from pathlib import Path
+from functools import partial
 from typing import Final
 
 from app.enhancement.settable import RENDER
@@ -18,7 +17,7 @@ from app.gui.actions.export_records import format_of, sized
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import why_not
 from app.live.picture import LIVE
-from renderer.readers.dicom.opening import NO_PYDICOM, has_pydicom, is_dicom
+from renderer.readers.dicom.opening import NO_PYDICOM, has_pydicom
 
 NO_CLIP: Final = "Open a clip first."
 NO_MODEL: Final = "There is no 3D model yet: reconstruct the clip or open a run."
@@ -93,15 +92,9 @@ def _lacks_dicom(state: AppState, offer: Offer) -> str:
         return "One image is no video: export the enhanced frame."
     if offer.form == "DICOM video" and not clip.has_one_size:
         return SIZES_DIFFER
-    if state.exports.dicom.keep_identity and not is_of_dicom(clip.path):
+    if state.exports.dicom.keep_identity and not state.source.is_dicom:
         return "The source is not DICOM: there is no patient to keep."
     return ""
-
-
-@lru_cache(maxsize=8)
-def is_of_dicom(path: Path) -> bool:
-    """Asked at every frame of the panel, and read once."""
-    return is_dicom(path)
 
 
 def _lacks_package(suffix: str) -> str:

@@ -39,6 +39,8 @@ class Source:
     """`clip` with no depth but that of its own files."""
     is_enhanced: bool = False
     """`clip` is a file that VesselSplat enhanced before."""
+    is_dicom: bool = False
+    """It is a DICOM file."""
     notices: tuple[str, ...] = ()
     """Of the video that is open, what it is read as; none once that has been read."""
     options: ClipOptions = DEFAULTS

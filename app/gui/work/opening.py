@@ -26,6 +26,7 @@ from renderer.clip import Clip, ClipError
 from renderer.listing import listed
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.cut_off import CUT_OFF
+from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.image_folders.passed_over import NOT_READABLE
 from renderer.readers.lenses.calibration_files import read_calibration
 from renderer.regular_files import require_regular
@@ -96,6 +97,7 @@ class Opened:
     """The clip with no depth but that of its own files."""
     is_enhanced: bool = False
     """The clip is a file that VesselSplat enhanced before."""
+    is_dicom: bool = False
     splats: Scene | None = None
     """Of a file of splats."""
     notices: tuple[str, ...] = ()
@@ -238,7 +240,7 @@ def _opened(read: _Read) -> Opened:
     said = tuple(filter(None, (enhanced_already(read.bare.path),)))
     clip, bare = (replace(each, notices=(*said, *each.notices)) for each in (read.clip, read.bare))
     opened = Opened(clip, bare=bare, notices=clip.notices, options=read.options, warning=read.warning)
-    return replace(opened, is_enhanced=bool(said))
+    return replace(opened, is_enhanced=bool(said), is_dicom=is_dicom(bare.path))
 
 
 def _require_file_or_folder(path: Path) -> None:

@@ -81,7 +81,8 @@ class RunFinder:
     """Answers RunsRequests; reads again only what has changed."""
 
     _read: dict[tuple[Any, ...], tuple[RunRecord, ListedRun]] = field(default_factory=dict)
-    _digests: dict[Path, str] = field(default_factory=dict)
+    _digests: dict[tuple[Any, ...], str] = field(default_factory=dict)
+    """Of the clip that was looked at last, as its file or folder was then."""
 
     def find(self, request: RunsRequest) -> Iterator[FoundRuns]:
         """Raises OSError: the folder of all runs cannot be listed."""
@@ -114,9 +115,11 @@ class RunFinder:
             return False
         if record.clip.name != clip.name and place.exists():
             return False
-        if clip.path not in self._digests:
-            self._digests = {clip.path: digest(clip.path)}
-        return record.clip.sha256 == self._digests[clip.path]
+        stat = clip.path.stat()
+        key = clip.path, stat.st_size, stat.st_mtime_ns
+        if key not in self._digests:
+            self._digests = {key: digest(clip.path)}
+        return record.clip.sha256 == self._digests[key]
 
 
 def _key(run: RunFolder) -> tuple[Any, ...]:

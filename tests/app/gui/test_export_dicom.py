@@ -108,6 +108,21 @@ def test_what_is_lacking_is_said(
     monkeypatch.undo()
     one = Exporter(places, saved(stills(picture())["rgb"][0], tmp_path / "one.dcm"))
     assert "One image is no video" in export_actions.why_not_export(one.state, CLIP)
+    export_actions.choose_dicom(one.state, DicomChoices(keep_identity=True))
+    assert export_actions.why_not_export(one.state, STILL) == ""
+
+
+def test_whether_there_is_a_patient_is_known_of_the_file_as_it_is_now(places: Places, tmp_path: Path) -> None:
+    path = tmp_path / "one.png"
+    write_image(path, picture(), {})
+    choices = DicomChoices(keep_identity=True)
+    before = Exporter(places, path)
+    export_actions.choose_dicom(before.state, choices)
+    assert "no patient to keep" in export_actions.why_not_export(before.state, STILL)
+    saved(stills(picture())["rgb"][0], path)
+    now = Exporter(places, path)
+    export_actions.choose_dicom(now.state, choices)
+    assert export_actions.why_not_export(now.state, STILL) == ""
 
 
 def test_of_a_clip_that_keeps_one_frame_in_several_it_is_the_one_shown(tmp_path: Path) -> None:
