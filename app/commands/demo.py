@@ -20,7 +20,7 @@ from app.console.startup import has_display, take_turns_where_needed
 from app.enhancement.contact_sheet import Tile, sheet
 from app.errors import UserError
 from app.evaluation.evaluate import Evaluation, open_evaluation
-from app.files.atomic import make_folder, write_bytes
+from app.files.atomic import made, write_bytes
 from app.files.provenance import NOTICE, provenance, strict_json, write_png
 from app.files.records import Source
 from app.runs.run_folder import Input, RunFolder
@@ -51,7 +51,15 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 def run(flags: argparse.Namespace) -> None:
     out: Path = flags.out
     runs = {name: out / f"{name}-run" for name in INPUTS}
-    _clear(out, list(runs.values()))
+    with made(out):
+        _clear(list(runs.values()))
+        _make(out, runs)
+    if has_display() and not flags.headless:
+        _open(runs["enhanced"])
+
+
+def _make(out: Path, runs: dict[Input, Path]) -> None:
+    """All that is shown, in the folder `out`."""
     path = phantom_path()
     clip = open_clip(path)
     seconds: dict[str, float] = {}
@@ -71,8 +79,6 @@ def run(flags: argparse.Namespace) -> None:
     report = provenance(**facts, seconds=seconds, total_seconds=sum(seconds.values()), runs=reports)
     write_bytes(out / "report.json", strict_json(report, indent=2).encode())
     sys.stdout.write(f"{out}: compare.png, strip.png, report.json in {sum(seconds.values()):.0f} s\n")
-    if has_display() and not flags.headless:
-        _open(runs["enhanced"])
 
 
 def _open(run: Path) -> None:
@@ -86,9 +92,8 @@ def _open(run: Path) -> None:
         sys.stderr.write(f"{error}\n")
 
 
-def _clear(out: Path, runs: list[Path]) -> None:
+def _clear(runs: list[Path]) -> None:
     """Make room: the runs of an earlier demo go, anything else stays and is an error."""
-    make_folder(out)
     for path in runs:
         if RunFolder(path).is_run:
             shutil.rmtree(path)
@@ -107,9 +112,8 @@ def _timed(name: str, seconds: dict[str, float]) -> Iterator[None]:
 def _write_enhanced(folder: Path, clip: Clip) -> None:
     enhancement = pooled(clip, RECONSTRUCTION_PARAMS)
     clip = enhanced_clip(clip, enhancement)
-    make_folder(folder)
     facts: dict[str, Any] = {"source": Source.of(clip.path), "enhancement": enhancement}
-    with progress("enhance", len(clip)) as report:
+    with made(folder), progress("enhance", len(clip)) as report:
         for index in range(len(clip)):
             image, name = clip.read_image(index), f"frame-{index:06d}.png"
             write_png(folder / name, image, provenance(**facts, frame=index))

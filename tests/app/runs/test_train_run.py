@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -284,6 +286,20 @@ def test_a_record_holds_out_the_frames_of_its_clip(
     record, clip = RunFolder(runs["original"]).record(), open_clip(clip_path)
     short = replace(record, clip=replace(record.clip, frames=count))
     assert short.test_indices == replace(clip, cameras=clip.cameras[:1] * count).test_indices
+
+
+def test_a_demo_on_a_full_disk_leaves_no_folder(
+    vesselsplat: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, clip_path: Path
+) -> None:
+    def full(path: Path, *rest: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    monkeypatch.setattr("app.commands.demo.phantom_path", lambda: clip_path)
+    monkeypatch.setattr("app.commands.demo.write_png", full)
+    called = vesselsplat("demo", "--headless", "--out", tmp_path / "demo")
+    assert called.code == 2
+    assert "No space left on device" in called.error
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_the_demo_leaves_sheets_and_a_report_and_can_be_repeated(
