@@ -113,9 +113,10 @@ def _seconds(text: str | None) -> float | None:
     if text is None:
         return None
     found = re.fullmatch(r"\s*([0-9]*\.?[0-9]+)\s*(ms|s|min)?\s*", text)
-    if not found:
+    seconds = float(found[1]) * {"ms": 1e-3, "s": 1.0, "min": 60.0, None: 1.0}[found[2]] if found else 0.0
+    if not seconds > 0:
         raise UserError(f"--budget: expected a time such as 10ms, 2s or 1min, got {text!r}")
-    return float(found[1]) * {"ms": 1e-3, "s": 1.0, "min": 60.0, None: 1.0}[found[2]]
+    return seconds
 
 
 def advice(sections: Mapping[str, Section], budget: float | None, error: float | None) -> Iterator[str]:

@@ -18,6 +18,7 @@ from app.report.section import Cell, Column, Section, Table
 from enhance import EnhanceParams, Enhancer, EnhanceResult
 from enhance.accuracy import omissions
 from renderer.clip import Clip, ClipError
+from renderer.layouts import layout_of
 from renderer.measuring.ablation import Side, ablation
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.readers.clip_options import ClipOptions
@@ -111,7 +112,9 @@ def _opened(path: Path, name: str, missing: list[str]) -> Clip | None:
     worked out once for all runs."""
     try:
         clip = open_clip(path)
-        step, guessed = -(-len(clip) // MOST_FRAMES), not clip.has_depth and clip.points is None
+        thinned, guessed = -(-len(clip) // MOST_FRAMES), not clip.has_depth and clip.points is None
+        # Of a clip of which the field keeps one frame in so many, one in so many of these.
+        step = thinned * layout_of(path).usual_step(path) if thinned > 1 else 1
         options = ClipOptions(
             frame_step=step if step > 1 else None, depth="brightness" if guessed else "auto"
         )

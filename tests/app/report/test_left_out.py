@@ -9,7 +9,7 @@ import pytest
 from app.report.bench import Bench, Clock
 from app.report.measures import left_out
 from app.report.section import Section
-from renderer.phantom import Phantom, PhantomParams
+from renderer.phantom import Phantom, PhantomParams, write_phantom
 
 FRAMES = PhantomParams(n_frames=9, width=64, height=48)
 
@@ -74,3 +74,15 @@ def test_long_scenes_are_thinned_and_none_is_begun_when_the_time_is_used_up(
     name = f"{frames.parent.name}/images, one frame in 3, depth estimated"
     assert section.not_measured == (f"{name}: no time left",)
     assert not rows(section, "Reconstruction")
+
+
+def test_a_scene_of_which_the_field_keeps_few_frames_is_thinned_further(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 20 frames of such a clip 5 count: one in 3 of these."""
+    scene = tmp_path / "dataset_3" / "keyframe_1"
+    write_phantom(scene, PhantomParams(n_frames=20, width=64, height=48, camera="moving"), "scared")
+    monkeypatch.setattr(left_out, "MOST_FRAMES", 2)
+    thinned = left_out._opened(scene, "scene", [])
+    assert thinned is not None
+    assert (thinned.name, len(thinned)) == ("scene, one frame in 12", 2)

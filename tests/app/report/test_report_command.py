@@ -33,6 +33,7 @@ def test_a_report_holds_page_and_figures_of_the_parts_asked_for(
     [
         (["--parts", "enhancement,nonsense"], "nonsense"),
         (["--budget", "soon"], "soon"),
+        (["--budget", "0ms"], "0ms"),
         (["--clip", "nowhere/at/all"], "nowhere"),
         (["--scenes", "nowhere/at/all"], "nowhere"),
     ],
