@@ -76,14 +76,23 @@ def _reader_left(error: OSError) -> bool:
 
 def _unnamed(error: OSError) -> str:
     """What an error is of that names no file: of a full disk what is printed, where that is a file, since
-    our own files are named."""
+    our own files are named; of nothing there the current folder, where that is gone."""
     from app.files.atomic import NO_SPACE
 
+    if error.errno == errno.ENOENT and not _has_current_folder():
+        return "the current folder"
     try:
         kept = not (sys.stdout.isatty() or stat.S_ISFIFO(os.fstat(sys.stdout.fileno()).st_mode))
     except (OSError, ValueError):
         kept = False
     return "standard output" if kept and error.errno in NO_SPACE else "no file named"
+
+
+def _has_current_folder() -> bool:
+    try:
+        return bool(os.getcwd())
+    except OSError:
+        return False
 
 
 def keep_quiet() -> None:

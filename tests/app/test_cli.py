@@ -298,6 +298,21 @@ def test_a_full_place_of_what_is_printed_is_named(arguments: tuple[str, ...]) ->
     assert done.stderr.decode() == "vesselsplat: No space left on device: standard output\n"
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="no folder is removed there while it is anyone's own")
+def test_a_current_folder_that_is_gone_is_named(
+    vesselsplat: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    called = vesselsplat("enhance", "a.png", "b.png")
+    assert called.code == 2
+    called = vesselsplat("protocol", "a", "--out", "b")
+    assert (called.code, called.error) == (2, "vesselsplat: No such file or directory: the current folder\n")
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
