@@ -34,6 +34,7 @@ from app.gui.style.widgets import (
     muted,
     note,
     toggle,
+    width_of,
 )
 from app.gui.views.comparison import SIDES, Side
 
@@ -95,9 +96,13 @@ def _draw_toolbar(state: AppState) -> None:
     imgui.align_text_to_frame_padding()
     muted(f"{100 * state.picture.zoom:.0f} %".rjust(6))
     explain("Screen pixels per image pixel.")
-    for slot in SLOTS:
+    gap, labels = em(0.5), [f"Store {slot}" for slot in SLOTS]
+    # Together: one of them alone on a line looks left over.
+    beside_of(sum(map(width_of, labels)) + gap * (len(labels) - 1))
+    for place, slot in enumerate(SLOTS):
         text = f"Shift+{slot}: store the current settings as {slot}, to compare with or return to."
-        beside(f"Store {slot}")
+        if place:
+            imgui.same_line(0, gap)
         button(f"Store {slot}", partial(comparing.store, state, slot), text)
 
 

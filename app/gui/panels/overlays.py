@@ -31,8 +31,6 @@ DETAILS = (
 BANNER = "##banner"
 MIDDLE = ("Images", "Splat file", "Tuning", "Report")
 """Panels of which one is in front there."""
-TIMELINE = 7.8
-"""Text heights up to where the timeline and the bars below it begin, also those of a live source."""
 NARROW = 24.0
 """Text heights across that an error needs."""
 OFFER = "An earlier session ended unexpectedly"
@@ -127,20 +125,31 @@ def make_room(state: AppState) -> None:
 
 
 def draw_toast(state: AppState) -> None:
-    """Good news, above the timeline, for a few seconds."""
+    """Good news, beside the menus, where it hides nothing, for a few seconds."""
     if state.window.toast is None:
         return
-    viewport = imgui.get_main_viewport()
-    bottom = ImVec2(viewport.get_center().x, viewport.work_pos.y + viewport.work_size.y - em(TIMELINE))
-    imgui.set_next_window_pos(bottom, imgui.Cond_.always, ImVec2(0.5, 1))
+    viewport, style = imgui.get_main_viewport(), imgui.get_style()
+    corner = viewport.pos + ImVec2(viewport.size.x, 0)
+    imgui.set_next_window_pos(corner, imgui.Cond_.always, ImVec2(1, 0))
     flags = FIXED | imgui.WindowFlags_.no_inputs
     with (
         imgui_ctx.push_style_color(imgui.Col_.window_bg, theme.now().shade(0.22, 0.97)),
+        imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, ImVec2(em(0.6), style.frame_padding.y)),
+        imgui_ctx.push_style_var(imgui.StyleVar_.window_min_size, ImVec2(1, 1)),
         imgui_ctx.begin("##toast", None, flags),
     ):
-        # Also over the dialog that it answers, which may reach as far down.
+        # Also over the dialog that it answers, which may reach as far up.
         imgui.internal.bring_window_to_display_front(imgui.internal.get_current_window())
-        imgui.text_unformatted(capital(state.window.toast.message))
+        with imgui_ctx.push_text_wrap_pos(_beside_menus() - em(1.2)):
+            imgui.text_unformatted(capital(state.window.toast.message))
+
+
+def _beside_menus() -> float:
+    """Pixels across, so far as it is room enough for a sentence."""
+    menus: imgui.internal.Window | None = imgui.internal.find_window_by_name("##MainMenuBar")
+    across = imgui.get_main_viewport().size.x
+    taken = 0.0 if menus is None or not menus.active else menus.content_size.x
+    return max(across - taken - em(1), min(em(NARROW), across))
 
 
 def draw_help(state: AppState, sections: tuple[Section, ...]) -> None:

@@ -357,12 +357,12 @@ def seconds(duration: float) -> str:
 
 def floating(title: str, width: float, taken: float) -> int:
     """Flags of the next window: `width` text heights across, in the middle at first, as high as its content
-    or as there is room; always below what is `taken` of the top, in pixels, and beyond the lower edge only
+    or as there is room; always below what is `taken` of the top, in pixels, and over the status bar only
     where it is dragged there.
 
     What is in it is drawn in the frame in which it is closed, too: it comes back as high as it was then."""
     viewport, when = imgui.get_main_viewport(), imgui.Cond_
-    top, end = viewport.work_pos.y + taken, viewport.work_pos.y + viewport.work_size.y
+    top, end = viewport.work_pos.y + taken, viewport.work_pos.y + viewport.work_size.y - em(1.5)
     shown = _as_shown(title)
     if taken and shown is not None and shown.pos.y < top:
         imgui.set_next_window_pos(ImVec2(shown.pos.x, top), when.always)

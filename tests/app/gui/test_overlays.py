@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from imgui_bundle import ImVec2, imgui
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui.actions import actions, floating_windows
 from app.gui.commands.commands import sections
@@ -71,18 +71,31 @@ def test_good_news_lies_over_the_window_that_was_clicked_last(ui: Ui, state: App
     assert height(named("##toast")) > height(named("Keys and mouse"))
 
 
-def test_good_news_lies_above_the_timeline_and_the_bars_below_it(ui: Ui, state: AppState) -> None:
-    actions.announce(state, "saved clip.png")
+def test_good_news_lies_beside_the_menus_and_over_no_list(ui: Ui, state: AppState) -> None:
+    """Longer news, or larger text, is in more lines."""
     heights: list[float] = []
 
     def draw() -> None:
+        with imgui_ctx.begin_main_menu_bar(), imgui_ctx.begin_menu("File and others"):
+            pass
+        heights.append(imgui.get_frame_height())
         overlays.draw_toast(state)
-        heights.append(imgui.get_font_size())
 
-    for _ in range(3):
-        ui.frame(draw)
-    toast = imgui.internal.find_window_by_name("##toast")
-    assert toast.pos.y + toast.size.y <= ui.io.display_size.y - (5.4 + 2) * heights[0]
+    def shown(sentence: str) -> imgui.internal.Window:
+        actions.announce(state, sentence)
+        for _ in range(4):
+            ui.frame(draw)
+        return imgui.internal.find_window_by_name("##toast")
+
+    bar = imgui.internal.find_window_by_name
+    toast = shown("saved clip.png")
+    assert toast.pos.y == 0
+    assert toast.pos.x + toast.size.x == pytest.approx(ui.io.display_size.x, abs=1)
+    assert toast.size.y <= heights[-1] + 1
+    assert toast.pos.x > bar("##MainMenuBar").content_size.x
+    toast = shown("saved " + "clip " * 60)
+    assert heights[-1] < toast.size.y < 5 * heights[-1]
+    assert toast.pos.x > bar("##MainMenuBar").content_size.x
 
 
 def test_the_log_keeps_the_newest_in_sight_and_gives_its_lines(ui: Ui, state: AppState) -> None:
@@ -217,6 +230,24 @@ def test_what_floats_stays_within_a_window_that_has_become_lower(ui: Ui, opened:
         export = imgui.internal.find_window_by_name("Export")
         assert export.size.y > 400
         assert 0 <= export.pos.y <= height - export.size.y
+
+
+def test_what_an_error_has_moved_leaves_the_status_bar_free(ui: Ui, opened: AppState) -> None:
+    ui.io.display_size = ImVec2(1280, 720)
+    floating_windows.toggle(opened.exports)
+    actions.fail(opened, "expected room on the disk, got none")
+
+    def draw() -> None:
+        overlays.draw_banner(opened)
+        draw_export(opened)
+
+    for told in (True, False):
+        if not told:
+            actions.dismiss(opened)
+        for _ in range(6):
+            ui.frame(draw)
+        export = imgui.internal.find_window_by_name("Export")
+        assert export.pos.y + export.size.y <= 720 - 1.5 * imgui.get_font_size()
 
 
 def test_an_error_moves_only_what_it_covers(ui: Ui, opened: AppState) -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
-from imgui_bundle import ImVec2
+from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.frame_enhancer import PictureMaker
 from app.enhancement.methods import VESSEL
@@ -18,6 +20,7 @@ from app.gui.panels import picture_pane
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, original_tag, pane, source_label
 from app.gui.state.tags import Tag
+from app.gui.style.widgets import button
 from app.gui.update.channels import Channels
 from app.gui.views.comparison import SIDES
 from app.gui.work.opening import Opened
@@ -170,3 +173,28 @@ def test_a_low_pane_says_what_it_shows_and_not_how_that_was_made(
 
     ui.frame(draw)
     assert said == [["ENHANCED", "UPDATING…"], ["ENHANCED", "UPDATING…", "Vessel · Strength 2.40"]]
+
+
+def test_both_settings_are_stored_from_one_line(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """However narrow the panel is, as beside large text: neither is left alone on a line."""
+    lines: dict[str, float] = {}
+
+    def noted(label: str, *args: Any, **options: Any) -> bool:
+        pressed = button(label, *args, **options)
+        lines[label] = imgui.get_item_rect_min().y
+        return pressed
+
+    monkeypatch.setattr("app.gui.panels.compare.button", noted)
+
+    def draw(width: float) -> None:
+        with imgui_ctx.begin_child("narrow", ImVec2(width, 0)):
+            compare(opened, Shown())()
+
+    seen = set()
+    for width in range(260, 900, 20):
+        ui.frame(partial(draw, float(width)))
+        assert lines["Store A"] == lines["Store B"], width
+        seen.add(lines["Store B"] - lines["1:1"])
+    assert len(seen) > 1
