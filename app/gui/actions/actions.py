@@ -274,7 +274,9 @@ def go_to_end(state: AppState, *, last: bool) -> None:
 
 
 def toggle_play(state: AppState) -> None:
+    """A frame that could not be read is tried again, as once its drive is back."""
     if state.moments > 1:
+        state.picture.failed = None
         state.timeline.playing = not state.timeline.playing
         state.timeline.playhead = float(state.moment)
 

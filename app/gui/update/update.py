@@ -42,7 +42,10 @@ def _ask_for_pictures(state: AppState, channels: Channels) -> bool:
     """Before answers are taken, for a setting that has moved, and at the end, for a frame that plays. Whether
     these had not been asked for before."""
     pictures = state.asked_pictures
-    if pictures is None or state.live.flows or channels.pictures.asked == pictures:
+    if pictures != state.picture.failed:
+        # What could not be read is tried again by whoever comes back to it.
+        state.picture.failed = None
+    if pictures is None or state.live.flows or pictures in (channels.pictures.asked, state.picture.failed):
         return False
     state.picture.asked_at = state.window.now
     channels.pictures.ask(pictures)
@@ -60,6 +63,7 @@ def take_pictures(state: AppState, channels: Channels) -> None:
             channels.original = answer
         elif request == state.asked_pictures:
             state.timeline.playing, state.picture.failed = False, request
+            channels.pictures.want(None)
             actions.fail(state, answer.message)
     if channels.original is not None and _may_show(state, channels.original):
         state.picture.pictures, channels.original = channels.original, None
