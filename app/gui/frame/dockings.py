@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Final, Literal
 
 import glfw
@@ -13,6 +14,7 @@ from app.gui.panels import masking
 from app.gui.panels.editing import PANEL as EDIT
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
+from app.gui.work import kept_layout
 from app.gui.work.opening import Content
 
 SPLATS = "Splat file"
@@ -57,9 +59,12 @@ def restore() -> None:
 
 
 def restore_all() -> None:
-    """With every kind of content."""
-    for docking in _all_dockings(hello_imgui.get_runner_params()):
+    """With every kind of content, also one that is opened in a later session alone."""
+    params = hello_imgui.get_runner_params()
+    for docking in _all_dockings(params):
         docking.layout_reset = True
+    if not params.ini_disable:
+        kept_layout.forget(Path(params.ini_filename))
 
 
 def quit_app() -> None:

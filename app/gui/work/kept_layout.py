@@ -38,6 +38,12 @@ def seal(layout: Path) -> None:
         write_bytes(_seal_of(layout), _digest(layout))
 
 
+def forget(layout: Path) -> None:
+    """What is kept of every kind of content does for no window as it is now."""
+    with suppress(OSError):
+        layout.unlink()
+
+
 @dataclass(frozen=True)
 class SealRequest:
     """The runner has written the layout while the window is open: without a new seal, a window that ends

@@ -42,9 +42,13 @@ def test_the_kind_is_of_what_was_opened(places: Places, model: DynamicGaussians)
     assert state.source.content == "run"
 
 
-def kept(places: Places, drive: Callable[[imgui.test_engine.TestContext, AppState], None]) -> None:
+def kept(
+    places: Places,
+    drive: Callable[[imgui.test_engine.TestContext, AppState], None],
+    text_percent: int = 100,
+) -> None:
     """A window that keeps its layout, unlike the others of the tests."""
-    driver = Driver(places, Settings(acknowledged=True), [])
+    driver = Driver(places, Settings(acknowledged=True, text_percent=text_percent), [])
 
     def and_quit(ctx: imgui.test_engine.TestContext) -> None:
         drive(ctx, driver.state)
@@ -108,6 +112,33 @@ def test_each_kind_of_content_has_its_layout_and_keeps_it(places: Places, still:
 
     kept(places, first)
     kept(places, again)
+
+
+@pytest.mark.display
+def test_larger_text_arranges_also_what_only_a_later_session_opens(places: Places, still: Path) -> None:
+    """Panels below each other, as they were kept with small text, have no room for large text."""
+
+    def show(ctx: imgui.test_engine.TestContext, state: AppState, path: Path) -> None:
+        actions.open_path(state, path)
+        wait(ctx, lambda: state.source.path == path and is_settled(state), path.name)
+        ctx.yield_(12)
+
+    def first(ctx: imgui.test_engine.TestContext, state: AppState) -> None:
+        show(ctx, state, phantom_path())
+        assert {"Enhancement", "Reconstruction"} <= in_front(ctx)
+        show(ctx, state, still)
+        actions.choose_text_size(state, 200)
+        ctx.yield_(12)
+
+    def again(ctx: imgui.test_engine.TestContext, state: AppState) -> None:
+        show(ctx, state, phantom_path())
+        assert hello_imgui.current_layout_name() == "Default"
+        assert "Reconstruction" not in in_front(ctx)
+        width = ctx.window_info("//Enhancement").window.size.x
+        assert width > 0.4 * imgui.get_main_viewport().size.x
+
+    kept(places, first)
+    kept(places, again, 200)
 
 
 @pytest.mark.display
