@@ -33,6 +33,7 @@ from app.gui.commands.keys import Keyboard
 from app.gui.drawing.textures import Textures
 from app.gui.frame import dockings, starting
 from app.gui.frame.canvas import Canvas
+from app.gui.frame.density import Density
 from app.gui.frame.dialogs import Dialogs
 from app.gui.frame.dockings import MASKS, REPORT, SPLATS, TUNING, panel
 from app.gui.frame.quitting import ask_before_quitting
@@ -142,7 +143,7 @@ class Window:
         )
         self._preparer: Preparer | None = None
         self._dialogs, self._title = Dialogs(), Title()
-        self._screen = Screen(self._add_timeline)
+        self._screen, self._density = Screen(self._add_timeline), Density()
         self._commands: tuple[Section, ...] = ()
         self._keyboard = Keyboard()
         self._canvas: Canvas | None = None
@@ -294,7 +295,8 @@ class Window:
 
     def _wear(self, params: hello_imgui.RunnerParams) -> None:
         """The theme and the size of text that are chosen; and where panels are after a reset."""
-        chosen = self.state.settings.theme, self.state.settings.text_percent
+        settings = self.state.settings
+        chosen = settings.theme, round(self._density.follow() * settings.text_percent)
         size = dockings.window_size(first=self._worn is None)
         if (size, chosen) != (self._size, self._worn):
             dockings.arrange(params, size, chosen[1])
