@@ -94,7 +94,7 @@ def _stereo_files(path: Path) -> ClipFiles:
 
 def _open_pictures(path: Path, options: ClipOptions) -> Clip:
     pictures = frame_folder(path)
-    clip = open_images(pictures, options.view_angle)
+    clip = open_images(pictures, options.view_angle, options.bits)
     return with_maps(replace(clip, path=path, name=path.resolve().name), pictures, options)
 
 
@@ -122,7 +122,9 @@ def _is_still(path: Path) -> bool:
 def _open_picture(path: Path, options: ClipOptions) -> Clip:
     require_regular(path)
     is_coded = path.suffix.lower() not in SUFFIXES and is_coded_still(path)
-    return (open_coded_still if is_coded else open_image)(path, options.view_angle)
+    if is_coded:
+        return open_coded_still(path, options.view_angle)
+    return open_image(path, options.view_angle, options.bits)
 
 
 def _open_video(path: Path, options: ClipOptions) -> Clip:
@@ -141,7 +143,7 @@ LAYOUTS: Final = (
         matches=_is_still,
         open=_open_picture,
         own_files=_itself,
-        heeds=("field_of_view",),
+        heeds=("field_of_view", "bits"),
     ),
     Layout(
         name="video",
@@ -214,7 +216,7 @@ LAYOUTS: Final = (
         matches=lambda path: True,
         open=_open_pictures,
         own_files=lambda path: _frames_and_maps(path, frame_folder(path)),
-        heeds=("mask_polarity", "field_of_view"),
+        heeds=("mask_polarity", "field_of_view", "bits"),
     ),
 )
 """In the order in which they are asked: a folder may look like several."""

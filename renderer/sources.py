@@ -75,7 +75,7 @@ def open_case(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
             if layout_of(path).is_data_set:
                 raise
             folder = frame_folder(path)
-            stills = open_stills(folder, options.view_angle) if images_in(folder) else None
+            stills = open_stills(folder, options.view_angle, options.bits) if images_in(folder) else None
         if stills is None or stills.has_one_size:
             raise
         return replace(stills, path=path, name=path.resolve().name)

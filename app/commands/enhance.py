@@ -77,7 +77,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         help="enhance the field of view alone, found inside a dark surround; or every pixel as the paper "
         "does; or every pixel, by statistics without what is black at the border (default automatic)",
     )
-    add_fields(parser, ClipOptions, ("deinterlacing", "stereo", "calibration"))
+    add_fields(parser, ClipOptions, ("deinterlacing", "stereo", "calibration", "bits"))
     group = parser.add_argument_group(
         "of a .dcm file that is written", "by default nothing in it tells who the patient is"
     )

@@ -39,6 +39,7 @@ from enhance.metrics import (
 from enhance.noise import chroma_noise_gain, flat_tissue, noise_gain
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.metrics import psnr_masked, ssim_masked
+from renderer.readers.image_files.used_bits import said_of_bits
 from renderer.readers.masks.tool_masks import is_lossy, levels, marked_pixels
 
 DEFINITIONS = {
@@ -138,6 +139,7 @@ def run(flags: argparse.Namespace) -> None:
 def _given(path: Path) -> list[Given]:
     """Every picture of a file, folder or video, in order. Raises UserError or ClipError."""
     found, series = [], open_series(path)
+    sys.stderr.writelines(f"{notice}: {path}\n" for notice in said_of_bits(len(series), series.bits))
     origins = map(plain, series.origins())
     for index, (name, source, origin) in enumerate(zip(series.names, series.sources, origins, strict=True)):
         number = series.frame(index)

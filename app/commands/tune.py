@@ -33,6 +33,7 @@ from enhance.image import BoolImage
 from enhance.surround import inside
 from enhance.vessel import VesselParams
 from renderer.listing import count
+from renderer.readers.image_files.used_bits import said_of_bits
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -74,11 +75,14 @@ class Origin:
     """Of a video."""
     method: str
     pixels: Pixels
+    bits: int
+    """As of a record."""
 
     @property
     def shared(self) -> dict[str, Any]:
         """What the records of the picture's cells, of their sheet and of all of it have in common."""
-        return {"source": self.source, "frame": self.frame, "method": self.method, "pixels": self.pixels}
+        made_of = {"source": self.source, "frame": self.frame, "bits": self.bits}
+        return made_of | {"method": self.method, "pixels": self.pixels}
 
 
 @dataclass(frozen=True)
@@ -122,6 +126,7 @@ def run(flags: argparse.Namespace) -> None:
 def _origin(flags: argparse.Namespace) -> Origin:
     """Raises UserError: no such frame, or --out is where the images of the input are."""
     series = open_series(flags.input)
+    sys.stderr.writelines(f"{notice}\n" for notice in said_of_bits(len(series), series.bits))
     if flags.out.resolve() in {path.resolve().parent for path in series.sources}:
         raise UserError(f"--out: expected another folder than that of INPUT, got {flags.out}")
     if not 0 <= flags.frame < len(series):
@@ -132,7 +137,7 @@ def _origin(flags: argparse.Namespace) -> Origin:
         tissue = inside([image]) if flags.pixels == "tissue" else None
     except ImageError as error:
         raise UserError(f"{error}: {path}") from error
-    return Origin(image, tissue, path, Source.of(path), frame, flags.method, flags.pixels)
+    return Origin(image, tissue, path, Source.of(path), frame, flags.method, flags.pixels, series.bits)
 
 
 def _tried(folder: Path, origin: Origin, wanted: Sequence[Setting]) -> list[Row]:

@@ -248,6 +248,7 @@ def record_of(
         deinterlacing=setting.clip_options.deinterlacing,
         stereo=setting.clip_options.stereo,
         calibration=setting.clip_options.calibration,
+        bits=series.bits,
         method=setting.method,
         params=setting.params,
         pixels="all" if setting.params is None else setting.pixels,

@@ -59,6 +59,8 @@ class EnhancedPicture(Record):
     stereo: Stereo = "auto"
     calibration: Calibration | None = None
     """By which it is undistorted; a pair is rectified."""
+    bits: int = 16
+    """That its 16-bit file uses; all, as always before 0.12.0, of images that do not say."""
     method: str
     params: RecordedSettings | None
     pixels: Pixels
@@ -138,6 +140,8 @@ class TuningSheet(Record):
     kind: Literal["tuning sheet"] = "tuning sheet"
     source: Source
     frame: int | None
+    bits: int = 16
+    """That its 16-bit file uses; all, as always before 0.12.0, of sheets that do not say."""
     method: str | None = None
     pixels: Pixels
     title: str

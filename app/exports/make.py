@@ -135,7 +135,10 @@ def make(record: Export, sources: Sources, target: Path) -> Steps:
 
 def _series(record: EnhancedPicture, sources: Sources) -> Series:
     options = ClipOptions(
-        deinterlacing=record.deinterlacing, stereo=record.stereo, calibration=record.calibration
+        deinterlacing=record.deinterlacing,
+        stereo=record.stereo,
+        calibration=record.calibration,
+        bits=record.bits,
     )
     return sources.series(record.source, options)
 
@@ -172,7 +175,7 @@ def _enhanced_video(record: EnhancedVideo, sources: Sources, target: Path) -> St
 
 
 def _tuning_sheet(record: TuningSheet, sources: Sources, target: Path) -> None:
-    series, frame = sources.series(record.source, DEFAULTS), record.frame or 0
+    series, frame = sources.series(record.source, replace(DEFAULTS, bits=record.bits)), record.frame or 0
     if not 0 <= frame < len(series) or not record.settings or record.columns < 1:
         raise UserError(f"expected settings, columns and one of {len(series)} frames")
     image = series.read(frame)

@@ -23,12 +23,12 @@ from app.enhancement.settable import (
     renamed,
 )
 from app.exports.sizing import LEAST_WIDTH, MOST_SCALE, MOST_WIDTH
-from app.files.records import LENIENT, Record, Source, Told
+from app.files.records import LENIENT, Record, RecordedReading, Source, Told
 from app.files.video import Written
 from app.scenes.records import DrawnRecord, Ends, MomentRecord, RecordedCamera, SceneRecord, ViewRecord
 from enhance import Statistics
 from enhance.noise import NoiseCut
-from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.clip_options import DEFAULTS
 from renderer.surface.fineness import VERTICES
 
 MOST_COARSE, MOST_FINE = 100, 2_000_000
@@ -235,7 +235,7 @@ class PanesRecord(Record):
 
     source: Source | None = None
     """The clip; None where there are no panes."""
-    clip_options: ClipOptions = DEFAULTS
+    clip_options: RecordedReading = DEFAULTS
     frame: FrameRecord = FrameRecord(index=0)
     """That is shown, or whose difference has the scale of all."""
     scale: Annotated[int, Interval(ge=1, le=MOST_SCALE)] = 1

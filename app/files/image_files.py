@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +25,7 @@ from renderer.readers.coded_still import open_coded_still
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.image_files.coded_picture import is_coded, is_coded_still
 from renderer.readers.image_files.file_kinds import SUFFIXES, is_picture, moves, natural_key
+from renderer.readers.image_files.orientation import UPRIGHT, upright
 from renderer.readers.image_files.picture_files import BROKEN, opened, read_npy, require_size
 from renderer.readers.image_files.tiff_layouts import TiffLayout, tiff_layout
 from renderer.readers.image_folders.passed_over import broken_links
@@ -38,17 +38,6 @@ ArrayImage = NDArray[Any]
 TIFF = frozenset({".tif", ".tiff"})
 JPEGS = frozenset({".jpg", ".jpeg"})
 WEBP = ".webp"
-UPRIGHT = 1
-TURNS: Mapping[int, Callable[[ArrayImage], ArrayImage]] = {
-    2: np.fliplr,
-    3: lambda picture: np.rot90(picture, 2),
-    4: np.flipud,
-    5: lambda picture: np.swapaxes(picture, 0, 1),
-    6: lambda picture: np.rot90(picture, -1),
-    7: lambda picture: np.swapaxes(np.rot90(picture, 2), 0, 1),
-    8: np.rot90,
-}
-"""What makes a picture upright, by its EXIF orientation."""
 ONE_OF = "name one of these (enhance --recursive takes all)"
 PLAIN_NETPBM = (b"P1", b"P2", b"P3")
 """How images of numbers in ASCII begin."""
@@ -126,7 +115,7 @@ def read_image(path: Path) -> ArrayImage:
         raise UserError(f"expected an intact image, got {got}: {path}")
     colored = _swapped(stored)
     colored = layout.meant(colored) if layout else colored
-    return np.ascontiguousarray(TURNS[orientation](colored)) if orientation in TURNS else colored
+    return upright(colored, orientation)
 
 
 def _swapped(image: ArrayImage) -> ArrayImage:

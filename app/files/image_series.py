@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 
+import numpy as np
+
 from app.errors import UserError
 from app.files.image_files import ArrayImage, frames_in, is_still, read_image
 from app.files.records import Source
@@ -19,6 +21,7 @@ from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.dicom.header import holds_stream
 from renderer.readers.image_files.file_kinds import is_visible
+from renderer.readers.image_files.used_bits import ALL, holds_deep, said_of_bits, stretched, used_bits
 from renderer.readers.image_folders.pages import left_pages
 from renderer.readers.image_folders.passed_over import broken_links, passed_over
 from renderer.readers.image_folders.picture_kinds import PictureKinds, frame_folder, left_out, map_folders
@@ -51,6 +54,8 @@ class Series:
     """Whether all pictures are frames of one video file."""
     timing: Timing = EVENLY
     """Of a video made of these pictures."""
+    bits: int = ALL
+    """That 16-bit values of the files use; they are read over the whole range."""
 
     def __len__(self) -> int:
         return len(self.names)
@@ -87,14 +92,14 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS, apart: Container[Pa
     if path.is_dir():
         if options.calibration is not None or not layout_of(path).frames_are_files:
             # Of files that tell more than pictures, as left ones of pairs, or as others than they are stored.
-            return _of_clip(path, replace(DEFAULTS, calibration=options.calibration))
+            return _of_clip(path, replace(DEFAULTS, calibration=options.calibration, bits=options.bits))
         kinds = frames_in(path)
-        series = _of_files(kinds.frames)
+        series = _of_files(kinds.frames, options.bits)
         left = (*kinds.notices(), *_left_out(path), *_passed_over(path, kinds, apart))
         return replace(series, notices=(*left, *series.notices))
     if not is_still(path):
         return _of_clip(path, options)
-    still = _of_files((path,))
+    still = _of_files((path,), options.bits)
     if options.calibration is None:
         return still
     lens = options.calibration.lens
@@ -122,7 +127,7 @@ def _passed_over(path: Path, kinds: PictureKinds, apart: Container[Path]) -> Ite
     yield from broken_links(frame_folder(path).iterdir())
 
 
-def _of_files(paths: tuple[Path, ...]) -> Series:
+def _of_files(paths: tuple[Path, ...], bits: int | None) -> Series:
     stems = Counter(path.stem for path in paths)
     # As of videos: where names differ by their suffix alone, outputs keep it.
     names = tuple(path.stem if stems[path.stem] == 1 else path.name for path in paths)
@@ -131,7 +136,19 @@ def _of_files(paths: tuple[Path, ...]) -> Series:
         other = first.setdefault(name, path)
         if other != path:
             raise UserError(f"{other.name} and {path.name} would share one output name: {path.parent}")
-    return Series(names, paths, lambda index: read_image(paths[index]), notices=tuple(left_pages(paths)))
+    bits = bits or used_bits(paths)
+    notices = *left_pages(paths), *said_of_bits(len(paths), bits)
+    return Series(names, paths, lambda index: _read(paths[index], bits), notices=notices, bits=bits)
+
+
+def _read(path: Path, bits: int) -> ArrayImage:
+    """Raises UserError."""
+    image = read_image(path)
+    if bits >= ALL or image.dtype != np.uint16 or not holds_deep(path):
+        return image
+    if image.shape[2:] == (4,):
+        return np.dstack((stretched(image[..., :3], bits), image[..., 3]))
+    return stretched(image, bits)
 
 
 def _of_clip(path: Path, options: ClipOptions) -> Series:
@@ -140,9 +157,9 @@ def _of_clip(path: Path, options: ClipOptions) -> Series:
     names = [f"frame-{index:06d}" if is_video else Path(clip.labels[index]).stem for index in indices]
     timing, files = timing_of(clip, indices), (path,) * len(clip)
     images = () if is_video else _image_files(path, clip)
-    return Series(
-        tuple(names), files, clip.read_image, images, clip.notices, is_video=is_video, timing=timing
-    )
+    bits = options.bits or used_bits(images) if "bits" in layout_of(path).heeds else ALL
+    facts = tuple(names), files, clip.read_image, images, clip.notices
+    return Series(*facts, is_video=is_video, timing=timing, bits=bits)
 
 
 def _image_files(path: Path, clip: Clip) -> tuple[Path, ...]:

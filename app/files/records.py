@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Annotated, Any, Final, TypeVar
 
 from pydantic import (
+    BeforeValidator,
     ConfigDict,
     SerializerFunctionWrapHandler,
     ValidationError,
@@ -17,6 +18,7 @@ from pydantic import (
 from pydantic.dataclasses import dataclass
 
 from app.files.provenance import digest, plain, provenance
+from renderer.readers.clip_options import ClipOptions
 
 LENIENT: Final = ConfigDict(extra="ignore")
 """Of the classes of records: what another version may say besides is passed over."""
@@ -32,6 +34,14 @@ def _known(given: Any, read: ValidatorFunctionWrapHandler) -> Any:
 Told: Final = WrapValidator(_known)
 """Of a field that may be None and that no pixel depends on: what another version has put there otherwise
 keeps nobody from making the file again."""
+
+
+def _as_stored(given: Any) -> Any:
+    """Before 0.12.0, 16-bit images that use fewer bits were shown as stored."""
+    return {"bits": 16} | given if isinstance(given, dict) else given
+
+
+RecordedReading = Annotated[ClipOptions, BeforeValidator(_as_stored)]
 
 
 @dataclass(frozen=True, kw_only=True, config=LENIENT)

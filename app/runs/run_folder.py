@@ -25,6 +25,7 @@ from app.enhancement.settable import FrameNumber
 from app.errors import UserError
 from app.files.atomic import make_folder, write_bytes
 from app.files.provenance import digest, strict_json
+from app.files.records import RecordedReading
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.device import Device
 from app.runs.run_lock import LOCK, NAME
@@ -39,7 +40,7 @@ from renderer.json_files import parsed
 from renderer.leftovers import written_as
 from renderer.poses.lost_frame import LostFrame
 from renderer.poses.told_apart import TissueMotion
-from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.clip_options import DEFAULTS
 from renderer.regular_files import read_regular
 from renderer.train.config import TrainConfig
 from renderer.train.events import Finished, Omission, TrainEvent
@@ -82,7 +83,7 @@ class ClipRecord:
     path: str
     """Absolute."""
     name: str
-    options: ClipOptions = DEFAULTS
+    options: RecordedReading = DEFAULTS
     """How it is read."""
     part: ClipPart = WHOLE
     """What of it counts: frames, cameras and times are of this part."""

@@ -87,6 +87,9 @@ class ClipOptions:
     stereo: Stereo = "auto"
     """How both eyes lie in the frames of a video, the left one first: side-by-side or top-bottom; off: they
     are of one eye. Auto: as the video says."""
+    bits: Annotated[int, Interval(ge=8, le=16)] | None = None
+    """That the values of 16-bit images use, PNG or TIFF, alone or in a folder: they are shown over the whole
+    range. Auto: 10 or 12, where these are enough and 8 are not; else 16, as stored."""
     split: Split = "field"
     """Frames held out of training: every eighth from the second on, as is usual, or the odd ones, as is usual
     for Hamlyn."""
@@ -103,9 +106,10 @@ class ClipOptions:
         return replace(self, calibration=None) if is_found else self
 
     def reads_as(self, other: ClipOptions) -> bool:
-        """Whether training comes to read the same frames, whoever states the field of view, or finds a lens
-        by which they are undistorted."""
-        asked = replace(self.as_asked, field_of_view=self.view_angle)
+        """Whether training comes to read the same frames, whoever states the field of view or the bits, or
+        finds a lens by which they are undistorted."""
+        bits = self.bits if None not in (self.bits, other.bits) else other.bits
+        asked = replace(self.as_asked, field_of_view=self.view_angle, bits=bits)
         return asked == replace(other.as_asked, field_of_view=other.view_angle)
 
 

@@ -75,7 +75,10 @@ def present_setting(state: AppState) -> Setting:
 def _reading(options: ClipOptions) -> ClipOptions:
     """What of them counts for files that are enhanced: all frames, without depth."""
     return ClipOptions(
-        deinterlacing=options.deinterlacing, calibration=options.calibration, stereo=options.stereo
+        deinterlacing=options.deinterlacing,
+        calibration=options.calibration,
+        stereo=options.stereo,
+        bits=options.bits,
     )
 
 

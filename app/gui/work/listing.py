@@ -25,6 +25,7 @@ from renderer.readers.image_files.coded_picture import CODED
 from renderer.readers.image_files.file_kinds import VIDEOS, is_picture, is_visible, moves, natural_key
 from renderer.readers.image_files.picture_files import BROKEN, opened
 from renderer.readers.image_files.pictures import read_rgb
+from renderer.readers.image_files.used_bits import holds_deep, used_bits
 from renderer.readers.image_folders.picture_kinds import kind_by_name
 from renderer.utf8_paths import not_utf8
 
@@ -141,6 +142,8 @@ def _small(path: Path) -> ByteImage | None:
     if moves(path):
         frame = _video_frame(path)
         return None if frame is None else _shrunk(Image.fromarray(frame))
+    if holds_deep(path):
+        return _shrunk(Image.fromarray(read_rgb(path, used_bits((path,)))))
     with opened(path) as picture:
         if not picture.mode.startswith(("I", "F")):
             picture.draft("RGB", (SIDE, SIDE))

@@ -17,8 +17,10 @@ from renderer.clip import ByteImage, ClipError
 from renderer.listing import listed
 from renderer.readers.byte_levels import in_bytes
 from renderer.readers.image_files.file_kinds import ARRAY
+from renderer.readers.image_files.orientation import UPRIGHT, upright
 from renderer.readers.image_files.picture_files import BROKEN, mapped_npy, opened
 from renderer.readers.image_files.tiff_layouts import TiffLayout, tiff_layout
+from renderer.readers.image_files.used_bits import ALL, deep_levels, holds_deep, stretched
 from renderer.readers.misnamed import barred, what_it_is
 from renderer.regular_files import what_else
 
@@ -79,19 +81,23 @@ def _array_kind(array: NDArray[Any]) -> tuple[Stored, tuple[int, int]]:
     return ("bytes" if array.dtype.itemsize == 1 else "numbers"), (sides[1], sides[0])
 
 
-def read_rgb(path: Path) -> ByteImage:
+def read_rgb(path: Path, bits: int = ALL) -> ByteImage:
     """(H, W, 3) uint8; grey becomes RGB, 16 bit is scaled to 8, alpha is dropped; upright, as its EXIF says.
+
+    `bits`: that values of 16 bits use, see `used_bits`.
 
     Raises:
         ClipError: the file is missing, truncated, no picture, or holds floats.
     """
     try:
+        if bits < ALL and holds_deep(path):
+            return _of_fewer_bits(path, bits)
         layout = _readable(path)
         with opened(path) as picture:
-            upright = ImageOps.exif_transpose(picture)
+            turned = ImageOps.exif_transpose(picture)
             if not picture.mode.startswith(("I", "F")):
-                return np.array(upright.convert("RGB"), dtype=np.uint8)
-            grey = np.asarray(upright)
+                return np.array(turned.convert("RGB"), dtype=np.uint8)
+            grey = np.asarray(turned)
         grey = layout.meant(grey) if layout else grey
     except BROKEN as error:
         raise _unreadable(path, error) from error
@@ -100,6 +106,18 @@ def read_rgb(path: Path) -> ByteImage:
         raise ClipError(f"expected an image of 8 or 16 bits, got {numbers} values: {path}")
     byte = in_bytes(grey)
     return np.repeat(byte[:, :, None], 3, axis=2)
+
+
+def _of_fewer_bits(path: Path, bits: int) -> ByteImage:
+    """Raises ClipError or one of BROKEN."""
+    with opened(path) as picture:
+        picture.load()  # OpenCV fills what a truncated file lacks without a word.
+        orientation = UPRIGHT if picture.format == "TIFF" else _orientation(picture, path)
+    levels = deep_levels(path)
+    if levels is None:
+        raise ClipError(f"expected an intact image, got a damaged file: {path}")
+    byte = in_bytes(stretched(upright(levels, orientation), bits))
+    return np.repeat(byte[:, :, None], 3, axis=2) if byte.ndim == 2 else byte
 
 
 def _readable(path: Path) -> TiffLayout | None:
@@ -151,14 +169,19 @@ def _differing(
 def _upright_size(picture: ImageFile.ImageFile, path: Path) -> tuple[int, int]:
     """As `read_rgb` turns it: EXIF orientations 5 to 8 lie on their side."""
     width, height = picture.size
-    # Of a PNG, Pillow decodes all pixels before it tells the EXIF, which may, but hardly does, follow them.
-    whole = picture.format != "PNG" or _tells_more_after_pixels(path)
-    exif = picture.getexif() if whole else Image.Image.getexif(picture)
-    if exif.get(ExifTags.Base.Orientation, 1) < 5:
+    if _orientation(picture, path) < 5:
         return width, height
     # Of some formats Pillow tells the size before turning, of others after it.
     rows, columns = read_rgb(path).shape[:2]
     return columns, rows
+
+
+def _orientation(picture: ImageFile.ImageFile, path: Path) -> int:
+    """By its EXIF."""
+    # Of a PNG, Pillow decodes all pixels before it tells the EXIF, which may, but hardly does, follow them.
+    whole = picture.format != "PNG" or _tells_more_after_pixels(path)
+    exif = picture.getexif() if whole else Image.Image.getexif(picture)
+    return int(exif.get(ExifTags.Base.Orientation, UPRIGHT))
 
 
 def _tells_more_after_pixels(path: Path) -> bool:

@@ -14,6 +14,7 @@ from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.image_files.coded_picture import CODED
 from renderer.readers.image_files.file_kinds import GIF, SUFFIXES, is_visible, moves, natural_key
 from renderer.readers.image_files.pictures import common_size, read_rgb
+from renderer.readers.image_files.used_bits import ALL, said_of_bits, used_bits
 from renderer.readers.image_folders.pages import left_pages
 from renderer.readers.image_folders.passed_over import broken_links, passed_over
 from renderer.readers.image_folders.picture_kinds import PictureKinds, kinds_of
@@ -24,8 +25,8 @@ FEW = 3
 """So many times more numbered images make of the others a cover, a sketch, a logo."""
 
 
-def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
-    """The frames of a folder in natural order (2.jpg before 10.jpg).
+def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW, bits: int | None = ALL) -> Clip:
+    """The frames of a folder in natural order (2.jpg before 10.jpg); `bits` as of ClipOptions.
 
     Files that are no frames (`kinds_of`), and a few without a number beside numbered ones, are left
     out and reported, but for maps and masks, of which `with_maps` tells. Raises ClipError when there is
@@ -41,13 +42,14 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     told = {*paths, *kinds.told}
     said = (*passed_over(files, told, "numbered images"), *broken_links(visible))
     camera = assumed_camera(field_of_view, common_size(paths))
+    bits = bits or used_bits(paths)
     return new_clip(
         path,
         "images",
         cameras=(camera,) * len(paths),
         labels=tuple(entry.name for entry in paths),
-        read_image=lambda index: read_rgb(paths[index]),
-        notices=(*kinds.notices_of_pictures(), *said, *left_pages(paths)),
+        read_image=lambda index: read_rgb(paths[index], bits),
+        notices=(*kinds.notices_of_pictures(), *said, *left_pages(paths), *said_of_bits(len(paths), bits)),
     )
 
 
@@ -94,16 +96,17 @@ def _check_names(paths: tuple[Path, ...], folder: Path) -> None:
             raise ClipError(f"expected one image per name, got {both}; move one of them elsewhere: {folder}")
 
 
-def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
+def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW, bits: int | None = ALL) -> Clip:
     """One picture as a clip of one frame. Raises ClipError when it is none."""
-    image = read_rgb(path)
+    bits = bits or used_bits((path,))
+    image = read_rgb(path, bits)
     return new_clip(
         path,
         "image",
         cameras=(assumed_camera(field_of_view, (image.shape[1], image.shape[0])),),
         labels=(path.name,),
-        read_image=lambda index: read_rgb((path,)[index]),
-        notices=tuple(left_pages((path,))),
+        read_image=lambda index: read_rgb((path,)[index], bits),
+        notices=(*left_pages((path,)), *said_of_bits(1, bits)),
     )
 
 

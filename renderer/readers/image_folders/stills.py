@@ -11,6 +11,7 @@ from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import FIELD_OF_VIEW
 from renderer.readers.image_files.file_kinds import is_visible, natural_key
 from renderer.readers.image_files.pictures import read_rgb, upright_size
+from renderer.readers.image_files.used_bits import ALL, said_of_bits, used_bits
 from renderer.readers.image_folders.frames import assumed_camera
 from renderer.readers.image_folders.passed_over import NOT_READABLE, broken_links, passed_over
 from renderer.readers.image_folders.picture_kinds import kinds_of
@@ -28,8 +29,9 @@ def _files(folder: Path) -> list[Path]:
     return sorted(filter(is_visible, files_in(folder)), key=natural_key)
 
 
-def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
+def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW, bits: int | None = ALL) -> Clip:
     """The images of a folder, whatever their sizes; those that cannot be read are passed over and named.
+    `bits` as of ClipOptions.
 
     Raises ClipError: none can be read.
     """
@@ -43,17 +45,19 @@ def open_stills(path: Path, field_of_view: float = FIELD_OF_VIEW) -> Clip:
     if not sizes:
         raise ClipError(f"expected images in the folder, got none that can be read: {path}")
     images = tuple(sizes)
+    bits = bits or used_bits(images)
     clip = new_clip(
         path,
         "images",
         cameras=tuple(assumed_camera(field_of_view, size) for size in sizes.values()),
         labels=tuple(image.name for image in images),
-        read_image=lambda index: read_rgb(images[index]),
+        read_image=lambda index: read_rgb(images[index], bits),
         notices=(
             *kinds.notices(),
             *((f"{NOT_READABLE}: {listed(unreadable)}",) if unreadable else ()),
             *passed_over(files, {*kinds.frames, *kinds.told}),
             *broken_links(path.iterdir()),
+            *said_of_bits(len(images), bits),
         ),
     )
     return replace(clip, why_no_depth=NOT_ONE_SIZE)
