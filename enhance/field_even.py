@@ -33,20 +33,18 @@ def even_surround(small: Levels) -> NDArray[np.int16] | None:
     """The colour, (3,) or (1,) in grey levels, that the corners of a small copy have; None: they are of
     several, or black, in which V tells the field."""
     colors = small[..., None] if small.ndim == 2 else small
-    # Of values of which three are alike, the two in the middle are: nearly every image is told by that.
-    ends = (colors[row, column].tolist() for row in (0, -1) for column in (0, -1))
-    middle = [sorted(values)[1:3] for values in zip(*ends, strict=True)]
-    if max(high for _, high in middle) < 255 * BLACK or any(high - low > NOISE for low, high in middle):
-        return None
-    color, alike = _corners(np.ascontiguousarray(colors), max(2, min(colors.shape[:2]) // CORNER))
+    color, alike = _corners(colors)
     return color if alike >= ALIKE else None
 
 
 @njit(cache=True, error_model="numpy")
-def _corners(colors: Levels, side: int) -> tuple[NDArray[np.int16], int]:
-    """The colour of squares of that side in the corners of (h, w, n), the mean of the two middle ones of
-    their tones, and how many have it."""
+def _corners(colors: Levels) -> tuple[NDArray[np.int16], int]:
+    """The colour of squares in the corners of (h, w, n), the mean of the two middle ones of their tones, and
+    how many have it."""
     height, width, channels = colors.shape
+    if not _may_be_even(colors):
+        return np.empty(0, np.int16), 0
+    side = max(2, min(height, width) // CORNER)
     size, color = side * side, np.empty(channels, np.int16)
     tones, alike = np.empty(4, np.int16), np.ones(4, np.bool_)
     for channel in range(channels):
@@ -62,6 +60,22 @@ def _corners(colors: Levels, side: int) -> tuple[NDArray[np.int16], int]:
         for corner in range(4):
             alike[corner] &= abs(tones[corner] - color[channel]) <= EVEN
     return color, alike.sum()
+
+
+@njit(error_model="numpy")
+def _may_be_even(colors: Levels) -> bool:
+    """Of values of which three are alike, the two in the middle are: nearly every image is told by those of
+    the corner pixels."""
+    brightest = 0
+    for channel in range(colors.shape[2]):
+        a, b = colors[0, 0, channel], colors[0, -1, channel]
+        c, d = colors[-1, 0, channel], colors[-1, -1, channel]
+        one, other = max(min(a, b), min(c, d)), min(max(a, b), max(c, d))
+        low, high = min(one, other), max(one, other)
+        if high - low > NOISE:
+            return False
+        brightest = max(brightest, high)
+    return brightest >= 255 * BLACK
 
 
 @njit(error_model="numpy")

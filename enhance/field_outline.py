@@ -8,9 +8,11 @@ from typing import Any, Final
 import cv2
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from enhance.field_circle import Points
+from enhance.field_hull import hull_of, within
 from enhance.field_regions import dark_beside_border, lit_parts
 
 STEP: Final = 10.0
@@ -64,23 +66,33 @@ class Outline:
     """What is dark and touches the border takes some of it, be it little."""
 
 
-def lit_above(low: Levels, threshold: float, step: float = STEP) -> Lit:
-    """step: from the threshold to what lies within a sharp rim."""
-    return Lit(threshold, threshold + step, *lit_parts(low, threshold))
+def lit_above(low: Levels, threshold: float, step: float = STEP) -> tuple[Lit, Outline | None]:
+    """And its outline; None: too dark to tell.
+
+    step: from the threshold to what lies within a sharp rim.
+    """
+    sharp = threshold + step
+    lit, is_told, outline = _lit_above(low, threshold, sharp)
+    return Lit(threshold, sharp, *lit), Outline(*outline) if is_told else None
 
 
-def outline_of(low: Levels, lit: Lit) -> Outline | None:
-    """Of what is brighter; None: too dark to tell."""
-    area, ends = parts_of(lit.labels, lit.count)
+@njit(cache=True, error_model="numpy")
+def _lit_above(
+    low: Levels, threshold: float, sharp_level: float
+) -> tuple[tuple[Levels, NDArray[np.int32], int], bool, tuple[Points, bool, bool]]:
+    """`lit_parts`, whether it is bright enough to tell, and `Outline`."""
+    found = lit, labels, count = lit_parts(low, threshold)
+    area, ends = parts_of(labels, count)
     if area == 0 or area < LEAST_FIELD * low.size:
-        return None
-    hull = cv2.convexHull(ends)
-    field = filled(low, hull)
-    if not is_framed(low, lit, field):
-        return Outline(np.empty((0, 2)), is_convex=True, is_dented=False)
-    dents, reached = dark_beside_border(lit.pixels, field)
-    is_dented = dents >= LEAST_DENTS * int(np.count_nonzero(field))
-    return Outline(hull[:, 0].astype(np.float64), dents <= MOST_SWALLOWED * reached, is_dented)
+        return found, False, (np.empty((0, 2)), True, False)
+    hull = hull_of(ends)
+    field = within(hull, low.shape[0], low.shape[1])
+    outside, dark, rim, sharp = around(low, lit, field, sharp_level)
+    if not (is_surround(low, outside, dark) and is_sharp(rim, sharp)):
+        return found, True, (np.empty((0, 2)), True, False)
+    dents, reached = dark_beside_border(lit, field)
+    is_convex, is_dented = dents <= MOST_SWALLOWED * reached, dents >= LEAST_DENTS * (low.size - outside)
+    return found, True, (hull.astype(np.float64), is_convex, is_dented)
 
 
 def filled(low: Levels, hull: NDArray[Any]) -> Levels:
@@ -119,17 +131,13 @@ def parts_of(labels: NDArray[np.int32], count: int) -> tuple[int, NDArray[np.int
     return largest, ends[:found]
 
 
-def is_framed(low: Levels, lit: Lit, field: Levels) -> bool:
-    """Whether what lies outside the convex field is a surround, not shadow on tissue."""
-    outside, dark, rim, sharp = around(low, lit.pixels, field, lit.sharp)
-    return is_surround(low, outside, dark) and is_sharp(rim, sharp)
-
-
+@register_jitable
 def is_surround(low: Levels, outside: int, dark: int) -> bool:
     """Of the pixels outside of a field."""
     return outside >= LEAST_SURROUND * low.size and dark >= LEAST_DARK * outside
 
 
+@register_jitable
 def is_sharp(rim: int, sharp: int) -> bool:
     """Of a field's rim."""
     return rim > 0 and sharp >= LEAST_SHARP * rim

@@ -7,11 +7,13 @@ from typing import Any, Final
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from enhance.field import MOST_CORNERS
 from enhance.field_circle import Points, median
 from enhance.image import AnyImage, BoolImage, full_scale
+from enhance.prefetch import fetch_line
 
 RAYS: Final = MOST_CORNERS
 REACH: Final = 2.5
@@ -57,11 +59,8 @@ class Rim:
     free of the border among others."""
     is_noisy: bool
     """What lies beyond varies more than noise of a surround does: stray light, or field."""
-
-    @property
-    def is_dark(self) -> bool:
-        """Many rays see nothing but dark: the field goes on beyond them, perhaps."""
-        return int(np.count_nonzero(~(self.lit | self.cropped)[:RAYS])) > MOST_IN_THE_DARK * RAYS
+    is_dark: bool
+    """Many rays see nothing but dark: the field goes on beyond them, perhaps."""
 
 
 def left_along_rays(
@@ -77,21 +76,60 @@ def left_along_rays(
         pixel: width of a pixel of the small copy that the outline was found in.
         is_faint: the rim is hardly brighter than the surround; it is no wider than what lies between these.
     """
-    middle, far = _distances(outline)
     colors = pixels if pixels.ndim == 3 else pixels[..., None]
-    values = _unrolled(colors, 255 / full_scale(pixels.dtype), middle, far, REACH * pixel)
-    noise = _noise_ends(values, int(REACH * pixel))
-    threshold = max(threshold, min(noise, most))
+    values, middle, far = _seen_along(colors, 255 / full_scale(pixels.dtype), outline, REACH * pixel)
     height, width = pixels.shape[:2]
-    ends = _left(values, middle, far, threshold, pixel, np.array([width, height], np.float64))
-    width = 0.0
-    if not are_free(ends[1]):
-        width = _width(values, ends[2], pixel)
-        width = min(width, _fall(values, threshold)) if is_faint else width
-    return Rim(*ends, width, noise > most)
+    return Rim(*_ends_of(values, middle, far, threshold, most, pixel, width, height, is_faint))
 
 
 @njit(cache=True, error_model="numpy")
+def at_full_size(corners: Points, low: NDArray[np.uint8], width: int, height: int) -> Points:
+    """(N, 2) middles of pixels of a small copy in the picture, which is of this size."""
+    points = np.empty_like(corners)
+    across, down = width / low.shape[1], height / low.shape[0]
+    for corner in range(len(corners)):
+        points[corner, 0] = (corners[corner, 0] + 0.5) * across
+        points[corner, 1] = (corners[corner, 1] + 0.5) * down
+    return points
+
+
+@njit(cache=True, error_model="numpy")
+def _seen_along(
+    pixels: NDArray[Any], scale: float, outline: Points, reach: float
+) -> tuple[Samples, Points, Points]:
+    """`_unrolled`, and `_distances`."""
+    middle, far = _distances(outline)
+    return _unrolled(pixels, scale, middle, far, reach), middle, far
+
+
+@njit(cache=True, error_model="numpy")
+def _ends_of(
+    values: Samples,
+    middle: Points,
+    far: Points,
+    threshold: float,
+    most: float,
+    pixel: int,
+    width: int,
+    height: int,
+    is_faint: bool,
+) -> tuple[Points, BoolImage, BoolImage, float, bool, bool]:
+    """`Rim`, of a picture of this size."""
+    noise = _noise_ends(values, int(REACH * pixel))
+    threshold = max(threshold, min(noise, most))
+    points, cropped, lit = _left(values, middle, far, threshold, pixel, np.array([width, height], np.float64))
+    wide = 0.0
+    if not are_free(cropped):
+        wide = _width(values, lit, pixel)
+        if is_faint:
+            wide = min(wide, _fall(values, threshold))
+    in_the_dark = 0
+    for ray in range(RAYS):
+        in_the_dark += not (lit[ray] or cropped[ray])
+    return points, cropped, lit, wide, noise > most, in_the_dark > MOST_IN_THE_DARK * RAYS
+
+
+@njit(error_model="numpy")
 def _distances(outline: Points) -> tuple[Points, Points]:
     """The middle of a convex outline, and from there to it along each ray."""
     middle, far, count = np.empty(2), np.zeros(RAYS), len(outline)
@@ -117,16 +155,18 @@ def _begin(far: float, reach: float) -> float:
     return float(np.floor(far - reach) + 0.5)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _unrolled(pixels: NDArray[Any], scale: float, middle: Points, far: Points, reach: float) -> Samples:
     """(RAYS, n) V along each ray in grey levels, inner end first; negative outside the picture."""
     height, width, channels = pixels.shape
     values = np.empty((RAYS, int(2 * reach) + 1), np.float32)
     for ray in range(RAYS):
-        begin = _begin(far[ray], reach)
+        begin, after = _begin(far[ray], reach), min(ray + 1, RAYS - 1)
+        begin_after = _begin(far[after], reach)
         for i in range(values.shape[1]):
-            x = int(np.floor(middle[0] + (begin + i) * ALONG[ray, 0]))
-            y = int(np.floor(middle[1] + (begin + i) * ALONG[ray, 1]))
+            x, y = _pixel_at(middle, begin_after + i, after)
+            fetch_line(pixels, (y * width + x) * channels)  # type: ignore[call-arg]
+            x, y = _pixel_at(middle, begin + i, ray)
             values[ray, i] = -1.0
             if 0 <= x < width and 0 <= y < height:
                 most = pixels[y, x, 0]
@@ -136,7 +176,13 @@ def _unrolled(pixels: NDArray[Any], scale: float, middle: Points, far: Points, r
     return values
 
 
-@njit(cache=True, error_model="numpy")
+@njit(forceinline=True, error_model="numpy")
+def _pixel_at(middle: Points, far: float, ray: int) -> tuple[int, int]:
+    """x and y, so far from the middle along a ray."""
+    return int(np.floor(middle[0] + far * ALONG[ray, 0])), int(np.floor(middle[1] + far * ALONG[ray, 1]))
+
+
+@njit(error_model="numpy")
 def _noise_ends(values: Samples, outer: int) -> float:
     """V that noise of the surround stays below, from the outer samples of the rays that lie in the picture
     all along; 0 where there are none. Too high where many of these are tissue beyond a rough outline."""
@@ -171,7 +217,7 @@ def _quantile(counts: NDArray[np.int32], count: int, share: float) -> float:
     return (value + (place - first) * (after - value)) / FINE
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _left(
     values: Samples, middle: Points, far: Points, threshold: float, pixel: int, ends: Points
 ) -> tuple[Points, BoolImage, BoolImage]:
@@ -206,7 +252,7 @@ def _left(
     return points[:count], cropped[:count], lit[:count]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _width(values: Samples, lit: BoolImage, pixel: int) -> float:
     """`Rim.width`: of each ray between a fifth and four fifths of the way from the mean of its outer samples
     to that of its inner ones, `pixel` each."""
@@ -229,7 +275,7 @@ def _width(values: Samples, lit: BoolImage, pixel: int) -> float:
     return median(widths[:count]) if count > 0 else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def _fall(values: Samples, threshold: float) -> float:
     """Pixels from where rays leave the field to where the mean V of all is nearly as dark as it gets."""
     samples = values.shape[1]
@@ -278,6 +324,7 @@ def cropped_by(rim: Rim, other: BoolImage) -> Rim:
     return replace(rim, cropped=rim.cropped | other, lit=rim.lit & ~other)
 
 
+@register_jitable
 def are_free(cropped: BoolImage) -> bool:
     """Whether a field lies free of the border, of which parts of its rim are cropped."""
-    return int(np.count_nonzero(~cropped)) > LEAST_FREE * RAYS
+    return bool(len(cropped) - np.count_nonzero(cropped) > LEAST_FREE * RAYS)

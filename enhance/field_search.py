@@ -7,44 +7,29 @@ from typing import Final
 
 import cv2
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
 from enhance.field import MOST_PARTS, FieldOfView, overlap, whole_field
 from enhance.field_circle import Points
-from enhance.field_copy import small_copy, values_of
+from enhance.field_copy import low_of, small_copy
 from enhance.field_even import apart_from, box_of, even_surround, is_box, moved
 from enhance.field_outline import (
     LEAST_SURROUND,
     SQUARE,
-    STEP,
     Levels,
     Lit,
     Outline,
     around,
     filled,
     lit_above,
-    outline_of,
 )
 from enhance.field_parts import apart, insets, nearest_of, touching
-from enhance.field_rim import ALONG, Rim, are_free, cropped_by, left_along_rays
+from enhance.field_rim import ALONG, Rim, are_free, at_full_size, cropped_by, left_along_rays
 from enhance.field_shape import LEAST_ON_CIRCLE, are_circles, fitted, share_on_circle
+from enhance.field_tones import DEVIATIONS, LEAST_SHADED, Tones, tones_of
 from enhance.image import AnyImage, Picture, read_picture
 
 LOW_SIDE: Final = 160
 """Longer side of the small copy, in pixels."""
-BRIGHTEST: Final = 64.0
-"""Grey levels of V: a brighter corner is no surround."""
-NOISIEST: Final = 12.0
-"""Deviation of V in a corner, in grey levels: more is structure, not noise."""
-DEVIATIONS, STRAY = 5.0, 0.2
-"""Above the surround's V by STEP, so many deviations of its noise, and by this share of what
-lies between it and the middle of the lit picture, it is field: stray light beside the rim is less."""
-MOST_STRAY: Final = 0.5
-"""Of the same: what is brighter is field, whatever the noise."""
-LEAST_SHADED: Final = 0.1
-"""Of the lit field: if it grows by so much with what is as dark as stray light, and ends sharply then, too,
-this is tissue in the shade; stray light is a narrow band, or fades."""
 FAINT, MOST_FAINT = 0.4, 0.25
 """The way from the surround's V to what no noise reaches, and how many pixels beside a sharp end may be
 brighter than that."""
@@ -64,24 +49,6 @@ EDGE: Final = 2
 MOSTLY, ALL_BUT, SURELY, NEVER = 0.5, 0.7, 0.8, 2.0
 """How much of a polygon's rim runs as circles and frames do: of parts, as no tool runs so; where the rim is
 faint, as shade does not; beyond another rim, as stray light does not, wherever it lies; more than any."""
-
-LEVELS: Final = 256
-
-
-@dataclass(frozen=True)
-class Tones:
-    """V of the surround, in grey levels."""
-
-    level: float
-    """In the middle."""
-    noise: float
-    """Deviation."""
-    least: float
-    """Darker pixels are noise of the surround."""
-    threshold: float
-    """Darker pixels are surround, lit by stray light at most, or tissue in the shade."""
-    most: float
-    """No surround is brighter, however noisy."""
 
 
 def find_field(image: AnyImage | Picture) -> FieldOfView | None:
@@ -112,11 +79,11 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
         # OpenCV reads no other floats.
         pixels = pixels.astype(np.float32)
     factor = _factor_of(height, width)
-    small, values = small_copy(pixels, factor)
+    small, low = small_copy(pixels, factor)
     surround = even_surround(small)
     if surround is None:
-        return _found(pixels, values, small, whole, factor)
-    field = _found(apart_from(pixels, surround), values_of(apart_from(small, surround)), small, whole, factor)
+        return _found(pixels, low, small, whole, factor)
+    field = _found(apart_from(pixels, surround), low_of(apart_from(small, surround)), small, whole, factor)
     if field is None or field.is_whole:
         return whole
     left, top, right, bottom = box_of(field)
@@ -144,8 +111,8 @@ def _in_the_dark(pixels: AnyImage) -> FieldOfView | None:
     """In a surround that is dark, if any."""
     height, width = pixels.shape[:2]
     factor = _factor_of(height, width)
-    small, values = small_copy(pixels, factor)
-    return _found(pixels, values, small, whole_field(width, height), factor)
+    small, low = small_copy(pixels, factor)
+    return _found(pixels, low, small, whole_field(width, height), factor)
 
 
 def _factor_of(height: int, width: int) -> int:
@@ -154,15 +121,13 @@ def _factor_of(height: int, width: int) -> int:
 
 
 def _found(
-    pixels: AnyImage, values: Levels, colors: Levels, whole: FieldOfView, factor: int
+    pixels: AnyImage, low: Levels, colors: Levels, whole: FieldOfView, factor: int
 ) -> FieldOfView | None:
-    """values: V of a small copy of the pixels, by this factor; colors: as they are shown there."""
-    low = np.asarray(cv2.medianBlur(values, 3), np.uint8)
-    tones = _tones(low)
+    """low: `low_of` a small copy of the pixels, by this factor; colors: as they are shown there."""
+    tones = tones_of(low)
     if tones is None:
         return whole
-    lit = lit_above(low, tones.threshold)
-    outline = outline_of(low, lit)
+    lit, outline = lit_above(low, tones.threshold)
     search = _Search(pixels, whole, factor, low, tones)
     if outline is None:
         faint = search.faint(ALL_BUT)
@@ -212,8 +177,7 @@ class _Search:
         bright up to another circle, where tissue that darkens towards the rim has none."""
         if field.circle is None or not self._is_dim_within(field.circle):
             return field
-        bright = lit_above(self.low, self.tones.most)
-        outline = outline_of(self.low, bright)
+        bright, outline = lit_above(self.low, self.tones.most)
         if outline is None or len(outline.corners) == 0 or not outline.is_convex:
             return field
         within = filled(self.low, outline.corners.astype(np.int32))
@@ -253,7 +217,7 @@ class _Search:
         step = max(FAINT_STEP, DEVIATIONS * self.tones.noise)
         if np.count_nonzero(self.low <= self.tones.level + step) < LEAST_SURROUND * self.low.size:
             return self.whole
-        outline = outline_of(self.low, lit_above(self.low, self.tones.level + step, step))
+        _, outline = lit_above(self.low, self.tones.level + step, step)
         if outline is None or len(outline.corners) == 0 or not outline.is_convex:
             return self.whole
         rim = self._rim(outline.corners, self.tones.level + step, is_faint=True)
@@ -285,7 +249,7 @@ class _Search:
         return replace(self.whole, parts=tuple(parts)) if len(parts) > len(field.parts or (field,)) else field
 
     def _rim(self, corners: Points, threshold: float, *, is_faint: bool = False) -> Rim:
-        outline = (corners + 0.5) * self._scale
+        outline = at_full_size(corners, self.low, self.whole.width, self.whole.height)
         most = self.tones.most
         return left_along_rays(self.pixels, outline, threshold, most, self.factor, is_faint=is_faint)
 
@@ -302,75 +266,11 @@ class _Search:
         return replace(self.whole, parts=parts)
 
 
-def _tones(low: Levels) -> Tones | None:
-    """Of the surround, from the darkest corner; None: no corner can be one."""
-    level, noise = _darkest_corner(low)
-    if level > BRIGHTEST or noise > NOISIEST:
-        return None
-    beyond = _middle_above(low, level + STEP) - level
-    least = level + max(STEP, DEVIATIONS * noise)
-    threshold = max(least, level + STRAY * beyond)
-    return Tones(level, noise, least, threshold, max(threshold, level + MOST_STRAY * beyond))
-
-
-@njit(cache=True, error_model="numpy")
-def _darkest_corner(low: Levels) -> tuple[float, float]:
-    """V in the middle of the darkest corner's pixels, and the deviation by their quartiles."""
-    height, width = low.shape
-    side = max(2, min(height, width) // 24)
-    rows, columns = min(side, height), min(side, width)
-    count = rows * columns
-    level, brightest, noise = LEVELS, LEVELS, 0.0
-    for corner in range(4):
-        y0, x0 = (corner // 2) * (height - rows), (corner % 2) * (width - columns)
-        counts = np.zeros(LEVELS, np.int32)
-        most = 0
-        for y in range(y0, y0 + rows):
-            for x in range(x0, x0 + columns):
-                counts[low[y, x]] += 1
-                most = max(most, low[y, x])
-        middle = _ranked(counts, count // 2)
-        if middle < level or (middle == level and most < brightest):
-            level, brightest = middle, most
-            noise = 0.74 * (_ranked(counts, 3 * count // 4) - _ranked(counts, count // 4))
-    return float(level), noise
-
-
-@njit(cache=True, error_model="numpy")
-def _middle_above(low: Levels, threshold: float) -> float:
-    """The median of what is brighter; the threshold where nothing is."""
-    # Four histograms in turn, as equal neighbours would wait for each other.
-    parts = np.zeros((4, LEVELS), np.int32)
-    for y in range(low.shape[0]):
-        for x in range(low.shape[1]):
-            parts[x & 3, low[y, x]] += 1
-    counts, count = np.zeros(LEVELS, np.int32), 0
-    for level in range(int(np.floor(threshold)) + 1, LEVELS):
-        counts[level] = parts[0, level] + parts[1, level] + parts[2, level] + parts[3, level]
-        count += counts[level]
-    if count == 0:
-        return threshold
-    return 0.5 * (_ranked(counts, (count - 1) // 2) + _ranked(counts, count // 2))
-
-
-@njit(error_model="numpy")
-def _ranked(counts: NDArray[np.int32], place: int) -> int:
-    """What stands at this place, from 0, of values of which there are so many each."""
-    value, before = 0, counts[0]
-    while before <= place:
-        value += 1
-        before += counts[value]
-    return value
-
-
 def _shaded(low: Levels, tones: Tones, lit: Points) -> Outline | None:
     """The outline with tissue in the shade; None: there is none beyond the outline of what is lit."""
-    dark, bright = (
-        np.count_nonzero(low > min(int(level), LEVELS - 1)) for level in (tones.least, tones.threshold)
-    )
-    if dark < (1 + LEAST_SHADED) * bright:
+    if not tones.may_be_shaded:
         return None
-    outline = outline_of(low, lit_above(low, tones.least))
+    _, outline = lit_above(low, tones.least)
     if outline is None or len(outline.corners) == 0 or not outline.is_convex:
         return None
     field, before = (filled(low, corners.astype(np.int32)) for corners in (outline.corners, lit))

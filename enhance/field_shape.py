@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from itertools import combinations
 from typing import Any, Final
 
@@ -12,11 +11,13 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.field import MOST_CORNERS, FieldOfView, beyond
+from enhance.field import MOST_CORNERS, FieldOfView, beyond, with_outline
 from enhance.field_circle import Points, circle_through, median, tolerance_of
 from enhance.field_rim import ALONG, RAYS, Rim, are_free
 from enhance.image import BoolImage
 
+LEAST_FREE: Final = RAYS // 6
+"""Points, at least, that tell a circle."""
 LEAST_ON_CIRCLE: Final = 0.7
 """Of the rays: with fewer the outline is no circle."""
 LEAST_HALF: Final = 0.5
@@ -56,17 +57,23 @@ def fitted(rim: Rim, whole: FieldOfView, least: float, round_at: float = LEAST_O
         return whole
     through = _through(rim, whole)
     if through is not None and through[1] >= round_at:
-        return _cut(replace(whole, circle=through[0]), rim)
+        return _cut(through[0], rim, whole)
     # Too few points tell nothing of their shape.
     arc = 1.0 if through is None else through[1]
     hull = cv2.convexHull(rim.points.astype(np.float32))
     corners = cv2.approxPolyDP(hull, 0.7, closed=True)[:, 0]
+    if arc < LEAST_ARC or least > 0:
+        sides = _sides_within(corners, whole)
+        if (arc < LEAST_ARC and _is_shade(sides)) or (least > 0 and _shape(rim, arc, sides) < least):
+            return whole
+    return _polygon(corners, whole)
+
+
+def _sides_within(corners: NDArray[Any], whole: FieldOfView) -> NDArray[Any]:
+    """(N, 2) sides of an outline but for those that lie outside the picture."""
     outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
     within = ~(outside & _next(outside)).any(axis=1)
-    sides = (_next(corners) - corners)[within]
-    if (arc < LEAST_ARC and _is_shade(sides)) or (least > 0 and _shape(rim, arc, sides) < least):
-        return whole
-    return _polygon(corners, whole)
+    return np.asarray((_next(corners) - corners)[within])
 
 
 def _next(corners: NDArray[Any]) -> NDArray[Any]:
@@ -101,15 +108,27 @@ def are_circles(rims: list[Rim], whole: FieldOfView) -> bool:
 def _through(rim: Rim, whole: FieldOfView) -> tuple[tuple[float, float, float], float] | None:
     """The circle through what ends within the picture, and the share of these points on it, 0 where it is
     none of the picture; None: too few to tell."""
-    free = rim.points[~rim.cropped]
-    if len(free) < RAYS // 6:
+    count, (across, down), (x, y, radius), share = _circle_of(rim.points, rim.cropped)
+    if count < LEAST_FREE:
         return None
-    *circle, share = circle_through(free)
-    x, y, radius = (round(value, 2) for value in circle)
-    across, down = (rim.points.max(axis=0) + rim.points.min(axis=0)) / 2
+    x, y, radius = round(x, 2), round(y, 2), round(radius, 2)
     # Points on a straight line lie on a circle, too: a large one, on either side.
-    is_near = radius < max(whole.width, whole.height) and np.hypot(across - x, down - y) < radius
+    is_near = radius < max(whole.width, whole.height) and math.hypot(across - x, down - y) < radius
     return (x, y, radius), share if is_near else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _circle_of(
+    points: Points, cropped: BoolImage
+) -> tuple[int, tuple[float, float], tuple[float, float, float], float]:
+    """Points that are not cropped, the middle of all, and `circle_through` those, if there are enough."""
+    free = points[~cropped]
+    x, y = points[:, 0], points[:, 1]
+    middle = (x.max() + x.min()) / 2, (y.max() + y.min()) / 2
+    if len(free) < LEAST_FREE:
+        return len(free), middle, (0.0, 0.0, 0.0), 0.0
+    across, down, radius, share = circle_through(free)
+    return len(free), middle, (across, down, radius), share
 
 
 def _fades(rim: Rim, whole: FieldOfView) -> bool:
@@ -118,8 +137,7 @@ def _fades(rim: Rim, whole: FieldOfView) -> bool:
 
 
 def _polygon(corners: NDArray[Any], whole: FieldOfView) -> FieldOfView:
-    polygon = tuple((round(x, 1), round(y, 1)) for x, y in corners.tolist())
-    return FieldOfView(whole.width, whole.height, polygon=polygon)
+    return with_outline(whole, polygon=tuple([(round(x, 1), round(y, 1)) for x, y in corners.tolist()]))
 
 
 def around_circle(circle: tuple[float, float, float]) -> Points:
@@ -127,17 +145,16 @@ def around_circle(circle: tuple[float, float, float]) -> Points:
     return np.asarray(np.array(circle[:2]) + circle[2] * ALONG[:: RAYS // CUT_CORNERS])
 
 
-def _cut(field: FieldOfView, rim: Rim) -> FieldOfView:
+def _cut(circle: tuple[float, float, float], rim: Rim, whole: FieldOfView) -> FieldOfView:
     """A circle, or a polygon where straight lines of lit ends run within it as frames do, such as of a D."""
-    assert field.circle is not None
-    middle, radius = np.array(field.circle[:2]), field.circle[2]
+    middle, radius = np.array(circle[:2]), circle[2]
     levels = _straight_levels(rim.points[:RAYS] - middle, rim.lit, radius)
     if (levels == radius).all():
-        return field
-    corners = around_circle(field.circle)
+        return with_outline(whole, circle=circle)
+    corners = around_circle(circle)
     for outward, level in zip(OUTWARD, levels.tolist(), strict=True):
         corners = beyond(corners, -outward, -level - float(middle @ outward))
-    return _polygon(corners, replace(field, circle=None))
+    return _polygon(corners, whole)
 
 
 @njit(cache=True, error_model="numpy")

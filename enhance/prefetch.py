@@ -20,7 +20,7 @@ _READ, _KEPT_CLOSE, _DATA = 0, 3, 1
 
 
 @intrinsic
-def _fetch_line(typing_context: Any, array: Any, at: Any) -> Any:
+def fetch_line(typing_context: Any, array: Any, at: Any) -> Any:
     """The line of `array.flat[at]`, which need not exist; the array is C-contiguous."""
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -41,7 +41,7 @@ def fetch(pixels: NDArray[Any], y: int, x: int) -> None:
     colors = pixels.shape[2] if pixels.ndim == 3 else 1
     start = colors * (y * pixels.shape[1] + x)
     for at in range(0, colors * CHUNK, LINE // pixels.itemsize):
-        _fetch_line(pixels, start + at)  # type: ignore[call-arg]
+        fetch_line(pixels, start + at)  # type: ignore[call-arg]
 
 
 @part(forceinline=True)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from enhance.field_copy import small_copy
-from enhance.field_outline import SQUARE
+from enhance.field_hull import hull_of, within
+from enhance.field_outline import LEAST_FIELD, SQUARE, around, is_sharp, is_surround, lit_above, parts_of
 from enhance.field_regions import Levels, Numbers, dark_beside_border, lit_parts
 
 
@@ -48,6 +49,47 @@ def test_what_is_dark_beside_the_border_is_what_opencv_floods(seed: int) -> None
     assert dark_beside_border(lit, field) == ((reached & (field > 0)).sum(), reached.sum())
 
 
+@pytest.mark.parametrize("seed", range(200))
+def test_the_convex_outline_and_what_lies_within_are_those_of_opencv(seed: int) -> None:
+    """Also of single pixels and straight lines."""
+    rng = np.random.default_rng(seed)
+    low = cloudy(rng) if seed % 3 else np.ascontiguousarray(np.fliplr(np.eye(*rng.integers(1, 40, 2))))
+    _, ends = parts_of((low > np.quantile(low, rng.uniform(0, 0.9))).astype(np.int32), 2)
+    if len(ends) == 0:
+        return
+    expected, field = cv2.convexHull(ends), np.zeros(low.shape, np.uint8)
+    cv2.fillConvexPoly(field, expected, 1)
+    corners = hull_of(ends)
+    # It begins elsewhere.
+    [first] = np.flatnonzero((expected[:, 0] == corners[0]).all(axis=1))
+    assert np.array_equal(corners, np.roll(expected[:, 0], -first, axis=0))
+    assert np.array_equal(within(corners, *low.shape), field)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_an_outline_is_what_its_steps_give_in_turn(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:90, :120]
+    bright = np.hypot(x - rng.uniform(0, 120), y - rng.uniform(0, 90)) < rng.uniform(5, 120)
+    low = np.where(bright, cv2.resize(cloudy(rng), (120, 90)), rng.integers(0, 12, bright.shape)).astype(
+        np.uint8
+    )
+    lit, outline = lit_above(low, 20.0)
+    pixels, labels, count = lit_parts(low, 20.0)
+    assert np.array_equal(lit.pixels, pixels)
+    assert np.array_equal(lit.labels, labels)
+    assert lit.count == count
+    area, ends = parts_of(labels, count)
+    assert (outline is None) == (area == 0 or area < LEAST_FIELD * low.size)
+    if outline is None:
+        return
+    field, hull = np.zeros_like(low), cv2.convexHull(ends)
+    cv2.fillConvexPoly(field, hull, 1)
+    outside, dark, rim, sharp = around(low, pixels, field, 30.0)
+    is_framed = is_surround(low, outside, dark) and is_sharp(rim, sharp)
+    assert sorted(outline.corners.tolist()) == (sorted(hull[:, 0].tolist()) if is_framed else [])
+
+
 @pytest.mark.parametrize("factor", range(1, 14))
 @pytest.mark.parametrize("colors", [(), (3,)])
 def test_the_small_copy_is_that_of_opencv(factor: int, colors: tuple[int, ...]) -> None:
@@ -55,7 +97,7 @@ def test_the_small_copy_is_that_of_opencv(factor: int, colors: tuple[int, ...]) 
     rng = np.random.default_rng(factor)
     for height, width in ((20 * factor, 31 * factor), (20 * factor + factor // 2, 31 * factor)):
         image = rng.integers(0, 256, (height, width, *colors), dtype=np.uint8)
-        small, values = small_copy(image, factor)
+        small, low = small_copy(image, factor)
         expected = cv2.resize(image, (31, 20), interpolation=cv2.INTER_LINEAR)
         assert np.array_equal(small, expected)
-        assert np.array_equal(values, expected.max(axis=2) if colors else expected)
+        assert np.array_equal(low, cv2.medianBlur(expected.max(axis=2) if colors else expected, 3))

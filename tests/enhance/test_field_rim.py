@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from enhance import field_circle, field_outline, field_rim, field_search, field_shape
+from enhance import field_circle, field_outline, field_rim, field_shape, field_tones
 from enhance.field import FieldOfView
 from enhance.field_circle import Points
 from enhance.field_rim import RAYS, left_along_rays
 from enhance.field_search import find_field
 from tests.enhance import field_oracle
-from tests.enhance.endoscopes import OUTLINES, outline, seen_in
+from tests.enhance.endoscopes import APART, OUTLINES, SEVERAL, found, outline, seen_in
 from tests.enhance.pictures import ByteImage, as_type, vessels
 
 DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
@@ -79,7 +79,12 @@ def test_a_circle_is_cut_where_numpy_cuts_it(seed: int, depth: float, noise: flo
 def test_points_on_a_line_lie_on_no_circle_of_the_picture() -> None:
     points = np.stack((np.linspace(3, 90, 60), np.linspace(2, 31, 60)), axis=1)
     rim = field_rim.Rim(
-        np.concatenate((points, [(50.0, 60.0)])), np.zeros(61, bool), np.ones(61, bool), 0.0, is_noisy=False
+        np.concatenate((points, [(50.0, 60.0)])),
+        np.zeros(61, bool),
+        np.ones(61, bool),
+        0.0,
+        is_noisy=False,
+        is_dark=False,
     )
     assert field_shape.fitted(rim, FieldOfView(100, 80), 0.0).circle is None
 
@@ -92,7 +97,7 @@ def test_tones_and_surroundings_are_those_of_numpy(seed: int) -> None:
     threshold = float(rng.uniform(0, 120))
     above = low[low > threshold]
     middle = float(np.median(above)) if len(above) else threshold
-    assert field_search._middle_above(low, threshold) == middle
+    assert field_tones.middle_above(field_tones.counts_of(low), threshold) == middle
     field = np.zeros_like(low)
     cv2.fillConvexPoly(field, hull(rng, height, width).astype(np.int32), 1)
     lit = (low > threshold).astype(np.uint8)
@@ -144,3 +149,12 @@ def test_a_rough_outline_with_tissue_beyond_it_is_mended(name: str) -> None:
     mask = field_shape.fitted(rim, FieldOfView(320, 240), 0.0).mask()
     assert not mask[~field].any()
     assert mask[cv2.erode(field.astype(np.uint8), np.ones((17, 17), np.uint8), borderValue=1) > 0].all()
+
+
+@pytest.mark.parametrize("name", [*OUTLINES, *APART, *SEVERAL])
+def test_a_field_that_is_found_needs_no_check(name: str) -> None:
+    field = found(seen_in(outline(name)))
+    assert not field.is_whole
+    checked = FieldOfView(field.width, field.height, field.circle, field.polygon, field.parts)
+    assert repr(checked) == repr(field)
+    assert checked == field
