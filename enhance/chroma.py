@@ -39,25 +39,26 @@ def chroma_snr(samples: NDArray[np.float64], full: int) -> float | None:
     Args:
         samples: (3, n, m) of `sample_rows`; full: the image's value of 1.0.
     """
-    found = samples.reshape(3, -1).copy()
-    count, response = _noise(found)
-    if count == 0:
-        return None
     to_levels = 255 / full
+    chroma, response = _noise(samples, to_levels)
+    if len(chroma) == 0:
+        return None
     noise = to_levels * response / PER_DEVIATION
-    return float((found[0, :count] * to_levels).sum() / count) / max(noise, ROUNDING)
+    return float(chroma.sum() / len(chroma)) / max(noise, ROUNDING)
 
 
 @njit(cache=True, error_model="numpy")
-def _noise(found: NDArray[np.float64]) -> tuple[int, float]:
-    """Those of (3, n) samples that count come first; their number, and the larger of the median responses."""
-    count = 0
-    for place in range(found.shape[1]):
-        if found[0, place] >= 0:
-            for plane in range(3):
-                found[plane, count] = found[plane, place]
-            count += 1
-    return count, max(median(found[1, :count]), median(found[2, :count])) if count > 0 else 0.0
+def _noise(samples: NDArray[np.float64], to_levels: float) -> tuple[NDArray[np.float64], float]:
+    """The chroma in grey levels of the samples that count, and the larger of their median responses."""
+    found, count = np.empty((3, samples.shape[1] * samples.shape[2])), 0
+    for row in range(samples.shape[1]):
+        for column in range(samples.shape[2]):
+            if samples[0, row, column] >= 0:
+                found[0, count] = samples[0, row, column] * to_levels
+                found[1, count], found[2, count] = samples[1, row, column], samples[2, row, column]
+                count += 1
+    response = max(median(found[1, :count]), median(found[2, :count])) if count > 0 else 0.0
+    return found[0, :count], response
 
 
 @part()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Final, NamedTuple
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance import brightness, needs, saturation
+from enhance.changed import changed
 from enhance.chroma import places
 from enhance.field import FieldOfView
 from enhance.first_pass import first_pass
@@ -113,7 +113,7 @@ class Enhancer:
     def memory(self) -> int:
         """Bytes of working memory, and of the last result's."""
         arrays = *self._low, *self._models.memory, self._values, self._kept
-        return self._results.size + sum(array.nbytes for array in arrays)
+        return self._results.size + sum([array.nbytes for array in arrays])
 
     def _take(self, shown: Shown | None) -> None:
         self._shown = shown
@@ -142,13 +142,18 @@ class Enhancer:
         if statistics is not None:
             return self._draw(params, windows, statistics.resolved(params), tight=True)
         if params.p is not None:
-            return self._draw(params, windows, self._statistics(params, ()), tight=True)
+            return self._draw(params, windows, self._used(self._measured(params, ()), params), tight=True)
         # P is 1/2 on nearly every image: draw with that, which measures on the way what is not known of Q.
         unknown = [one not in self._moments for one in windows]
-        likely = self._statistics(params, windows)
+        measured = self._measured(params, windows)
+        likely = self._used(measured, params)
         drawn = self._draw(params, windows, likely, unknown)
-        used = self._statistics(params, windows) if any(unknown) else likely
-        return replace(drawn, statistics=used) if used.p == likely.p else self._draw(params, windows, used)
+        if not any(unknown):
+            return drawn
+        used = self._used(changed(measured, sigmas=self._sigmas(windows)), params)
+        if used.p != likely.p:
+            return self._draw(params, windows, used)
+        return EnhanceResult(drawn.image, used, drawn.omitted)
 
     def tally(self, params: EnhanceParams) -> Tally:
         """Sums over the kept pixels of the image that is shown, to be pooled with those of others."""
@@ -209,13 +214,23 @@ class Enhancer:
             self._survey = Survey(subsample, low, total, float(chroma.sum()), samples, now.full)
         return self._survey
 
-    def _statistics(self, params: EnhanceParams, windows: Windows) -> Statistics:
-        """Those of the shown image, smoothed if the stream is live; likely sigmas where Q is not measured."""
-        seen, known, now = self._surveyed(params.subsample), self._moments, self._now
-        sigmas = tuple(known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows)
+    def _measured(self, params: EnhanceParams, windows: Windows) -> Statistics:
+        """Those of the shown image."""
+        seen, now = self._surveyed(params.subsample), self._now
         snr = seen.chroma_snr if params.d_factor is None else None
-        measured = from_sums("image", seen.cumulative, seen.chroma, sigmas, snr, now.reds, now.field)
-        return self._stream.smoothed(measured, seen.histogram).resolved(params)
+        sigmas = self._sigmas(windows)
+        return from_sums("image", seen.cumulative, seen.chroma, sigmas, snr, now.reds, now.field)
+
+    def _sigmas(self, windows: Windows) -> tuple[float, ...]:
+        """Of Q; likely ones where it is not measured."""
+        known, seen = self._moments, self._survey
+        if seen is None or not known:
+            return (LIKELY_SIGMA,) * len(windows)
+        return tuple([known[one].sigma(seen.count) if one in known else LIKELY_SIGMA for one in windows])
+
+    def _used(self, measured: Statistics, params: EnhanceParams) -> Statistics:
+        """Smoothed if the stream is live."""
+        return self._stream.smoothed(measured, self._surveyed(params.subsample).histogram).resolved(params)
 
     def _draw(
         self,

@@ -156,19 +156,6 @@ def whole_field(width: int, height: int) -> FieldOfView:
     return FieldOfView(width, height)
 
 
-def with_outline(
-    whole: FieldOfView,
-    *,
-    circle: tuple[float, float, float] | None = None,
-    polygon: tuple[tuple[float, float], ...] | None = None,
-) -> FieldOfView:
-    """A circle or a polygon that a search has found in the picture that is `whole`: without the checks of
-    what users and files give, which take a tenth of the time of the search."""
-    field = object.__new__(FieldOfView)
-    vars(field).update(vars(whole), circle=circle, polygon=polygon)
-    return field
-
-
 def beyond(corners: NDArray[np.float64], inward: NDArray[np.float64], least: float) -> NDArray[np.float64]:
     """The part of a convex outline of (N, 2) corners that lies beyond `least` along the normal."""
     inside, kept = corners @ inward - least, list[NDArray[np.float64]]()

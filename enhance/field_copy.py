@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from enhance.field_regions import Levels
-from enhance.image import AnyImage, full_scale
+from enhance.image import BYTES, AnyImage, full_scale
 from enhance.prefetch import fetch_line
 from enhance.wide_vectors import wide_vectors
 
@@ -27,7 +27,7 @@ def small_copy(pixels: AnyImage, factor: int) -> tuple[Levels, Levels]:
 
 
 def _is_plain(pixels: AnyImage) -> bool:
-    return bool(pixels.dtype == np.uint8 and pixels.flags.c_contiguous)
+    return bool(pixels.dtype == BYTES and pixels.flags.c_contiguous)
 
 
 @njit(cache=True, error_model="numpy")

@@ -26,8 +26,9 @@ from enhance.field_parts import apart, insets, nearest_of, touching
 from enhance.field_rim import ALONG, Rim, are_free, at_full_size, cropped_by, left_along_rays
 from enhance.field_shape import LEAST_ON_CIRCLE, are_circles, fitted, share_on_circle
 from enhance.field_tones import DEVIATIONS, LEAST_SHADED, Tones, tones_of
-from enhance.image import AnyImage, Picture, read_picture
+from enhance.image import WHOLE, AnyImage, Picture, read_picture
 
+READ: Final = *WHOLE, np.dtype(np.float32), np.dtype(np.float64)
 LOW_SIDE: Final = 160
 """Longer side of the small copy, in pixels."""
 FAINT, MOST_FAINT = 0.4, 0.25
@@ -75,7 +76,7 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
     whole = whole_field(width, height)
     if min(height, width) < LEAST_SIDE:
         return whole
-    if pixels.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
+    if pixels.dtype not in READ:
         # OpenCV reads no other floats.
         pixels = pixels.astype(np.float32)
     factor = _factor_of(height, width)

@@ -11,7 +11,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.field import MOST_CORNERS, FieldOfView, beyond, with_outline
+from enhance.changed import changed
+from enhance.field import MOST_CORNERS, FieldOfView, beyond
 from enhance.field_circle import Points, circle_through, median, tolerance_of
 from enhance.field_rim import ALONG, RAYS, Rim, are_free
 from enhance.image import BoolImage
@@ -137,7 +138,7 @@ def _fades(rim: Rim, whole: FieldOfView) -> bool:
 
 
 def _polygon(corners: NDArray[Any], whole: FieldOfView) -> FieldOfView:
-    return with_outline(whole, polygon=tuple([(round(x, 1), round(y, 1)) for x, y in corners.tolist()]))
+    return changed(whole, polygon=tuple([(round(x, 1), round(y, 1)) for x, y in corners.tolist()]))
 
 
 def around_circle(circle: tuple[float, float, float]) -> Points:
@@ -150,7 +151,7 @@ def _cut(circle: tuple[float, float, float], rim: Rim, whole: FieldOfView) -> Fi
     middle, radius = np.array(circle[:2]), circle[2]
     levels = _straight_levels(rim.points[:RAYS] - middle, rim.lit, radius)
     if (levels == radius).all():
-        return with_outline(whole, circle=circle)
+        return changed(whole, circle=circle)
     corners = around_circle(circle)
     for outward, level in zip(OUTWARD, levels.tolist(), strict=True):
         corners = beyond(corners, -outward, -level - float(middle @ outward))

@@ -142,6 +142,8 @@ class WindowModels:
 
     def _stage(self, index: int, now: Window) -> int:
         before = self._done[index]
+        if before is None and self._kept_of[index] is None:
+            return PASS
         anyhow = now._replace(eps=0.0)
         if self._kept_of[index] == anyhow:
             return TAKE

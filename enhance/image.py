@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, Final
 
 import cv2
 import numpy as np
@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 AnyImage = NDArray[Any]
 Float32Image = NDArray[np.float32]
 BoolImage = NDArray[np.bool_]
+# Types are compared as these: to look up `np.uint8`, and to make a dtype of it each time, takes longer.
+BYTES: Final = np.dtype(np.uint8)
+WHOLE: Final = BYTES, np.dtype(np.uint16)
 
 
 class ImageError(ValueError):
@@ -102,7 +105,8 @@ def read_picture(image: AnyImage) -> Picture:
     Raises:
         ImageError: anything else, NaN, and masked arrays.
     """
-    image = _plain(image, "an image")
+    if type(image) is not np.ndarray or image.dtype != BYTES:
+        image = _plain(image, "an image")
     check_shape(image)
     _check_values(image)
     alpha = image[..., 3] if image.ndim == 3 and image.shape[2] == 4 else None
@@ -159,7 +163,7 @@ def check_shape(image: AnyImage) -> None:
 
 
 def _check_values(image: AnyImage) -> None:
-    if image.dtype in (np.uint8, np.uint16):
+    if image.dtype in WHOLE:
         return
     if image.dtype.kind != "f":
         raise ImageError(f"expected uint8, uint16 or float in [0, 1], got {image.dtype}")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from enhance.field import EVERYWHERE, FieldOfView, Spans, whole_field
 from enhance.field_search import find_field
-from enhance.image import AnyImage, BoolImage, ImageError, Picture, full_scale, read_mask, read_picture
+from enhance.image import BYTES, AnyImage, BoolImage, ImageError, Picture, full_scale, read_mask, read_picture
 from enhance.redness import NO_REDS, Reds, reds
 from enhance.statistics import Statistics
 
@@ -72,7 +72,7 @@ class Shown:
         tissue = ALL_KEPT
         if tissue_mask is not None or picture.alpha is not None:
             tissue = np.ascontiguousarray(read_mask(tissue_mask, picture)).view(np.uint8)
-        pixels = picture.pixels if picture.dtype == np.uint8 else picture.colors
+        pixels = picture.pixels if picture.dtype == BYTES else picture.colors
         pixels = np.ascontiguousarray(pixels)
         if pixels.ndim == 2:
             pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2RGB))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator
 
 from enhance import brightness, detail
+from enhance.changed import changed
 from enhance.exposure import bright_level
 from enhance.field import FieldOfView
 from enhance.image import ImageError
@@ -97,14 +98,14 @@ class Statistics:
         elif params.p is not None:
             p = (params.p,) * len(params.radii)
         else:
-            p = tuple(detail.exponent(sigma, params.p_form) for sigma in self.sigmas)
+            p = tuple([detail.exponent(sigma, params.p_form) for sigma in self.sigmas])
         color = color_share(self.saturation_mean, self.chroma_snr) if params.d_factor is None else 1.0
         if params.strength == 1:
-            return replace(self, z=z, p=p, color=color)
-        return replace(
+            return changed(self, z=z, p=p, color=color)
+        return changed(
             self,
             z=max(0.0, 1 - params.strength * (1 - z)),
-            p=tuple(params.strength * one for one in p),
+            p=tuple([params.strength * one for one in p]),
             color=min(1.0, params.strength * color),
         )
 

@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from enhance import EnhanceParams, ImageError, Statistics, enhance, measure
+from enhance.changed import changed
 from tests.enhance.pictures import vessels
 
 CLIP = [vessels(30, 44, seed=1), vessels(30, 44, seed=2) // 2, vessels(50, 20, seed=3)]
@@ -118,3 +119,11 @@ def test_errors_of_the_reader_pass_untouched() -> None:
 def test_what_is_no_measurement_is_refused(wrong: dict[str, Any]) -> None:
     with pytest.raises(ImageError, match="expected statistics of finite numbers, got"):
         replace(measure(CLIP[:1]), **wrong)
+
+
+def test_a_changed_value_is_as_one_that_was_made_anew() -> None:
+    before = measure([vessels(48, 64)])
+    now = changed(before, sigmas=(1.0, 2.0, 3.0), color=0.25)
+    assert now == replace(before, sigmas=(1.0, 2.0, 3.0), color=0.25)
+    assert now.__dict__ == replace(before, sigmas=(1.0, 2.0, 3.0), color=0.25).__dict__
+    assert before.color != 0.25
