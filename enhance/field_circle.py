@@ -14,7 +14,7 @@ CIRCLE_TOLERANCE: Final = 1.5
 Points = NDArray[np.float64]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def circle_through(points: Points) -> tuple[float, float, float, float]:
     """Middle, x and y, and radius through most of the points (Kasa, IEEE Trans. Instrum. Meas. 25, 1976; the
     worst are left out again and again), and the share of points on it."""

@@ -46,7 +46,7 @@ def _turned(corners: Numbers, begin: int, count: int, point: Numbers) -> int:
     return count + 1
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def within(corners: Numbers, height: int, width: int) -> Levels:
     """(h, w) 1 within a convex outline, its sides included."""
     spans = np.zeros((height, 2), np.int32)

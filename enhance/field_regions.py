@@ -13,7 +13,7 @@ Levels = NDArray[np.uint8]
 Numbers = NDArray[np.int32]
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")
 def lit_parts(low: Levels, threshold: float) -> tuple[Levels, Numbers, int]:
     """(h, w) 1 where `low` is above the threshold; (h, w) labels of its regions, from 1 in the order of their
     first pixels, once an opening by 3 x 3 pixels has taken specks; and one more than there are of these.
