@@ -21,7 +21,10 @@ STAGE = "estimating camera poses"
 _NAMED = 3
 """Frames without a pose that are named, of more."""
 FIXED = Omission(
-    "camera poses", "no motion of the camera was found", "following features through all frames", "poses"
+    "camera poses",
+    "no motion of the camera was found",
+    "following features through all frames and looking for a zoom",
+    "poses",
 )
 REFUSED = replace(FIXED, why="as requested", part=None)
 
@@ -97,6 +100,12 @@ def _notices(clip: Clip, found: FoundPoses, start: int) -> list[str]:
         f"camera poses are estimated: points lie {typical:.1f} px (median) from where they are expected, "
         f"{most:.1f} px in the worst frame; {TISSUE[found.tissue]}"
     ]
+    if found.zoom.grown > 0:
+        small, large = (clip.labels[frame] for frame in found.zoom.ends)
+        said.append(
+            f"the lens zooms: by {100 * found.zoom.grown:.0f} % from frame {small} to frame {large}; "
+            "the focal length of each frame is estimated with its pose"
+        )
     if len(found.cameras) < len(clip):
         held = f"frames {start + found.first + 1} to {start + found.last + 1}"
         said.append(f"only {held} are reconstructed, the longest part with camera poses")

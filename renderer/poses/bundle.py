@@ -21,6 +21,9 @@ from renderer.poses.rigid_motion import Seen, local, motion_slopes, moved, proje
 _ROUNDS = 15
 _ENOUGH = 1e-5
 """Of the cost: a smaller gain ends it."""
+_ZOOM_SPREAD = 0.3
+"""Standard deviation of the logarithm of how much longer a view's own focal length is, before anything is
+seen."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,28 @@ class Bundle:
     """Radial distortion of the lens, see radial.py."""
     k1_spread: float | None = None
     """Where that is sought, too: the standard deviation of it before anything is seen, about 0."""
+    longer: FloatArray | None = None
+    """Where a lens zooms: (K,) logarithm of how much longer than that of `lens` the focal length of each view
+    is. It is sought for each but the first."""
+
+    @property
+    def width(self) -> int:
+        """Unknowns of a view."""
+        return 6 if self.longer is None else 7
+
+    def enlarged(self, expected: FloatArray, of: IntArray) -> FloatArray:
+        """What `lens` shows (N, 3), as the views (N,) of these numbers do."""
+        if self.longer is None:
+            return expected
+        middle = np.array([self.lens.cx, self.lens.cy, 0.0])
+        return np.asarray(middle + (expected - middle) * self.enlargement(of))
+
+    def enlargement(self, of: IntArray) -> FloatArray:
+        """(N, 3) of columns, rows and inverse depths, which a zoom leaves as they are."""
+        one = np.ones((len(of), 3))
+        if self.longer is not None:
+            one[:, :2] = np.exp(self.longer[of])[:, None]
+        return one
 
 
 def adjusted(bundle: Bundle, rounds: int = _ROUNDS, enough: float = _ENOUGH) -> Bundle:
@@ -68,12 +93,12 @@ def adjusted(bundle: Bundle, rounds: int = _ROUNDS, enough: float = _ENOUGH) -> 
     """
     damping = 1e-4
     left = misfit(bundle)
-    cost = _cost(bundle, left)
+    cost = cost_of(bundle, left)
     groups, free = _groups(bundle), _free(bundle)
     for _ in range(rounds):
         other = _stepped(bundle, left, groups, free, damping)
         there = misfit(other)
-        lower = _cost(other, there)
+        lower = cost_of(other, there)
         if not lower < cost:
             damping *= 10
             if damping > 1e4:
@@ -89,12 +114,13 @@ def adjusted(bundle: Bundle, rounds: int = _ROUNDS, enough: float = _ENOUGH) -> 
 def misfit(bundle: Bundle) -> FloatArray:
     """(N, 3) in standard deviations."""
     expected = bent(bundle.lens, projected(bundle.lens, _places(bundle)), bundle.k1)
+    expected = bundle.enlarged(expected, bundle.views)
     return np.asarray((bundle.seen.measured - expected) * bundle.seen.weights)
 
 
 def k1_pulls(bundle: Bundle) -> FloatArray:
-    """(N, 3) by how much k1 of a bundle that is adjusted changes where a measure changes by its standard
-    deviation, and all else that is sought follows."""
+    """(N, 3) by how much k1 of a bundle that is adjusted, of one lens, changes where a measure changes by its
+    standard deviation, and all else that is sought follows."""
     left = misfit(bundle)
     stiffness, _, backs = _reduced(bundle, left, _groups(bundle), 0.0)
     free = _free(bundle)
@@ -116,28 +142,30 @@ def _places(bundle: Bundle) -> FloatArray:
     return local(bundle.poses[bundle.views], bundle.points[bundle.seen_points])
 
 
-def _cost(bundle: Bundle, left: FloatArray) -> float:
+def cost_of(bundle: Bundle, left: FloatArray) -> float:
+    """What `adjusted` makes small; `left`: see `misfit`."""
     of_focal = 0.0 if bundle.focal is None else bundle.focal.off(bundle.lens) ** 2
     of_k1 = 0.0 if bundle.k1_spread is None else (bundle.k1 / bundle.k1_spread) ** 2
-    return float(robust((left**2).sum(axis=1)).sum()) + of_focal + of_k1
+    of_zoom = 0.0 if bundle.longer is None else float((bundle.longer**2).sum()) / _ZOOM_SPREAD**2
+    return float(robust((left**2).sum(axis=1)).sum()) + of_focal + of_k1 + of_zoom
 
 
 def _free(bundle: Bundle) -> IntArray:
-    """Of the 6 K + 2 unknowns of the poses, the focal length and k1, those that are sought; poses of views
-    that see nothing are not."""
-    count = len(bundle.poses)
+    """Of the unknowns of the K views, the focal length and k1, those that are sought; those of views that see
+    nothing are not."""
+    count, width = len(bundle.poses), bundle.width
     blind = np.bincount(bundle.views, minlength=count) == 0
-    held = [*range(6), *(6 * np.flatnonzero(blind)[:, None] + np.arange(6)).ravel()]
+    held = [*range(width), *(width * np.flatnonzero(blind)[:, None] + np.arange(width)).ravel()]
     if count > 1 and not (bundle.seen.weights[:, 2] > 0).any():
         places = -np.einsum("kji,kj->ki", bundle.poses[:, :3, :3], bundle.poses[:, :3, 3])
         far = int(np.argmax(np.where(blind, -1.0, np.linalg.norm(places - places[0], axis=1))))
         toward = bundle.poses[far, :3, :3] @ (places[far] - places[0])
-        held.append(6 * far + 3 + int(np.argmax(np.abs(toward))))
+        held.append(width * far + 3 + int(np.argmax(np.abs(toward))))
     if bundle.focal is None:
-        held.append(6 * count)
+        held.append(width * count)
     if bundle.k1_spread is None:
-        held.append(6 * count + 1)
-    return np.setdiff1d(np.arange(6 * count + 2), held)
+        held.append(width * count + 1)
+    return np.setdiff1d(np.arange(width * count + 2), held)
 
 
 def _groups(bundle: Bundle) -> list[IntArray]:
@@ -159,16 +187,20 @@ def _stepped(
     points = bundle.points.copy()
     for back in backs:
         points[back.points] += back.offset - np.einsum("ljk,k->lj", back.coupling, step[back.columns])
-    poses = [moved(pose, each) for pose, each in zip(bundle.poses, step[:-2].reshape(-1, 6), strict=True)]
+    steps = step[:-2].reshape(-1, bundle.width)
+    poses = [moved(pose, each[:6]) for pose, each in zip(bundle.poses, steps, strict=True)]
     lens = bundle.lens if bundle.focal is None else zoomed(bundle.lens, step[-2])
-    return replace(bundle, lens=lens, poses=np.stack(poses), points=points, k1=bundle.k1 + float(step[-1]))
+    return replace(
+        bundle, lens=lens, poses=np.stack(poses), points=points, k1=bundle.k1 + float(step[-1]),
+        longer=None if bundle.longer is None else bundle.longer + steps[:, 6],
+    )  # fmt: skip
 
 
 def _reduced(
     bundle: Bundle, left: FloatArray, groups: list[IntArray], damping: float
 ) -> tuple[FloatArray, FloatArray, list[_Back]]:
-    """The equations of poses and lens, (6 K + 2, 6 K + 2) and (6 K + 2,), and how the points follow."""
-    unknowns = 6 * len(bundle.poses) + 2
+    """The equations of views and lens, (U, U) and (U,), and how the points follow."""
+    unknowns = bundle.width * len(bundle.poses) + 2
     stiffness, against = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
     backs = [_eliminate(bundle, left, group, damping, stiffness, against) for group in groups]
     if bundle.focal is not None:
@@ -177,20 +209,24 @@ def _reduced(
     if bundle.k1_spread is not None:
         stiffness[-1, -1] += bundle.k1_spread**-2
         against[-1] -= bundle.k1 / bundle.k1_spread**2
+    if bundle.longer is not None:
+        zooms = np.arange(6, unknowns - 2, bundle.width)
+        stiffness[zooms, zooms] += _ZOOM_SPREAD**-2
+        against[zooms] -= bundle.longer / _ZOOM_SPREAD**2
     return stiffness, against, backs
 
 
 @dataclass(frozen=True, eq=False)
 class _Back:
-    """How the points (P,) of a group follow from the step of the poses that see them, and of the lens."""
+    """How the points (P,) of a group follow from the step of the views that see them, and of the lens."""
 
     points: IntArray
     columns: IntArray
-    """(6 M + 2,) of the M poses, the focal length and k1."""
+    """(C,) of the views, the focal length and k1."""
     offset: FloatArray
     """(P, 3)."""
     coupling: FloatArray
-    """(P, 3, 6 M + 2)."""
+    """(P, 3, C)."""
 
 
 def _eliminate(
@@ -201,16 +237,20 @@ def _eliminate(
     stiffness: FloatArray,
     against: FloatArray,
 ) -> _Back:
-    """Adds what one group says of poses and lens to the equations (6 K + 2, 6 K + 2) and (6 K + 2,), its
-    points eliminated."""
+    """Adds what one group says of views and lens to the equations (U, U) and (U,), its points eliminated."""
     points, of_point = np.unique(bundle.seen_points[group], return_inverse=True)
     views, of_view = np.unique(bundle.views[group], return_inverse=True)
     places = local(bundle.poses[bundle.views[group]], bundle.points[bundle.seen_points[group]])
     share = np.sqrt(trust((left[group] ** 2).sum(axis=1)))[:, None]
-    weights = bundle.seen.weights[group] * share
+    weights = bundle.seen.weights[group] * share * bundle.enlargement(bundle.views[group])
     apart = left[group] * share
     change, by_lens = (each * weights[:, :, None] for each in bent_slopes(bundle.lens, places, bundle.k1))
     by_pose = change @ motion_slopes(places)
+    if bundle.longer is not None:
+        shown = bent(bundle.lens, projected(bundle.lens, places), bundle.k1)
+        by_zoom = weights * (shown - (bundle.lens.cx, bundle.lens.cy, 0.0)) * (1, 1, 0)
+        by_pose = np.concatenate([by_pose, by_zoom[:, :, None]], axis=2)
+    width = bundle.width
     by_point = change @ bundle.poses[bundle.views[group]][:, :3, :3]
 
     of_points = summed(by_point.swapaxes(1, 2) @ by_point, of_point, len(points))
@@ -221,13 +261,15 @@ def _eliminate(
     inverse = np.linalg.inv(of_points)
     pairs = of_point * len(views) + of_view
     across = summed(by_point.swapaxes(1, 2) @ by_pose, pairs, len(points) * len(views))
-    of_poses = across.reshape(len(points), len(views), 3, 6).swapaxes(1, 2).reshape(len(points), 3, -1)
+    across = across.reshape(len(points), len(views), 3, width).swapaxes(1, 2)
+    of_poses = across.reshape(len(points), 3, -1)
     of_lens = summed(by_point.swapaxes(1, 2) @ by_lens, of_point, len(points))
     coupling = np.concatenate([of_poses, of_lens], axis=2)
     solved = inverse @ coupling
     offset = np.einsum("ljk,lk->lj", inverse, pull)
 
-    columns = np.r_[(6 * views[:, None] + np.arange(6)).ravel(), 6 * len(bundle.poses) + np.arange(2)]
+    own_columns = (width * views[:, None] + np.arange(width)).ravel()
+    columns = np.r_[own_columns, width * len(bundle.poses) + np.arange(2)]
     own = summed(by_pose.swapaxes(1, 2) @ by_pose, of_view, len(views))
     beside = summed(by_pose.swapaxes(1, 2) @ by_lens, of_view, len(views)).reshape(-1, 2)
     own_diagonal = np.einsum("mjj->mj", own)
@@ -236,7 +278,7 @@ def _eliminate(
     flat, flat_solved = coupling.reshape(-1, len(columns)), solved.reshape(-1, len(columns))
     block = -flat.T @ flat_solved
     for place in range(len(views)):
-        here = slice(6 * place, 6 * place + 6)
+        here = slice(width * place, width * (place + 1))
         block[here, here] += own[place]
     block[-2:, :-2] += beside.T
     block[:-2, -2:] += beside

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -14,10 +15,11 @@ from renderer.poses.between import between
 from renderer.poses.lost_frame import LostFrame
 from renderer.poses.parts import SHORTEST, commonest, parts_of, pictures_of
 from renderer.poses.pictures import small_lens
-from renderer.poses.rigid_motion import in_unit, inverse
+from renderer.poses.rigid_motion import in_unit, inverse, zoomed
 from renderer.poses.settling import Settled, apart, settled
 from renderer.poses.told_apart import TissueMotion
 from renderer.poses.tracking import Tracker
+from renderer.poses.zooming import ONE_LENS, Zoom, zoom_undone
 
 _ELSEWHERE = "shows nothing that the others do"
 
@@ -29,7 +31,7 @@ class FoundPoses:
     first: int
     """Frame of the clip at which the part begins; its camera is the identity."""
     cameras: tuple[Camera, ...]
-    """One a frame of the part."""
+    """One a frame of the part, each with its own focal length where the lens zooms."""
     residuals: tuple[float | None, ...]
     """Median distance in px between points as seen and as expected; None: between two others, see `lost`."""
     points: tuple[int, ...]
@@ -37,6 +39,7 @@ class FoundPoses:
     lost: tuple[LostFrame, ...]
     """Of the whole clip."""
     tissue: TissueMotion = "not sought"
+    zoom: Zoom = ONE_LENS
 
     @property
     def last(self) -> int:
@@ -51,7 +54,9 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
     """Poses of a clip whose one camera is of all frames, from features on the tissue and their depth.
 
     The world is the first camera of the part, in the clip's unit. What moves with the tissue as a
-    whole, such as breathing that all of the view follows, is in the poses: nothing tells it apart.
+    whole, such as breathing that all of the view follows, is in the poses: nothing tells it apart. A
+    zoom of the lens is told by depth. That of two eyes which zoom together changes along with the images,
+    as if the camera moved along its view: there it is not looked for.
     `tell` is called with how many frames are done, of all. Each counts half when it is followed: what is
     found takes about as long to settle.
 
@@ -68,15 +73,18 @@ def find_poses(clip: Clip, tell: Callable[[int, int], None] = lambda done, total
     if whole is None or whole.views[-1].frame - whole.views[0].frame + 1 < SHORTEST:
         why = commonest([each.why for each in lost])
         raise PosesError(f"the camera could not be followed through {SHORTEST} frames{why and ': ' + why}")
-    return found_poses(clip, settled(whole.rough), unit, lost)
+    zoom, rough = (ONE_LENS, whole.rough) if clip.depth_origin == "stereo" else zoom_undone(whole.rough)
+    return found_poses(clip, settled(rough), unit, lost, zoom)
 
 
 def _told_half(tell: Callable[[int, int], None], done: int, total: int) -> None:
     tell(done // 2, total)
 
 
-def found_poses(clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame]) -> FoundPoses:
-    """What `done`, of the small frames and lengths in `unit`, says of the clip's cameras."""
+def found_poses(
+    clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame], zoom: Zoom = ONE_LENS
+) -> FoundPoses:
+    """What `done`, of the small frames without a zoom, lengths in `unit`, says of the clip's cameras."""
     assumed, shrink = clip.cameras[0], clip.cameras[0].width / done.lens.width
     longer = done.lens.fx / small_lens(assumed).fx
     camera = replace(assumed, fx=assumed.fx * longer, fy=assumed.fy * longer)
@@ -85,16 +93,16 @@ def found_poses(clip: Clip, done: Settled, unit: float, lost: Sequence[LostFrame
     residuals, points = dict[int, float](), dict[int, int]()
     for view in done.views:
         off = np.linalg.norm(apart(done.lens, done.points, view)[:, :2], axis=1)
-        residuals[view.frame] = shrink * float(np.median(off))
+        residuals[view.frame] = shrink * math.exp(zoom.at(view.frame)) * float(np.median(off))
         points[view.frame] = int(view.inliers.sum())
     first, last = done.views[0].frame, done.views[-1].frame
     named = {each.frame for each in lost}
     nowhere = set(range(first, last + 1)) - poses.keys() - named
     elsewhere = [LostFrame(at, _ELSEWHERE) for at in nowhere]
-    path = [poses[at] if at in poses else between(poses, at) for at in range(first, last + 1)]
+    path = {at: poses[at] if at in poses else between(poses, at) for at in range(first, last + 1)}
     return FoundPoses(
         first=first,
-        cameras=tuple(camera.moved(pose) for pose in path),
+        cameras=tuple(zoomed(camera, zoom.at(at)).moved(pose) for at, pose in path.items()),
         residuals=tuple(residuals.get(at) for at in range(first, last + 1)),
         points=tuple(points.get(at, 0) for at in range(first, last + 1)),
         lost=tuple(sorted((*lost, *elsewhere), key=lambda each: each.frame)),

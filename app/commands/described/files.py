@@ -18,7 +18,7 @@ from app.exports.replay.recorded import recorded
 from app.gui.session_file import SESSION, SessionSource
 from app.live.picture import FRAME, RECORDING
 from app.report.section import holds_report, read_report
-from app.runs.run_folder import PosesRecord, RunFolder
+from app.runs.run_folder import ClipRecord, RunFolder
 from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all
 from renderer.json_files import read_json
@@ -74,7 +74,7 @@ def of_run(path: Path) -> Facts:
         *_time(steps_of, run.wall_seconds()),
         Fact("unit", clip.unit),
         *_lens(clip.options.calibration),
-        *_poses(clip.poses),
+        *_poses(clip),
         made(record.created, record.version),
     ]
     if quality is not None:
@@ -111,9 +111,9 @@ def _lens(calibration: Calibration | None) -> list[Fact]:
     return [Fact("lens", text, values | {"found": True, "k1": k1, "deviation": found.deviation})]
 
 
-def _poses(poses: PosesRecord | None) -> list[Fact]:
+def _poses(clip: ClipRecord) -> list[Fact]:
     """Of a run whose clip had none."""
-    if poses is None:
+    if (poses := clip.poses) is None:
         return []
     residuals = [each for each in poses.residuals if each is not None]
     typical, worst = float(np.median(residuals)), max(residuals)
@@ -122,7 +122,16 @@ def _poses(poses: PosesRecord | None) -> list[Fact]:
     )
     if poses.tissue is not None:
         text += f"; {TISSUE[poses.tissue]}"
-    facts = {"estimated": True, "residual_px": typical, "worst_px": worst, "lost": len(poses.lost)}
+    focal = [camera.fx for camera in clip.seen_from]
+    if (zoom := max(focal) / min(focal)) > 1:
+        text += f"; the lens zooms, by up to {100 * (zoom - 1):.0f} %"
+    facts = {
+        "estimated": True,
+        "residual_px": typical,
+        "worst_px": worst,
+        "lost": len(poses.lost),
+        "zoom": zoom,
+    }
     return [Fact("poses", text, facts | {"tissue": poses.tissue})]
 
 

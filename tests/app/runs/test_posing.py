@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from dataclasses import replace
 
@@ -9,14 +10,19 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from app.commands.described.files import of_run
 from app.evaluation.evaluate import open_evaluation
 from app.gui.work.opening import OpenRequest, open_path
 from app.runs.clip_selection import ClipPart
+from app.runs.posing import through_found
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
 from app.runs.trained_clip import run_clip
 from renderer.phantom import PhantomParams, write_phantom
+from renderer.poses.rigid_motion import zoomed
+from renderer.poses.search import FoundPoses
 from renderer.poses.told_apart import TISSUE
+from renderer.poses.zooming import ONE_LENS, Zoom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, Warned
@@ -85,6 +91,33 @@ def test_poses_can_be_refused_and_are_left_out_where_the_camera_is_fixed(moving,
     started = next(event for event in events if isinstance(event, Started))
     events.close()
     assert ("camera poses", "no motion of the camera was found") in {(o.what, o.why) for o in started.omitted}
+
+
+def test_a_zoom_is_said_with_its_frames_and_each_frame_keeps_its_lens(moving):
+    clip = open_clip(moving)
+    zoom = Zoom(np.array([2, 9]), np.array([0.0, np.log(1.12)]))
+    cameras = tuple(zoomed(clip.cameras[0], zoom.at(at)) for at in range(12))
+    found = FoundPoses(0, cameras, (0.5,) * 12, (200,) * 12, (), zoom=zoom)
+    through = through_found(clip, found, 0)
+    small, large = clip.labels[2], clip.labels[9]
+    said = f"the lens zooms: by 12 % from frame {small} to frame {large}"
+    assert [note for note in through.notices if note.startswith(said)]
+    assert through.clip.cameras == cameras
+    assert through.clip.read_frame(9).camera.fx == pytest.approx(1.12 * clip.cameras[0].fx)
+    assert not any("zooms" in note for note in through_found(clip, replace(found, zoom=ONE_LENS), 0).notices)
+
+
+def test_info_says_by_how_much_the_lens_of_a_run_zooms(trained, tmp_path):
+    run = shutil.copytree(trained[0].path, tmp_path / "run")
+    before = {fact.name: fact for fact in of_run(run)}["poses"]
+    assert "zooms" not in before.text
+    assert before.value["zoom"] == 1
+    record = json.loads((run / "run.json").read_text())
+    record["clip"]["cameras"][5]["fx"] *= 1.2
+    (run / "run.json").write_text(json.dumps(record))
+    after = {fact.name: fact for fact in of_run(run)}["poses"]
+    assert after.text == f"{before.text}; the lens zooms, by up to 20 %"
+    assert after.value["zoom"] == pytest.approx(1.2)
 
 
 def test_the_part_that_holds_is_what_is_trained_on(moving, tmp_path):
