@@ -13,8 +13,6 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.files.image_files import write_image
-from app.files.provenance import digest
 from app.gui.actions import arriving, job_actions, run_actions
 from app.gui.panels import runs
 from app.gui.panels.reconstruction import draw_reconstruction
@@ -148,20 +146,6 @@ def test_runs_of_another_clip_are_not_listed(opened: AppState, folder: Path) -> 
     image_of = next((folder / "clip" / "images").iterdir())
     image_of.write_bytes(image_of.read_bytes() + b"\0")
     assert found(opened).runs == ()
-
-
-def test_a_file_that_is_replaced_at_its_place_is_looked_at_anew(tmp_path: Path, folder: Path) -> None:
-    path, other = tmp_path / "clip.png", tmp_path / "other.png"
-    for place, level in ((path, 90), (other, 120)):
-        write_image(place, np.full((24, 32, 3), level, np.uint8), {})
-    record = RunFolder(folder / "runs" / "whole").record()
-    record = replace(
-        record, clip=replace(record.clip, path=str(tmp_path / "gone.png"), frames=1, sha256=digest(other))
-    )
-    finder = RunFinder()
-    assert not finder._is_of(record, open_clip(path))
-    other.replace(path)
-    assert finder._is_of(record, open_clip(path))
 
 
 def test_a_run_in_another_process_says_so_and_is_left_alone(
