@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from renderer.evenly import evenly
 from renderer.readers.image_files.tiff_layouts import BLACK_IS_ZERO, RGB, UNSIGNED, tiff_layout
+from renderer.regular_files import require_regular
 
 ALL: Final = 16
 FEWER: Final = (10, 12)
@@ -59,6 +60,7 @@ def said_of_bits(count: int, bits: int) -> tuple[str, ...]:
 
 def holds_deep(path: Path) -> bool:
     """Whether a file is a PNG or TIFF with whole numbers of 16 bits, by its header. Raises OSError."""
+    require_regular(path)
     with path.open("rb") as file:
         head = file.read(PNG_BITS + 1)
     if head.startswith(PNG_HEAD):
