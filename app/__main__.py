@@ -112,6 +112,7 @@ def mistake(error: ValueError | RuntimeError) -> str | None:
 
     from app.console.flags import problem
     from enhance import ImageError
+    from renderer.budget import OverBudget
     from renderer.clip import ClipError
 
     if isinstance(error, ValidationError):
@@ -121,7 +122,7 @@ def mistake(error: ValueError | RuntimeError) -> str | None:
         return f"{wanted}, got none: name one by the environment variable NUMBA_CACHE_DIR"
     if isinstance(cause := error.__context__, OSError) and cause.errno == errno.ELOOP:
         return f"expected a file or folder, got links that lead to each other: {cause.filename}"
-    return str(error) if isinstance(error, ClipError | ImageError) else None
+    return str(error) if isinstance(error, ClipError | ImageError | OverBudget) else None
 
 
 def _fail(line: str, code: int) -> int:

@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
 
 from app.commands.view_selection import Moment
 from app.errors import UserError
@@ -13,6 +14,8 @@ from app.exports.camera_set import ENDINGS, CameraSet, write_cameras
 from app.scenes.scene import Scene
 from renderer.camera_files import NamedCamera, off_center
 from renderer.listing import count
+
+JSON: Final = ".json"
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -27,10 +30,15 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 def check(flags: argparse.Namespace) -> None:
-    """Raises UserError: a folder is wanted and a file's name is given."""
+    """Raises UserError: the name is not that of a folder, or file, as the format wants it."""
     path: Path | None = flags.cameras
-    if path is not None and flags.cameras_format == "colmap" and path.suffix and not path.is_dir():
-        raise UserError(f"--cameras: expected a folder for COLMAP, got {path.name}")
+    if path is None:
+        return
+    if flags.cameras_format == "colmap":
+        if path.suffix and not path.is_dir():
+            raise UserError(f"--cameras: expected a folder for COLMAP, got {path.name}")
+    elif path.suffix.lower() != JSON:
+        raise UserError(f"--cameras: expected the name of a {JSON} file, got {path.name}")
 
 
 def write(flags: argparse.Namespace, scene: Scene, wanted: Sequence[Moment]) -> None:

@@ -49,6 +49,11 @@ from tests.app.conftest import Cli
             ("--ply", "ply", "--cameras", "c.txt", "--cameras-format", "colmap"),
             "--cameras: expected a folder for COLMAP, got c.txt",
         ),
+        (("--ply", "ply", "--cameras", "0.png"), "--cameras: expected the name of a .json file, got 0.png"),
+        (
+            ("--ply", "ply", "--cameras", "folder", "--cameras-format", "transforms"),
+            "--cameras: expected the name of a .json file, got folder",
+        ),
         (("--ply", "ply", "--tracks", "x.csv", "--points", "500,5"), "got 500,5 at frame 0, counted from 0"),
         (
             ("--ply", "ply", "--video", "a.mp4", "--view", "difference", "--time", "0.5"),

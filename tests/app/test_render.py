@@ -337,6 +337,8 @@ def test_a_transparent_picture_has_straight_alpha(
         (("--frames-per-second", "3"), "--frames-per-second: expected --path"),
         (("--transparent", "--background", "smooth"), "--background smooth: expected none"),
         (("--size", "0", "5"), "--size"),
+        (("--size", "16384", "16384"), "expected at most 80000000 pixels (VESSELSPLAT_MOST_PIXELS"),
+        (("--size", "8000", "8000", "--supersampling", "4", "--frames", "0"), "supersampling"),
         (("--size", "40", "40", "--view", "difference"), "the shape of the frames"),
         (("--size", "100000", "100000"), "1 to 16384"),
         (("--camera", "{tmp}/huge.json"), "1 to 16384"),
