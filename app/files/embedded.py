@@ -8,8 +8,9 @@ import zlib
 from collections.abc import Callable, Iterator
 from typing import Final
 
+from renderer.file_signatures import PNG_SIGNATURE
+
 KEYWORD: Final = "vesselsplat"
-PNG_SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 PNG_TEXT: Final = KEYWORD.encode() + b"\0\0\0\0\0"
 JPEG_START: Final = b"\xff\xd8"
 APP0, APP2, SCAN, COMMENT = 0xE0, 0xE2, 0xDA, 0xFE

@@ -7,7 +7,7 @@ import zipfile
 from pathlib import PurePath
 from typing import Final
 
-from renderer.file_signatures import ANYWHERE
+from renderer.file_signatures import ANYWHERE, PNG_SIGNATURE
 
 CONVERT: Final = "convert it to .ply with SuperSplat or splat-transform"
 SUFFIXES: Final = {
@@ -18,7 +18,7 @@ SUFFIXES: Final = {
 ZIP: Final = b"PK\x03\x04"
 STARTS: Final = {
     **ANYWHERE,
-    b"\x89PNG\r\n\x1a\n": "a PNG image",
+    PNG_SIGNATURE: "a PNG image",
     b"\xff\xd8\xff": "a JPEG image",
     b"\x28\xb5\x2f\xfd": "a zstd file: decompress it first",
 }

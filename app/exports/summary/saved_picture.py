@@ -14,11 +14,12 @@ from app.enhancement.records import EnhancedPicture
 from app.enhancement.setting_words import worded
 from app.errors import UserError
 from app.exports.records import EXPORT, MeasuresOf, PaneRecord, PanesPicture, Render
-from app.files.embedded import JPEG_START, PNG_SIGNATURE, carried
+from app.files.embedded import JPEG_START, carried
 from app.files.legible import named
 from app.files.provenance import facts_of
 from app.scenes.records import ViewRecord
 from enhance import Statistics
+from renderer.file_signatures import PNG_SIGNATURE
 from renderer.regular_files import read_whole
 
 KINDS: Final = {PNG_SIGNATURE: "image/png", JPEG_START: "image/jpeg"}

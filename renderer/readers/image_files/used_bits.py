@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.evenly import evenly
+from renderer.file_signatures import PNG_SIGNATURE
 from renderer.readers.image_files.tiff_layouts import BLACK_IS_ZERO, RGB, UNSIGNED, tiff_layout
 from renderer.regular_files import require_regular
 
@@ -21,7 +22,6 @@ FEWER: Final = (10, 12)
 """Of cameras."""
 LOOKED_AT: Final = 9
 """Evenly spread images of a folder."""
-PNG_HEAD: Final = b"\x89PNG\r\n\x1a\n"
 PNG_BITS: Final = 24
 """Where a PNG says how many bits a value has."""
 DARKEST: Final = 255
@@ -63,7 +63,7 @@ def holds_deep(path: Path) -> bool:
     require_regular(path)
     with path.open("rb") as file:
         head = file.read(PNG_BITS + 1)
-    if head.startswith(PNG_HEAD):
+    if head.startswith(PNG_SIGNATURE):
         return head[PNG_BITS:] == bytes((ALL,))
     layout = tiff_layout(path)
     if layout is None or layout.misread or layout.photometric not in (BLACK_IS_ZERO, RGB):
