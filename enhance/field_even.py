@@ -14,6 +14,7 @@ from enhance.brightness import BLACK
 from enhance.field import FieldOfView, beyond
 from enhance.field_outline import Levels
 from enhance.field_shape import around_circle
+from enhance.field_tones import ranked
 from enhance.image import AnyImage, full_scale
 
 EVEN: Final = 6
@@ -54,8 +55,8 @@ def _corners(colors: Levels) -> tuple[NDArray[np.int16], int]:
             for y in range(top, top + side):
                 for x in range(left, left + side):
                     counts[colors[y, x, channel]] += 1
-            tones[corner] = _ranked(counts, size // 2)
-            alike[corner] &= _ranked(counts, size - 1 - size // 8) - _ranked(counts, size // 8) <= NOISE
+            tones[corner] = ranked(counts, size // 2)
+            alike[corner] &= ranked(counts, size - 1 - size // 8) - ranked(counts, size // 8) <= NOISE
         color[channel] = (tones.sum() - tones.min() - tones.max()) // 2
         for corner in range(4):
             alike[corner] &= abs(tones[corner] - color[channel]) <= EVEN
@@ -76,16 +77,6 @@ def _may_be_even(colors: Levels) -> bool:
             return False
         brightest = max(brightest, high)
     return brightest >= 255 * BLACK
-
-
-@njit(error_model="numpy")
-def _ranked(counts: NDArray[np.int16], place: int) -> int:
-    """The tone in this place from the darkest one on, of so many of each."""
-    tone, below = 0, int(counts[0])
-    while below <= place:
-        tone += 1
-        below += counts[tone]
-    return tone
 
 
 def apart_from(pixels: AnyImage, color: NDArray[np.int16]) -> NDArray[Any]:

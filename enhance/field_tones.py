@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numba import njit
@@ -83,10 +83,10 @@ def _darkest_corner(low: Levels) -> tuple[float, float]:
             for x in range(x0, x0 + columns):
                 counts[low[y, x]] += 1
                 most = max(most, low[y, x])
-        middle = _ranked(counts, count // 2)
+        middle = ranked(counts, count // 2)
         if middle < level or (middle == level and most < brightest):
             level, brightest = middle, most
-            noise = 0.74 * (_ranked(counts, 3 * count // 4) - _ranked(counts, count // 4))
+            noise = 0.74 * (ranked(counts, 3 * count // 4) - ranked(counts, count // 4))
     return float(level), noise
 
 
@@ -112,13 +112,13 @@ def middle_above(counts: Counts, threshold: float) -> float:
     count = above.sum()
     if count == 0:
         return threshold
-    return first + 0.5 * (_ranked(above, (count - 1) // 2) + _ranked(above, count // 2))
+    return first + 0.5 * (ranked(above, (count - 1) // 2) + ranked(above, count // 2))
 
 
 @njit(error_model="numpy")
-def _ranked(counts: Counts, place: int) -> int:
+def ranked(counts: NDArray[Any], place: int) -> int:
     """What stands at this place, from 0, of values of which there are so many each."""
-    value, before = 0, counts[0]
+    value, before = 0, int(counts[0])
     while before <= place:
         value += 1
         before += counts[value]
