@@ -17,17 +17,20 @@ from tests.app.gui.test_layouts import kept
 from tests.app.gui.test_window import is_settled, wait
 
 
+@pytest.fixture
+def densities(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Of the screens that the window has been on, the last one now."""
+    on = [1.0]
+    monkeypatch.setattr(glfw, "get_window_content_scale", lambda window: (on[-1], on[-1]))
+    return on
+
+
 @pytest.mark.display
-def test_text_and_panels_are_as_large_on_every_screen(
-    places: Places, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_text_and_panels_are_as_large_on_every_screen(places: Places, densities: list[float]) -> None:
     """As by text of another size: where there is no room for two panels below each other they are tabs."""
-    density = 1.0
-    monkeypatch.setattr(glfw, "get_window_content_scale", lambda window: (density, density))
 
     def move(ctx: imgui.test_engine.TestContext, to: float) -> tuple[float, float]:
-        nonlocal density
-        density = to
+        densities.append(to)
         ctx.yield_(12)
         return imgui.get_font_size(), ctx.window_info("//Enhancement").window.size.x
 
@@ -50,16 +53,14 @@ def test_text_and_panels_are_as_large_on_every_screen(
 
 @pytest.mark.display
 def test_where_the_system_enlarges_nothing_is_enlarged_twice(
-    places: Places, monkeypatch: pytest.MonkeyPatch
+    places: Places, monkeypatch: pytest.MonkeyPatch, densities: list[float]
 ) -> None:
-    density = 1.0
-    monkeypatch.setattr(glfw, "get_window_content_scale", lambda window: (density, density))
     monkeypatch.setattr("app.gui.frame.density.counts_pixels", lambda: False)
 
     def drive(ctx: imgui.test_engine.TestContext, state: AppState) -> None:
-        nonlocal density
         ctx.yield_(6)
-        text, density = imgui.get_font_size(), 2.0
+        text = imgui.get_font_size()
+        densities.append(2.0)
         ctx.yield_(12)
         assert imgui.get_font_size() == text
 
