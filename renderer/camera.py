@@ -77,9 +77,8 @@ class Camera:
             raise CameraError(
                 f"expected a camera size of at least 1x1 pixels, got {self.width}x{self.height}"
             )
-        numbers = (self.fx, self.fy, self.cx, self.cy)
-        if not all(math.isfinite(value) for value in numbers) or self.fx <= 0 or self.fy <= 0:
-            raise CameraError(f"expected finite intrinsics with fx, fy > 0, got fx fy cx cy = {numbers}")
+        if not all(map(math.isfinite, self.lens)) or self.fx <= 0 or self.fy <= 0:
+            raise CameraError(f"expected finite intrinsics with fx, fy > 0, got fx fy cx cy = {self.lens}")
         if not all(NARROWEST <= self.width / focal <= WIDEST for focal in (self.fx, self.fy)):
             widths = f"{1 / WIDEST:g} to {1 / NARROWEST:g} widths"
             raise CameraError(f"expected focal lengths of {widths}, got {self.fx} and {self.fy}")
@@ -113,6 +112,11 @@ class Camera:
             pose = pose.copy()
             pose[:3, 3] = np.clip(pose[:3, 3], -FARTHEST, FARTHEST)
         return cls(fx, fy, cx, cy, width, height, pose)
+
+    @property
+    def lens(self) -> tuple[float, float, float, float]:
+        """Focal lengths and principal point: fx, fy, cx, cy, in pixels."""
+        return self.fx, self.fy, self.cx, self.cy
 
     @property
     def intrinsics(self) -> FloatArray:
@@ -236,8 +240,8 @@ class Camera:
             ) from error
 
     def _key(self) -> tuple[Any, ...]:
-        numbers = (self.fx, self.fy, self.cx, self.cy, self.width, self.height)
-        return (*numbers, (self.camera_from_world + 0.0).tobytes())  # -0 and 0 are one pose.
+        pose = self.camera_from_world + 0.0  # -0 and 0 are one pose.
+        return (*self.lens, self.width, self.height, pose.tobytes())
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Camera) and self._key() == other._key()

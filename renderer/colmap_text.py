@@ -47,7 +47,7 @@ def write_colmap(folder: Path, cameras: Sequence[NamedCamera], splats: Splats) -
 
 
 def _lens(camera: Camera) -> str:
-    numbers = " ".join(repr(float(value)) for value in (camera.fx, camera.fy, camera.cx, camera.cy))
+    numbers = " ".join(repr(float(value)) for value in camera.lens)
     return f"PINHOLE {camera.width} {camera.height} {numbers}"
 
 

@@ -101,6 +101,8 @@ class BrowserModel(SceneRecord):
     """By which the page begins."""
     moves: bool = False
     """The page's camera goes as the clip's does."""
+    zooms: bool = False
+    """The page's lens does so, too; before 0.13.0 it was that of `camera` at all times."""
     near: float
     """In scene units, before which nothing is drawn."""
     unobserved: bool = True

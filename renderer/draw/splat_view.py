@@ -291,7 +291,7 @@ class SplatView:
 
     def _aim(self, camera: Camera) -> None:
         """Set the camera's uniforms; the slopes are those that the reference clamps to."""
-        fx, fy, cx, cy = camera.fx, camera.fy, camera.cx, camera.cy
+        fx, fy, cx, cy = camera.lens
         band_x = _GUARD_BAND * 0.5 * camera.width / fx
         band_y = _GUARD_BAND * 0.5 * camera.height / fy
         least = (-cx / fx - band_x, -cy / fy - band_y)

@@ -47,7 +47,7 @@ def fused(views: Sequence[Maps], voxel: float) -> Volume:
     distances, weights = np.zeros(tuple(counts), np.float32), np.zeros(tuple(counts), np.float32)
     for view in views:
         camera = view.camera
-        lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
+        lens = np.array(camera.lens)
         depth = np.where(view.seen, view.depth, np.float32(0))
         _add(depth, lens, camera.camera_from_world, low - margin, voxel, distances, weights)
     np.divide(distances, weights, out=distances, where=weights > 0)

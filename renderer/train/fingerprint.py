@@ -38,5 +38,5 @@ def former_fingerprint(clip: Clip, config: TrainConfig) -> str:
 
 
 def _numbers(camera: Camera) -> bytes:
-    lens = (camera.fx, camera.fy, camera.cx, camera.cy, camera.width, camera.height)
+    lens = (*camera.lens, camera.width, camera.height)
     return np.array([*lens, *camera.camera_from_world.ravel()], np.float64).tobytes()

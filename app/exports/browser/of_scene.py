@@ -28,13 +28,15 @@ def browser_model(
     UserError: a splat file per moment."""
     scene.require_same_tissue()
     frames = len(scene.cameras)
+    moves = camera in scene.cameras and any(one != camera for one in scene.cameras)
     tolerance = TOLERANCE * scene.distance / scene.cameras[0].fx
     return extended(
         BrowserModel,
         scene.record,
         title=scene.title,
         camera=camera,
-        moves=camera in scene.cameras and any(one != camera for one in scene.cameras),
+        moves=moves,
+        zooms=moves and any(one.lens != camera.lens for one in scene.cameras),
         near=scene.near,
         unobserved=unobserved,
         ends="even",

@@ -57,7 +57,7 @@ def browser_page(
     Args:
         windows: in the order of time.
         about: what the model is a reconstruction of.
-        cameras: of each frame; with them the page's camera goes where the record says so.
+        cameras: of each frame; with them the page's camera goes, and zooms, where the record says so.
         within: beyond the sides of which nothing is drawn.
         shown: (N,) Gaussians of the one window that are drawn from elsewhere, too; None: all.
         closing: pixels of the record's camera over which gaps are closed in views from elsewhere; None: not.
@@ -119,6 +119,8 @@ def _optional(
         told["field"] = field
     if record.moves:
         told["poses"] = [np.asarray(one.camera_from_world)[:3].tolist() for one in cameras]
+    if record.zooms:
+        told["lenses"] = [one.lens for one in cameras]
     return told
 
 

@@ -102,11 +102,18 @@ const times = (a, b) => [0, 1, 2].flatMap((i) => [0, 1, 2].map((j) =>
   a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j]));
 const turned = (a, v) => [0, 1, 2].map((i) => a[3 * i] * v[0] + a[3 * i + 1] * v[1] + a[3 * i + 2] * v[2]);
 
-// Of the clip's frame nearest to a time.
+// The clip's frame nearest to a time.
+const frameAt = (time) => Math.min(scene.frames - 1, Math.floor(time * scene.frames + 0.5));
+
 function clipCamera(time) {
-  const frame = Math.min(scene.frames - 1, Math.floor(time * scene.frames + 0.5));
-  const rows = scene.poses ? scene.poses[frame] : scene.camera.camera_from_world;
+  const rows = scene.poses ? scene.poses[frameAt(time)] : scene.camera.camera_from_world;
   return { turn: [0, 1, 2].flatMap((i) => rows[i].slice(0, 3)), shift: [0, 1, 2].map((i) => rows[i][3]) };
+}
+
+// Focal lengths and principal point, in pixels.
+function clipLens(time) {
+  const { fx, fy, cx, cy } = scene.camera;
+  return scene.lenses ? scene.lenses[frameAt(time)] : [fx, fy, cx, cy];
 }
 
 // Numbers (Float32Array) above 0, by their places in the array: the largest first, of equal ones the last. The bits
@@ -235,7 +242,8 @@ class Viewer {
     this.place(there);
     const at = (name) => this.at(name);
     const zoom = Math.min(width / own.width, height / own.height);
-    const lens = [own.fx * zoom, own.fy * zoom, own.cx * zoom + (width - own.width * zoom) / 2, own.cy * zoom + (height - own.height * zoom) / 2];
+    const [fx, fy, cx, cy] = clipLens(this.time);
+    const lens = [fx * zoom, fy * zoom, cx * zoom + (width - own.width * zoom) / 2, cy * zoom + (height - own.height * zoom) / 2];
     const margins = [0.15 * width / lens[0], 0.15 * height / lens[1]];
     gl.uniform4fv(at("lens"), lens);
     gl.uniform4fv(at("limits"), [-lens[2] / lens[0] - margins[0], (width - lens[2]) / lens[0] + margins[0], -lens[3] / lens[1] - margins[1], (height - lens[3]) / lens[1] + margins[1]]);

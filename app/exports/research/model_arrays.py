@@ -123,7 +123,7 @@ def _write_cameras(archive: Archive, scene: Scene, moments: tuple[MomentRecord, 
             f"{frames_of(scene)}; -1: a moment that is none of its frames",
         ),
         "intrinsics": (
-            np.array([(one.fx, one.fy, one.cx, one.cy) for one in cameras]),
+            np.array([one.lens for one in cameras]),
             "fx fy cx cy in pixels; the middle of the first pixel is at (0.5, 0.5)",
         ),
         "camera_from_world": (

@@ -14,10 +14,14 @@ import pytest
 from numpy.typing import NDArray
 
 from app.errors import UserError
+from app.exports.browser.of_scene import browser_model
 from app.exports.browser.page import PageWindow, browser_page, read_page
 from app.exports.browser.samples import USUAL
 from app.exports.browser.tracks import CUBIC, LINEAR, Tracks, tracks_of
+from app.exports.make import make
 from app.exports.records import BrowserModel
+from app.exports.sources import Opened
+from app.files.stepping import run_to_end
 from app.scenes.free_camera import FreeView
 from app.scenes.scene import open_scene
 from renderer.camera import Camera
@@ -216,12 +220,26 @@ def test_a_long_clip_is_one_page_whose_camera_goes_with_it(
             for one in said["windows"] for track in one["tracks"]]  # fmt: skip
     assert len(content) - ends[-1] in range(4)
     assert np.allclose(said["poses"], [np.asarray(one.camera_from_world)[:3] for one in scene.cameras])
+    assert "lenses" not in said
     again = vesselsplat("replay", page, "--source", windowed_run)
     assert again.out.rstrip().endswith("identical"), again.error + again.out
     of_one = vesselsplat("export", windowed_run, "--window", 2, "--html", tmp_path / "two.html")
     assert of_one.code == 0, of_one.error
     _, said, _ = read_page((tmp_path / "two.html").read_text())
     assert [(one["first"], one["last"]) for one in said["windows"]] == [(0, 47)]
+
+
+def test_a_lens_that_zooms_does_so_in_the_page(runs: dict[str, Path], tmp_path: Path) -> None:
+    scene, page = open_scene(runs["original"]), tmp_path / "model.html"
+    longer = tuple(replace(one, fx=one.fx * (1 + 0.1 * n)) for n, one in enumerate(scene.cameras))
+    zooming = replace(scene, cameras=longer)
+    record = browser_model(zooming, longer[1], 25.0)
+    assert record.moves
+    run_to_end(make(record, Opened(model=zooming), page))
+    _, said, _ = read_page(page.read_text())
+    assert said["lenses"] == [list(one.lens) for one in longer]
+    run_to_end(make(replace(record, zooms=False), Opened(model=zooming), page))
+    assert "lenses" not in read_page(page.read_text())[1], "a page of before 0.13.0 has one lens"
 
 
 def test_the_page_numbers_its_frames_as_the_clip(
