@@ -51,7 +51,7 @@ function listen(viewer) {
       const far = (one) => Math.hypot(one.clientX - other.clientX, one.clientY - other.clientY) || 1;
       viewer.zoom(far(last) / far(event));
     } else if (event.shiftKey || event.buttons & 2) {
-      const step = viewer.middle / (scene.camera.fx * Math.min(canvas.clientWidth / scene.camera.width, canvas.clientHeight / scene.camera.height));
+      const step = viewer.middle / (clipLens(viewer.time)[0] * Math.min(canvas.clientWidth / scene.camera.width, canvas.clientHeight / scene.camera.height));
       viewer.pan(across * step, down * step);
     } else {
       viewer.orbit(across * 0.005, -down * 0.005);
