@@ -107,6 +107,7 @@ def found_poses(
         points=tuple(points.get(at, 0) for at in range(first, last + 1)),
         lost=tuple(sorted((*lost, *elsewhere), key=lambda each: each.frame)),
         tissue=done.tissue,
+        zoom=zoom,
     )
 
 

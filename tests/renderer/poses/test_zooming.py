@@ -141,6 +141,8 @@ def test_the_path_of_a_camera_that_zooms_is_found_with_its_focal_lengths():
     assert (len(found.cameras), found.lost) == (COUNT, ())
     focal = [camera.fx / phantom().camera(0).fx for camera in found.cameras]
     assert focal == pytest.approx([np.exp(0.1 * at / COUNT) for at in range(COUNT)], abs=0.01)
+    assert found.zoom.grown == pytest.approx(max(focal) - 1)
+    assert found.zoom.ends == (0, COUNT - 1)
     off, angles = errors(found)
     assert np.sqrt(np.mean(off**2)) < 0.005
     assert angles.max() < 0.5
