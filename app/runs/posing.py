@@ -50,15 +50,20 @@ def posed(clip: Clip, config: TrainConfig, start: int = 0) -> Generator[Preparin
 
     Raises ClipError: a frame cannot be read.
     """
-    moves = yield from told_meanwhile("checking for camera motion", lambda _: camera_motion(clip))
-    omitted = left_out(clip, config, moves)
-    if omitted or not _may_be_posed(clip):
-        return Posed(clip, notices=(contradicted(moves),) if moves else (), omitted=omitted)
+    bare = yield from unposed(clip, config)
+    if bare.omitted or not _may_be_posed(clip):
+        return bare
     try:
         found = yield from told_meanwhile(STAGE, lambda tell: find_poses(lit_part(clip), tell))
     except PosesError as error:
-        return Posed(clip, notices=(f"{contradicted(moves) if moves else POSES_MISSING}: {error}",))
+        return Posed(clip, notices=(f"{bare.notices[0] if bare.notices else POSES_MISSING}: {error}",))
     return through_found(clip, found, start)
+
+
+def unposed(clip: Clip, config: TrainConfig) -> Generator[Preparing, None, Posed]:
+    """The clip with the cameras that it has, and what is said of them. Raises ClipError as `posed`."""
+    moves = yield from told_meanwhile("checking for camera motion", lambda _: camera_motion(clip))
+    return Posed(clip, notices=(contradicted(moves),) if moves else (), omitted=left_out(clip, config, moves))
 
 
 def left_out(clip: Clip, config: TrainConfig, moves: str | None) -> tuple[Omission, ...]:

@@ -32,7 +32,7 @@ from app.runs.dark_surround import as_dense
 from app.runs.device import Asked, Choice, Device, choose, pictures_on
 from app.runs.left_out import left_out_of, with_found
 from app.runs.memory import peak_memory_mb, planned_in
-from app.runs.posing import Posed, posed, within_whole
+from app.runs.posing import Posed, posed, unposed, within_whole
 from app.runs.preparing import ReadAhead, reading, told_meanwhile
 from app.runs.run_folder import (
     OMITTED,
@@ -164,6 +164,8 @@ def _through_cameras(
     if clip.depth_origin == "motion":
         drawn_on = request.part.mask != NO_MASK or request.part.tool_masks is not None
         return (yield from structured(clip, request.config, request.clip_options, start, drawn_on=drawn_on))
+    if record is not None:  # It began without: another version may find some, which it was not trained by.
+        return (yield from unposed(clip, request.config))
     return (yield from posed(clip, request.config, start))
 
 

@@ -20,7 +20,7 @@ from app.runs.train_run import TrainRequest, run_training
 from app.runs.trained_clip import run_clip
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.poses.rigid_motion import zoomed
-from renderer.poses.search import FoundPoses
+from renderer.poses.search import FoundPoses, PosesError
 from renderer.poses.told_apart import TISSUE
 from renderer.poses.zooming import ONE_LENS, Zoom
 from renderer.sources import open_clip
@@ -76,6 +76,28 @@ def test_a_run_resumes_with_the_poses_that_it_began_with(moving, tmp_path):
     list(run_training(replace(request, resume=True)))
     assert RunFolder(request.run_path).record() == before
     assert before.clip.poses is not None
+
+
+def test_a_run_that_began_without_poses_goes_on_without_whatever_is_found_by_now(
+    moving, tmp_path, monkeypatch
+):
+    """As of an earlier version, which could not follow the camera."""
+
+    def lost(clip, tell):
+        raise PosesError("the camera could not be followed")
+
+    request = TrainRequest(clip_path=moving, run_path=tmp_path / "run", config=CONFIG)
+    with monkeypatch.context() as before:
+        before.setattr("app.runs.posing.find_poses", lost)
+        events = run_training(request)
+        next(event for event in events if isinstance(event, Started))
+        events.close()
+    record = RunFolder(request.run_path).record()
+    assert record.clip.poses is None
+    told = list(run_training(replace(request, resume=True)))
+    assert any("poses are missing" in event.message for event in told if isinstance(event, Warned))
+    assert RunFolder(request.run_path).record() == record
+    assert RunFolder(request.run_path).is_finished
 
 
 def test_poses_can_be_refused_and_are_left_out_where_the_camera_is_fixed(moving, tmp_path):
