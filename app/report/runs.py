@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
+from app.errors import UserError
 from app.files.provenance import strict_json
 from app.report.outcomes import setting_of
 from app.runs.run_folder import Input, RunFolder
@@ -16,6 +17,7 @@ from app.runs.trained_clip import input_clip
 from renderer.clip import Clip
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
+from renderer.train.trainer import TrainingError
 from renderer.train.training import train
 
 WARMING = 6
@@ -63,7 +65,11 @@ class Runs:
     def trained(
         self, config: TrainConfig, kind: Input = "original", measured: Measured = "tissue"
     ) -> Trained:
-        """Trains the first time; `measured`: of what the statistics of enhanced frames are."""
+        """Trains the first time; `measured`: of what the statistics of enhanced frames are.
+
+        Raises:
+            TrainingError: it fails, for lack of memory, too. Its folder, which is gone later, is not told.
+        """
         key = hashlib.sha256(f"{kind} {measured} {strict_json(config)}".encode()).hexdigest()[:16]
         if key not in self._known:
             self._warm(config)
@@ -78,7 +84,10 @@ class Runs:
                 device="cpu",
                 resume=True,
             )
-            finished = next(event for event in run_training(request) if isinstance(event, Finished))
+            try:
+                finished = next(event for event in run_training(request) if isinstance(event, Finished))
+            except UserError as error:
+                raise TrainingError(str(error.__cause__ or error).removesuffix(f": {folder.path}")) from error
             record = folder.record()
             clip = input_clip(record.clip.as_trained(self.clip), record)
             self._known[key] = Trained(folder, finished, clip)
