@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import attrgetter
 from pathlib import Path
 from typing import Final
 
@@ -233,16 +234,16 @@ class Scene:
         return self.record.clip.name != clip.name
 
     def is_of(self, clip: Clip) -> bool:
-        """Its cameras are those of the clip, or of a part of it; of estimated poses, the lens is."""
+        """Its cameras are those of the clip, or of a part of it; where poses were estimated, and maybe focal
+        lengths, its images are. Those that are undistorted are told by their focal length."""
         if self.is_of_other(clip):
             return False
-        theirs = (
-            clip.cameras if self.first is None else clip.cameras[self.first : self.first + len(self.cameras)]
-        )
-        if self.poses_are_estimated and len(theirs) == len(self.cameras):
-            pairs = zip(self.cameras, theirs, strict=True)
-            return all(one.moved(other.camera_from_world) == other for one, other in pairs)
-        return self.cameras == theirs
+        theirs = clip.cameras if self.first is None else clip.cameras[self.first :][: len(self.cameras)]
+        if self.cameras == theirs or not self.poses_are_estimated or len(theirs) != len(self.cameras):
+            return self.cameras == theirs
+        focal = ("fx", "fy") if self.record.clip and self.record.clip.calibration else ()
+        alike = attrgetter("width", "height", "cx", "cy", *focal)
+        return all(alike(one) == alike(other) for one, other in zip(self.cameras, theirs, strict=True))
 
     def edited(self, edits: Edits) -> Scene:
         """What is left of it; its record says so."""

@@ -18,11 +18,13 @@ from app.runs.posing import through_found
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import TrainRequest, run_training
 from app.runs.trained_clip import run_clip
+from app.scenes.scene import open_scene
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.poses.rigid_motion import zoomed
 from renderer.poses.search import FoundPoses, PosesError
 from renderer.poses.told_apart import TISSUE
 from renderer.poses.zooming import ONE_LENS, Zoom
+from renderer.readers.lenses.calibration import Calibration, FoundLens, LensCalibration
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Started, Warned
@@ -65,6 +67,24 @@ def test_evaluation_and_the_window_see_through_them(trained):
     *_, opened = open_path(OpenRequest(run.path))
     assert opened.clip.cameras == cameras
     assert opened.run.model.is_of(opened.clip)
+
+
+def test_a_run_is_of_its_clip_as_that_was_opened_whatever_was_found_of_the_lens(trained, moving):
+    """As beside a training that has just ended in the window."""
+    scene, clip = open_scene(trained[0].path), open_clip(moving)
+    zooming = tuple(zoomed(camera, 0.02 * at) for at, camera in enumerate(scene.cameras))
+    assert scene.is_of(clip)
+    assert replace(scene, cameras=zooming).is_of(clip)
+    # An undistorted image is another one.
+    lens = LensCalibration(fx=60, fy=60, cx=79.5, cy=63.5, distortion=(-0.2, 0, 0, 0))
+    undistorted = replace(
+        scene.record.clip, calibration=Calibration(lens=lens, found=FoundLens(deviation=0.01))
+    )
+    record = replace(scene.record, clip=undistorted)
+    assert replace(scene, record=record).is_of(clip)
+    assert not replace(scene, record=record, cameras=zooming).is_of(clip)
+    assert not scene.is_of(clip.between(0, 5))
+    assert not replace(scene, poses_are_estimated=False).is_of(clip)
 
 
 def test_a_run_resumes_with_the_poses_that_it_began_with(moving, tmp_path):
