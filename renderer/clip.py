@@ -217,6 +217,8 @@ class Clip:
     """Between the eyes in the clip's unit, where the images are the left ones of calibrated pairs."""
     calibrated: bool = False
     """Its lens is known from a calibration that was given, and its images are undistorted by that."""
+    bits: int = 16
+    """That values of its 16-bit image files use; the right eye's are read alike."""
     read_right: Callable[[int], ByteImage] | None = None
     """The right eye's picture of a frame, where the clip's own file holds it beside the left one."""
 

@@ -168,7 +168,7 @@ def right_eye(clip: Clip) -> RightEye | None:
     if not rights:
         return None
     names = f"{clip.labels[0]} and {rights[0].name}"
-    return RightEye(lambda index: read_rgb(rights[index]), common_size(rights), names, rights[0])
+    return RightEye(lambda index: read_rgb(rights[index], clip.bits), common_size(rights), names, rights[0])
 
 
 def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Clip:

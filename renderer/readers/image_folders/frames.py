@@ -43,7 +43,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW, bits: int | No
     said = (*passed_over(files, told, "numbered images"), *broken_links(visible))
     camera = assumed_camera(field_of_view, common_size(paths))
     bits = bits or used_bits(paths)
-    return new_clip(
+    clip = new_clip(
         path,
         "images",
         cameras=(camera,) * len(paths),
@@ -51,6 +51,7 @@ def open_images(path: Path, field_of_view: float = FIELD_OF_VIEW, bits: int | No
         read_image=lambda index: read_rgb(paths[index], bits),
         notices=(*kinds.notices_of_pictures(), *said, *left_pages(paths), *said_of_bits(len(paths), bits)),
     )
+    return replace(clip, bits=bits)
 
 
 def _instead(visible: Sequence[Path], files: Sequence[Path]) -> str:
