@@ -19,11 +19,12 @@ def near_plane(model: DynamicGaussians, camera: Camera) -> float:
 
 def middle_distance(model: DynamicGaussians, camera: Camera) -> float:
     """Median depth along the camera's axis of the Gaussians before it, of a model in windows of those that
-    there are at first; 1 when there is none."""
+    there are at first, if any; 1 when there is none."""
     pose = camera.camera_from_world
     means = model.means
     if isinstance(model.motion, WindowedMotion):
-        means = means[model.motion.rows_at(0.0)]
+        first = model.motion.rows_at(0.0)
+        means = means[first] if len(first) else means
     depth = means @ pose[2, :3] + pose[2, 3]
     before = depth[depth > 0]
     return float(np.median(before)) if len(before) else 1.0

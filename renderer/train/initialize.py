@@ -39,6 +39,10 @@ MOST_DETAIL = 98.0
 """Percentile that stands for more: highlights and edges of the mask are no finer tissue."""
 
 
+class NoTissue(ClipError):
+    """No frame has depth on tissue."""
+
+
 def with_points(frames: Iterable[Frame], points: SparsePoints | None) -> Iterator[Frame]:
     """The frames to start from: those without depth get what is between the sparse points they see."""
     for frame in frames:
@@ -52,7 +56,8 @@ def scene_size(frames: Iterable[Frame]) -> float:
     """Median depth of the tissue in the clip's unit: every length in training is relative to it.
 
     Raises:
-        ClipError: no frame has depth on tissue, or that is no length that can be calculated with.
+        NoTissue: no frame has depth on tissue.
+        ClipError: that is no length that can be calculated with.
     """
     medians, is_masked = list[float](), False
     for frame in frames:
@@ -64,7 +69,7 @@ def scene_size(frames: Iterable[Frame]) -> float:
             is_masked |= frame.depth is not None and (left_out or bool((frame.depth > 0).any()))
     if not medians:
         got = "its masks leave out all of it" if is_masked else "this clip has none"
-        raise ClipError(f"reconstruction expects measured depth on the tissue, and {got}")
+        raise NoTissue(f"reconstruction expects measured depth on the tissue, and {got}")
     size = float(np.median(medians))
     if not 1 / MOST_DISTANT < size < MOST_DISTANT:
         least = f"{1 / MOST_DISTANT:g} to {MOST_DISTANT:g}"

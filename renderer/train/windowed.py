@@ -11,8 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from renderer.clip import Clip
+from renderer.deformation.motion import Still
 from renderer.gaussians import DynamicGaussians
 from renderer.near_plane import middle_distance
+from renderer.raw_gaussians import RawGaussians
 from renderer.train.config import TrainConfig
 from renderer.train.events import (
     Evaluated,
@@ -29,6 +31,7 @@ from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frames import within_reach
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.held_out import evaluated
+from renderer.train.initialize import NoTissue
 from renderer.train.trainer import MEASURING, TrainingError, fitted, split, train_window
 from renderer.train.window_files import (
     FinishedWindow,
@@ -53,6 +56,14 @@ class _Done:
     """Seconds in all; 0: an earlier part of the run did it."""
     omitted: tuple[Omission, ...]
     model: Callable[[], DynamicGaussians]
+    missing: NoTissue | None = None
+    """Why there is nothing in it."""
+
+
+def _nothing() -> DynamicGaussians:
+    empty, harmonics = np.zeros((0, 3), np.float32), np.zeros((0, 0, 3), np.float32)
+    quats, logits = np.zeros((0, 4), np.float32), np.zeros(0, np.float32)
+    return DynamicGaussians(RawGaussians(empty, quats, empty, logits, empty, harmonics), Still())
 
 
 @dataclass(frozen=True)
@@ -70,11 +81,20 @@ class WindowedTraining:
         opened = time.perf_counter()
         done: list[_Done] = []
         for window in self.windows:
-            done.append(self._kept(window) or (yield from self._trained(window, tuple(done))))
+            try:
+                done.append(self._kept(window) or (yield from self._trained(window, tuple(done))))
+            except NoTissue as error:  # As out of the body: of long clips the rest is worth it.
+                done.append(_Done(0, 0.0, 0.0, (), _nothing, error))
+        if all(missing := [each.missing for each in done]) and missing[0] is not None:
+            raise missing[0]
         model = in_windows(len(self.clip), self.windows, [each.model for each in done])
         iteration = sum(each.iterations for each in done)
         if not any(each.wall for each in done):
             yield Started(iteration, iteration, len(model), ())
+        for window, each in zip(self.windows, done, strict=True):
+            if each.missing is not None:
+                first, last = self.clip.labels[window.first], self.clip.labels[window.last]
+                yield Warned(f"nothing is reconstructed of the frames {first} to {last}: {each.missing}")
         yield Finishing(MEASURING, 0.0)
         if measured := self._held_out if self.config.hold_out else self.clip.test_indices:
             views = (self.clip.read_frame(index) for index in measured)

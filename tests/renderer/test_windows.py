@@ -12,11 +12,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from renderer.clip import Clip
+from renderer.clip import Clip, ClipError, Frame, within
 from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.gaussians import DynamicGaussians
+from renderer.model_windows import windows_of as windows_of_model
+from renderer.near_plane import middle_distance
 from renderer.train.config import TrainConfig
-from renderer.train.events import Evaluated, Finished, Progress, Snapshot, Started, TrainEvent
+from renderer.train.events import Evaluated, Finished, Progress, Snapshot, Started, TrainEvent, Warned
 from renderer.train.trainer import TrainingError
 from renderer.train.training import train
 from renderer.train.window_files import FOLDER, in_windows, next_of, unfinished
@@ -259,3 +261,36 @@ def test_a_preview_shows_the_window_in_training_at_every_time(whole: tuple[list[
     assert np.array_equal(sent.at(0.5).means, second.at((FRAMES / 2 - 32) / 48).means)
     assert np.array_equal(sent.at(1.0).means, second.at(1.0).means)
     assert isinstance(Snapshot(0, preview).model, DynamicGaussians)
+
+
+def masked(clip: Clip, frames: range) -> Clip:
+    """Without tissue in some of its frames, as out of the body."""
+
+    def read_frame(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        return within(frame, np.zeros_like(frame.tissue_mask)) if index in frames else frame
+
+    return replace(clip, read_frame=read_frame)
+
+
+@pytest.mark.parametrize("frames", [range(32, 80), range(48)])
+def test_a_window_without_tissue_is_left_empty(
+    frames: range, whole: tuple[list[TrainEvent], Path], tmp_path: Path
+) -> None:
+    events = list(train(masked(long_clip(), frames), CONFIG, folder=tmp_path))
+    assert isinstance(events[0], Started)
+    said = [event.message for event in events if isinstance(event, Warned)]
+    assert any(f"of the frames {frames[0]} to {frames[-1]}: " in message for message in said)
+    windows = windows_of_model(model_of(events))
+    empty = 0 if frames[0] == 0 else 1
+    assert [len(one) > 0 for one in windows] == [place != empty for place in range(3)]
+    model_of(events).save(tmp_path / "model.safetensors")
+    assert same(DynamicGaussians.load(tmp_path / "model.safetensors"), model_of(events))
+    assert middle_distance(model_of(events), long_clip().cameras[0]) == pytest.approx(
+        middle_distance(model_of(whole[0]), long_clip().cameras[0]), rel=0.1
+    )
+
+
+def test_a_long_clip_without_any_tissue_is_refused() -> None:
+    with pytest.raises(ClipError, match="its masks leave out all of it"):
+        list(train(masked(long_clip(), range(FRAMES)), CONFIG))
