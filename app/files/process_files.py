@@ -34,7 +34,31 @@ def left_behind(folder: Path, kind: str, suffix: str) -> list[Path]:
     own = own_file(folder, kind, suffix)
     files = (path for path in folder.glob(f"{kind}-*{suffix}") if path != own)
     left = [path for path in files if not _is_written_still(path, kind)]
-    return sorted(left, key=lambda path: path.stat().st_mtime)
+    return sorted(left, key=_written)
+
+
+def claimed(folder: Path, kind: str, suffix: str) -> list[Path]:
+    """Those of processes that have ended, the oldest first, renamed as files of this one: each goes to one
+    process, and one that ends before it is done leaves them to the next.
+    Raises OSError: the folder cannot be listed, or a file not be renamed.
+    """
+    return [path for left in left_behind(folder, kind, suffix) if (path := _claim(left, kind)) is not None]
+
+
+def _claim(left: Path, kind: str) -> Path | None:
+    name = f"{kind}-{mark_of(os.getpid())}-{machine()}-{secrets.token_hex(4)}{left.suffix}"
+    try:
+        return left.rename(left.with_name(name))
+    except FileNotFoundError:
+        return None
+
+
+def _written(path: Path) -> float:
+    """When; long ago for one that another process has just taken."""
+    try:
+        return path.stat().st_mtime
+    except FileNotFoundError:
+        return 0.0
 
 
 def _is_written_still(path: Path, kind: str) -> bool:

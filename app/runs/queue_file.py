@@ -11,7 +11,7 @@ from typing import Final
 from pydantic import TypeAdapter, ValidationError
 
 from app.files.atomic import write_bytes
-from app.files.process_files import left_behind, own_file
+from app.files.process_files import claimed, own_file
 from app.files.provenance import strict_json
 from app.runs.train_run import TrainRequest
 from renderer.json_files import read_json
@@ -38,10 +38,10 @@ def keep_queue(path: Path, waiting: Sequence[TrainRequest]) -> None:
 
 
 def take_over(folder: Path) -> tuple[tuple[TrainRequest, ...], str]:
-    """What processes that have ended left waiting is this one's now; and what of it could not be read, in a
-    sentence, empty when all of it could. Raises OSError or UserError: it stays where it was.
+    """What processes that have ended left waiting is this one's now, and no other's; and what of it could not
+    be read, in a sentence, empty when all of it could. Raises OSError or UserError: it stays on disk.
     """
-    files = left_behind(folder, KIND, SUFFIX)
+    files = claimed(folder, KIND, SUFFIX)
     told = [_read(path) for path in files]
     waiting = tuple(request for requests, _ in told for request in requests)
     if files:

@@ -11,7 +11,7 @@ import psutil
 import pytest
 
 from app.files import process_files
-from app.files.process_files import FORGOTTEN, left_behind, own_file
+from app.files.process_files import FORGOTTEN, claimed, left_behind, own_file
 from app.gui.session_file import (
     Session,
     SessionSource,
@@ -106,6 +106,24 @@ def test_names_of_former_versions_are_found(tmp_path: Path, monkeypatch: pytest.
     kept(tmp_path, 0, "kept-of-somebody.json")
     assert left_behind(tmp_path, "kept", ".json") == [left]
     leftovers.machines.cache_clear()
+
+
+def test_of_two_that_claim_at_once_each_file_goes_to_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    left = [kept(tmp_path, age, f"kept-99999999{age}.json") for age in (9, 8)]
+    seen = left_behind(tmp_path, "kept", ".json")
+    assert seen == left
+    first = claimed(tmp_path, "kept", ".json")
+    assert [path.read_text() for path in first] == ["precious", "precious"]
+    monkeypatch.setattr(process_files, "left_behind", lambda *_: seen)
+    assert claimed(tmp_path, "kept", ".json") == []
+    assert sorted(tmp_path.iterdir()) == sorted(first)
+
+
+def test_what_was_claimed_and_not_done_is_left_again(tmp_path: Path) -> None:
+    kept(tmp_path, 0, "kept-999999999.json")
+    assert claimed(tmp_path, "kept", ".json") == left_behind(tmp_path, "kept", ".json") != []
 
 
 def test_queue_and_session_of_a_window_with_the_same_number_outlive_the_next(
