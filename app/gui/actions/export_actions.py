@@ -137,8 +137,12 @@ def shown_request(state: AppState) -> ExportRequest | None:
 
 
 def name_wish(state: AppState) -> NameRequest | None:
-    """Whether the name in the panel is free, while it is shown."""
-    if not state.exports.shown or why_not_name(stem_of(state)):
+    """While the panel is shown: whether the name of what is being written, or else the one there, is free."""
+    if not state.exports.shown:
+        return None
+    if (under_way := state.exports.under_way) is not None:
+        return NameRequest(under_way.folder, under_way.stem, under_way.suffix, state.exports.count)
+    if why_not_name(stem_of(state)):
         return None
     return NameRequest(state.export_folder, stem_of(state), suffix_of(state), state.exports.count)
 
@@ -149,7 +153,7 @@ def take_name(state: AppState, request: NameRequest, answer: str | Failure) -> N
 
 
 def other_name(state: AppState) -> str:
-    """By which the next export is written since the name in the panel is taken; empty where it is free."""
+    """By which it is written since the name that was wished for is taken; empty where that is free."""
     asked, wanted = state.exports.named, name_wish(state)
     return asked[1] if asked is not None and asked[0] == wanted and asked[1] != asked[0].name else ""
 
@@ -157,6 +161,12 @@ def other_name(state: AppState) -> str:
 def added_to_name(state: AppState) -> str:
     """What the other name has more; empty where the name is free."""
     return other_name(state).removesuffix(suffix_of(state)).removeprefix(stem_of(state))
+
+
+def name_written(state: AppState) -> str:
+    """Of what is under way; empty where nothing is."""
+    request = state.exports.under_way
+    return "" if request is None else other_name(state) or f"{request.stem}{request.suffix}"
 
 
 def encoder_wish(state: AppState) -> str | None:

@@ -311,11 +311,12 @@ def _draw_progress(state: AppState) -> None:
             note(said)
         return
     total, done = max(under_way.steps, 1), state.exports.done
-    button("Cancel", partial(export_actions.cancelled, state), "No file is left incomplete.", width=10)
+    # Not where Export stood: the second click of a double click would cancel.
+    imgui.progress_bar(done / total, ImVec2(-em(7), 0), state.exports.pace.told(total))
     imgui.same_line()
-    imgui.progress_bar(done / total, ImVec2(-0.1, 0), state.exports.pace.told(total))
+    button("Cancel", partial(export_actions.cancelled, state), "No file is left incomplete.", width=6)
     # Another kind may have been chosen meanwhile.
-    note(f"Writing {legible(f'{under_way.stem}{under_way.suffix}')}")
+    note(f"Writing {legible(export_actions.name_written(state))}")
 
 
 def _other_name(state: AppState) -> str:

@@ -171,6 +171,23 @@ def test_the_name_in_the_panel_says_what_will_be_written(run: Exporter) -> None:
     assert state.exports.name == ""
 
 
+def test_the_name_that_is_being_written_is_that_of_the_file(run: Exporter) -> None:
+    state = run.state
+    path = exported(run, "both panes")
+    export_actions.choose_what(state, "both panes")
+    assert export_actions.name_written(state) == ""
+    run.begin("both panes")
+    assert export_actions.name_written(state) == path.name
+    export_actions.choose_what(state, "left pane")  # Another kind, meanwhile.
+    names = set()
+    while state.exports.under_way is not None:
+        names.add(export_actions.name_written(state))
+        run.turn(1)
+    assert state.exports.last is not None
+    assert state.exports.last.name in names
+    assert state.exports.last.name == "small-frame-1-both-2.png"
+
+
 def test_the_folder_is_of_all_exports(run: Exporter, tmp_path: Path) -> None:
     run.state.window.folders = {"export": tmp_path / "elsewhere"}
     assert exported(run, "both panes").parent == tmp_path / "elsewhere"
