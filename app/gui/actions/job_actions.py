@@ -115,7 +115,10 @@ def enqueue(state: AppState, waiting: tuple[Waiting, ...]) -> None:
         asleep = tuple(each for each in state.runs.queue if each.asleep)
         state.runs.queue, state.runs.reconstruction.name = awake + waiting + asleep, ""
         state.runs.starts = True
-        if state.runs.ending is not None:
+        if state.runs.reconstruction.is_alive:
+            names = " and ".join(each.request.run_path.name for each in waiting)
+            announce(state, f"queued {names}: see Runs")
+        elif state.runs.ending is not None:
             announce(state, "It starts as soon as the process of the last reconstruction has ended")
 
     if state.runs.reconstruction.is_alive:

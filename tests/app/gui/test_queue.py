@@ -84,6 +84,15 @@ def test_the_next_starts_when_one_has_ended_and_never_before(
     assert state.runs.queue == ()
 
 
+def test_what_is_added_to_the_queue_is_said(state: AppState, jobs: Jobs) -> None:
+    queued(state, jobs, 100)
+    assert state.window.toast is None
+    queued(state, jobs, 200)
+    assert state.window.toast is not None
+    (waiting,) = state.runs.queue
+    assert state.window.toast.message == f"queued {waiting.request.run_path.name}: see Runs"
+
+
 def test_a_process_that_takes_a_while_to_end_is_waited_for_by_the_next_and_not_by_the_window(
     state: AppState, jobs: Jobs
 ) -> None:
