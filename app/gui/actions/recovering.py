@@ -25,9 +25,13 @@ def offer_recovery(state: AppState) -> None:
 
 def recover(state: AppState) -> None:
     """Open what a crash left; its file goes only when all of it is open."""
-    if state.session.recoverable is not None:
-        actions.open_path(state, state.session.recoverable)
-    state.session.recoverable = None
+    found, state.session.recoverable = state.session.recoverable, None
+    if found is None:
+        return
+    if found.exists():
+        actions.open_path(state, found)
+    else:
+        actions.fail(state, "the earlier session has been restored, or declined, in another window")
 
 
 def decline(state: AppState) -> None:

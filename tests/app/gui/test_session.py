@@ -234,7 +234,13 @@ def test_what_a_dead_process_left_is_found_and_kept_until_taken_up(
     assert not any("autosave" in recent for recent in later.settings.recent)
     own.rename(left)
     recovering.offer_recovery(later)
+    second = AppState(places, Settings(acknowledged=True))
+    recovering.offer_recovery(second)
     recovering.decline(later)
+    recovering.recover(second)
+    assert second.window.banner is not None
+    assert "in another window" in second.window.banner.message
+    assert second.session.recoverable is None
     assert later.session.recoverable is recoverable(places.config) is None
     assert mended_session(places.config / "declined.vesselsplat")[0].notes == state.session.notes
 
