@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -57,6 +58,15 @@ class _Log(RotatingFileHandler):
             super().doRollover()
         except OSError:
             self.maxBytes = 0
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """A disk that takes no more lines, as a full one, is no news for the terminal: the window says so."""
+        if not isinstance(sys.exception(), OSError):
+            super().handleError(record)
+
+    def close(self) -> None:
+        with suppress(OSError):
+            super().close()
 
 
 def _handler(folder: Path) -> logging.Handler | None:

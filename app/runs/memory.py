@@ -88,7 +88,8 @@ def planned_in(folder: Path, clip: Clip, config: TrainConfig) -> Planned:
         if needed > free:
             expected = f"expected {amount(needed)} of free {where} to train on {what}"
             trimming = "trim the clip to fewer frames (in the window by In and Out, else by --frames)"
-            way = trimming if frames > 1 else "make the frame smaller"
+            less = trimming if frames > 1 else "make the frame smaller"
+            way = f"free some, or {less}" if where == "disk" else less
             raise UserError(f"{expected}, got {amount(free)} ({way}): {folder}")
     return planned
 

@@ -73,6 +73,14 @@ def test_an_error_that_ends_the_window_is_there_and_goes_on(tmp_path: Path) -> N
     assert "in broken" in text(tmp_path)
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no such device on this system")
+def test_a_full_disk_is_no_news_for_the_terminal(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / NAME).symlink_to("/dev/full")
+    with logged(tmp_path, "start"):
+        log_file.LOG.error("more")
+    assert capfd.readouterr().err == ""
+
+
 @pytest.mark.parametrize("end", [KeyboardInterrupt, SystemExit])
 def test_an_end_that_was_asked_for_is_no_error(tmp_path: Path, end: Callable[[], BaseException]) -> None:
     with pytest.raises(BaseException), logged(tmp_path, "start"):  # noqa: B017, PT011

@@ -47,7 +47,9 @@ def test_a_full_disk_is_told_before_training(
     usage = shutil.disk_usage(tmp_path)
     monkeypatch.setattr(shutil, "disk_usage", lambda path: usage._replace(free=1_000_000))
     assert train(clip_path, tmp_path / "run") == 2
-    assert "of free disk" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "of free disk" in said
+    assert "(free some, or trim the clip" in said
 
 
 def test_the_need_is_said(clip_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
