@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from app.errors import UserError
-from app.files.provenance import digest
+from app.files.provenance import digest, digested_files
 from app.gui.work.opening import request_of
 from app.runs.clip_selection import ClipPart
 from app.runs.progress_log import EMPTY_LOG, TrainingLog, told
@@ -82,7 +82,7 @@ class RunFinder:
 
     _read: dict[tuple[Any, ...], tuple[RunRecord, ListedRun]] = field(default_factory=dict)
     _digests: dict[tuple[Any, ...], str] = field(default_factory=dict)
-    """Of the clip that was looked at last, as its file or folder was then."""
+    """Of the clip that was looked at last, as its files were then."""
 
     def find(self, request: RunsRequest) -> Iterator[FoundRuns]:
         """Raises OSError: the folder of all runs cannot be listed."""
@@ -115,8 +115,9 @@ class RunFinder:
             return False
         if record.clip.name != clip.name and place.exists():
             return False
-        stat = clip.path.stat()
-        key = clip.path, stat.st_size, stat.st_mtime_ns
+        # A folder's own time tells nothing of its files: one may have been written over, or lie deeper.
+        stats = [(file, file.stat()) for file in digested_files(clip.path)]
+        key = clip.path, *((file, stat.st_size, stat.st_mtime_ns) for file, stat in stats)
         if key not in self._digests:
             self._digests = {key: digest(clip.path)}
         return record.clip.sha256 == self._digests[key]
