@@ -69,9 +69,14 @@ def problem(error: ValidationError, flag_of: Mapping[str, str] | None = None) ->
     first, at = _first(error)
     wanted = first["msg"].replace("Value error, ", "").replace(" after validation", "")
     wanted = re.sub(r"^\w+ should (be|have)", "expected", wanted)
+    wanted = re.sub(r", unable to parse .*", "", wanted)
     if not first["loc"]:
         return wanted if flag_of else f"{error.title}: {wanted}"
     shown = flag_of[str(at[0])] if flag_of else ".".join(map(str, at))
+    if first["type"] == "missing":  # What came is all that stands beside it.
+        return f"expected {shown}, got none"
+    if first["type"] == "unexpected_keyword_argument":
+        wanted = "expected nothing of this name"
     if isinstance(first["input"], Path):  # What is wrong is said of its content.
         return f"{shown}: {wanted}"
     return f"{shown}: {wanted}, got {shortened(first['input'])}"

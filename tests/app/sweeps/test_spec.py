@@ -150,6 +150,15 @@ def test_a_setting_that_is_refused_names_the_file(tmp_path: Path) -> None:
         assert str(caught.value).endswith(f": {path}")
 
 
+def test_what_a_file_lacks_or_names_wrongly_is_said(tmp_path: Path) -> None:
+    for facts, told in (
+        ({}, "expected clips, got none"),
+        ({"clips": ["a"], "task": "enhance", "clip": 1}, "clip: expected nothing"),
+    ):
+        with pytest.raises(UserError, match=told):
+            spec_of(facts, tmp_path / "sweep.toml")
+
+
 def test_patterns_find_images_videos_and_folders_alone(tmp_path: Path) -> None:
     for name in ("b.png", "a.mp4", "notes.txt", ".hidden.png"):
         (tmp_path / name).write_bytes(b"")
