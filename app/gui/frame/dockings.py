@@ -125,13 +125,18 @@ def arrange(params: hello_imgui.RunnerParams, size: tuple[int, int], text_percen
     for docking in _all_dockings(params):
         whole = tabs(size, text_percent)
         whole["Side"] |= docking.layout_name == LAYOUTS["stills"]
-        lines = HIGH if upright else SIDE_OF_TABS if whole["Side"] else SIDE
+        lines = _lines(whole["Side"], upright=upright)
         share = min(max(lines * _line(text_percent) / max(size[upright], 1), LEAST), MOST)
         docking.docking_splits = splits(share, whole, upright=upright)
         for panel in docking.dockable_windows:
             if panel.label in BELOW:
                 below, above = BELOW[panel.label]
                 panel.dock_space_name = above if whole[above] else below
+
+
+def _lines(are_tabs: bool, *, upright: bool) -> float:
+    """Across which the panels at the side are wide, or high where they are below the images."""
+    return HIGH if upright else SIDE_OF_TABS if are_tabs else SIDE
 
 
 def _all_dockings(params: hello_imgui.RunnerParams) -> tuple[hello_imgui.DockingParams, ...]:
@@ -156,9 +161,11 @@ def widen(before: int, now: int, *, upright: bool) -> None:
     column = _divided("Enhancement", axis)
     if column is not None:
         most = MOST * imgui.get_main_viewport().size[axis]
-        # Where there was no room to grow, the size tells nothing of how large they are with other text.
-        is_full = now < before and column.size[axis] > most - 1
-        least = (HIGH if upright else SIDE) * _line(now) if is_full else 0.0
+        # Where there was no room to grow, the size tells nothing of how large they are with other text. What
+        # divides them from the images has taken its part of it.
+        is_full = now < before and column.size[axis] > most - 1 - imgui.get_style().docking_separator_size
+        are_tabs = _node_of(_window("Reconstruction")) == _node_of(_window("Enhancement"))
+        least = _lines(are_tabs, upright=upright) * _line(now) if is_full else 0.0
         size = ImVec2(column.size.x, column.size.y)
         size[axis] = min(max(now / before * column.size[axis], least), most)
         imgui.internal.dock_builder_set_node_size(column.id_, size)

@@ -314,6 +314,29 @@ def test_the_side_is_as_wide_as_before_where_it_had_no_room_to_grow(places: Plac
 
 
 @pytest.mark.display
+def test_text_made_smaller_leaves_the_titles_of_tabs_at_the_side_whole(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True, text_percent=200), [])
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        def width() -> float:
+            ctx.yield_(6)
+            return float(ctx.window_info("//Enhancement").window.size.x)
+
+        glfw.set_window_size(glfw_utils.glfw_window_hello_imgui(), 1280, 720)
+        wait(ctx, lambda: imgui.get_main_viewport().size.x == 1280, "the low window")
+        dockings.restore_all()
+        assert width() == pytest.approx(MOST * 1280, rel=0.01)
+        for _ in range(2):
+            ctx.key_press(chord("Ctrl+minus"))
+        assert driver.state.settings.text_percent == 150
+        shrunk = width()
+        dockings.restore_all()
+        assert shrunk == pytest.approx(width(), rel=0.01)
+
+    driver.run(drive)
+
+
+@pytest.mark.display
 def test_panels_share_a_place_where_lines_are_few(places: Places) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
 
