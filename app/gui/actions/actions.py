@@ -253,22 +253,24 @@ def step(state: AppState, frames: int) -> None:
     """So many frames on or back, standing still; thaws a frozen picture, which would not show it. A single
     image gives way to one so many on or back in its folder."""
     if state.source.place is not None:
-        _open_beside(state, frames)
+        _open_beside(state, state.source.neighbours.onward(state.source.path, frames))
         return
     state.timeline.playing, state.timeline.frozen_index = False, None
     seek(state, state.moment + frames)
 
 
-def _open_beside(state: AppState, by: int) -> None:
-    """Another image of the folder; nothing where there is none left, or while one is on its way."""
-    images = state.source.neighbours.onward(state.source.path, by)
+def _open_beside(state: AppState, images: tuple[Path, ...]) -> None:
+    """The first of these of the folder that can be read; nothing for none, or while one is on its way."""
     if images and state.source.opening is None:
         first, *onward = images
         open_request(state, OpenRequest(first, state.source.first_options(first), tuple(onward)))
 
 
 def go_to_end(state: AppState, *, last: bool) -> None:
-    """The first or the last frame that counts, in the same way."""
+    """The first or the last frame that counts, or image of the folder, in the same way."""
+    if state.source.place is not None:
+        _open_beside(state, state.source.neighbours.from_end(state.source.path, last=last))
+        return
     ends = (0, state.moments - 1) if state.is_model_alone else state.source.span
     step(state, ends[last] - state.moment)
 

@@ -24,6 +24,11 @@ def why_no_clip(state: AppState) -> str:
     return "Record the live source, then open the recording." if state.source.is_live_frame else ""
 
 
+def why_not_trimmed(state: AppState) -> str:
+    """Why there is nothing to shorten, in the same way."""
+    return why_no_clip(state) or ("" if state.moments > 1 else "A single image has no other frames.")
+
+
 def dismiss_notices(state: AppState) -> None:
     """What is said of the open video has been read."""
     state.source.notices = ()

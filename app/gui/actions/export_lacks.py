@@ -12,6 +12,7 @@ from app.exports.usd_file import NO_USD, has_usd
 from app.files.codecs import HEVC, WEBM
 from app.files.legible import capital
 from app.files.video_encoder import NO_ENCODER, is_encoded
+from app.gui.actions.clip_actions import why_no_clip
 from app.gui.actions.export_offers import Offer
 from app.gui.actions.export_records import format_of, sized
 from app.gui.state.app_state import AppState
@@ -24,6 +25,7 @@ NO_MODEL: Final = "There is no 3D model yet: reconstruct the clip or open a run.
 HIDDEN: Final = "The 3D view is hidden: bring its tab to the front first."
 NO_PATH: Final = "There is no camera path yet: create one in the Cameras panel."
 UNFINISHED: Final = "The reconstruction is not finished: wait for it or continue it."
+ONE_IMAGE: Final = "One image is no video: choose what is under Image."
 SIZES_DIFFER: Final = "The images differ in size: no video can show them."
 MOST_DRAWN = 2**25
 """Pixels of the 3D view drawn at once: 3840 × 2160 at 2×, some 0.7 GB while they are averaged."""
@@ -63,6 +65,8 @@ def _lacks_content(state: AppState, offer: Offer) -> str:
         return ""
     if state.source.clip is None:
         return NO_CLIP
+    if offer.form == "panes video" and len(state.source.clip) == 1:
+        return why_no_clip(state) or ONE_IMAGE
     if offer.form == "panes video" and not state.source.clip.has_one_size:
         return SIZES_DIFFER
     if offer.as_shown:

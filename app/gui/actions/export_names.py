@@ -54,7 +54,7 @@ def _when(state: AppState, offer: Offer) -> str:
     clip, model = state.source.clip, state.scene.model
     if offer.form in ("panes video", "measures"):
         first, last = state.source.span
-        return f"frames-{first + 1}-{last + 1}"
+        return f"frames-{first + 1}-{last + 1}" if clip is None or len(clip) > 1 else ""
     if offer.form == "splats" and model is not None:
         return f"frame-{model.number_at(state.time):g}" if len(model.cameras) > 1 else ""
     if offer.form in ("picture", "DICOM still") and clip is not None and len(clip) > 1:

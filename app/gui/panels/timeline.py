@@ -109,21 +109,22 @@ def place(state: AppState) -> str:
 
 def _draw_transport(state: AppState) -> None:
     play = icons.ICON_FA_PAUSE if state.timeline.playing else icons.ICON_FA_PLAY
-    step = partial(actions.step, state)
+    step, alone = partial(actions.step, state), state.source.place is not None
+    one = "image of this folder" if alone else "frame"
     button(
         f"{icons.ICON_FA_STEP_BACKWARD}##back",
         partial(step, -1),
-        "Left or Comma: previous frame. With Shift: ten back. Home: first.",
+        f"Left or Comma: previous {one}. With Shift: ten back. Home: first.",
         width=2.2,
     )
     imgui.same_line(0, em(0.2))
-    toggle, plays = partial(actions.toggle_play, state), state.source.place is None
-    button(f"{play}###play", toggle, "Space: play or pause", enabled=plays, width=3)
+    toggle = partial(actions.toggle_play, state)
+    button(f"{play}###play", toggle, "Space: play or pause", enabled=not alone, width=3)
     imgui.same_line(0, em(0.2))
     button(
         f"{icons.ICON_FA_STEP_FORWARD}##on",
         partial(step, 1),
-        "Right or Period: next frame. With Shift: ten forward. End: last.",
+        f"Right or Period: next {one}. With Shift: ten forward. End: last.",
         width=2.2,
     )
 
@@ -175,7 +176,7 @@ def _draw_strip(state: AppState, count: int, across: int, textures: ShowsPicture
     imgui.invisible_button("strip", area.size)
     if imgui.is_item_active() and count > 1:
         actions.seek(state, scale.frame_at(imgui.get_mouse_pos().x))
-    explain("Thumbnails of the clip: click or drag to go to a frame.")
+    explain("Thumbnails of the clip: click or drag to go to a frame." if count > 1 else "")
     draw = imgui.get_window_draw_list()
     if clip is None and count < 2:
         draw.add_rect(area.corner, area.end, imgui.get_color_u32(theme.now().shade(0.21)), em(0.25))

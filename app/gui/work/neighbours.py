@@ -38,6 +38,13 @@ class Neighbours:
             return self.images[max(min(place + by, len(self.images) - 1), place + 1) :]
         return tuple(reversed(self.images[: max(place + by, 0) + 1])) if place else ()
 
+    def from_end(self, image: Path | None, *, last: bool) -> tuple[Path, ...]:
+        """From the last one, or the first, as far as those beside the one that is open."""
+        place = self.place(image)
+        if place is None:
+            return ()
+        return tuple(reversed(self.images[place + 1 :])) if last else self.images[:place]
+
 
 def find_neighbours(request: NeighboursRequest) -> Iterator[Neighbours]:
     """Raises OSError: the folder cannot be listed."""

@@ -10,9 +10,13 @@ from imgui_bundle import icons_fontawesome_4 as icons
 from imgui_bundle import imgui
 from PIL import Image
 
-from app.gui.actions import actions, depth_actions, export_actions, job_actions
+from app.gui.actions import actions, clip_actions, depth_actions, export_actions, job_actions
+from app.gui.actions.export_lacks import ONE_IMAGE
+from app.gui.actions.export_names import default_name
+from app.gui.commands.commands import sections
 from app.gui.commands.keys import chord
 from app.gui.panels.timeline import in_folder
+from app.gui.state.exports import What
 from app.gui.state.panes import pane
 from app.gui.work.neighbours import Neighbours
 from app.gui.work.settings import Places, Settings
@@ -20,6 +24,7 @@ from app.gui.work.strip import CROSS, DAMAGED, GROUND, HEIGHT, StripRequest, mak
 from enhance import EnhanceParams
 from renderer.clip import ClipError
 from renderer.sources import open_case, open_clip
+from tests.app.gui.conftest import outside
 from tests.app.gui.test_reconstruction_choices import opened, turn
 from tests.app.gui.test_window import Driver, is_settled, wait
 
@@ -131,6 +136,24 @@ def test_what_is_on_and_back() -> None:
     assert found.onward(c, -1) == (b, a)
     assert found.onward(b, -10) == (a,)
     assert found.onward(c, 1) == found.onward(a, -1) == found.onward(Path("d"), 1) == ()
+    assert found.from_end(a, last=True) == (c, b)
+    assert found.from_end(c, last=False) == (a, b)
+    assert found.from_end(c, last=True) == found.from_end(a, last=False) == ()
+    assert found.from_end(Path("d"), last=True) == ()
+
+
+def test_a_single_image_is_no_video_and_nothing_of_it_is_numbered_or_trimmed(
+    places: Places, case: Path
+) -> None:
+    state, channels = opened(places, case / "2.png")
+    turn(state, channels)
+    whats: tuple[What, ...] = ("video of the panes", "video of the right pane", "video of both panes")
+    for what in whats:
+        assert export_actions.why_not_export(state, what) == ONE_IMAGE
+    assert default_name(state, "measures of both panes") == "2-measures"
+    assert clip_actions.why_not_trimmed(state) == "A single image has no other frames."
+    trims = [one for part in sections(state, outside()) for one in part.commands if "trim" in one.synonyms]
+    assert [one.applies(state) for one in trims] == [False, False]
 
 
 def test_a_single_image_gives_way_to_the_next_in_its_folder(places: Places, case: Path) -> None:
@@ -152,6 +175,10 @@ def test_a_single_image_gives_way_to_the_next_in_its_folder(places: Places, case
     assert state.source.path == case / "view.png"
     actions.step(state, -1)
     assert state.source.opening is None
+    for last, name in ((True, "10.jpg"), (True, "10.jpg"), (False, "view.png")):
+        actions.go_to_end(state, last=last)
+        turn(state, channels)
+        assert state.source.path == case / name
 
 
 def test_an_image_alone_in_its_folder_has_none_beside_it(places: Places, tmp_path: Path) -> None:
