@@ -35,12 +35,17 @@ def legible(text: str) -> str:
     return unicodedata.normalize("NFC", in_utf8(text))
 
 
+def in_one_line(name: str) -> str:
+    """The name of a file, which may hold line breaks, for a place that has one line."""
+    return re.sub(r"[\x00-\x1f\x7f]+", " ", legible(name))
+
+
 def as_label(name: str) -> str:
     """`name` for a control of the window, all of which is shown.
 
     ImGui hides what begins with two hashes. They are parted here, by what has no width.
     """
-    return re.sub("#(?=#|$)", "#\N{ZERO WIDTH SPACE}", legible(name))
+    return re.sub("#(?=#|$)", "#\N{ZERO WIDTH SPACE}", in_one_line(name))
 
 
 def require_utf8(path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import glfw
 from imgui_bundle import glfw_utils
 
-from app.files.legible import legible
+from app.files.legible import in_one_line
 from app.gui.state.app_state import AppState
 
 NAME = "VesselSplat"
@@ -19,7 +19,7 @@ def title_of(state: AppState) -> str:
     path = state.session.path or seen or source.path
     if path is None:
         return NAME
-    return f"{legible(path.name)}{'*' if state.session.is_unsaved else ''} - {NAME}"
+    return f"{in_one_line(path.name)}{'*' if state.session.is_unsaved else ''} - {NAME}"
 
 
 class Title:

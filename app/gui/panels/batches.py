@@ -7,7 +7,7 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.files.legible import legible
+from app.files.legible import in_one_line, legible
 from app.gui.actions import actions, batch_actions, floating_windows
 from app.gui.panels.overlays import floating_below
 from app.gui.state.app_state import AppState
@@ -78,7 +78,7 @@ def _draw_inputs(state: AppState) -> None:
                 remove = partial(batch_actions.remove_input, state, place)
                 button(f"{icons.ICON_FA_TRASH}###remove", remove, REMOVE_TEXT, small=True)
                 imgui.same_line()
-                imgui.text_unformatted(legible(path.name))
+                imgui.text_unformatted(in_one_line(path.name))
                 explain(str(path))
 
 

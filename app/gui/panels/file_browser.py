@@ -7,7 +7,7 @@ from functools import partial
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.files.legible import legible
+from app.files.legible import in_one_line, legible
 from app.gui.actions import browse_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.small_picture import draw_small
@@ -189,7 +189,7 @@ def _draw_row(state: AppState, browsing: Browsing, entry: Entry, place: int, tex
         draw_small(textures, f"file {place % MOST_ROWS}", image, area, icon)
     low = start.y + (height - imgui.get_text_line_height()) / 2
     imgui.set_cursor_pos(ImVec2(start.x + em(PICTURE + 0.6), low))
-    short = shortened(entry.name, room)
+    short = shortened(in_one_line(entry.name), room)
     imgui.text_unformatted(short)
     explain(entry.name if short != entry.name else "")
     for text in (browse_actions.dated(entry) if entry.kind else "", _sized(entry)):

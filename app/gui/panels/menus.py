@@ -7,7 +7,7 @@ from itertools import accumulate, groupby
 
 from imgui_bundle import imgui, imgui_ctx
 
-from app.files.legible import legible
+from app.files.legible import in_one_line, legible
 from app.files.provenance import NOTICE
 from app.gui.commands.command import Command, Section
 from app.gui.panels.overlays import LONG_NOTICE
@@ -113,7 +113,7 @@ def _facts(state: AppState) -> list[str]:
     if state.source.clip is not None:
         camera = state.source.clip.cameras[state.timeline.shown_index]
         width, height = camera.width, camera.height
-        facts.append(f"{legible(state.source.clip.name)}  {width}×{height}")
+        facts.append(f"{in_one_line(state.source.clip.name)}  {width}×{height}")
     if state.session.is_unsaved and state.session.path is not None:
         facts.append(f"unsaved changes in {legible(state.session.path.name)}")
     if state.picture.pictures is not None and state.picture.pictures.enhanced is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
-from app.files.legible import legible
+from app.files.legible import in_one_line
 from app.gui.commands.command import Section
 from app.gui.commands.finding import Found, find, find_help
 from app.gui.state.app_state import AppState
@@ -78,7 +78,7 @@ def _draw_row(state: AppState, one: Found, place: int, marked: bool) -> bool:
     """Name on the left, menu and key on the right; greyed when it does not apply now."""
     start, can = imgui.get_cursor_pos_x(), imgui.SelectableFlags_
     flags = can.none if one.applies else can.disabled
-    name = shortened(legible(one.name), em(19.5))
+    name = shortened(in_one_line(one.name), em(19.5))
     clicked, _ = imgui.selectable(f"{name}##{place}", marked, flags)
     if marked:
         mark_row()

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.enhancement.frame_enhancer import PictureRequest
+from app.files.legible import in_one_line
 from app.gui.actions import clip_actions, comparing, laid_out, picture_actions, presenting
 from app.gui.actions.picture_actions import Seen
 from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
@@ -94,7 +95,7 @@ def frame_text(request: PictureRequest, *, short: bool) -> str:
     if request.clip.format == LIVE:
         return name
     place = f"{request.frame_index + 1} / {len(request.clip)}"
-    return place if short or name.isdigit() else f"{place}   {name}"
+    return place if short or name.isdigit() else f"{place}   {in_one_line(name)}"
 
 
 def _button(state: AppState, name: str, image: ByteImage, area: Area) -> Pointer | None:

@@ -8,7 +8,7 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
 from app.exports.exporting import UNTITLED
-from app.files.legible import legible, located
+from app.files.legible import in_one_line, legible, located
 from app.gui.actions import actions, export_actions, floating_windows, summary_actions
 from app.gui.drawing.textures import ShowsPictures
 from app.gui.panels.overlays import floating_below
@@ -103,7 +103,7 @@ def _draw_item(state: AppState, place: int, item: Item, textures: ShowsPictures)
     with imgui_ctx.begin_group():
         imgui.align_text_to_frame_padding()
         width = imgui.get_content_region_avail().x - em(MOVING + 0.5)
-        imgui.text_unformatted(shortened(f"{place + 1}.  {legible(item.path.name)}", width))
+        imgui.text_unformatted(shortened(f"{place + 1}.  {in_one_line(item.path.name)}", width))
         _draw_moving(state, place)
         size = ImVec2(-0.1, em(HEIGHT) - imgui.get_frame_height_with_spacing())
         changed, text = text_area("##note", ITEM_HINT, item.note, size)

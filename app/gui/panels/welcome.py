@@ -9,7 +9,7 @@ from typing import Final
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 from imgui_bundle import icons_fontawesome_4 as icons
 
-from app.files.legible import legible
+from app.files.legible import in_one_line
 from app.gui.actions import actions, live_actions
 from app.gui.commands.command import Act
 from app.gui.commands.commands import open_file, open_folder
@@ -186,7 +186,7 @@ def _draw_recent(state: AppState, textures: ShowsPictures, place: int, name: str
         draw.add_rect(
             image.corner, image.end, imgui.get_color_u32(colors.accent), em(0.2), thickness=em(0.12)
         )
-    shown = shortened(legible(name), across)
+    shown = shortened(in_one_line(name), across)
     draw.add_text(ImVec2(image.corner.x, image.end.y + em(0.15)), ink, shown)
     if pressed:
         actions.open_path(state, Path(text))

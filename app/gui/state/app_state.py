@@ -9,7 +9,7 @@ from app.enhancement.clip_statistics import OfClip
 from app.enhancement.frame_enhancer import PictureRequest
 from app.enhancement.methods import preset_of
 from app.enhancement.parameter_grid import Setting
-from app.files.legible import legible
+from app.files.legible import in_one_line
 from app.gui.state.choosing import Purpose
 from app.gui.state.editing import Editing
 from app.gui.state.enhancement import Enhancement, SettingsSnapshot
@@ -215,7 +215,7 @@ class AppState:
             return "Connecting to the live source…"
         if request is None or request.path.suffix.lower() in VIEW_SUFFIXES:
             return ""
-        return f"Opening {legible(request.path.name)}…"
+        return f"Opening {in_one_line(request.path.name)}…"
 
     @property
     def is_frozen(self) -> bool:

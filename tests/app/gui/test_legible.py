@@ -13,10 +13,11 @@ from imgui_bundle import imgui
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.exports.sheet import Panel, sheet
-from app.files.legible import as_label, legible
+from app.files.legible import as_label, in_one_line, legible
 from app.gui.actions import actions, browse_actions
 from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
+from app.gui.frame.title import title_of
 from app.gui.panels import menus, overlays
 from app.gui.panels.file_browser import draw_browser
 from app.gui.panels.palette import draw_palette
@@ -43,6 +44,13 @@ def test_what_utf_8_can_say_stays() -> None:
 def test_accents_apart_from_their_letters_are_put_on_them() -> None:
     assert legible("Gefa\u0308\u00dfe") == "Gef\u00e4\u00dfe"
     assert as_label("a\u0308") == "\u00e4"
+
+
+def test_names_with_line_breaks_take_one_line(state: AppState) -> None:
+    assert in_one_line("new\nline\r\n 1.png") == "new line  1.png"
+    assert as_label("a\nb") == "a b"
+    state.source.path = Path("/clips/new\nline.png")
+    assert title_of(state) == "new line.png - VesselSplat"
 
 
 def test_labels_keep_their_hashes_and_the_mark_behind_them() -> None:
