@@ -134,7 +134,7 @@ def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
         actions.say(state, f"{note.name}: {note.notice}")
     for one in answer.failed:
         actions.say(state, f"{one.name} could not be enhanced: {one.reason}")
-    said, losses = f"{done} of {count} enhanced into {folder}", tuple(_losses(answer))
+    said, losses = _told(done, count, folder), tuple(_losses(answer))
     if losses:
         said = f"{'; '.join((said, *losses))}: see the list"
     elif answer.noted:
@@ -142,6 +142,13 @@ def _tell(state: AppState, request: BatchRequest, answer: Progressed) -> None:
     state.batches.shown = state.batches.shown or bool(losses)
     tell = actions.fail if losses else actions.announce
     tell(state, said)
+
+
+def _told(done: int, count: int, folder: str) -> str:
+    """How many came of so many files and folders; one is not counted: it may be a folder of many images."""
+    if not done:
+        return "nothing was enhanced"
+    return f"{done} of {count} enhanced into {folder}" if count > 1 else f"enhanced into {folder}"
 
 
 def _losses(answer: Progressed) -> Iterator[str]:

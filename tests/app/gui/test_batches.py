@@ -15,6 +15,7 @@ from app.enhancement.enhance_files import enhance_into
 from app.exports.replay.again import replay
 from app.files.image_files import read_image
 from app.files.image_series import Series
+from app.files.legible import located
 from app.files.provenance import read_provenance
 from app.gui.actions import actions, batch_actions, closing
 from app.gui.commands.keys import chord
@@ -237,6 +238,21 @@ def test_failures_are_told_at_the_end(places: Places, case: Path, ui: Ui) -> Non
     assert person.state.batches.shown
     ui.frame(lambda: draw_batches(person.state))
     ui.frame(lambda: draw_batches(person.state))
+
+
+def test_of_one_folder_it_is_told_what_it_lacks_not_how_many_folders_came(places: Places, case: Path) -> None:
+    person = Person(places)
+    (case / "stills/1.png").write_bytes(b"no picture")
+    output = person.begin(case / "stills")
+    person.finish()
+    assert person.state.window.banner is not None
+    said = f"enhanced into {located(output)}; 1 image could not be read: see the list"
+    assert person.state.window.banner.message == said
+    other = Person(places)
+    other.begin(case / "stills/1.png")
+    other.finish()
+    assert other.state.window.banner is not None
+    assert other.state.window.banner.message.startswith("nothing was enhanced; 1 could not be enhanced")
 
 
 def test_what_was_moved_away_before_its_turn_fails_alone(places: Places, case: Path) -> None:
