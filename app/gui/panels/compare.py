@@ -33,6 +33,7 @@ from app.gui.style.widgets import (
     explain,
     muted,
     note,
+    shortened,
     toggle,
     width_of,
 )
@@ -61,7 +62,8 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
     _draw_sources(state, half, gap)
     if state.picture.pictures is None:
         imgui.dummy(ImVec2(0, em(4)))
-        centered("This frame cannot be read." if state.is_unreadable else "Reading the first frame…")
+        reading = "Reading the first frame…" if len(state.source.clip) > 1 else "Reading the image…"
+        centered("This frame cannot be read." if state.is_unreadable else reading)
         return
     _draw_notices(state)
     height = max(imgui.get_content_region_avail().y, em(4))
@@ -118,8 +120,11 @@ def _draw_sources(state: AppState, half: float, gap: float) -> None:
 
 def _draw_source(state: AppState, side: Side, width: float) -> None:
     source = state.comparing.chosen.source(side)
-    imgui.set_next_item_width(min(width, em(15)))
-    if imgui.begin_combo(f"##{side}", source_label(state, source), imgui.ComboFlags_.height_large):
+    width = min(width, em(15))
+    imgui.set_next_item_width(width)
+    room = width - imgui.get_frame_height() - 2 * imgui.get_style().frame_padding.x
+    shown = shortened(source_label(state, source), room)
+    if imgui.begin_combo(f"##{side}", shown, imgui.ComboFlags_.height_large):
         for choice in SOURCES:
             reason = why_not(state, choice)
             flags = imgui.SelectableFlags_.disabled if reason else 0

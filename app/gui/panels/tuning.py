@@ -281,16 +281,16 @@ def _whole_parts(text: str) -> str:
 
 
 def _contrast(measures: Measures) -> str:
-    return f"Contrast {measure_text(measures.vessel_contrast, '.3g')}"
+    return f"Contrast {measure_text(measures.vessel_contrast, '.3f')}"
 
 
 def _ratio(measures: Measures) -> str:
-    return f"DV/BV {measure_text(measures.dv_bv, '.3g')}"
+    return f"DV/BV {measure_text(measures.dv_bv, '.3f')}"
 
 
 def in_words(measures: Measures) -> str:
     """The three that tell most, what is seen first."""
-    noise = measure_text(measures.noise_gain, ".2g")
+    noise = measure_text(measures.noise_gain, ".2f")
     return f"{_contrast(measures)} · noise gain {noise} · {_ratio(measures)}"
 
 

@@ -184,7 +184,7 @@ def test_values_are_said_in_the_words_of_the_sliders(state: AppState) -> None:
 
 def test_what_cannot_be_measured_is_a_dash() -> None:
     measures = Measures(**dict.fromkeys(METRICS, 1.0) | {"vessel_contrast": math.nan})
-    assert in_words(measures) == "Contrast — · noise gain 1 · DV/BV 1"
+    assert in_words(measures) == "Contrast — · noise gain 1.00 · DV/BV 1.000"
 
 
 def test_the_original_is_the_first_tile_and_stands_beside_a_cell(
