@@ -32,6 +32,14 @@ def require_regular(path: Path) -> int:
     return found.st_size
 
 
+def require_file_or_folder(path: Path) -> None:
+    """Raises OSError, which names it: it is neither, or a folder whose files may not be looked at."""
+    if not stat.S_ISDIR(path.stat().st_mode):
+        require_regular(path)
+    elif not os.access(path, os.R_OK | os.X_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+
+
 def what_else(path: Path) -> str:
     """The kind of what lies under a name and is no regular file. Raises OSError: nothing is there."""
     return KINDS.get(stat.S_IFMT(path.stat().st_mode), "something else")

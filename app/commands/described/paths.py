@@ -29,7 +29,7 @@ from renderer.layouts import layout_of
 from renderer.listing import count, listed
 from renderer.readers.image_files.file_kinds import is_frame, is_visible, moves, natural_key
 from renderer.readers.image_folders.picture_kinds import frame_folder
-from renderer.regular_files import require_regular
+from renderer.regular_files import require_file_or_folder
 from renderer.splat_files import is_named_as_splats
 from renderer.splat_series import series_files
 
@@ -46,9 +46,9 @@ def described(path: Path) -> tuple[Fact, ...]:
         raise UserError(
             f"expected a clip, image, video, run, splat file or session, got no such path: {path}"
         )
+    require_file_or_folder(path)
     if path.is_dir():
         return Fact("path", str(path)), *_folder(path)
-    require_regular(path)
     return Fact("path", str(path)), *_file(path)
 
 

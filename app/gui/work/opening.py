@@ -29,7 +29,7 @@ from renderer.readers.cut_off import CUT_OFF
 from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.image_folders.passed_over import NOT_READABLE
 from renderer.readers.lenses.calibration_files import read_calibration
-from renderer.regular_files import require_regular
+from renderer.regular_files import require_file_or_folder
 from renderer.sources import open_bare, open_case, with_chosen_depth
 from renderer.splat_files import is_named_as_splats
 from renderer.splat_series import series_files
@@ -246,8 +246,8 @@ def _opened(read: _Read) -> Opened:
 def _require_file_or_folder(path: Path) -> None:
     """What is nothing at all is told by the reader of its kind."""
     try:
-        require_regular(path)
-    except (FileNotFoundError, IsADirectoryError):
+        require_file_or_folder(path)
+    except FileNotFoundError:
         return
     except OSError as error:
         raise UserError(f"{error.strerror}: {path}") from error

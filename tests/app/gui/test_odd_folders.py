@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from pathlib import Path
 
@@ -11,10 +12,12 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
+from app.commands.described.paths import described
 from app.errors import UserError
 from app.gui.actions import browse_actions
 from app.gui.state.choosing import OPENED
 from app.gui.work.listing import SIDE, ListRequest, list_folder
+from app.gui.work.opening import OpenRequest, open_path
 from tests.app.gui.chooser import Chooser
 
 K = imgui.Key
@@ -50,6 +53,16 @@ def test_a_folder_that_cannot_be_read_says_so(
     monkeypatch.setattr("app.gui.work.listing.is_folder", lambda path: False)
     with pytest.raises(UserError, match="nowhere"):
         list(list_folder(ListRequest(Path("nowhere"))))
+
+
+def test_a_folder_whose_files_may_not_be_looked_at_is_named(
+    case: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("renderer.regular_files.os.access", lambda path, how: path != case)
+    with pytest.raises(UserError, match=re.escape(f"Permission denied: {case}") + "$"):
+        list(open_path(OpenRequest(case)))
+    with pytest.raises(PermissionError, match=re.escape(f"'{case}'") + "$"):
+        described(case)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere file names are Unicode")
