@@ -46,7 +46,8 @@ ROW, PICTURE = 2.6, 4.0
 MOST_ROWS = 128
 """That are on screen at once."""
 EMPTY = {
-    "folder": "No subfolder. Open uses this folder and the files in it.",
+    "folder": "No subfolder. {verb} uses this folder and the files in it.",
+    "target": "No subfolder. {verb} uses this folder.",
     "file": "No folder here, and no file of this kind.",
     "save": "No folder and no session here.",
 }
@@ -54,8 +55,8 @@ WHOLE_FOLDER = "Open folder (Ctrl+O) opens a whole folder."
 ONE_VIDEO = "Open file (Ctrl+I) lists the video here."
 UP_TEXT = "Backspace or Alt+Up: the folder above."
 HINTS = {
-    "folder": "Enter goes in; Enter again opens the folder.",
-    "file": "Enter opens, Backspace goes up, Esc cancels.",
+    "folder": "Enter goes in; Enter again {does} the folder.",
+    "file": "Enter {does}, Backspace goes up, Esc cancels.",
     "save": "Enter saves, Esc cancels.",
 }
 
@@ -121,7 +122,8 @@ def _draw_entries(state: AppState, browsing: Browsing, textures: ShowsPictures) 
     elif not browsing.listing.entries:
         centered("This folder is empty.")
     elif not browsing.entries:
-        centered(EMPTY[browsing.choosing.kind])
+        is_target = browsing.choosing.question.keeps_itself
+        centered(_in_verb(browsing, EMPTY["target" if is_target else browsing.choosing.kind]))
     else:
         _draw_table(state, browsing, textures)
 
@@ -222,7 +224,7 @@ def _draw_name(browsing: Browsing) -> None:
 def _draw_choice(state: AppState, browsing: Browsing) -> None:
     reason, saves = browse_actions.why_not(browsing), browsing.choosing.kind == "save"
     replaces = saves and not reason and browse_actions.replaces(browsing)
-    label = "Replace" if replaces else "Save" if saves else "Open"
+    label = "Replace" if replaces else browsing.choosing.question.verb
     color = theme.now().caution if replaces else theme.now().lit
     act = partial(browse_actions.choose, state, browsing)
     button(f"{label}###choose", act, reason=reason, color=color, width=8)
@@ -249,7 +251,13 @@ def _hint(browsing: Browsing) -> str:
     videos = browsing.listing.videos if browsing.listing is not None else 0
     if browsing.choosing.kind == "folder" and browsing.choosing.question.takes_files and videos:
         return f"Open file (Ctrl+I) lists the {videos} videos here." if videos > 1 else ONE_VIDEO
-    return HINTS[browsing.choosing.kind]
+    return _in_verb(browsing, HINTS[browsing.choosing.kind])
+
+
+def _in_verb(browsing: Browsing, text: str) -> str:
+    """With the word of the button that chooses."""
+    verb = browsing.choosing.question.verb
+    return text.format(verb=verb, does=f"{verb.lower()}s")
 
 
 def _take_keys(state: AppState, browsing: Browsing) -> None:

@@ -57,6 +57,11 @@ class Question:
     takes_files: bool = False
     """Of folders: a file opens as well where its path is typed."""
 
+    @property
+    def verb(self) -> str:
+        """What is done with what is chosen; its button says it, too."""
+        return self.title.split()[0]
+
 
 ALSO_READ: Final = (".apng", *sorted(RARER_VIDEOS))
 """Rarer names of what the reader of videos opens."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 from imgui_bundle import imgui
@@ -13,7 +14,8 @@ from app.gui.actions import actions, browse_actions
 from app.gui.panels import file_browser
 from app.gui.state.app_state import AppState
 from app.gui.state.browsing import Browsing
-from app.gui.state.choosing import QUESTIONS, Choosing, Kind
+from app.gui.state.choosing import QUESTIONS, Choosing, Kind, Purpose
+from app.gui.style.widgets import button
 from app.gui.work.listing import Entry, Listing, entry_at
 from app.gui.work.settings import Places, load_settings
 from tests.app.gui.chooser import Chooser
@@ -161,6 +163,32 @@ def test_where_a_folder_is_asked_for_videos_that_are_not_listed_are_told_of(
     chooser.press(K.escape)
     chooser.ask("folder", "masks", tmp_path)
     assert said[-1].startswith("Enter goes in")
+
+
+def test_a_dialog_says_what_is_done_with_what_is_chosen(
+    chooser: Chooser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said, labels = list[str](), list[str]()
+
+    def noted(label: str, *given: Any, **more: Any) -> bool:
+        labels.append(label)
+        return button(label, *given, **more)
+
+    monkeypatch.setattr(file_browser, "button", noted)
+    for name in ("centered", "muted"):
+        monkeypatch.setattr(file_browser, name, lambda text, *color: said.append(text))
+    (tmp_path / "a.png").write_text("")
+    asked: tuple[tuple[Purpose, str, str], ...] = (
+        ("folder", "Open", "No subfolder. Open uses this folder and the files in it."),
+        ("export", "Choose", "No subfolder. Choose uses this folder."),
+        ("inputs", "Add", "No subfolder. Add uses this folder and the files in it."),
+    )
+    for purpose, verb, empty in asked:
+        chooser.ask("folder", purpose, tmp_path)
+        assert f"{verb}###choose" in labels
+        assert empty in said
+        assert f"Enter goes in; Enter again {verb.lower()}s the folder." in said
+        chooser.press(K.escape)
 
 
 def test_arrows_mark_and_enter_goes_in_or_opens(chooser: Chooser, case: Path) -> None:
