@@ -214,6 +214,13 @@ def overlap(one: FieldOfView, other: FieldOfView) -> float:
     return (_count(ones) + _count(others) - together) / together if together else 1.0
 
 
+def uncovered(one: FieldOfView, other: FieldOfView) -> float:
+    """Share of a field, in [0, 1], that another of the same picture size does not cover."""
+    ones, others = _bounds(one), _bounds(other)
+    area = _count(ones)
+    return (_count(np.concatenate((ones, others))) - _count(others)) / area if area else 0.0
+
+
 def _bounds(field: FieldOfView) -> NDArray[np.int32]:
     """(n, H, 2) spans of each of its parts."""
     if field.is_whole:

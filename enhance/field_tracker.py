@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from enhance.field import FieldOfView, overlap, whole_field
+from enhance.field import FieldOfView, overlap, uncovered, whole_field
 from enhance.field_search import find_field
 from enhance.image import Picture
 
@@ -12,13 +12,16 @@ EVERY: Final = 8
 """Images from one look to the next."""
 SAME: Final = 0.98
 """Overlap from which on two fields are one."""
+NEAR: Final = 0.5
+"""Overlap of two looks at a field that moves."""
 
 
 class FieldTracker:
     """Follows one stream.
 
     A flash, a dark moment or an instrument at the rim moves a field that is found in one image; a field takes
-    the place of another once two looks in a row agree on it. What is too dark to tell says nothing.
+    the place of another once two looks in a row agree on it, or on where it moves. What is too dark to tell
+    says nothing.
     """
 
     def __init__(self) -> None:
@@ -42,6 +45,18 @@ class FieldTracker:
     def _weigh(self, found: FieldOfView | None) -> None:
         if found is None or self._field is None:
             return
-        if self._other is not None and overlap(found, self._other) > SAME >= overlap(found, self._field):
+        if self._other is not None and _follows(found, self._other, self._field):
             self._field = found
         self._other = found
+
+
+def _follows(found: FieldOfView, other: FieldOfView, kept: FieldOfView) -> bool:
+    """Whether the field is no longer where it was: it is at another place in two looks, or on its way there.
+
+    What moves reaches beyond where it was, from one look to the next; what grows dark in the field does not.
+    """
+    step, way = overlap(found, other), overlap(found, kept)
+    if way > SAME or step > SAME:
+        return way <= SAME
+    moves_on = step > max(way, NEAR)
+    return moves_on and min(uncovered(other, kept), uncovered(found, kept)) > 1 - SAME

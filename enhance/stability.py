@@ -267,13 +267,19 @@ def _fields(image: NDArray[np.uint8]) -> Iterator[Row]:
         moved = np.roll(disc, step % 3 - 1, axis=1)
         fields.add(tracker.follow(read_picture(_within(image, moved, noise))))
     yield Row(hazard, "circle that trembles, changes of the mask", float(len(fields) - 1), 0, "changes")
+    tracker, left = FieldTracker(), 0.0
+    for step in range(40):
+        moved = np.roll(disc, (step - 20) * image.shape[1] // 320, axis=1)
+        found = tracker.follow(read_picture(_within(image, moved, noise))).mask()
+        left = max(left, float(np.mean(~found[moved])))
+    yield Row(hazard, "circle that moves, tissue left out", left, 0.2, "share")
 
 
 def _surrounded(image: NDArray[np.uint8]) -> dict[str, tuple[NDArray[np.uint8], NDArray[np.bool_]]]:
     """Pictures, and what is field in them."""
     shape, noise = image.shape[:2], np.random.default_rng(8)
-    whole, half = np.ones(shape, bool), np.ones(shape, bool)
-    half[:, : shape[1] // 3] = False
+    whole, third, half = (np.ones(shape, bool) for _ in range(3))
+    third[:, : shape[1] // 3] = half[:, : shape[1] // 2] = False
     round_view, beyond, aside = (_disc(shape, *at) for at in ((0.5, 0.42), (0.5, 0.62), (0.62, 0.48)))
     cut = round_view & (np.arange(shape[1]) < 0.62 * shape[1])
     eyes = _disc(shape, 0.26, 0.28) | _disc(shape, 0.74, 0.28)
@@ -295,7 +301,8 @@ def _surrounded(image: NDArray[np.uint8]) -> dict[str, tuple[NDArray[np.uint8], 
         "one pixel of tissue": (point, whole),
         "noise alone": (noise.integers(0, 6, image.shape, dtype=np.uint8), whole),
         "no surround": (image, whole),
-        "a third dark": (_within(image, half, noise), half),
+        "a third dark": (_within(image, third, noise), third),
+        "half dark": (_within(image, half, noise), half),
         "circle": (_within(image, round_view, noise), round_view),
         "circle larger than the image": (_within(image, beyond, noise), beyond),
         "circle beside the middle": (_within(image, aside, noise), aside),

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from enhance.field import FieldOfView, overlap, typical
+from enhance.field import FieldOfView, overlap, typical, uncovered
 from enhance.field_search import find_field
 from tests.enhance.endoscopes import (
     APART,
@@ -306,13 +306,15 @@ def test_spans_are_the_pixels_whose_middle_lies_in_the_polygon(
     assert np.array_equal(field.mask()[sure], (nearest > 0)[sure])
 
 
-def test_overlap_is_that_of_the_masks() -> None:
+def test_overlap_and_what_is_not_covered_are_those_of_the_masks() -> None:
     one, other = FieldOfView(80, 60, circle=(40, 30, 25)), FieldOfView(80, 60, circle=(50, 30, 20))
     whole = FieldOfView(80, 60)
     assert overlap(one, one) == 1
     assert overlap(one, other) == overlap(other, one) == agreement(one.mask(), other.mask())
     assert overlap(one, whole) == one.mask().mean()
     assert overlap(one, FieldOfView(80, 60, circle=(-90, -90, 5))) == 0
+    assert uncovered(one, other) == (one.mask() & ~other.mask()).sum() / one.mask().sum()
+    assert uncovered(one, whole) == uncovered(FieldOfView(80, 60, circle=(-90, -90, 5)), one) == 0
 
 
 @pytest.mark.parametrize("name", APART)

@@ -51,6 +51,17 @@ def test_a_new_field_takes_its_place_within_two_looks() -> None:
     assert agreement(fields[-1].mask(), SHIFTED) > 0.97
 
 
+@pytest.mark.parametrize(("pixels", "least"), [(1, 0.8), (2, 0.65)])
+def test_a_field_that_moves_all_the_while_is_followed(pixels: int, least: float) -> None:
+    """Two looks in a row never agree on where it is."""
+    tracker, places = FieldTracker(), range(-48, 49, pixels)
+    moved = [np.roll(ROUND, place, axis=1) for place in places]
+    fields = followed(tracker, [seen_in(field, seed=step) for step, field in enumerate(moved)])
+    kept = [agreement(field.mask(), true) for field, true in zip(fields, moved, strict=True)]
+    assert min(kept) > least
+    assert overlap(fields[0], fields[-1]) < 0.6
+
+
 def test_a_stream_that_begins_in_the_dark_finds_it_later() -> None:
     tracker = FieldTracker()
     assert followed(tracker, [np.zeros((240, 320, 3), np.uint8)])[0].is_whole

@@ -219,6 +219,13 @@ def _fields() -> list[Fault]:
             "self._field = self._other = find_field(picture)",
             "enhance.field_tracker",
         ),
+        edit(
+            "dropped",
+            "a field that moves on is followed",
+            "return moves_on and",
+            "return False and",
+            "enhance.field_tracker",
+        ),
         edit("other", "the surround is enhanced", outside, "out[y, end:] = 255", KERNELS),
         edit("other", "vessel in the surround", outside, "out[y, end:] = 255", "enhance.vessel_second_pass"),
         Fault("edges", "other", "a small field everywhere", parts, replaced(find, _everywhere(_small_field))),
