@@ -25,6 +25,7 @@ from enhance import (
     Enhancer,
     LiveStatistics,
     Statistics,
+    VesselEnhancer,
     VesselParams,
     enhance,
     enhance_vessels,
@@ -84,8 +85,8 @@ def by_vessel(image: ByteImage, statistics: Statistics | None = None) -> ByteIma
     return np.asarray(enhance_vessels(image, VesselParams(), statistics=statistics).image)
 
 
-def live(frames: Sequence[ByteImage]) -> list[ByteImage]:
-    stream, out = Enhancer(LiveStatistics()), []
+def live(frames: Sequence[ByteImage], stream: Enhancer | VesselEnhancer) -> list[ByteImage]:
+    out = []
     for frame in frames:
         stream.show(frame)
         out.append(np.asarray(stream.enhance().image))
@@ -125,9 +126,9 @@ def main() -> None:
         for label, frames, used in (("still", still, measure(still)), ("as it is", moving, of_clip)):
             for method in (by_paper, by_vessel):
                 own, pooled = gains(frames, method, used)
-                smooth = f"{flicker_gain(live(frames), frames):8.2f}" if method is by_paper else ""
-                said = f"{Path(name).stem[:20]}, {label}"
-                print(f"{said:32}{method.__name__[3:]:>8}{own:8.2f}{pooled:8.2f}{smooth}")
+                stream = (Enhancer if method is by_paper else VesselEnhancer)(LiveStatistics())
+                smooth, said = flicker_gain(live(frames, stream), frames), f"{Path(name).stem[:20]}, {label}"
+                print(f"{said:32}{method.__name__[3:]:>8}{own:8.2f}{pooled:8.2f}{smooth:8.2f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from enhance import measure
+from enhance import Enhancer, LiveStatistics, VesselEnhancer, measure
 from tests.benchmarks.flicker import Method, by_paper, by_vessel, flicker_gain, gains, live, still_scene
 from tests.enhance.pictures import vessels
 
@@ -20,8 +20,9 @@ def test_by_statistics_of_the_clip_still_tissue_stays_still(method: Method) -> N
     assert own > clip
 
 
-def test_a_live_stream_stays_still() -> None:
-    assert flicker_gain(live(SCENE), SCENE) <= BAR
+@pytest.mark.parametrize("method", [Enhancer, VesselEnhancer])
+def test_a_live_stream_stays_still(method: type[Enhancer] | type[VesselEnhancer]) -> None:
+    assert flicker_gain(live(SCENE, method(LiveStatistics())), SCENE) <= BAR
 
 
 def test_the_gain_is_that_of_the_steps() -> None:
