@@ -138,6 +138,20 @@ def is_ahead(setting: Setting, found: Seen) -> bool:
     return other is None or found[other].contrast <= found[setting].contrast
 
 
+def above_vessel(found: Seen) -> list[Setting]:
+    """What has more contrast than any strength of `vessel` with no more noise, and than the original."""
+    own = [one for setting, one in found.items() if setting.method == VESSEL]
+
+    def reached(one: Visibility) -> float:
+        return max((each.contrast for each in own if each.noise <= one.noise), default=1.0)
+
+    return [
+        setting
+        for setting, one in found.items()
+        if setting.method != VESSEL and one.contrast > max(1.0, reached(one))
+    ]
+
+
 def thin_part(vessels: BoolImage) -> BoolImage:
     """What an opening by a disc wider than THIN takes away, (H, W)."""
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (THIN + 2, THIN + 2))

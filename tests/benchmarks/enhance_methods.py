@@ -38,6 +38,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True, help="folder for the pictures")
     parser.add_argument("--data", type=Path, default=Path("../shared/data"))
     parser.add_argument("--step", type=int, default=12, help="every n-th frame of a clip")
+    parser.add_argument(
+        "--each", action="store_true", help="a table for every picture, after that of its set"
+    )
     parser.add_argument("--held-out", action="store_true", help="only what `vessel` was not tuned on")
     flags = parser.parse_args()
     flags.out.mkdir(parents=True, exist_ok=True)
@@ -46,6 +49,8 @@ def main() -> None:
             print(f"\n{name}: no data under {flags.data}")
             continue
         print_table(name, samples)
+        for place, one in enumerate(samples if flags.each else (), 1):
+            print_table(f"{name} {place}", [one])
         write_pictures(flags.out, name, samples[0])
     print_flicker(flags.data)
 

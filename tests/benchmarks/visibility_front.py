@@ -14,7 +14,17 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from app.report.visibility import Sample
-from app.report.visibility_front import ORIGINAL, VESSEL, Seen, Setting, averaged, best_other, is_ahead, seen
+from app.report.visibility_front import (
+    ORIGINAL,
+    VESSEL,
+    Seen,
+    Setting,
+    above_vessel,
+    averaged,
+    best_other,
+    is_ahead,
+    seen,
+)
 from renderer.clip import ByteImage
 from tests.benchmarks.enhance_methods import annotated, every, fetoscopy, files, in_field, laparoscopy, read
 
@@ -47,11 +57,14 @@ def sets(data: Path, *, other: bool) -> Mapping[str, Sequence[Sample]]:
 
 
 def tell(found: Seen) -> None:
-    """Each strength of `vessel`, and the others as they are."""
+    """Each strength of `vessel`, the others as they are, and where another is above it at any noise."""
     print(f"{'':27s}  noise contrast thin    CNR  color    AUC  halo at highlights, edges   best other")
     for setting in found:
         if setting.method in (VESSEL, ORIGINAL) or setting.is_default:
             print(line(setting, found))
+    for setting in above_vessel(found):
+        one = found[setting]
+        print(f"above vessel: {setting.method} {setting.amount}, {one.contrast:.2f} at {one.noise:.2f}")
 
 
 def line(setting: Setting, found: Seen) -> str:

@@ -16,6 +16,7 @@ from app.report.visibility_front import (
     VESSEL,
     Seen,
     Setting,
+    above_vessel,
     averaged,
     best_other,
     has_vessels,
@@ -143,6 +144,12 @@ def _reading(found: Seen) -> Iterator[str]:
         f"the noise. {rival} At {ahead} of its {len(own)} strengths, no other method has more contrast with "
         "no more noise."
     )
+    for setting in above_vessel(found):
+        above = found[setting]
+        yield (
+            f"{setting.method}, {setting.amount}, has more contrast than vessel at any strength with no more "
+            f"noise: {above.contrast:.2f} times at {above.noise:.2f} times the noise."
+        )
     yield from _reading_of_halos(found, "highlights", lambda setting: found[setting].highlight_halo)
     yield from _reading_of_halos(found, "strong edges", lambda setting: found[setting].edge_halo)
 

@@ -32,6 +32,7 @@ from app.report.visibility_front import (
     Seen,
     Setting,
     Visibility,
+    above_vessel,
     area_under_curve,
     averaged,
     best_other,
@@ -131,6 +132,26 @@ def test_the_best_other_is_of_another_method_with_no_more_noise() -> None:
     others = [best_other(setting, few) for setting in settings]
     assert others == [settings[2], None, settings[1], settings[1], None]
     assert [is_ahead(setting, few) for setting in settings[:4]] == [True, True, False, False]
+
+
+def test_what_is_above_vessel_has_more_contrast_than_its_strengths_with_no_more_noise() -> None:
+    pairs = {
+        UNCHANGED: (1.0, 1.0),
+        Setting("vessel", "1"): (1.1, 1.5),
+        Setting("vessel", "2"): (1.2, 1.8),
+        Setting("more noise, more contrast", "1"): (2.0, 1.9),
+        Setting("more noise, less contrast", "1"): (2.0, 1.7),
+        Setting("between the strengths", "1"): (1.15, 1.6),
+        Setting("less noise", "1"): (0.9, 1.1),
+        Setting("less noise, fainter", "1"): (0.5, 0.4),
+        Setting("bright vessels", "1"): (0.9, math.nan),
+    }
+    above = above_vessel({setting: of_gains(*pair) for setting, pair in pairs.items()})
+    assert [setting.method for setting in above] == [
+        "more noise, more contrast",
+        "between the strengths",
+        "less noise",
+    ]
 
 
 def test_means_are_geometric_for_gains_and_of_what_was_measured() -> None:
