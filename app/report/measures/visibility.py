@@ -144,11 +144,14 @@ def _reading(found: Seen) -> Iterator[str]:
         f"the noise. {rival} At {ahead} of its {len(own)} strengths, no other method has more contrast with "
         "no more noise."
     )
-    for setting in above_vessel(found):
-        above = found[setting]
+    if above := above_vessel(found):
+        each = (
+            f"{setting.method}, {setting.amount} ({found[setting].contrast:.2f} at {found[setting].noise:.2f})"
+            for setting in above
+        )
         yield (
-            f"{setting.method}, {setting.amount}, has more contrast than vessel at any strength with no more "
-            f"noise: {above.contrast:.2f} times at {above.noise:.2f} times the noise."
+            "More contrast than vessel at any strength with no more noise, in brackets both over the "
+            f"original's: {'; '.join(each)}."
         )
     yield from _reading_of_halos(found, "highlights", lambda setting: found[setting].highlight_halo)
     yield from _reading_of_halos(found, "strong edges", lambda setting: found[setting].edge_halo)

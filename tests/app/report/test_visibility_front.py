@@ -154,6 +154,18 @@ def test_what_is_above_vessel_has_more_contrast_than_its_strengths_with_no_more_
     ]
 
 
+def test_the_report_names_what_is_above_vessel() -> None:
+    pairs = {
+        UNCHANGED: (1.0, 1.0),
+        Setting("vessel", "strength 2.4", is_default=True): (1.2, 1.8),
+        Setting("loud", "100%"): (2.0, 1.9),
+    }
+    found = {setting: of_gains(*pair) for setting, pair in pairs.items()}
+    assert any("loud, 100% (1.90 at 2.00)." in sentence for sentence in visibility._reading(found))
+    del found[Setting("loud", "100%")]
+    assert not any("More contrast than vessel" in sentence for sentence in visibility._reading(found))
+
+
 def test_means_are_geometric_for_gains_and_of_what_was_measured() -> None:
     a, b = Setting("a", "1"), Setting("b", "1")
     halves = (of_gains(0.5, 2.0), of_gains(2.0, 8.0))
