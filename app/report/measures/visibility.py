@@ -146,8 +146,8 @@ def _reading(found: Seen) -> Iterator[str]:
     )
     if above := above_vessel(found):
         each = (
-            f"{setting.method}, {setting.amount} ({found[setting].contrast:.2f} at {found[setting].noise:.2f})"
-            for setting in above
+            f"{setting.method}, {setting.amount} ({one.contrast:.2f} at {one.noise:.2f})"
+            for setting, one in ((setting, found[setting]) for setting in above)
         )
         yield (
             "More contrast than vessel at any strength with no more noise, in brackets both over the "
