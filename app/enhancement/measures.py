@@ -70,6 +70,25 @@ LENGTHS_BEFORE: Final[Mapping[str, str]] = {
 """Of what is measured by lengths in pixels, in files that ask for that."""
 LEAST: Final = 0.5
 """Of the colour difference (CIEDE2000, where 1 is just noticeable): less is nobody's loss."""
+LITTLE: Final = 1.1
+"""Times the colour difference of before: less is hardly clearer."""
+
+
+@dataclass(frozen=True)
+class VesselsSeen:
+    """Colour difference (CIEDE2000) of vessels to what lies beside them, before and after."""
+
+    before: float
+    after: float
+
+    @property
+    def are_fainter(self) -> bool:
+        return self.after < self.before - LEAST
+
+    @property
+    def are_hardly_clearer(self) -> bool:
+        """Or a little fainter, where there is something to be seen."""
+        return self.before >= 1 and self.after < LITTLE * self.before
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,25 +147,25 @@ class Original:
         """Of this picture itself. Raises ImageError."""
         return self.measures(self.image)
 
-    def is_fainter(self, enhanced: ArrayImage, measured: Measures) -> bool:
-        """Whether vessels have less colour difference in a picture that was made of this one, and `measured`:
-        all dark lines, and those alone that are no creases, which brightening opens."""
-        if not _loses(self.own.color_difference, measured.color_difference):
-            return False
+    def vessels_in(self, enhanced: ArrayImage, measured: Measures) -> VesselsSeen | None:
+        """Of an image that was made of this one, and `measured`: of all dark lines or of those alone that are
+        no creases, which brightening opens, whichever gain more. None: they cannot be measured."""
+        every = VesselsSeen(self.own.color_difference, measured.color_difference)
+        if every.after >= LITTLE * every.before:
+            return every
         vessels, tissue = self._open
-        before, after = (
-            vessel_color_difference(image, vessels, tissue_mask=tissue, scale=self.scale)
-            for image in (self.image, enhanced)
+        plain = VesselsSeen(
+            *(
+                vessel_color_difference(image, vessels, tissue_mask=tissue, scale=self.scale)
+                for image in (self.image, enhanced)
+            )
         )
-        return _loses(before, after)
+        if not all(map(math.isfinite, (every.before, every.after, plain.before, plain.after))):
+            return None
+        return max(every, plain, key=lambda seen: seen.after - seen.before)
 
     @cached_property
     def _open(self) -> tuple[BoolImage, BoolImage]:
         """The lines that are no creases, and the tissue without creases."""
         tissue = self.view & ~creases(self.image, scale=self.scale)
         return vessel_mask(self.image, tissue_mask=tissue, scale=self.scale), tissue
-
-
-def _loses(before: float, after: float) -> bool:
-    """False where either cannot be measured."""
-    return after < before - LEAST

@@ -14,7 +14,7 @@ from app.files.legible import capital, without_flags
 from app.gui.actions import actions, clip_actions, comparing, laid_out, live_actions, picture_actions
 from app.gui.commands.commands import one_to_one
 from app.gui.drawing.textures import ShowsPictures
-from app.gui.panels.fainter import draw_fainter
+from app.gui.panels.faint_vessels import draw_faint_vessels
 from app.gui.panels.overlays import make_room
 from app.gui.panels.picture_pane import draw_divider, draw_pane
 from app.gui.panels.scene_marks import draw_color_bar
@@ -68,7 +68,7 @@ def draw_compare(state: AppState, textures: ShowsPictures) -> None:
     _draw_notices(state)
     height = max(imgui.get_content_region_avail().y, em(4))
     area = Area.here(ImVec2(2 * half + gap, height))
-    covered = draw_fainter(state, area)
+    covered = draw_faint_vessels(state, area)
     if shown_mode(state) == "side by side":
         _draw_pair(state, state.picture.pictures, textures, ImVec2(half, height), gap, covered)
     else:

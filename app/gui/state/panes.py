@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from app.enhancement.frame_enhancer import Pictures
+from app.enhancement.measures import VesselsSeen
 from app.enhancement.methods import PAPER, VESSEL, EnhancementSettings, preset_of
 from app.enhancement.settable import ENHANCED, ORIGINAL, RENDER, Mode
 from app.exports.comparison_images import Difference, DifferenceRequest, Other, OtherRequest
@@ -297,21 +298,15 @@ def pixel(image: ByteImage, at: tuple[int, int]) -> Pixel | None:
     return Pixel((red, green, blue))
 
 
-@dataclass(frozen=True)
-class Fainter:
-    """Colour difference (CIEDE2000) of vessels to their surroundings."""
-
-    before: float
-    after: float
-
-
-def fainter(state: AppState) -> Fainter | None:
-    """Of the frame on screen, where the enhancement that is shown makes vessels fainter than they were."""
-    seen, pictures = state.measured, state.picture.pictures
+def faint_vessels(state: AppState) -> VesselsSeen | None:
+    """Of the frame on screen, where the enhancement that is shown makes vessels fainter than they were, or
+    where the paper's method in full strength makes them hardly clearer."""
+    seen, pictures, params = state.measured, state.picture.pictures, state.enhancement.params
     shown = {state.comparing.chosen.source(side) for side in SIDES}
     if seen is None or pictures is None or ENHANCED not in shown or not state.enhancement.active:
         return None
-    if seen.pictures is not pictures or pictures.request.params != state.enhancement.params:
+    if seen.pictures is not pictures or pictures.request.params != params or seen.vessels is None:
         return None
-    found = Fainter(seen.before.color_difference, seen.after.color_difference)
-    return found if seen.fainter else None
+    in_full = isinstance(params, EnhanceParams) and params.strength >= 1
+    found = seen.vessels
+    return found if found.are_fainter or (in_full and found.are_hardly_clearer) else None

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.enhancement.frame_enhancer import Pictures
-from app.enhancement.measures import Measures, Original
+from app.enhancement.measures import Measures, Original, VesselsSeen
 from app.enhancement.methods import EnhancementSettings
 from enhance import EnhanceParams, Statistics
 from enhance.brightness import brighten, z_from_level
@@ -43,8 +43,7 @@ class Measured:
     after: Measures
     original: Spread
     enhanced: Spread
-    fainter: bool = False
-    """Vessels have less colour difference than before, see `Original.is_fainter`."""
+    vessels: VesselsSeen | None = None
 
 
 class Measurer:
@@ -62,8 +61,8 @@ class Measurer:
             self._known = Original.of(pictures.original), spread(pictures.original)
         frame, spread_before = self._known
         after = frame.measures(enhanced, pictures.milliseconds)
-        fainter = frame.is_fainter(enhanced, after)
-        yield Measured(pictures, frame.own, after, spread_before, spread(enhanced), fainter)
+        vessels = frame.vessels_in(enhanced, after)
+        yield Measured(pictures, frame.own, after, spread_before, spread(enhanced), vessels)
 
 
 def spread(image: ByteImage) -> Spread:

@@ -11,7 +11,7 @@ import pytest
 from app.gui.actions import actions
 from app.gui.panels import enhancement_measured, menus
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import difference_request, fainter, pane
+from app.gui.state.panes import difference_request, faint_vessels, pane
 from app.gui.update import taking
 from app.gui.update.channels import Channels
 from app.gui.update.update import update
@@ -56,7 +56,7 @@ def test_what_is_on_screen_is_marked_at_once(measured: AppState, monkeypatch: py
         assert f"{OPENING} earlier clip shown" in tags
     assert menus._facts(measured) == [OPENING]
     assert measured.measured is None
-    assert fainter(measured) is None
+    assert faint_vessels(measured) is None
     for draw in (enhancement_measured.draw_measures, enhancement_measured.draw_curves):
         assert texts(monkeypatch, draw, measured) == [OPENING]
 

@@ -1,4 +1,4 @@
-"""Over the bottom of the panes: that the enhancement makes vessels fainter, with the way out of it."""
+"""Over the bottom of the panes: vessels that became fainter, or hardly clearer, with the way out of it."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from imgui_bundle import ImVec2, imgui, imgui_ctx
 
 from app.gui.actions import actions
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import fainter
+from app.gui.state.panes import faint_vessels
 from app.gui.style import theme
 from app.gui.style.widgets import FLAT, Area, button, em, explain
 from enhance import EnhanceParams, VesselParams
 
-FAINTER_TEXT = (
+DIFFERENCE_TEXT = (
     "Colour difference (CIEDE2000) between the strongest dark lines of the original frame and what lies "
     "beside them. 1 is just noticeable."
 )
@@ -23,14 +23,15 @@ VESSEL_TEXT = "Switch to the preset that darkens and reddens narrow dark structu
 LIFT_TEXT = "Brightening the whole image takes contrast from dark lines: set Brightening to 0."
 
 
-def draw_fainter(state: AppState, area: Area) -> float:
+def draw_faint_vessels(state: AppState, area: Area) -> float:
     """Over the images, which keep their place as it comes and goes; the pixels of the area's height that it
     covers. What is drawn next begins at the area's corner."""
-    found = fainter(state)
+    found = faint_vessels(state)
     if found is None:
         return 0.0
-    seen = f"colour difference {found.after:.1f}, was {found.before:.1f}"
-    said, (label, act, why) = f"These settings make vessels fainter here: {seen}.", _way_out(state)
+    does = "make vessels fainter" if found.are_fainter else "hardly bring out vessels"
+    said = f"These settings {does} here: colour difference {found.after:.1f}, was {found.before:.1f}."
+    label, act, why = _way_out(state)
     pad, frame = ImVec2(em(0.5), em(0.25)), imgui.get_style().frame_padding
     taken = imgui.calc_text_size(label).x + 2 * frame.x + em(0.5) + 2 * pad.x
     wrap = max(area.size.x - taken, em(8))
@@ -40,7 +41,7 @@ def draw_fainter(state: AppState, area: Area) -> float:
     kind = imgui.ChildFlags_.always_use_window_padding | FLAT
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, pad),
-        imgui_ctx.begin_child("fainter", size, kind),
+        imgui_ctx.begin_child("faint vessels", size, kind),
     ):
         # A child's own ground would be below the images, which are drawn later.
         low, ground = imgui.get_window_pos(), imgui.get_color_u32(theme.TAG_CAUTION)
@@ -51,7 +52,7 @@ def draw_fainter(state: AppState, area: Area) -> float:
             imgui_ctx.push_style_color(imgui.Col_.text, theme.INK),
         ):
             imgui.text_unformatted(said)
-        explain(FAINTER_TEXT)
+        explain(DIFFERENCE_TEXT)
         imgui.same_line(0, em(0.5))
         button(label, act, why)
     imgui.set_cursor_screen_pos(area.corner)
