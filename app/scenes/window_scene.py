@@ -15,7 +15,7 @@ def scene_of_window(scene: Scene, number: int) -> Scene:
     """The window of that number, counted from 1, with the frames that it was trained on.
 
     Raises:
-        UserError: there is no such window, or all of it is removed.
+        UserError: there is no such window, or nothing is in it.
     """
     windows = windows_of(scene.model)
     if len(windows) == 1:
@@ -26,7 +26,9 @@ def scene_of_window(scene: Scene, number: int) -> Scene:
     frames = window.frames(len(scene.cameras))
     model, camera = window.model, scene.cameras[frames.start]
     if not len(model):
-        raise UserError(f"expected Gaussians in window {number}, got none: all are removed: {scene.name}")
+        raise UserError(
+            f"expected Gaussians in window {number}, got none; maybe all are removed: {scene.name}"
+        )
     return replace(
         scene,
         model=model,

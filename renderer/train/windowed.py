@@ -94,7 +94,8 @@ class WindowedTraining:
         for window, each in zip(self.windows, done, strict=True):
             if each.missing is not None:
                 first, last = self.clip.labels[window.first], self.clip.labels[window.last]
-                yield Warned(f"nothing is reconstructed of the frames {first} to {last}: {each.missing}")
+                what = "they show no tissue of known depth"
+                yield Warned(f"nothing is reconstructed of the frames {first} to {last}: {what}")
         yield Finishing(MEASURING, 0.0)
         if measured := self._held_out if self.config.hold_out else self.clip.test_indices:
             views = (self.clip.read_frame(index) for index in measured)
