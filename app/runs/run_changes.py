@@ -7,6 +7,7 @@ import re
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
+from zlib import crc32
 
 from app.errors import UserError
 from app.files.bin import has_bin, move_to_bin
@@ -14,6 +15,7 @@ from app.files.device_names import is_device
 from app.runs.run_folder import RunFolder
 from app.runs.run_lock import locked
 from renderer.atomic_files import patiently
+from renderer.leftovers import LONGEST
 
 
 @dataclass(frozen=True)
@@ -28,8 +30,9 @@ class Footprint:
 
 
 def folder_name(wanted: str) -> str:
-    """As near to what a person typed as every system allows; empty where nothing is left of it."""
-    name = re.sub(r"[^\w.-]+", "-", wanted).strip(".-")
+    """As near to what a person typed as every system and its bin allow; empty where nothing is left of it."""
+    whole = re.sub(r"[^\w.-]+", "-", wanted).strip(".-").encode(errors="ignore")
+    name = whole[:LONGEST].decode(errors="ignore").strip(".-")
     return f"run-{name}" if is_device(name) else name
 
 
@@ -67,7 +70,8 @@ def delete_run(path: Path, *, for_good: bool = False) -> None:
         move_to_bin(path)
         return
     # In one step it is no run any more: what is cut short leaves nothing that looks like one.
-    doomed = path.with_name(f".{path.name}.deleted")
+    name = os.fsencode(path.name)
+    doomed = path.with_name(f".{path.name if len(name) <= LONGEST else f'{crc32(name):08x}'}.deleted")
     shutil.rmtree(doomed, ignore_errors=True)  # Of one that was cut short.
     patiently(path.rename, doomed)
     RunFolder(doomed).record_path.unlink()

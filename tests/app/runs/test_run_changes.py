@@ -33,6 +33,15 @@ def test_no_folder_has_the_name_of_a_device_of_windows(name: str) -> None:
     assert folder_name(f"{name[:3]}-x") == f"{name[:3]}-x"
 
 
+@pytest.mark.parametrize("letter", ["x", "é", "-x"])
+def test_a_run_of_a_very_long_name_can_be_deleted(run: Path, letter: str) -> None:
+    """Systems allow names of 255 bytes, with all that their bin adds."""
+    assert len(folder_name(250 * letter).encode()) in range(118, 121)
+    named_elsewhere = run.rename(run.with_name(250 * "x"))
+    delete_run(named_elsewhere, for_good=True)
+    assert not list(run.parent.iterdir())
+
+
 @pytest.mark.parametrize("name", ["", " ./.. ", "other"])
 def test_a_name_that_is_none_or_taken_is_refused(run: Path, name: str) -> None:
     (run.parent / "other").mkdir()
