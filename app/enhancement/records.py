@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
+from annotated_types import Interval
 from pydantic import BeforeValidator, PlainSerializer
 from pydantic.dataclasses import dataclass
 
@@ -40,6 +41,7 @@ def told_in_full(
     return used if is_told and isinstance(params, VesselParams) else None
 
 
+Bits = Annotated[int, Interval(ge=8, le=16)]
 RecordedMeasures = Annotated[Measures, BeforeValidator(_numbers)]
 
 
@@ -59,7 +61,7 @@ class EnhancedPicture(Record):
     stereo: Stereo = "auto"
     calibration: Calibration | None = None
     """By which it is undistorted; a pair is rectified."""
-    bits: int = 16
+    bits: Bits = 16
     """That its 16-bit file uses; all, as always before 0.12.0, of images that do not say."""
     method: str
     params: RecordedSettings | None
@@ -140,7 +142,7 @@ class TuningSheet(Record):
     kind: Literal["tuning sheet"] = "tuning sheet"
     source: Source
     frame: int | None
-    bits: int = 16
+    bits: Bits = 16
     """That its 16-bit file uses; all, as always before 0.12.0, of sheets that do not say."""
     method: str | None = None
     pixels: Pixels

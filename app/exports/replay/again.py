@@ -75,9 +75,10 @@ def _record(facts: Facts, path: Path) -> Export:
 
 def _reasons(before: Facts, again: Facts) -> list[str]:
     """Why pixels may differ although nothing was changed."""
-    then, now = dict(before.get("libraries", {})), dict(again["libraries"])
+    told, now = before.get("libraries"), dict(again["libraries"])
+    then = told if isinstance(told, dict) else {}
     # Before 0.2.0, records said no more of a processor than its architecture.
-    if " " not in then.get("processor", ""):
+    if " " not in str(then.get("processor")):
         now["processor"] = now["processor"].split()[0]
     names = sorted(then.keys() | now.keys())
     pairs = [("VesselSplat", before.get("version"), again["version"])]
@@ -95,5 +96,6 @@ def _without_tools(record: Export) -> list[str]:
 
 def _renderer(facts: Facts) -> object:
     """Of the picture, or of the 3D views in it, which one renderer has drawn."""
-    views = facts.get("views") or [{}]
-    return facts.get("renderer") or views[0].get("renderer")
+    views = facts.get("views")
+    first = views[0] if isinstance(views, list) and views else None
+    return facts.get("renderer") or (first.get("renderer") if isinstance(first, dict) else None)

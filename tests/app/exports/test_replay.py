@@ -231,6 +231,28 @@ def test_another_version_and_driver_are_named(
     assert "by at most 1 of 255" in call.error
 
 
+@pytest.mark.parametrize(
+    "facts",
+    [
+        {"libraries": None},
+        {"libraries": ["numpy"]},
+        {"libraries": {"processor": 3}},
+        {"views": 3},
+        {"views": [3]},
+        {"views": []},
+    ],
+)
+def test_what_is_told_beside_in_another_form_keeps_no_file_from_being_made_again(
+    facts: dict[str, object], folder: Path, vesselsplat: Cli
+) -> None:
+    """As by another version, or by hand."""
+    out = folder / "out.png"
+    assert vesselsplat("enhance", folder / "1.png", out).code == 0
+    changed(out, **facts)
+    call = vesselsplat("replay", out)
+    assert call.out.rstrip().endswith("identical"), call.error
+
+
 def test_a_missing_or_changed_source_is_one_line(folder: Path, tmp_path: Path, vesselsplat: Cli) -> None:
     out = tmp_path / "out" / "1.png"
     assert vesselsplat("enhance", folder / "1.png", out).code == 0
@@ -261,6 +283,7 @@ def test_what_cannot_be_made_again_is_one_line(
         ({"params": facts["params"] | {"z": 7}}, "has invalid provenance"),
         ({"source": {"name": "1.png"}}, "sha256"),
         ({"method": "magic"}, "magic"),
+        ({"bits": 99}, "out.png has invalid provenance"),
     ]
     for wrong, said in cases:
         changed(out, **facts | wrong)
