@@ -16,7 +16,7 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
-from renderer.clip import Clip, ClipError, Frame
+from renderer.clip import Clip, Frame
 from renderer.gaussians import DynamicGaussians
 from renderer.measuring.stability.row import Row
 from renderer.near_plane import NEAR_SHARE
@@ -24,7 +24,7 @@ from renderer.phantom import Phantom, PhantomParams
 from renderer.rasterize.cpu import render
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Evaluated, Finished
-from renderer.train.initialize import scene_size
+from renderer.train.initialize import NoTissue, scene_size
 from renderer.train.trainer import TrainingError
 from renderer.train.training import train
 
@@ -61,10 +61,10 @@ class Refusal:
 
 
 NO_DEPTH: Final = Refusal(
-    ClipError, "reconstruction expects measured depth on the tissue, and this clip has none"
+    NoTissue, "reconstruction expects measured depth on the tissue, and this clip has none"
 )
 ALL_MASKED: Final = Refusal(
-    ClipError, "reconstruction expects measured depth on the tissue, and its masks leave out all of it"
+    NoTissue, "reconstruction expects measured depth on the tissue, and its masks leave out all of it"
 )
 DIVERGES: Final = Refusal(TrainingError, "the loss rises")
 
