@@ -22,7 +22,7 @@ def help_sections() -> tuple[Section, ...]:
                 applies=lambda s: s.guide.shown and s.guide.page > 0),
     )  # fmt: skip
     found = (
-        Command("Find a command…", lambda s: s.window.palette.open(), ("Ctrl+Shift+P",),
+        Command("Find a command…", lambda s: s.window.palette.open(), ("Ctrl+Shift+P",), while_typing=True,
                 text="find a command by its name", synonyms=("search", "palette")),
         Command("Keys and mouse", toggle_help, ("?",), text="every key and gesture",
                 synonyms=("shortcuts", "hotkeys", "keyboard", "help", "bindings", "rotate", "pan",

@@ -54,9 +54,13 @@ def test_keys_do_what_the_help_says(ui: Ui, opened: AppState) -> None:
     assert not opened.enhancement.active
 
 
-def test_a_text_field_keeps_all_keys_but_those_of_quitting(ui: Ui, opened: AppState) -> None:
+def test_a_text_field_keeps_all_keys_but_those_of_saving_finding_and_quitting(
+    ui: Ui, opened: AppState
+) -> None:
     keys, left, written = Keyboard(), list[bool](), [""]
     commands = sections(opened, outside(quit=lambda: left.append(True)))
+    assert opened.source.clip is not None
+    opened.source.path = opened.source.clip.path
 
     def draw() -> None:
         if not written[0]:
@@ -72,8 +76,14 @@ def test_a_text_field_keeps_all_keys_but_those_of_quitting(ui: Ui, opened: AppSt
     ui.press(draw, imgui.Key.mod_ctrl, imgui.Key.m)
     ui.press(draw, imgui.Key.e)
     assert (opened.enhancement.active, opened.masking.active) == (True, False)
+    ui.press(draw, imgui.Key.mod_ctrl, imgui.Key.s)
+    assert opened.window.choosing is not None
+    assert opened.window.choosing.purpose == "session"
+    ui.press(draw, imgui.Key.mod_ctrl, imgui.Key.mod_shift, imgui.Key.p)
+    assert opened.window.palette.shown
     ui.press(draw, imgui.Key.mod_ctrl, imgui.Key.q)
     assert left == [True]
+    assert written == ["a"]
 
 
 def test_a_key_that_cannot_do_its_work_says_what_is_missing(ui: Ui, places: Places) -> None:
