@@ -92,6 +92,19 @@ def type_notes(state: AppState, notes: str) -> None:
     state.summary.notes = notes[:LONGEST_NOTES]
 
 
+def why_not_add_notes(state: AppState) -> str:
+    """In a sentence; empty where the case has notes that the page lacks."""
+    if not state.session.notes.strip():
+        return "The case has no notes yet: View > Notes."
+    return "They are on the page." if state.session.notes in state.summary.notes else ""
+
+
+def add_notes(state: AppState) -> None:
+    """Those of the case, below what the page has."""
+    if not why_not_add_notes(state):
+        type_notes(state, "\n".join(filter(None, (state.summary.notes, state.session.notes))))
+
+
 def type_note(state: AppState, place: int, note: str) -> None:
     """Below one picture."""
     items = list(state.summary.items)

@@ -16,7 +16,7 @@ from app.gui.panels.small_picture import draw_small
 from app.gui.state.app_state import AppState
 from app.gui.state.summary import Item
 from app.gui.style import theme
-from app.gui.style.widgets import FLAT, Area, button, em, explain, muted, note, row, shortened
+from app.gui.style.widgets import FLAT, Area, beside_of, button, em, explain, muted, note, row, shortened
 from app.gui.style.writing import text_area
 
 TEXT = (
@@ -28,6 +28,7 @@ TITLE_TEXT = "The heading of the page, and the name of its file. Write no patien
 NOTES_TEXT = "Above the images. Kept with the session."
 ITEM_HINT = "Note below this image"
 SHOWN_TEXT = "Save what is shown now as an image, and add it."
+CASE_TEXT = "What stands under View > Notes, below the notes above."
 FILE_TEXT = "A PNG or JPEG image that VesselSplat saved before."
 REMOVE_TEXT = "Remove from the page; the file stays. Ctrl+Z undoes it."
 WIDTH, HEIGHT = 8.5, 5.2
@@ -76,6 +77,9 @@ def _draw_adding(state: AppState) -> None:
     imgui.same_line()
     choose = partial(actions.choose_path, state, "file", summary_actions.add_file, "picture")
     button(f"{plus}  Saved image…###add file", choose, FILE_TEXT, width=11)
+    beside_of(em(11))
+    reason, add = summary_actions.why_not_add_notes(state), partial(summary_actions.add_notes, state)
+    button(f"{plus}  Notes of the case###add notes", add, CASE_TEXT, reason=reason, width=11)
     if state.summary.awaited:
         imgui.same_line()
         muted("Saving the image…")

@@ -67,6 +67,16 @@ def test_what_is_shown_is_saved_and_added_and_the_page_is_written(run: Exporter)
     assert replay(path, (), path.with_name("again.html")).difference.is_none
 
 
+def test_notes_of_the_case_are_added_once(state: AppState) -> None:
+    assert summary_actions.why_not_add_notes(state) == "The case has no notes yet: View > Notes."
+    state.session.notes = "Vessel at 3 o'clock.\nPolyp."
+    summary_actions.type_notes(state, "For the file.")
+    for _ in range(2):
+        summary_actions.add_notes(state)
+    assert state.summary.notes == "For the file.\nVessel at 3 o'clock.\nPolyp."
+    assert summary_actions.why_not_add_notes(state) == "They are on the page."
+
+
 def test_the_measures_are_those_of_the_panes(run: Exporter) -> None:
     """By what they are defined by, of the frame and of the enhanced one that the window shows."""
     run.rest()
