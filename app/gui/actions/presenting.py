@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.gui.actions import floating_windows
 from app.gui.state.app_state import AppState
 from app.gui.views.comparison import PANES, PaneName
 
@@ -53,6 +54,7 @@ def show(state: AppState, pane: PaneName) -> None:
     now, frame = state.presenting, state.window
     if now.pane is None:
         now.was_full_screen, now.labels, frame.full_screen = frame.full_screen, False, True
+        floating_windows.close_all(state)  # They would lie over the pane; one that is opened later may.
     now.pane, now.ending, now.labels_until = pane, None, frame.now + LABELS_SECONDS
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
-from app.gui.actions import actions, presenting, tuning_actions
+from app.gui.actions import actions, floating_windows, presenting, tuning_actions
 from app.gui.commands.keys import chord
 from app.gui.frame import starting
 from app.gui.frame.window_shots import read_window
@@ -77,6 +77,21 @@ def test_f5_presents_the_pane_under_the_pointer_or_the_one_clicked_last(ui: Ui, 
     ui.frame(draw)
     ui.press(draw, imgui.Key.f5)
     assert opened.presenting.pane == "left"
+
+
+def test_windows_that_lie_over_the_panes_are_closed_for_it(opened: AppState) -> None:
+    floating: tuple[floating_windows.Floating, ...] = (
+        opened.exports, opened.summary, opened.batches, opened.guide, opened.about, opened.live.choice
+    )  # fmt: skip
+    for window in floating:
+        floating_windows.show(window, True)
+    opened.window.help_open = True
+    presenting.show(opened, "right")
+    assert not any(window.shown for window in floating)
+    assert not opened.window.help_open
+    floating_windows.toggle(opened.guide)
+    presenting.step(opened, 1)
+    assert opened.guide.shown
 
 
 def test_the_first_image_lies_over_what_is_left_of_the_panels(ui: Ui, opened: AppState) -> None:
