@@ -122,7 +122,7 @@ def pane(state: AppState, pictures: Pictures, side: Side) -> Pane:
     """What a side shows now; it never looks enhanced without saying so, nor the reverse."""
     image, head, stale = _content(state, pictures, side)
     # What could mislead comes before details, which a small pane has no room for.
-    tags = (head[0], *_state_tags(state, stale), *head[1:])
+    tags = tuple(dict.fromkeys((head[0], *_state_tags(state, stale), *head[1:])))  # Each once.
     return Pane(image, tags, stale, state.comparing.chosen.zebra, tinted(state))
 
 
