@@ -54,8 +54,10 @@ def share_done(run: Reconstruction) -> float | None:
 
 def _preparing(stage: Preparing) -> str:
     count = f" · {grouped(stage.done)} of {grouped(stage.total)}" if stage.total else ""
-    left = "" if stage.seconds_left is None else f" · {rounded(stage.seconds_left)} left"
-    return f"{capital(stage.stage)}{count}{left}"
+    if stage.seconds_left is None:
+        return f"{capital(stage.stage)}{count}"
+    is_late = stage.seconds_left == 0 and stage.done < stage.total
+    return f"{capital(stage.stage)}{count} · {LATE if is_late else f'{rounded(stage.seconds_left)} left'}"
 
 
 def _finishing(stage: Finishing, seconds: float) -> str:

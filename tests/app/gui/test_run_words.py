@@ -52,6 +52,8 @@ def test_a_run_says_what_it_is_doing_from_its_start_to_its_end(going: AppState) 
         == "Reading frames · 12 of 54 · about 10 s left"
     )
     assert share_done(going.runs.reconstruction) == pytest.approx(12 / 54)
+    late = tell(going, Preparing("finding camera and shape from motion", 14, 20, 80.0, 0.0))
+    assert late == "Finding camera and shape from motion · 14 of 20 · longer than expected"
     assert tell(going, Started(0, 2000, 30, ())) == FIRST_STEP
     going.window.now += LONG_STEP + 1
     assert doing(going) == COMPILING
