@@ -57,7 +57,8 @@ def require_utf8(path: Path) -> None:
 def located(folder: Path) -> str:
     """Where a folder is: from the home folder on, so that no user is named, else its whole path."""
     try:
-        return f"{folder.relative_to(Path.home()).as_posix()}/"
+        inside = folder.relative_to(Path.home())
+        return f"{inside.as_posix()}/" if inside.parts else "the home folder"
     except (ValueError, RuntimeError):
         return str(folder)
 

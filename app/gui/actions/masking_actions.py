@@ -205,7 +205,7 @@ def take_kept(state: AppState, request: KeepMask, answer: KeepMask | Failure) ->
     masking = state.masking
     masking.keeping = tuple(one for one in masking.keeping if one is not request)
     if isinstance(answer, Failure):
-        actions.fail(state, f"the tool mask cannot be saved: {answer.message}")
+        actions.fail(state, f"the tool mask cannot be saved: {answer.placed}")
     elif masking.there is not None and masking.there.request.clip is request.request.clip:
         origin = None if request.mask is None else request.origin
         _know(state, masking.there.with_mask(request.request.index, origin))

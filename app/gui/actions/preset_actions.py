@@ -125,7 +125,7 @@ def take_kept(
 ) -> None:
     """They are on disk, or cannot be kept and are as before."""
     if isinstance(answer, Failure):
-        actions.fail(state, f"the presets cannot be saved: {answer.message}")
+        actions.fail(state, f"the presets cannot be saved: {answer.placed}")
         return
     state.enhancement.presets = answer
     actions.announce(state, request.done)

@@ -349,7 +349,7 @@ def _autosaved(state: AppState, answer: Path | Failure) -> None:
     kept.autosaved = None
     if kept.autosave_trouble != answer.message:
         kept.autosave_trouble = answer.message
-        actions.fail(state, f"the session cannot be autosaved: {answer.message}")
+        actions.fail(state, f"the session cannot be autosaved: {answer.placed}")
 
 
 def hides_model(state: AppState, opened: Opened) -> bool:

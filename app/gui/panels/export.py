@@ -205,7 +205,7 @@ def _draw_folder(state: AppState) -> None:
     row("Folder", FOLDER_TEXT)
     button("Change…###folder", partial(choose_folder, state), FOLDER_TEXT, width=5.5)
     imgui.same_line()
-    folder = located(state.export_folder).rstrip("/") or "Home folder"
+    folder = located(state.export_folder).rstrip("/")
     muted(end_of(legible(folder), imgui.get_content_region_avail().x))
     explain(legible(str(state.export_folder)))
 

@@ -144,4 +144,4 @@ def _draw_writing(state: AppState) -> None:
     write = partial(summary_actions.write_page, state)
     button("Save page###write", write, reason=reason, color=color, width=10)
     imgui.same_line()
-    muted(reason or f"into {legible(located(state.export_folder)).rstrip('/') or 'the home folder'}")
+    muted(reason or f"into {legible(located(state.export_folder)).rstrip('/')}")

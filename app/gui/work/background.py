@@ -9,9 +9,11 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from app.errors import sentence
+from app.files.legible import located
 
 Request = TypeVar("Request")
 Answer = TypeVar("Answer")
@@ -30,6 +32,12 @@ class Failure:
         self.error = error.with_traceback(None)
         """Without the frames that it and what led to it came through, whose arrays would stay in memory."""
         error.__cause__ = error.__context__ = None
+
+    @property
+    def placed(self) -> str:
+        """The same, with the folder of the file that the system refused: where the program chose it."""
+        file = self.error.filename if isinstance(self.error, OSError) else None
+        return f"{self.message} in {located(Path(str(file)).parent)}" if file else self.message
 
 
 class Channel(Generic[Request, Answer]):

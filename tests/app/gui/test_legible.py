@@ -13,7 +13,7 @@ from imgui_bundle import imgui
 
 from app.enhancement.frame_enhancer import PictureMaker, PictureRequest
 from app.exports.sheet import Panel, sheet
-from app.files.legible import as_label, in_one_line, legible
+from app.files.legible import as_label, in_one_line, legible, located
 from app.gui.actions import actions, browse_actions
 from app.gui.commands import recent_commands
 from app.gui.commands.commands import sections
@@ -110,3 +110,10 @@ def test_the_file_dialog_lists_such_names(ui: Ui, state: AppState, tmp_path: Pat
 def test_a_saved_picture_s_captions_too() -> None:
     small = np.zeros((80, 200, 3), np.uint8)
     np.testing.assert_array_equal(sheet([Panel(NAME, small)]), sheet([Panel("caf?.png", small)]))
+
+
+def test_a_folder_is_told_from_the_home_folder_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Path, "home", lambda: tmp_path)
+    assert located(tmp_path / "Pictures" / "a") == "Pictures/a/"
+    assert located(tmp_path) == "the home folder"
+    assert located(tmp_path.parent) == str(tmp_path.parent)

@@ -308,6 +308,7 @@ def test_a_folder_that_cannot_be_written_is_told(masking: AppState) -> None:
     settle(masking)
     assert masking.window.banner is not None
     assert masking.window.banner.message.startswith("the tool mask cannot be saved")
+    assert masking.window.banner.message.endswith(f" in {masking.places.tool_masks}")
     assert masking.masking.keeping == ()
     assert shown(masking).mask.any()
 
