@@ -135,9 +135,10 @@ def _draw_moving(state: AppState, place: int) -> None:
 def _draw_writing(state: AppState) -> None:
     if state.exports.under_way is not None:
         room = imgui.get_content_region_avail().x - em(6)
+        imgui.align_text_to_frame_padding()
         muted(shortened(f"Writing {legible(export_actions.name_written(state))}", room - em(0.5)))
         # Not where Save stood: the second click of a double click would cancel.
-        imgui.same_line(room)
+        imgui.same_line(imgui.get_cursor_pos_x() + room)
         button("Cancel", partial(export_actions.cancelled, state), "No file is left incomplete.", width=6)
         return
     reason, color = summary_actions.why_not_write(state), theme.now().lit
