@@ -11,6 +11,7 @@ from app.runs.preparing import told_meanwhile
 from app.runs.run_folder import PosesRecord
 from renderer.camera_motion import POSES_MISSING, camera_motion, contradicted
 from renderer.clip import Clip
+from renderer.listing import count
 from renderer.poses.search import FoundPoses, PosesError, find_poses
 from renderer.poses.told_apart import TISSUE
 from renderer.readers.lenses.calibration import Calibration
@@ -110,6 +111,12 @@ def _notices(clip: Clip, found: FoundPoses, start: int) -> list[str]:
         said.append(
             f"the lens zooms: by {100 * found.zoom.grown:.0f} % from frame {small} to frame {large}; "
             "the focal length of each frame is estimated with its pose"
+        )
+    if found.closed:
+        one, other = (clip.labels[frame] for frame in found.closed[0])
+        said.append(
+            f"the camera returns to a place that it has seen, such as that of frame {one} in frame {other}: "
+            f"its path is closed there, by {count(len(found.closed), 'pair')} of frames"
         )
     if len(found.cameras) < len(clip):
         held = f"frames {start + found.first + 1} to {start + found.last + 1}"

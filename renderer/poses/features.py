@@ -17,6 +17,12 @@ _QUALITY = 0.01
 _WINDOW = 21  # px
 _CLOSING = 0.7
 """px between a feature and where tracking it there and back ends."""
+_DESCRIBED = 320
+"""px: wider pictures are made smaller before features are described, by 31 px around each."""
+_MOST_BITS, _CLEARLY = 64, 0.85
+"""Of 256, in which two that look alike differ; and of those in which the next one differs."""
+_AROUND = 40
+"""px, of the picture mirrored at its edges, so that all features are described."""
 
 
 def found_features(picture: Picture, taken: FloatArray, most: int, apart: float) -> FloatArray:
@@ -61,3 +67,35 @@ def followed(
     inside = ((moved > 0) & (moved < (width, height))).all(axis=1)
     certain = (found[:, 0] > 0) & (found_back[:, 0] > 0) & (apart < _CLOSING) & inside
     return moved, np.asarray(certain)
+
+
+def described(grey: ByteImage, places: FloatArray) -> ByteImage:
+    """(N, 32) bytes that say how a picture looks around features (N, 2): what looks alike has most bits in
+    common (ORB of Rublee et al., 2011, in OpenCV). A picture that is turned by more than some 20 degrees
+    looks different."""
+    if not len(places):
+        return np.zeros((0, 32), np.uint8)
+    shrink = min(1.0, _DESCRIBED / grey.shape[1])
+    small = cv2.resize(grey, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
+    wide = cv2.copyMakeBorder(small, _AROUND, _AROUND, _AROUND, _AROUND, cv2.BORDER_REFLECT_101)
+    points = [cv2.KeyPoint(float(x), float(y), 31.0, 0.0) for x, y in places * shrink - 0.5 + _AROUND]
+    _, found = cv2.ORB.create().compute(wide, points)
+    return np.asarray(found, dtype=np.uint8)
+
+
+def alike(one: ByteImage, other: ByteImage) -> tuple[IntArray, IntArray]:
+    """Of features as they are `described`, (N, 32) and (M, 32), those that look like each other and clearly
+    less like any other: which of the first and of the second, (P,) each."""
+    if min(len(one), len(other)) < 2:
+        return np.zeros(0, np.int64), np.zeros(0, np.int64)
+    there, back = _best(one, other), _best(other, one)
+    first = np.flatnonzero((there >= 0) & (back[there] == np.arange(len(one))))
+    return first, there[first]
+
+
+def _best(one: ByteImage, other: ByteImage) -> IntArray:
+    """(N,) which of the second looks most like each of the first; -1 where that is not certain."""
+    found = cv2.BFMatcher(cv2.NORM_HAMMING).knnMatch(one, other, k=2)
+    bits = np.array([[each.distance for each in row] for row in found])
+    best = np.array([row[0].trainIdx for row in found], dtype=np.int64)
+    return np.where((bits[:, 0] <= _MOST_BITS) & (bits[:, 0] < _CLEARLY * bits[:, 1]), best, -1)

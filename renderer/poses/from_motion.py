@@ -5,21 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from renderer.camera import Camera, FloatArray
-from renderer.clip import Clip, SparsePoints
+from renderer.clip import ByteImage, Clip, SparsePoints
 from renderer.poses.bundle import FocalGuess
 from renderer.poses.distortion import Distortion, distortion_of
 from renderer.poses.growing import SEEN_BY, Growing
+from renderer.poses.loop_closure import Closed, closed
 from renderer.poses.lost_frame import LostFrame
 from renderer.poses.outlying_points import outlying
 from renderer.poses.parts import MOST_BRIDGED, SHORTEST, Lost, commonest, parts_of, pictures_of
-from renderer.poses.pictures import small_lens
+from renderer.poses.pictures import small_lens, trackable
 from renderer.poses.rigid_motion import in_unit, local, zoomed
 from renderer.poses.search import FoundPoses, PosesError, found_poses
 from renderer.poses.settling import Settled, settled
@@ -30,6 +31,7 @@ from renderer.poses.triangulation import triangulated
 from renderer.poses.views import Rough, View
 
 Tell = Callable[[int, int], None]
+Grey = Callable[[int], ByteImage]
 MEDIAN_DEPTH: Final = 100.0
 """Scene units, of the points: the scale of what has none."""
 FOCAL_SPREAD: Final = 0.25
@@ -40,6 +42,8 @@ _LOOSE = 0.01
 """Of the width, by which such a point may be off, as of tissue that moves."""
 _MOST_POINTS = 5000
 _MOST_TRIES = 8
+_READ_AGAIN = 32
+"""Frames that are kept when they have been read again."""
 _SAME_FOCAL = 0.01
 """Of its logarithm. On a relief that is seen exactly it still goes 0.03 to 0.05 a try at a third from the
 true one."""
@@ -94,19 +98,26 @@ def structure_of(
 
     Raises:
         PosesError: no part of SHORTEST frames tells distances, and why.
+        ClipError: a frame that shows a place again cannot be read.
     """
     lens = small_lens(clip.cameras[0])
     focal = None if focal_is_known else FocalGuess(lens.fx, FOCAL_SPREAD)
     try:
-        found = focused(lens, features.parts, focal, tell)
+        found = focused(lens, features.parts, focal, tell, _greys(clip, lens))
     except Lost as reason:
         said = str(reason) if features.parts else commonest([each.why for each in features.lost], _TOO_FEW)
         raise PosesError(said) from reason
     each_lost = {each.frame: each for each in (*features.lost, *found.lost)}
     lost = [each_lost[frame] for frame in sorted(each_lost)]
-    poses = found_poses(clip, found.done, 1.0, lost)
+    poses = replace(found_poses(clip, found.done, 1.0, lost), closed=found.closed)
     bending = None if focal is None else distortion_of(found.done, features.parts, focal)
     return FoundStructure(poses, SparsePoints(found.points), found.depth_error, found.focal_left, bending)
+
+
+def _greys(clip: Clip, lens: Camera) -> Grey:
+    """Frames as their features were followed in them."""
+    size = lens.width, lens.height
+    return lru_cache(_READ_AGAIN)(lambda frame: trackable(clip.read_frame(frame), size)[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,15 +134,23 @@ class Solved:
     """Without a pose although features were followed."""
     focal_left: float = 0.0
     """Share by which the focal length still changed when its search ended; 0: it is known, or settled."""
+    closed: tuple[tuple[int, int], ...] = ()
+    """See FoundPoses."""
 
 
-def focused(lens: Camera, parts: Sequence[Tracked], focal: FocalGuess | None, tell: Tell) -> Solved:
+def focused(
+    lens: Camera,
+    parts: Sequence[Tracked],
+    focal: FocalGuess | None,
+    tell: Tell,
+    grey: Grey | None = None,
+) -> Solved:
     """As `solved`, and where the focal length that comes out is not the one it began with, again from others:
     a shape that is grown by a wrong one gives up a small part of its error alone. They reach ever farther the
     way the focal length went, and then between those that it came from on either side. A try that holds fewer
     frames, or agrees clearly less, does not count; a second one ends it. Raises Lost: the first finds
     nothing, and why."""
-    best = _Try(0.0, solved(lens, parts, focal, tell), lens)
+    best = _Try(0.0, solved(lens, parts, focal, tell, grey), lens)
     if focal is None:
         return best.solved
     tries, seen, bold = [best], [best], True
@@ -141,7 +160,7 @@ def focused(lens: Camera, parts: Sequence[Tracked], focal: FocalGuess | None, te
         zoom = _next(best, tries, bold=bold)
         begun = zoomed(lens, zoom)
         try:
-            again = _Try(zoom, solved(begun, parts, focal, partial(_told_later, tell, number)), lens)
+            again = _Try(zoom, solved(begun, parts, focal, partial(_told_later, tell, number), grey), lens)
             seen.append(again)
         except Lost:
             again = None
@@ -210,12 +229,13 @@ def solved(
     parts: Sequence[Tracked],
     focal: FocalGuess | None,
     tell: Tell = lambda done, total: None,
+    grey: Grey | None = None,
 ) -> Solved:
-    """The longest part that holds.
+    """The longest part that holds; where `grey` gives its frames, its path is closed (loop_closure.py).
 
     Raises Lost: no part of SHORTEST frames tells distances, and why.
     """
-    best: tuple[Rough, Tracked] | None = None
+    best: tuple[Rough, Closed] | None = None
     waiting, lost, why = list(parts), list[LostFrame](), list[str]()
     while waiting:
         waiting.sort(key=lambda part: len(part.sights))
@@ -229,15 +249,16 @@ def solved(
         except Lost as reason:
             why.append(str(reason))
             continue
-        rough, left = _all_views(growing, part, focal)
+        loop = Closed(growing, part) if grey is None else closed(growing, part, grey)
+        rough, left = _all_views(loop.growing, loop.part, focal)
         lost += [LostFrame(part.sights[part.keys[key]].frame, said) for key, said in ended.items()] + left
         if best is None or len(rough.views) > len(best[0].views):
-            best = rough, part
+            best = rough, loop
         waiting += _rest(part, growing)
     if best is None or len(best[0].views) < SHORTEST:
         raise Lost(commonest([*why, *(each.why for each in lost)], _TOO_FEW))
-    rough, part = best
-    return Solved(*_shaped(settled(rough), rough.keys, part), lost)
+    rough, loop = best
+    return Solved(*_shaped(settled(rough), rough.keys, loop.part), lost, closed=loop.frames)
 
 
 def _rest(part: Tracked, growing: Growing) -> Iterator[Tracked]:

@@ -7,7 +7,7 @@ Schoenberger and Frahm, "Structure-from-motion revisited", 2016, describe it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Set
+from collections.abc import Callable, Sequence, Set
 from copy import copy
 from dataclasses import replace
 from typing import Final
@@ -18,7 +18,8 @@ from renderer.camera import Camera, FloatArray, IntArray
 from renderer.poses.bundle import Bundle, FocalGuess, adjusted, misfit
 from renderer.poses.parts import Lost
 from renderer.poses.resection import FEWEST, OUTLYING, Resected, by_chance, resected
-from renderer.poses.rigid_motion import Seen
+from renderer.poses.rigid_motion import Seen, local, projected
+from renderer.poses.similarity import Similarity
 from renderer.poses.tracks import Sight, Tracked
 from renderer.poses.triangulation import Triangulated, judged, triangulated
 from renderer.poses.views import PIXEL_NOISE
@@ -31,6 +32,8 @@ SEEN_BY: Final = 3
 """Keyframes that tell whether a track agrees with them: two always nearly do."""
 _FIRST_PX, _LEAST_PX = 1.0, 0.1
 """px, noise of places before it is measured, and the least."""
+_CLOSING_PX = (2.0, 0.7)
+"""The noise while a path is closed."""
 _STRAY = 4.0
 """Times the noise: points that are farther off, over all views, are not of the body that is followed."""
 _ROUNDS = 6
@@ -88,6 +91,31 @@ class Growing:
         self._triangulate(OUTLYING * self.noise * 2)
         self.adjust()
         return ended
+
+    def moved_to(self, tracks: Tracked, moves: Sequence[Similarity]) -> Growing:
+        """Each keyframe moved along with the points that it is the first to show, and all adjusted to tracks
+        of which keyframes show more than before. Raises Lost."""
+        other, numbers = copy(self), sorted(self.poses)
+        first = np.full(len(self.points), -1)
+        for place in reversed(range(len(numbers))):
+            first[self._sights[numbers[place]].ids] = place
+        other.points = self.points.copy()
+        other.poses = {}
+        for place, (number, move) in enumerate(zip(numbers, moves, strict=True)):
+            other.poses[number] = move.carried(self.poses[number])
+            other.points[first == place] = move(self.points[first == place])
+        other._sights = [tracks.sights[place] for place in tracks.keys]
+        for noise in _CLOSING_PX:
+            other.noise = noise
+            other.adjust()
+        other._triangulate(OUTLYING * other.noise * 2)
+        other.adjust()
+        return other
+
+    def off(self, number: int, ids: IntArray, places: FloatArray) -> FloatArray:
+        """(N,) px between where a keyframe shows points and where they are expected; NaN where not known."""
+        there = projected(self.lens, local(self.poses[number], self.points[ids]))[:, :2]
+        return np.asarray(np.linalg.norm(there - places, axis=1))
 
     def only(self, points: FloatArray) -> Growing:
         """The same keyframes by these points (L, 3) alone, NaN where there is none, adjusted. Raises Lost."""

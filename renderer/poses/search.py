@@ -40,6 +40,9 @@ class FoundPoses:
     """Of the whole clip."""
     tissue: TissueMotion = "not sought"
     zoom: Zoom = ONE_LENS
+    closed: tuple[tuple[int, int], ...] = ()
+    """Frames of the clip that show the same place long after each other, by which the path is closed, without
+    depth; those that share most come first. With depth, points that come back into view are looked for."""
 
     @property
     def last(self) -> int:

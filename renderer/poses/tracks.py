@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from renderer.camera import FloatArray, IntArray
 from renderer.clip import ByteImage
-from renderer.poses.features import APART, followed_on, found_features
+from renderer.poses.features import APART, described, followed_on, found_features
 from renderer.poses.parts import Lost
 from renderer.poses.pictures import Picture
 
@@ -43,12 +44,24 @@ class Tracked:
     """Of the sights, which are of keyframes; the first is one."""
     count: int
     """Of the tracks."""
+    looks: tuple[ByteImage, ...] = ()
+    """How each keyframe shows its tracks, (N, 32) as `described`; none where that was not looked at."""
 
     def between(self, first: int, last: int) -> Tracked:
         """From one keyframe to another, by their numbers; with what follows the last of all."""
         start, end = self.keys[first], [*self.keys, len(self.sights)][last + 1]
         keys = tuple(key - start for key in self.keys[first : last + 1])
-        return Tracked(self.sights[start:end], keys, self.count)
+        return Tracked(self.sights[start:end], keys, self.count, self.looks[first : last + 1])
+
+    def with_more(self, seen: Mapping[int, tuple[IntArray, FloatArray]]) -> Tracked:
+        """The same where keyframes, by their numbers, show more tracks (T,) at (T, 2) px."""
+        sights = list(self.sights)
+        for number, (ids, places) in seen.items():
+            sight = sights[self.keys[number]]
+            sights[self.keys[number]] = replace(
+                sight, ids=np.r_[sight.ids, ids], places=np.concatenate([sight.places, places])
+            )
+        return replace(self, sights=tuple(sights), looks=())
 
 
 class Tracks:
@@ -60,6 +73,7 @@ class Tracks:
         self.keys: list[int] = []
         """Of the sights, which are of keyframes."""
         self.count = 0
+        self._looks: list[ByteImage] = []
         self._key_grey: ByteImage = picture.grey
         self._previous: ByteImage = picture.grey
         self._in_key = np.zeros((0, 2))
@@ -75,7 +89,7 @@ class Tracks:
 
     @property
     def tracked(self) -> Tracked:
-        return Tracked(tuple(self.sights), tuple(self.keys), self.count)
+        return Tracked(tuple(self.sights), tuple(self.keys), self.count, tuple(self._looks))
 
     def __len__(self) -> int:
         return len(self.sights)
@@ -103,5 +117,6 @@ class Tracks:
         self.count += len(fresh)
         self.keys.append(len(self.sights))
         self.sights.append(Sight(picture.index, np.r_[ids, new], np.concatenate([places, fresh])))
+        self._looks.append(described(picture.grey, self.sights[-1].places))
         self._key_grey = self._previous = picture.grey
         self._in_key, self._of_key = self.sights[-1].places, len(self.sights[-1].ids)

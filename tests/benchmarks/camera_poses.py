@@ -1,6 +1,6 @@
 """How near poses that are estimated come to the true ones, on phantoms whose camera circles.
 
-python -m tests.benchmarks.camera_poses [--frames N] [--seeds N] [--without-depth]
+python -m tests.benchmarks.camera_poses [--frames N] [--seeds N] [--without-depth] [--path PATH]
 
 `rest`: tissue at rest. `pull`: one place is pulled and let go, a third of the view follows. `all`: it
 breathes, too, so that nothing in view is at rest. `bound` is what exact places and depths of all tissue leave
@@ -9,11 +9,16 @@ a smooth error of 0.3 px (standard deviation) of the disparity of eyes 4.5 mm ap
 
 `--without-depth`: by structure from motion instead, both paths laid over each other with one scale, the focal
 length known, or sought from a guess of 60 and of 75 degrees (it is 58).
+
+`--path`: `back`, along a line and beside it back; `around` a field; `away`, without a return. The camera is
+nearer then, and little of what it shows first is in view half way. `at the return` is how far the last frames
+are off beside the first ones that show the same. 256 x 208 px.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -25,8 +30,9 @@ import numpy as np
 from renderer.camera import Camera, FloatArray
 from renderer.clip import Clip, Frame
 from renderer.phantom import Phantom, PhantomParams
+from renderer.phantom.surface import DISTANCE
 from renderer.poses.from_motion import followed_features, structure_of
-from renderer.poses.search import PosesError, find_poses
+from renderer.poses.search import FoundPoses, PosesError, find_poses
 from renderer.rigid import rigid_fit
 
 DISPARITY_ERROR, REACH = 0.3, 3.0
@@ -35,14 +41,69 @@ GUESSES = (60.0, 75.0)
 """Degrees across the image."""
 BREATHS = slice(-3, -1)
 """Of the phantom's bumps."""
+NEAR = 22.0
+"""mm along the view, of a camera on a way of its own."""
+MET = 0.1
+"""Of the frames, from both ends, that meet."""
+
+
+class OnItsWay(Phantom):
+    """A camera that leaves the place where it begins, and may come back to it."""
+
+    path = "back"
+
+    def camera(self, index: int) -> Camera:
+        time = index / (self.params.n_frames - 1)
+        centre = _centre(self.path, time)
+        toward = [
+            0.7 * centre[0] + 4 * math.sin(7 * time),
+            0.7 * centre[1] + 4 * math.sin(5 * time),
+            DISTANCE,
+        ]
+        forward = np.array(toward) - centre
+        forward /= np.linalg.norm(forward)
+        roll = math.radians(8) * math.sin(3 * math.pi * time)
+        right = np.cross([math.sin(roll), math.cos(roll), 0.0], forward)
+        right /= np.linalg.norm(right)
+        matrix = np.eye(4)
+        matrix[:3, :3] = np.stack([right, np.cross(forward, right), forward])
+        matrix[:3, 3] = -matrix[:3, :3] @ centre
+        return self._lens.moved(matrix)
+
+
+def _centre(path: str, time: float) -> FloatArray:
+    """(3,) mm."""
+    turn = 2 * math.pi * time
+    places = {
+        "back": (
+            -26 * math.cos(turn),
+            5 * math.sin(2 * turn) + 3 * math.sin(turn / 2),
+            2 * math.sin(3 * turn),
+        ),
+        "around": (-27 * math.cos(turn), 22 * math.sin(turn), 2 * math.sin(2 * turn)),
+        "away": (54 * time - 27, 5 * math.sin(turn), 2 * math.sin(2 * turn)),
+    }
+    return np.add(places[path], (0, 0, NEAR))
 
 
 def phantom(tissue: str, frames: int, seed: int, size: tuple[int, int] = (320, 256)) -> Phantom:
-    params = PhantomParams(
+    return _of_tissue(Phantom(_params(tissue, frames, seed, size)), tissue)
+
+
+def on_its_way(path: str, tissue: str, frames: int, seed: int, size: tuple[int, int] = (256, 208)) -> Phantom:
+    scene = OnItsWay(replace(_params(tissue, frames, seed, size), tools=0))
+    scene.path = path
+    return _of_tissue(scene, tissue)
+
+
+def _params(tissue: str, frames: int, seed: int, size: tuple[int, int]) -> PhantomParams:
+    return PhantomParams(
         n_frames=frames, width=size[0], height=size[1], seed=seed,
         camera="moving", tissue="static" if tissue == "rest" else "moving",
     )  # fmt: skip
-    scene = Phantom(params)
+
+
+def _of_tissue(scene: Phantom, tissue: str) -> Phantom:
     if tissue == "pull":
         amplitudes = scene.surface.amplitudes.copy()
         amplitudes[BREATHS] = 0
@@ -98,6 +159,24 @@ def errors(found: Sequence[Camera], true: Sequence[Camera], *, scaled: bool = Fa
     return 100 * _rms(np.linalg.norm(off, axis=1)) / way, _rms(_angles(ours, theirs, turn))
 
 
+def at_the_return(
+    found: Sequence[Camera], true: Sequence[Camera], *, scaled: bool = False
+) -> tuple[float, float]:
+    """Per cent of the way, and degrees, by which frames near the end are off as seen from those as near the
+    beginning, in the mean."""
+    ours, theirs = (np.stack([each.camera_from_world for each in cameras]) for cameras in (found, true))
+    places, truth = (np.array([each.position for each in cameras]) for cameras in (found, true))
+    spreads = [np.linalg.norm(each - each.mean(axis=0)) for each in (places, truth)]
+    ours[:, :3, 3] *= spreads[1] / spreads[0] if scaled else 1.0
+    way = float(np.linalg.norm(np.diff(truth, axis=0), axis=1).sum())
+    off = []
+    for at in range(max(round(MET * len(ours)), 1)):
+        one, other = (np.linalg.inv(each[-1 - at] @ np.linalg.inv(each[at])) for each in (ours, theirs))
+        turn = np.linalg.norm(cv2.Rodrigues(one[:3, :3] @ other[:3, :3].T)[0])
+        off.append((100 * np.linalg.norm(one[:3, 3] - other[:3, 3]) / way, np.degrees(turn)))
+    return float(np.mean(off, axis=0)[0]), float(np.mean(off, axis=0)[1])
+
+
 def _angles(ours: FloatArray, theirs: FloatArray, turn: FloatArray) -> FloatArray:
     apart = np.einsum("nij,kj,nlk->nil", ours[:, :3, :3], turn, theirs[:, :3, :3])
     cosine = (np.trace(apart, axis1=1, axis2=2) - 1) / 2
@@ -113,11 +192,16 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--without-depth", action="store_true")
+    parser.add_argument("--path", choices=("circle", "back", "around", "away"), default="circle")
     flags = parser.parse_args()
     measure = from_motion if flags.without_depth else by_depth
     for tissue in ("rest", "pull", "all"):
         for seed in range(flags.seeds):
-            scene = phantom(tissue, flags.frames, seed)
+            scene = (
+                phantom(tissue, flags.frames, seed)
+                if flags.path == "circle"
+                else on_its_way(flags.path, tissue, flags.frames, seed)
+            )
             views = [scene.view(index).frame for index in range(flags.frames)]
             true = [scene.camera(index) for index in range(flags.frames)]
             for line in measure(scene, views, true):
@@ -133,7 +217,8 @@ def by_depth(scene: Phantom, views: Sequence[Frame], true: Sequence[Camera]) -> 
         off, turned = errors(found.cameras, true[found.first : found.last + 1])
         yield (
             f"depth off by {error} px: {off:.2f} % of the way, {turned:.2f} degrees "
-            f"(bound {least[0]:.2f}, {least[1]:.2f}); {len(found.cameras)} of {len(views)} frames, "
+            f"(bound {least[0]:.2f}, {least[1]:.2f}); "
+            f"{_said_of_return(found, true)}; {len(found.cameras)} of {len(views)} frames, "
             f"{1000 * seconds / len(views):.0f} ms a frame"
         )
 
@@ -157,9 +242,17 @@ def from_motion(scene: Phantom, views: Sequence[Frame], true: Sequence[Camera]) 
         length = f"{focal}, found {found.cameras[0].fx / known.fx:.3f}"
         yield (
             f"without depth, focal length {length}: {off:.2f} % of the way, "
-            f"{turned:.2f} degrees; {residual:.2f} px; {len(found.cameras)} of {len(views)} frames, "
+            f"{turned:.2f} degrees; "
+            f"{_said_of_return(found, true, scaled=True)}; {residual:.2f} px; "
+            f"{len(found.cameras)} of {len(views)} frames, "
             f"{1000 * seconds / len(views):.0f} ms of one core a frame"
         )
+
+
+def _said_of_return(found: FoundPoses, true: Sequence[Camera], *, scaled: bool = False) -> str:
+    held = true[found.first : found.last + 1]
+    off, turned = at_the_return(found.cameras, held, scaled=scaled)
+    return f"at the return {off:.2f} % and {turned:.2f} degrees, closed by {len(found.closed)} pairs"
 
 
 if __name__ == "__main__":
