@@ -165,7 +165,7 @@ def test_a_field_of_view_far_from_its_guess_is_found(degrees):
 def slowly(true_fx, noise=lambda fx: 0.02):
     """As `solved`: of what is wrong with the focal length it began with, a twentieth is given up at most."""
 
-    def solved(lens, parts, focal, tell):
+    def solved(lens, parts, focal, tell, grey=None):
         left = np.log(true_fx / lens.fx)
         there = zoomed(lens, np.clip(left, -0.045, 0.045))
         done = Settled(there, (), np.zeros((0, 3)), Noise(noise(there.fx), 1.0))
