@@ -40,6 +40,10 @@ def one_way(frame):
     return -1.5 + 3.0 * frame / (FRAMES - 1)
 
 
+def part_of_a_view(frame):
+    return -0.4 + 0.8 * frame / (FRAMES - 1)
+
+
 def across(frame):
     return 0.15 * np.sin(frame / 7)
 
@@ -48,8 +52,9 @@ def along(frame):
     return 0.1 * np.sin(frame / 5)
 
 
-def tracked(way, where, looks, rng):
-    """Each point is a new track whenever it comes into view; off by 0.3 px."""
+def tracked(way, where, looks, rng, hidden=()):
+    """Each point is a new track whenever it comes into view, and half of them where they are `hidden` for a
+    moment; off by 0.3 px."""
     numbers, count, sights, seen = np.full(COUNT, -1), 0, [], []
     for frame in range(FRAMES):
         pose = np.eye(4)
@@ -57,8 +62,10 @@ def tracked(way, where, looks, rng):
         there = local(pose, where)
         places = projected(LENS, there)[:, :2]
         shown = ((places > 0) & (places < (LENS.width, LENS.height))).all(axis=1)
-        fresh = shown & (numbers < 0)
         numbers[~shown] = -1
+        if frame in hidden:
+            numbers[frame % 2 :: 2] = -1
+        fresh = shown & (numbers < 0)
         numbers[fresh] = count + np.arange(fresh.sum())
         count += int(fresh.sum())
         sights.append(Sight(frame, numbers[shown], places[shown] + rng.normal(0, 0.3, (shown.sum(), 2))))
@@ -68,7 +75,7 @@ def tracked(way, where, looks, rng):
     return Tracked(tuple(sights), keys, count, tuple(seen[key] for key in keys))
 
 
-def made(way, repeats=False):
+def made(way, repeats=False, hidden=()):
     """Tracks; where the field `repeats` itself, its right half is and looks like its left one."""
     rng = np.random.default_rng(4)
     where, looks = field(rng), rng.integers(0, 256, (COUNT, 32), dtype=np.uint8)
@@ -77,7 +84,7 @@ def made(way, repeats=False):
         where[:half, 0] = -np.abs(where[:half, 0])
         where[half : 2 * half] = np.add(where[:half], (FIELD, 0, 0))
         looks[half : 2 * half] = looks[:half]
-    return tracked(way, where, looks, rng)
+    return tracked(way, where, looks, rng, hidden)
 
 
 @pytest.fixture(autouse=True)
@@ -96,16 +103,16 @@ def images():
 
 
 @cache
-def grown(way, repeats=False):
-    part = made(way, repeats)
+def grown(way, repeats=False, hidden=()):
+    part = made(way, repeats, hidden)
     growing = started(LENS, part, None)
     growing.grow(lambda done, total: None)
     return growing, part
 
 
-def closing(way, repeats=False):
+def closing(way, repeats=False, hidden=()):
     """What it began with, and what it comes to."""
-    growing, part = grown(way, repeats)
+    growing, part = grown(way, repeats, hidden)
     return growing, closed(growing, part, lambda frame: np.zeros((1, 1), np.uint8))
 
 
@@ -134,10 +141,22 @@ def test_a_path_that_does_not_come_back_stays_as_it_was():
     assert done.growing is before
 
 
-def test_tissue_that_repeats_itself_is_farther_off_than_a_path_drifts(monkeypatch):
-    asked = []
-    real = loop_closure._is_drift
-    monkeypatch.setattr(loop_closure, "_is_drift", lambda *of: asked.append(real(*of)) or asked[-1])
+@pytest.mark.parametrize(("left", "count"), [(loop_closure._LEFT, 0), (2.0, 1)])
+def test_tissue_that_never_left_the_view_closes_nothing(monkeypatch, left, count):
+    """Even though all of its points are followed anew once on the way: they would do otherwise."""
+    monkeypatch.setattr(loop_closure, "_LEFT", left)
+    before, done = closing(part_of_a_view, hidden=(20, 41))
+    assert min(len(done.frames), 1) == count
+    assert (done.growing is before) == (count == 0)
+
+
+@pytest.mark.parametrize(("bar", "other"), [("_is_return", "_is_drift"), ("_is_drift", "_is_return")])
+def test_tissue_that_repeats_itself_closes_nothing(monkeypatch, bar, other):
+    """By the path it is out of view, and farther off than a path drifts. All would agree nearly as well if it
+    were the same."""
+    asked, real = [], getattr(loop_closure, bar)
+    monkeypatch.setattr(loop_closure, bar, lambda *of: asked.append(real(*of)) or asked[-1])
+    monkeypatch.setattr(loop_closure, other, lambda *of: True)
     before, done = closing(one_way, repeats=True)
     assert asked
     assert not any(asked)
