@@ -42,9 +42,9 @@ other places."""
 _NEW = 0.3
 """Of what looks alike, that has not been followed from one to the other."""
 _SHOWN, _LEFT = 0.25, 0.5
-"""Of the points of the early view, that a return shows at least by the path as it is; and of those, the share
-below which fall those shown in between. A path can bend so that two places which look the same, 54 mm apart on
-a phantom, become one: the noise rises 1.0 to 1.2 times, as little as where a camera does return."""
+"""Of the points of the early view: a return shows at least the one share by the path as it is, and in between
+less than the other share of that is shown. The noise does not tell: a path can bend so that two places which
+look the same become one, on a phantom with 1.0 to 1.2 times the noise, as little as where a camera returns."""
 _NEAR_PX = 3.0
 _FARTHEST = 0.25
 """Of the way between two keyframes, by which it may be off."""
