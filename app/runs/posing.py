@@ -115,8 +115,8 @@ def _notices(clip: Clip, found: FoundPoses, start: int) -> list[str]:
     if found.closed:
         one, other = (clip.labels[frame] for frame in found.closed[0])
         said.append(
-            f"the camera returns to a place that it has seen, such as that of frame {one} in frame {other}: "
-            f"its path is closed there, by {count(len(found.closed), 'pair')} of frames"
+            f"frames {one} and {other} show the same place: the path of the camera is closed there, "
+            f"by {count(len(found.closed), 'pair')} of frames"
         )
     if len(found.cameras) < len(clip):
         held = f"frames {start + found.first + 1} to {start + found.last + 1}"

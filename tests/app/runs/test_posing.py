@@ -153,11 +153,11 @@ def test_where_a_path_is_closed_is_said_with_its_frames(moving):
     clip = open_clip(moving)
     found = FoundPoses(0, clip.cameras, (0.5,) * 12, (200,) * 12, (), closed=((1, 10), (2, 9)))
     said = (
-        "the camera returns to a place that it has seen, such as that of frame "
-        f"{clip.labels[1]} in frame {clip.labels[10]}: its path is closed there, by 2 pairs of frames"
+        f"frames {clip.labels[1]} and {clip.labels[10]} show the same place: "
+        "the path of the camera is closed there, by 2 pairs of frames"
     )
     assert said in through_found(clip, found, 0).notices
-    assert not any("returns" in note for note in through_found(clip, replace(found, closed=()), 0).notices)
+    assert not any("same place" in note for note in through_found(clip, replace(found, closed=()), 0).notices)
 
 
 def test_info_says_by_how_much_the_lens_of_a_run_zooms(trained, tmp_path):
