@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 
 from renderer.camera import Camera, FloatArray, IntArray
-from renderer.clip import ByteImage
+from renderer.clip import BoolImage, ByteImage
 from renderer.evenly import evenly
 from renderer.poses.features import alike, followed
 from renderer.poses.growing import Growing, seen_at
@@ -42,9 +42,10 @@ other places."""
 _NEW = 0.3
 """Of what looks alike, that has not been followed from one to the other."""
 _SHOWN, _LEFT = 0.25, 0.5
-"""Of the points of the early view: a return shows at least the one share by the path as it is, and in between
-less than the other share of that is shown. The noise does not tell: a path can bend so that two places which
-look the same become one, on a phantom with 1.0 to 1.2 times the noise, as little as where a camera returns."""
+"""Of the points of the early view: a return shows at least the one share by the path as it is, and in
+between less than the other share of that is shown. The noise does not tell: a path can bend so that two
+places that look the same become one, on a phantom with 1.0 to 1.2 times the noise, as little as at a true
+return."""
 _NEAR_PX = 3.0
 _FARTHEST = 0.25
 """Of the way between two keyframes, by which it may be off."""
@@ -137,14 +138,38 @@ def _meetings(growing: Growing, part: Tracked) -> Iterator[_Meeting]:
         return
     numbers = sorted(growing.poses)
     asked = evenly(numbers, _LOOKED_AT)
+    returns = _returns(growing, part, asked)
+    if not returns.any():
+        return
     words = _words([part.looks[number] for number in asked])
     for place, late in enumerate(asked):
-        earlier = [at for at in range(place) if late - asked[at] >= _APART]
+        earlier = [at for at in np.flatnonzero(returns[:, place]).tolist() if late - asked[at] >= _APART]
         best = sorted(earlier, key=lambda at: -float(words[at] @ words[place]))[:_TRIED]
         for at in best:
             found = _meeting(growing, part, asked[at], late)
             if found is not None and _is_drift(growing, found):
                 yield found
+
+
+def _returns(growing: Growing, part: Tracked, asked: Sequence[int]) -> BoolImage:
+    """(K, K) whether, by the path as it is, the second of two keyframes shows the points of the first, and
+    one between them clearly fewer: where none does, tracks tie them all along the way."""
+    found = np.zeros((len(asked), len(asked)), bool)
+    for place, early in enumerate(asked):
+        points = growing.points[part.sights[part.keys[early]].ids]
+        points = points[np.isfinite(points[:, 0])]
+        shown = np.array([_shown(growing.lens, growing.poses[late], points) for late in asked[place:]])
+        least = np.minimum.accumulate(shown)
+        found[place, place:] = (shown > _SHOWN * len(points)) & (least < _LEFT * shown)
+    return found
+
+
+def _shown(lens: Camera, pose: FloatArray, points: FloatArray) -> int:
+    """How many are in view."""
+    there = local(pose, points)
+    places = projected(lens, there)[:, :2]
+    inside = ((places > 0) & (places < (lens.width, lens.height))).all(axis=1)
+    return int((inside & (there[:, 2] > 0)).sum())
 
 
 def _words(looks: Sequence[ByteImage]) -> FloatArray:
@@ -178,30 +203,10 @@ def _meeting(growing: Growing, part: Tracked, early: int, late: int) -> _Meeting
     new = agree & (ids != same)
     if agree.sum() < least or new.sum() < max(_FEWEST, _NEW * len(one)):
         return None
-    if not _is_return(growing, growing.points[here.ids[held[0]]], early, late):
-        return None
     now = local(growing.poses[late], growing.points[same])
     scale = float(np.median(np.log(from_there[new, 2] / np.maximum(now[new, 2], NEAREST))))
     drift = _drift(growing.poses[late], pose, scale)
     return _Meeting(early, late, ids[new], same[new], places[new], drift)
-
-
-def _is_return(growing: Growing, points: FloatArray, early: int, late: int) -> bool:
-    """Whether, by the path as it is, the late keyframe shows the points of the early one, and one between
-    them clearly fewer: where none does, tracks tie them all along the way."""
-    shown = _shown(growing.lens, growing.poses[late], points)
-    if shown < _SHOWN * len(points):
-        return False
-    between = (growing.poses[at] for at in growing.poses if early < at < late)
-    return any(_shown(growing.lens, pose, points) < _LEFT * shown for pose in between)
-
-
-def _shown(lens: Camera, pose: FloatArray, points: FloatArray) -> int:
-    """How many are in view."""
-    there = local(pose, points)
-    places = projected(lens, there)[:, :2]
-    inside = ((places > 0) & (places < (lens.width, lens.height))).all(axis=1)
-    return int((inside & (there[:, 2] > 0)).sum())
 
 
 def _is_drift(growing: Growing, meeting: _Meeting) -> bool:
