@@ -11,8 +11,8 @@ a smooth error of 0.3 px (standard deviation) of the disparity of eyes 4.5 mm ap
 length known, or sought from a guess of 60 and of 75 degrees (it is 58).
 
 `--path`: `back`, along a line and beside it back; `around` a field; `away`, without a return. The camera is
-nearer then, and little of what it shows first is in view half way. `at the return` is how far the last frames
-are off beside the first ones that show the same. 256 x 208 px.
+nearer then, and little of what it shows first is in view half way. `between its ends` is how far the last
+frames are off as seen from the first ones, which show the same where the path returns. 256 x 208 px.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ BREATHS = slice(-3, -1)
 """Of the phantom's bumps."""
 NEAR = 22.0
 """mm along the view, of a camera on a way of its own."""
-MET = 0.1
-"""Of the frames, from both ends, that meet."""
+ENDS = 0.1
+"""Of the frames, at either end."""
 
 
 class OnItsWay(Phantom):
@@ -159,7 +159,7 @@ def errors(found: Sequence[Camera], true: Sequence[Camera], *, scaled: bool = Fa
     return 100 * _rms(np.linalg.norm(off, axis=1)) / way, _rms(_angles(ours, theirs, turn))
 
 
-def at_the_return(
+def between_ends(
     found: Sequence[Camera], true: Sequence[Camera], *, scaled: bool = False
 ) -> tuple[float, float]:
     """Per cent of the way, and degrees, by which frames near the end are off as seen from those as near the
@@ -170,7 +170,7 @@ def at_the_return(
     ours[:, :3, 3] *= spreads[1] / spreads[0] if scaled else 1.0
     way = float(np.linalg.norm(np.diff(truth, axis=0), axis=1).sum())
     off = []
-    for at in range(max(round(MET * len(ours)), 1)):
+    for at in range(max(round(ENDS * len(ours)), 1)):
         one, other = (np.linalg.inv(each[-1 - at] @ np.linalg.inv(each[at])) for each in (ours, theirs))
         turn = np.linalg.norm(cv2.Rodrigues(one[:3, :3] @ other[:3, :3].T)[0])
         off.append((100 * np.linalg.norm(one[:3, 3] - other[:3, 3]) / way, np.degrees(turn)))
@@ -218,7 +218,7 @@ def by_depth(scene: Phantom, views: Sequence[Frame], true: Sequence[Camera]) -> 
         yield (
             f"depth off by {error} px: {off:.2f} % of the way, {turned:.2f} degrees "
             f"(bound {least[0]:.2f}, {least[1]:.2f}); "
-            f"{_said_of_return(found, true)}; {len(found.cameras)} of {len(views)} frames, "
+            f"{_said_of_ends(found, true)}; {len(found.cameras)} of {len(views)} frames, "
             f"{1000 * seconds / len(views):.0f} ms a frame"
         )
 
@@ -243,16 +243,16 @@ def from_motion(scene: Phantom, views: Sequence[Frame], true: Sequence[Camera]) 
         yield (
             f"without depth, focal length {length}: {off:.2f} % of the way, "
             f"{turned:.2f} degrees; "
-            f"{_said_of_return(found, true, scaled=True)}; {residual:.2f} px; "
+            f"{_said_of_ends(found, true, scaled=True)}; {residual:.2f} px; "
             f"{len(found.cameras)} of {len(views)} frames, "
             f"{1000 * seconds / len(views):.0f} ms of one core a frame"
         )
 
 
-def _said_of_return(found: FoundPoses, true: Sequence[Camera], *, scaled: bool = False) -> str:
+def _said_of_ends(found: FoundPoses, true: Sequence[Camera], *, scaled: bool = False) -> str:
     held = true[found.first : found.last + 1]
-    off, turned = at_the_return(found.cameras, held, scaled=scaled)
-    return f"at the return {off:.2f} % and {turned:.2f} degrees, closed by {len(found.closed)} pairs"
+    off, turned = between_ends(found.cameras, held, scaled=scaled)
+    return f"between its ends {off:.2f} % and {turned:.2f} degrees, closed by {len(found.closed)} pairs"
 
 
 if __name__ == "__main__":
