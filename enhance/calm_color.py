@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.part import part
-from enhance.pixel_block import BLUE, CHUNK, GREEN, LEAST_COLOR, RED, VALUE, ZERO
+from enhance.pixel_block import BLUE, CHUNK, GREEN, LEAST_COLOR, LUMA, RED, VALUE, ZERO
 from enhance.rows import ROWS, SOFT, add_down
 from enhance.wide_vectors import wide_vectors
-
-LUMA = (np.float32(0.299), np.float32(0.587), np.float32(0.114))
 
 
 @part(forceinline=True)

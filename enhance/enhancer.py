@@ -167,7 +167,7 @@ class Enhancer:
         snr = seen.chroma_snr if params.d_factor is None else None
         colored = (0, 0.0) if snr is None else (seen.count, snr)
         sums = seen.count, seen.histogram, seen.chroma, moments[:, 0], moments[:, 1]
-        return Tally(*sums, *colored, self._now.reds)
+        return Tally(*sums, *colored, self._now.reds, self._now.opposites)
 
     @property
     def field(self) -> FieldOfView | None:
@@ -219,7 +219,9 @@ class Enhancer:
         seen, now = self._surveyed(params.subsample), self._now
         snr = seen.chroma_snr if params.d_factor is None else None
         sigmas = self._sigmas(windows)
-        return from_sums("image", seen.cumulative, seen.chroma, sigmas, snr, now.reds, now.field)
+        return from_sums(
+            "image", seen.cumulative, seen.chroma, sigmas, snr, now.reds, now.opposites, now.field
+        )
 
     def _sigmas(self, windows: Windows) -> tuple[float, ...]:
         """Of Q; likely ones where it is not measured."""

@@ -36,6 +36,7 @@ ZERO, QUARTER, HALF, ONE, TWO, THREE = (np.float32(x) for x in (0.0, 0.25, 0.5, 
 LEVELS = np.float32(255.0)
 LEAST = np.float32(1e-30)
 """In place of a divisor of 0."""
+LUMA = (np.float32(0.299), np.float32(0.587), np.float32(0.114))
 
 # Planes of a chunk.
 RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, KEEP, PLANES = range(13)

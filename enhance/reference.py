@@ -56,7 +56,7 @@ def enhance_reference(
         snr = chroma_snr(scaled, keep, inside) if image.ndim == 3 and params.d_factor is None else None
         used = replace(_measured(value, chroma, filtered, keep, params, snr), field=field)
         if image.ndim == 3:
-            used = replace(used, redness=redness(scaled, keep))
+            used = replace(used, redness=redness(scaled, keep), color_noise=color_noise(scaled, keep, inside))
     enhanced = _new_value(value, filtered, used)
     if image.ndim == 3:
         whole = stretched(chroma, used.saturation_mean, params.k)
@@ -129,6 +129,26 @@ def redness(scaled: Float64Image, keep: BoolImage) -> float | None:
     if light == 0 or not np.ptp(scaled[..., :3], axis=2).any():
         return None
     return float((colors[:, 0] - colors[:, 1]).sum() / light)
+
+
+def color_noise(scaled: Float64Image, keep: BoolImage, inside: BoolImage) -> float | None:
+    """As `enhance.color_noise`: of second differences of red and green, the share of opposite ones."""
+    if not np.ptp(scaled[..., :3], axis=2).any():
+        return None
+    step, found = max(12, int(np.sqrt(keep.size // 512))), []
+    for y in range(0, keep.shape[0] - 11, step):
+        for x in range(0, keep.shape[1] - 11, step):
+            if not (keep[y + 6, x + 6] and inside[[y, y + 11], x : x + 12].all()):
+                continue
+            # Rounded, as it is a question of more or less than numbers that means of whole numbers can be.
+            means = scaled[y : y + 12, x : x + 12, :2].reshape(3, 4, 3, 4, 2).mean(axis=(1, 3))
+            means = np.round(255 * means, 9)
+            for row in (means[1], means[:, 1]):
+                if row[1].max() >= 24 and row.max() < 250:
+                    red, green = row[0] - 2 * row[1] + row[2]
+                    smaller, larger = sorted((abs(red), abs(green)))
+                    found.append(red * green < 0 and smaller > 1.5 and larger < 96)
+    return sum(found) / max(len(found), 128) if found else None
 
 
 def _exponent(sigma: float, params: EnhanceParams) -> float:

@@ -12,9 +12,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from enhance.calm_blotches import GRID, recolor_row
 from enhance.interleave import deinterleave
 from enhance.part import part
-from enhance.pixel_block import CHUNK
+from enhance.pixel_block import CHUNK, ZERO
+from enhance.upscale import bring_up
 from enhance.wide_vectors import wide_vectors
 
 REACH: Final = 1
@@ -48,13 +50,24 @@ def reflected(at: int, size: int) -> int:
 def read_row(
     image: NDArray[Any],  # (H, W, 3)
     y: int,  # may lie outside
+    spans: NDArray[np.int32],  # (H, 2) of `FieldOfView.spans`, or empty: all; outside, coarse noise stays
+    full: np.float32,  # the image's value of 1.0
+    around: NDArray[np.float32],  # (3, h, w) of `calm_blotches.colors_around`, or empty
+    smoothing: np.float32,  # share of coarse noise of colour that goes
+    colors: NDArray[np.float32],  # (2, 3, `held_width`), in and out: rows of `around` brought up
+    held: NDArray[np.int64],  # (2,), in and out: which rows these are
+    work: NDArray[np.float32],  # (2, CHUNK)
     lines: NDArray[Any],  # (ROWS, 3, `held_width`), in and out: of the rows' colours apart
     across: NDArray[Any],  # (ROWS, 3, `held_width`), in and out
 ) -> None:
     """Sums of three neighbours in row y, the middle one twice."""
     columns = image.shape[1]
-    line = lines[y % ROWS]
-    deinterleave(image[reflected(y, image.shape[0])], line)
+    line, at = lines[y % ROWS], reflected(y, image.shape[0])
+    deinterleave(image[at], line)
+    if smoothing > ZERO:
+        first, end = (spans[at, 0], spans[at, 1]) if len(spans) > 0 else (0, columns)
+        weight = bring_up(around, at, GRID, colors, held)
+        recolor_row(line, first, end, colors, weight, smoothing, full, work)
     for color in range(3):
         pixels, sums = line[color], across[y % ROWS, color]
         _add_across(pixels, sums[1:], columns - 2)

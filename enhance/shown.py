@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from enhance.color_noise import NO_OPPOSITES, Opposites, opposites
 from enhance.field import EVERYWHERE, FieldOfView, Spans, whole_field
 from enhance.field_search import find_field
 from enhance.image import BYTES, AnyImage, BoolImage, ImageError, Picture, full_scale, read_mask, read_picture
@@ -111,6 +112,11 @@ class Shown:
     def reds(self) -> Reds:
         """Of the pixels that count; of none of a grey image."""
         return NO_REDS if self.is_grey else reds(self.pixels, self.keep, self.spans, self.full)
+
+    @cached_property
+    def opposites(self) -> Opposites:
+        """Of the pixels that count; of none of a grey image."""
+        return NO_OPPOSITES if self.is_grey else opposites(self.pixels, self.keep, self.spans, self.full)
 
     @cached_property
     def spans(self) -> Spans:

@@ -12,6 +12,7 @@ from pydantic import BeforeValidator
 
 from enhance import brightness, detail
 from enhance.changed import changed
+from enhance.color_noise import NO_OPPOSITES, Opposites
 from enhance.exposure import bright_level
 from enhance.field import FieldOfView
 from enhance.image import ImageError
@@ -69,13 +70,16 @@ class Statistics:
     redness: float | None = None
     """By how much red exceeds green, as a share of V, over all pixels but clipped ones. None: not measured,
     as before 0.10.0, or of grey images."""
+    color_noise: float | None = None
+    """Share of places where red and green curve against each other, as coarse noise of colour makes them; see
+    `color_noise`. None: not measured, as before 0.13.0, or of grey images."""
     field: Annotated[FieldOfView | None, BeforeValidator(_known)] = None
     """Where it was measured, and is to be used; None: all pixels."""
 
     def __post_init__(self) -> None:
         """Raises ImageError: measurements that are not finite."""
         levels = self.level, self.bright_level or 0.0
-        colors = self.saturation_mean, self.chroma_snr or 0.0, self.redness or 0.0
+        colors = self.saturation_mean, self.chroma_snr or 0.0, self.redness or 0.0, self.color_noise or 0.0
         measured = (*levels, *colors, *self.sigmas)
         if not all(map(math.isfinite, (*measured, self.z, *self.p, self.color))):
             raise ImageError(f"expected statistics of finite numbers, got {self}")
@@ -138,6 +142,8 @@ class Tally:
     """Its mean over these pixels."""
     reds: Reds = NO_REDS
     """Of images with colours."""
+    opposites: Opposites = NO_OPPOSITES
+    """Of images with colours."""
 
     @property
     def sigmas(self) -> tuple[float, ...]:
@@ -160,6 +166,7 @@ class Tally:
             colored=colored,
             snr=self.snr + (other.snr - self.snr) * share_colored,
             reds=Reds(self.reds.red + other.reds.red, self.reds.light + other.reds.light),
+            opposites=Opposites(*np.add(self.opposites, other.opposites).tolist()),
         )
 
     def statistics(self, params: EnhanceParams, scope: Scope) -> Statistics:
@@ -169,8 +176,8 @@ class Tally:
             ImageError: no pixel was.
         """
         snr = self.snr if self.colored else None
-        one = from_sums(scope, self.histogram.cumsum(), self.saturation, self.sigmas, snr, self.reds)
-        return one.resolved(params)
+        sums = self.histogram.cumsum(), self.saturation, self.sigmas
+        return from_sums(scope, *sums, snr, self.reds, self.opposites).resolved(params)
 
 
 def from_sums(
@@ -180,6 +187,7 @@ def from_sums(
     sigmas: tuple[float, ...],
     chroma_snr: float | None = None,
     reds: Reds = NO_REDS,
+    opposites: Opposites = NO_OPPOSITES,
     field: FieldOfView | None = None,
 ) -> Statistics:
     """Statistics of pixels with this cumulative histogram of V of which `saturation` is the sum of S; z and P
@@ -201,6 +209,7 @@ def from_sums(
         chroma_snr=chroma_snr,
         bright_level=bright_level(cumulative),
         redness=reds.share,
+        color_noise=opposites.share,
         field=field,
     )
 
@@ -260,5 +269,6 @@ class LiveStatistics:
             chroma_snr=blend_known(before.chroma_snr, measured.chroma_snr),
             bright_level=blend_known(before.bright_level, measured.bright_level),
             redness=blend_known(before.redness, measured.redness),
+            color_noise=blend_known(before.color_noise, measured.color_noise),
             scope="live",
         )

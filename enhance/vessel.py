@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass as plain_dataclass
 from dataclasses import replace
-from typing import Annotated, Final
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 from annotated_types import Interval, Unit
@@ -19,7 +19,10 @@ from pydantic.dataclasses import dataclass
 
 from enhance import vessel_curves
 from enhance.brightness import z_from_level
+from enhance.calm_blotches import NO_COLORS, colors_around
+from enhance.color_noise import coarse_share
 from enhance.exposure import exposure
+from enhance.field import Spans
 from enhance.image import AnyImage, Float32Image, ImageError
 from enhance.params import DFactor, EnhanceParams
 from enhance.pixel_block import BINS
@@ -65,6 +68,9 @@ class VesselParams:
     least_redness: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.2
     """In images less red than this, such as grey ones, vessels are darkened in their own hue, not reddened: 0
     reddens them in all."""
+    color_smoothing: Annotated[float, Interval(ge=0.0, le=1.0)] = 1.0
+    """How much of coarse noise of colour, as of cheap cameras, is smoothed away in images that have such: 0
+    is off."""
     lift: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.25
     """How much of the paper's brightening, Eq 1, is applied: 0 is off."""
     gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 0.95
@@ -103,6 +109,10 @@ def enhance_vessels(
        the more of this darkness is that of G alone, and the more are R, G and B attenuated alike, by the mean
        of what blood absorbs, and twice the noise left out: no hue is invented in images that are nearly
        grey, under other light than white, or where dyes or fluorescence are.
+    6. Where more than a fifth of an image has red and green curve against each other, as no structure of
+       tissue makes them, colours are noise in blotches: up to `color_smoothing` of the differences to luma
+       become those of a surround 8 pixels wide first of all, and as much less is darkness common to red and
+       green treated as shadow, since colours no longer tell thin vessels.
 
     For many images, or many parameters of one, a `VesselEnhancer` is faster.
 
@@ -131,23 +141,40 @@ def enhance_vessels(
     return enhancer.enhance(params, statistics=statistics)
 
 
+class _View(NamedTuple):
+    """How an image is looked at."""
+
+    smoothing: float
+    """Share of coarse noise of colour that is smoothed away."""
+    shading: float
+    exposure: float
+    """So many times longer."""
+
+
 @plain_dataclass(frozen=True, eq=False)
 class _Found:
     """Of one image: what the first pass finds."""
 
     shown: Shown
-    shading: float
-    """Of `absorbed`."""
-    exposure: float
+    view: _View
     """Of `bright` and `absorbed`."""
+    around: Float32Image
+    """Of `colors_around`; empty unless noise is smoothed away."""
     bright: Float32Image
     """(H / 2, W / 2) V in blocks of 2 x 2 pixels, times the exposure."""
-    histogram: NDArray[np.int64]
-    """(256,) of V over the kept pixels, as it is."""
-    chroma: float
-    """Sum of S over the kept pixels."""
     absorbed: Float32Image
     """(H / 2, W / 2) natural logarithm of what green lacks beside red; in grey images, of darkness."""
+
+
+class _Counts(NamedTuple):
+    """Of one image, over the kept pixels, as they are or without coarse noise of colour."""
+
+    shown: Shown
+    smoothing: float
+    histogram: NDArray[np.int64]
+    """(256,) of V."""
+    chroma: float
+    """Sum of S."""
 
 
 @plain_dataclass(frozen=True, eq=False)
@@ -181,6 +208,7 @@ class VesselEnhancer:
         self._stream = Stream(live)
         self._shown: Shown | None = None
         self._found: _Found | None = None
+        self._counts: _Counts | None = None
         self._ground: _Ground | None = None
 
     def show(
@@ -207,15 +235,15 @@ class VesselEnhancer:
         """
         require_classes(params, VesselParams, statistics)
         now = self._look_within(statistics)
-        shading = 0.0 if now.is_grey else params.shading
-        measured = statistics or self._measured(self._look(now, shading))
-        share = 0.0 if now.is_grey else blood_share(measured.redness, params.least_redness)
-        times = exposure(measured.bright_level, params.most_exposure)
-        found = self._find(now, share * shading, times)
+        known = statistics or self._measured(now, params)
+        view = _view(now, params, known.redness, known.color_noise, known.bright_level)
+        found = self._found
+        if found is None or found.shown is not now or found.view != view:
+            found, _ = self._see(now, view, _nothing(now))
         ground = self._stand(found, params.radius)
-        z = 1 - (1 - z_from_level(measured.level)) * params.lift
-        used = measured.resolved(replace(TONE, z=z))
-        return EnhanceResult(_drawn(params, used, share, found, ground), used, ())
+        z = 1 - (1 - z_from_level(known.level)) * params.lift
+        used = known.resolved(replace(TONE, z=z))
+        return EnhanceResult(_drawn(params, used, found, ground), used, ())
 
     def _look_within(self, statistics: Statistics | None) -> Shown:
         """The shown image within its field of view, or that of the statistics."""
@@ -226,22 +254,23 @@ class VesselEnhancer:
             self._take(now)
         return now
 
-    def _look(self, now: Shown, shading: float) -> _Found:
-        """At the image, unless that is done, whatever the shading was."""
-        found = self._found
-        if found is None or found.shown is not now:
-            found = self._found = _survey(now, shading, found)
-            self._ground = None
-        return found
+    def _measured(self, now: Shown, params: VesselParams) -> Statistics:
+        """Of the shown image as it is enhanced, smoothed if the stream is live."""
+        # Nearly always it is seen so in the end.
+        likely = _view(now, params, now.reds.share, now.opposites.share, None)
+        counts = self._counts
+        if counts is None or counts.shown is not now or counts.smoothing != likely.smoothing:
+            _, counts = self._see(now, likely, now.spans)
+            self._counts = counts
+        sums = counts.histogram.cumsum(), counts.chroma, ()
+        one = from_sums("image", *sums, None, now.reds, now.opposites, now.field)
+        return self._stream.smoothed(one, counts.histogram)
 
-    def _find(self, now: Shown, shading: float, times: float) -> _Found:
-        """What absorbs green more than red, at a shading of 0 what is dark, of the image exposed so many
-        times."""
-        found = self._look(now, shading)
-        if (found.shading, found.exposure) != (shading, times):
-            found = self._found = _found_again(found, shading, times)
-            self._ground = None
-        return found
+    def _see(self, now: Shown, view: _View, counted: Spans) -> tuple[_Found, _Counts]:
+        """The first pass, into the memory of the one before where that fits."""
+        found, counts = _first_pass(now, view, counted, self._found)
+        self._found, self._ground = found, None
+        return found, counts
 
     def _stand(self, found: _Found, radius: int) -> _Ground:
         """What of it is not narrow."""
@@ -252,12 +281,6 @@ class VesselEnhancer:
             ground = self._ground = _Ground(radius, opened, middle)
         return ground
 
-    def _measured(self, found: _Found) -> Statistics:
-        """Of the shown image, smoothed if the stream is live."""
-        counts, now = found.histogram, found.shown
-        one = from_sums("image", counts.cumsum(), found.chroma, (), reds=now.reds, field=now.field)
-        return self._stream.smoothed(one, counts)
-
 
 def _strength_and_coring(params: VesselParams, share: float) -> tuple[float, float]:
     """Without the colour of blood, all three colours lose the mean of what it absorbs, and twice as much
@@ -265,9 +288,10 @@ def _strength_and_coring(params: VesselParams, share: float) -> tuple[float, flo
     return params.strength * (share + (1 - share) * MEAN_ABSORPTION), params.coring * (2 - share)
 
 
-def _drawn(params: VesselParams, used: Statistics, share: float, found: _Found, ground: _Ground) -> AnyImage:
-    """The second pass. share: of the colour of blood."""
-    now = found.shown
+def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Ground) -> AnyImage:
+    """The second pass."""
+    now, view = found.shown, found.view
+    share = 0.0 if now.is_grey else blood_share(used.redness, params.least_redness)
     strength, coring = _strength_and_coring(params, 1.0 if now.is_grey else share)
     noise = coring * ground.middle
     density = blood_density(found.absorbed, found.bright, ground.opened, ground.radius, noise)
@@ -275,10 +299,12 @@ def _drawn(params: VesselParams, used: Statistics, share: float, found: _Found, 
     second_pass(
         now.pixels,
         now.spans,
+        found.around,
+        np.float32(view.smoothing),
         np.float32(now.full),
         sums_of(now.pixels),
-        vessel_curves.brightness(used.z, found.exposure),
-        np.float32(found.exposure),
+        vessel_curves.brightness(used.z, view.exposure),
+        np.float32(view.exposure),
         density[None],
         vessel_curves.powers(params.gamma),
         np.float32(pull(used.saturation_mean, params.d_factor)),
@@ -290,11 +316,34 @@ def _drawn(params: VesselParams, used: Statistics, share: float, found: _Found, 
     return now.finished(out)
 
 
-def _survey(now: Shown, shading: float, before: _Found | None) -> _Found:
-    """The first pass, into the memory of the one before where that fits."""
+def _view(
+    now: Shown, params: VesselParams, redness: float | None, noise: float | None, bright: float | None
+) -> _View:
+    """By what is measured: `Statistics.redness`, `color_noise` and `bright_level`."""
+    times = exposure(bright, params.most_exposure)
+    if now.is_grey:
+        return _View(0.0, 0.0, times)
+    smoothing = params.color_smoothing * coarse_share(noise)
+    share = blood_share(redness, params.least_redness)
+    return _View(smoothing, (1 - smoothing) * share * params.shading, times)
+
+
+def _nothing(now: Shown) -> Spans:
+    """Of no pixel: V above 1, as of an image that is exposed longer, is in no histogram."""
+    return np.zeros((now.pixels.shape[0], 2), np.int32)
+
+
+def _first_pass(now: Shown, view: _View, counted: Spans, before: _Found | None) -> tuple[_Found, _Counts]:
+    """Into the memory of the one before where that fits, of pixels whose full scale is less by the exposure.
+
+    So the floor of its logarithms is less, too, which hides what differs by few grey levels.
+    """
     height, width = now.pixels.shape[:2]
     low = -(-height // SUBSAMPLE), -(-width // SUBSAMPLE)
-    if before is not None and before.shown.pixels.shape[:2] == (height, width):
+    around = before.around if before is not None and before.shown is now else NO_COLORS
+    if view.smoothing > 0 and around.size == 0:
+        around = colors_around(now.pixels, now.full)
+    if before is not None and before.bright.shape == low:
         bright, absorbed = before.bright, before.absorbed
     else:
         bright, absorbed = np.empty(low, np.float32), np.empty(low, np.float32)
@@ -303,37 +352,17 @@ def _survey(now: Shown, shading: float, before: _Found | None) -> _Found:
     first_pass(
         now.pixels,
         now.keep,
+        counted,
         now.spans,
-        np.float32(now.full),
+        around,
+        np.float32(view.smoothing),
+        np.float32(now.full / view.exposure),
         sums_of(now.pixels),
-        np.float32(shading),
+        np.float32(view.shading),
         bright,
         histograms,
         chroma,
         absorbed,
     )
-    return _Found(now, shading, 1.0, bright, histograms.sum(axis=0), float(chroma.sum()), absorbed)
-
-
-def _found_again(found: _Found, shading: float, times: float) -> _Found:
-    """The first pass once more, into the same memory, with another shading or of pixels whose full scale is
-    so many times less.
-
-    So the floor of its logarithms is less, too, which hides what differs by few grey levels. No pixel is
-    within the spans that it is given: V above 1 is in no histogram.
-    """
-    now = found.shown
-    tasks = -(-now.pixels.shape[0] // TASK)
-    first_pass(
-        now.pixels,
-        now.keep,
-        np.zeros((now.pixels.shape[0], 2), np.int32),
-        np.float32(now.full / times),
-        sums_of(now.pixels),
-        np.float32(shading),
-        found.bright,
-        np.empty((tasks, BINS), np.int64),
-        np.empty(tasks),
-        found.absorbed,
-    )
-    return replace(found, shading=shading, exposure=times)
+    counts = _Counts(now, view.smoothing, histograms.sum(axis=0), float(chroma.sum()))
+    return _Found(now, view, around, bright, absorbed), counts

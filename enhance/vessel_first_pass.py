@@ -58,7 +58,10 @@ NEXT = np.uint64(1)
 def first_pass(
     image: NDArray[Any],  # (H, W, 3)
     keep: NDArray[np.uint8],  # (H, W) 0 or 1, or empty: all
-    spans: NDArray[np.int32],  # (H, 2) of `FieldOfView.spans`, or empty: all
+    spans: NDArray[np.int32],  # (H, 2) as of `FieldOfView.spans`, or empty: all; what counts
+    field: NDArray[np.int32],  # the same, of the field: where coarse noise of colour goes
+    around: NDArray[np.float32],  # (3, h, w) of `calm_blotches.colors_around`, or empty
+    smoothing: np.float32,  # how much of coarse noise goes
     full: np.float32,  # the image's value of 1.0
     sums: NDArray[Any],  # `sums_of` the image
     shading: np.float32,
@@ -75,12 +78,18 @@ def first_pass(
             image,
             keep,
             spans,
-            ONE / full,
+            field,
+            around,
+            smoothing,
+            full,
             shading,
             bright,
             histograms,
             chroma,
             absorbed,
+            np.empty((2, 3, width if smoothing > ZERO else 0), np.float32),
+            np.full(2, -1),
+            np.empty((2, CHUNK), np.float32),
             np.zeros((ROWS, 3, width), image.dtype),
             np.zeros((ROWS, 3, width), sums.dtype),
             np.zeros((3, CHUNK), sums.dtype),
@@ -99,12 +108,18 @@ def _survey_task(
     image: NDArray[Any],
     keep: NDArray[np.uint8],
     spans: NDArray[np.int32],
-    unit: np.float32,
+    field: NDArray[np.int32],
+    around: NDArray[np.float32],
+    smoothing: np.float32,
+    full: np.float32,
     shading: np.float32,
     bright: NDArray[np.float32],
     histograms: NDArray[np.int64],
     chroma: NDArray[np.float64],
     absorbed: NDArray[np.float32],
+    colors: NDArray[np.float32],
+    held_colors: NDArray[np.int64],
+    work: NDArray[np.float32],
     lines: NDArray[Any],
     across: NDArray[Any],
     narrow: NDArray[Any],
@@ -117,12 +132,13 @@ def _survey_task(
 ) -> None:
     """A task's rows; after `absorbed` comes memory to work in."""
     rows, columns = image.shape[0], image.shape[1]
+    unit = ONE / full
     reds, greens = pairs[0], pairs[1]
     top, bottom = task * TASK, min((task + 1) * TASK, rows)
     for y in range(top - REACH, top + REACH):
-        read_row(image, y, lines, across)
+        read_row(image, y, field, full, around, smoothing, colors, held_colors, work, lines, across)
     for y in range(top, bottom):
-        read_row(image, y + REACH, lines, across)
+        read_row(image, y + REACH, field, full, around, smoothing, colors, held_colors, work, lines, across)
         first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
         chunk[TOTAL] = ZERO
         for x0 in range(0, columns, CHUNK):

@@ -50,6 +50,8 @@ LEAST_SQUARE = np.float32(1e-12)
 def second_pass(
     image: NDArray[Any],  # (H, W, 3)
     spans: NDArray[np.int32],  # (H, 2) of `FieldOfView.spans`, or empty: all; outside, `image` stays
+    around: NDArray[np.float32],  # (3, h, w) of `calm_blotches.colors_around`, or empty
+    smoothing: np.float32,  # how much of coarse noise of colour goes
     full: np.float32,  # the image's value of 1.0
     sums_type: NDArray[Any],  # `sums_of` the image
     brightness: NDArray[np.float32],  # of Vn by log2 V, see `vessel_curves`
@@ -70,6 +72,8 @@ def second_pass(
             task,
             image,
             spans,
+            around,
+            smoothing,
             full,
             brightness,
             rise,
@@ -80,6 +84,9 @@ def second_pass(
             strength,
             share,
             out,
+            np.empty((2, 3, width if smoothing > ZERO else 0), np.float32),
+            np.full(2, -1),
+            np.empty((2, CHUNK), np.float32),
             np.zeros((ROWS, 3, width), image.dtype),
             np.zeros((ROWS, 3, width), sums_type.dtype),
             np.zeros((3, CHUNK), image.dtype),
@@ -95,6 +102,8 @@ def _render_task(
     task: int,
     image: NDArray[Any],
     spans: NDArray[np.int32],
+    around: NDArray[np.float32],
+    smoothing: np.float32,
     full: np.float32,
     brightness: NDArray[np.float32],
     rise: np.float32,
@@ -105,6 +114,9 @@ def _render_task(
     strength: np.float32,
     share: np.float32,
     out: NDArray[Any],
+    colors: NDArray[np.float32],
+    held_colors: NDArray[np.int64],
+    work: NDArray[np.float32],
     lines: NDArray[Any],
     across: NDArray[Any],
     apart: NDArray[Any],
@@ -118,9 +130,9 @@ def _render_task(
     unit = ONE / full
     top, bottom = task * TASK, min((task + 1) * TASK, rows)
     for y in range(top - REACH, top + REACH):
-        read_row(image, y, lines, across)
+        read_row(image, y, spans, full, around, smoothing, colors, held_colors, work, lines, across)
     for y in range(top, bottom):
-        read_row(image, y + REACH, lines, across)
+        read_row(image, y + REACH, spans, full, around, smoothing, colors, held_colors, work, lines, across)
         first, end = (spans[y, 0], spans[y, 1]) if len(spans) > 0 else (0, columns)
         weight = bring_up(density, y, SUBSAMPLE, blood, held)
         for x0 in range(first // CHUNK * CHUNK, end if end > first else 0, CHUNK):

@@ -162,7 +162,7 @@ def test_density_hardly_shows_at_a_step_between_tissues() -> None:
 
 def test_density_is_bounded() -> None:
     noise = np.random.default_rng(1).random((50, 60, 3))
-    reddened = VesselParams(coring=0, least_redness=0)
+    reddened = VesselParams(coring=0, least_redness=0, color_smoothing=0)
     strongest = [density(image, reddened).max() for image in (noise, np.round(noise))]
     assert max(strongest) <= BOUND + 1e-6
     assert min(strongest) > 0.8 * BOUND

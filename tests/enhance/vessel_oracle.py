@@ -5,18 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from enhance.brightness import level, value_histogram, z_from_level
+from enhance.calm_blotches import colors_around
+from enhance.field import Spans
 from enhance.image import AnyImage, BoolImage, Float32Image, Picture, read_mask, read_picture
 from enhance.morphology import step_of
 from enhance.params import EnhanceParams
 from enhance.pipeline import enhance
-from enhance.reference import redness
+from enhance.pixel_block import CHUNK
+from enhance.reference import color_noise, redness
 from enhance.reflections import BRIGHT, COARSE, COLORLESS, RIM
 from enhance.result import EnhanceResult
+from enhance.rows import ROWS, held_width, read_row, sums_of
 from enhance.saturation import Saturation, stretch
 from enhance.shown import Pixels, Shown
 from enhance.statistics import Statistics
@@ -52,6 +58,14 @@ def vessels_of(
     if was_grey:
         colors = colors[..., 0]
     planes = _split(colors)
+    smoothing = 0.0
+    if len(planes) == 3:
+        noise = _noise(picture, keep, inside) if statistics is None else statistics.color_noise
+        smoothing = params.color_smoothing * min(max(((noise or 0.0) - 0.2) / 0.2, 0.0), 1.0)
+    if smoothing > 0:
+        shown = Shown.of(image, None, pixels).within(statistics)
+        planes = _split(read_picture(without_blotches(shown.pixels, shown.spans, smoothing)).colors)
+        params = replace(params, shading=(1 - smoothing) * params.shading)
     calm = _calm(planes)
     bright = _largest(calm)
     dark = level(value_histogram(bright[keep]).cumsum()) if statistics is None else statistics.level
@@ -76,6 +90,20 @@ def vessels_of(
     return EnhanceResult(whole, toned.statistics, ())
 
 
+def without_blotches(pixels: NDArray[Any], spans: Spans, share: float) -> NDArray[Any]:
+    """Pixels as `Shown` has them, `share` of whose differences to luma are those around, as rows are read: a
+    level more or less would be more than one in the result."""
+    (height, width), full = pixels.shape[:2], 255 if pixels.dtype == np.uint8 else 1
+    around, whole, out = colors_around(pixels, full), held_width(width), np.empty_like(pixels)
+    known = spans, np.float32(full), around, np.float32(share)
+    work = np.empty((2, 3, whole), np.float32), np.full(2, -1), np.empty((2, CHUNK), np.float32)
+    rows = tuple(np.zeros((ROWS, 3, whole), kind) for kind in (pixels.dtype, sums_of(pixels).dtype))
+    for y in range(height):
+        read_row(pixels, y, *known, *work, *rows)
+        out[y] = rows[0][y % ROWS, :, :width].T
+    return out
+
+
 def _density(
     planes: Planes, bright: Float32Image, params: VesselParams, keep: BoolImage, share: float
 ) -> Float32Image:
@@ -83,6 +111,12 @@ def _density(
     less = 0.0 if len(planes) == 1 else 1 - share
     found = blood_density(planes, bright, replace(params, shading=share * params.shading), keep, 1 + less)
     return np.asarray(np.float32(params.strength * (1 - 0.35 * less)) * found)
+
+
+def _noise(picture: Picture, keep: BoolImage, inside: BoolImage) -> float | None:
+    is_whole = picture.dtype == np.uint8  # Their means are compared with whole numbers and halves.
+    scaled = picture.pixels / 255 if is_whole else picture.colors.astype(np.float64)
+    return color_noise(scaled, keep, inside)
 
 
 def _redness(picture: Picture, keep: BoolImage) -> float | None:

@@ -195,7 +195,10 @@ def test_a_signal_while_steps_are_taken_keeps_those_that_are_done(
     assert "--resume continues from it" in call.error
 
 
-@pytest.mark.parametrize(("since", "told"), [("most_exposure", "bright_level"), ("least_redness", "redness")])
+@pytest.mark.parametrize(
+    ("since", "told"),
+    [("most_exposure", "bright_level"), ("least_redness", "redness"), ("color_smoothing", "color_noise")],
+)
 def test_a_run_that_began_before_a_parameter_was_there_resumes(
     since: str, told: str, clip_path: Path, tmp_path: Path
 ) -> None:
