@@ -23,7 +23,6 @@ from renderer.depth.stereo_pairs import (
     right_pictures,
     with_stereo_depth,
 )
-from renderer.readers.clip_options import ClipOptions
 from renderer.readers.image_folders.frames import open_images
 from renderer.sources import open_bare, open_case
 from tests.renderer.eyes import BASELINE, Eyes, write_eyes
@@ -387,18 +386,3 @@ def test_a_real_pair_opens():
     assert (depth > 0).mean() > 0.7
     spread = np.percentile(depth[depth > 0], [1, 99])
     assert spread[1] < 3 * spread[0]
-
-
-def test_both_eyes_are_read_by_the_bits_that_the_left_images_use(written, tmp_path):
-    """Of a camera of 12 bits, where the folder of the left eye is opened alone."""
-    folder, before = written[0], tmp_path / "clip"
-    for path in folder.rglob("*.png"):
-        deep = before / path.relative_to(folder)
-        deep.parent.mkdir(parents=True, exist_ok=True)
-        cv2.imwrite(str(deep), 16 * cv2.imread(str(path)).astype(np.uint16))
-    clip = open_bare(before / "left", ClipOptions(field_of_view=FIELD_OF_VIEW))
-    assert (clip.format, clip.bits) == ("images", 12)
-    left, right = clip.read_image(0), right_eye(clip).read(0)
-    assert abs(right.mean() / left.mean() - 1) < 0.1
-    depth = with_stereo_depth(clip, right_eye(clip), None).read_frame(0).depth
-    assert np.mean(depth > 0) == pytest.approx(np.mean(opened(folder).read_frame(0).depth > 0), abs=0.02)

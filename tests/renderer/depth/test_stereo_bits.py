@@ -1,0 +1,31 @@
+"""Both eyes of 16-bit images are read by the bits that the left ones use."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from renderer.depth.stereo_pairs import right_eye, with_stereo_depth
+from renderer.readers.clip_options import ClipOptions
+from renderer.sources import open_bare
+from tests.renderer.depth.test_stereo_pairs import FIELD_OF_VIEW, LAYOUTS, SIZE, opened
+from tests.renderer.eyes import write_eyes
+
+
+def test_both_eyes_are_read_by_the_bits_that_the_left_images_use(tmp_path: Path) -> None:
+    """Of a camera of 12 bits, where the folder of the left eye is opened alone."""
+    folder, before = tmp_path / "written", tmp_path / "clip"
+    write_eyes(folder, *LAYOUTS["folders"], count=2, **SIZE)
+    for path in folder.rglob("*.png"):
+        deep = before / path.relative_to(folder)
+        deep.parent.mkdir(parents=True, exist_ok=True)
+        cv2.imwrite(str(deep), 16 * cv2.imread(str(path)).astype(np.uint16))
+    clip = open_bare(before / "left", ClipOptions(field_of_view=FIELD_OF_VIEW))
+    assert (clip.format, clip.bits) == ("images", 12)
+    left, right = clip.read_image(0), right_eye(clip).read(0)
+    assert abs(right.mean() / left.mean() - 1) < 0.1
+    depth = with_stereo_depth(clip, right_eye(clip), None).read_frame(0).depth
+    assert np.mean(depth > 0) == pytest.approx(np.mean(opened(folder).read_frame(0).depth > 0), abs=0.02)
