@@ -227,21 +227,24 @@ def _draw_choice(state: AppState, browsing: Browsing) -> None:
     label = "Replace" if replaces else browsing.choosing.question.verb
     color = theme.now().caution if replaces else theme.now().lit
     act = partial(browse_actions.choose, state, browsing)
-    button(f"{label}###choose", act, reason=reason, color=color, width=8)
+    button(f"{label}###choose", act, reason=reason, color=color, width=6.5)
     imgui.same_line()
-    button("Cancel", partial(browse_actions.cancel, state), width=8)
+    button("Cancel", partial(browse_actions.cancel, state), width=6.5)
     filters = browsing.choosing.question.filters
     if len(filters) > 1 and not saves:
         imgui.same_line()
         labels = {place: one.label for place, one in enumerate(filters)}
-        chosen = choose("filter", browsing.filter, labels, "Which files are listed.", 14)
+        chosen = choose("filter", browsing.filter, labels, "Which files are listed.", 12)
         browse_actions.choose_filter(browsing, chosen)
     imgui.same_line()
     if replaces:
         imgui.text_colored(theme.now().warning, f"{legible(browse_actions.target(browsing).name)} exists.")
     else:
         typed = browsing.typed or (saves and browsing.name.strip())
-        muted(reason if reason and typed else with_keys(_hint(browsing)))
+        said = reason if reason and typed else with_keys(_hint(browsing))
+        short = shortened(said, imgui.get_content_region_avail().x)
+        muted(short)
+        explain(said if short != said else "")
 
 
 def _hint(browsing: Browsing) -> str:

@@ -123,6 +123,20 @@ def test_a_file_that_is_not_there_is_said_not_to_be(
     assert chooser.chosen == []
 
 
+def test_with_large_text_what_is_said_below_the_list_is_within_the_dialog(
+    chooser: Chooser, case: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    texts: list[str] = []
+    monkeypatch.setattr(file_browser, "muted", texts.append)
+    chooser.ask("file", "file", case)
+    assert texts[-1] == file_browser.WHOLE_FOLDER
+    imgui.get_style().font_scale_main = 2.0
+    chooser.frames(2)
+    first, last = texts[-1].split("…")
+    assert file_browser.WHOLE_FOLDER.startswith(first)
+    assert file_browser.WHOLE_FOLDER.endswith(last)
+
+
 @pytest.mark.parametrize("kind", ["file", "folder"])
 def test_of_a_folder_that_is_still_read_nothing_is_said_not_to_be_there(
     state: AppState, case: Path, kind: Kind
