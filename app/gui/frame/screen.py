@@ -14,13 +14,16 @@ from app.gui.frame.shares import Shares
 from app.gui.state.app_state import AppState
 from app.gui.style import theme
 
+FRAMES_TO_END = 3
+"""Bars come back with the next frame, panels get their part of what these leave with that after it."""
+
 
 class Screen:
     """`add_timeline` gives the runner the toolbar that a presentation takes away."""
 
     def __init__(self, add_timeline: Callable[[hello_imgui.RunnerParams], None]) -> None:
         self._add_timeline = add_timeline
-        self._bare, self._full_screen, self._ends = Bare(), FullScreen(), False
+        self._bare, self._full_screen, self._ends_in = Bare(), FullScreen(), 0
         self._shares = Shares()
 
     def follow(self, state: AppState, params: hello_imgui.RunnerParams) -> None:
@@ -38,8 +41,10 @@ class Screen:
         self._full_screen.follow(glfw_utils.glfw_window_hello_imgui(), state.window.full_screen)
         self._show_bars(params, shown=not presents)
         theme.show_ground_of_panels(shown=not presents)
-        if self._ends:
-            dockings.quit_app()
+        if self._ends_in:
+            self._ends_in -= 1
+            if not self._ends_in:
+                dockings.quit_app()
 
     def _show_bars(self, params: hello_imgui.RunnerParams, *, shown: bool) -> None:
         window, calls = params.imgui_window_params, params.callbacks
@@ -53,8 +58,8 @@ class Screen:
 
     def end_whole(self, state: AppState) -> None:
         """The runner keeps panels and place for the next window when it ends: before, they are brought back,
-        which is done between two frames."""
+        which takes some frames."""
         params = hello_imgui.get_runner_params()
         if params.app_shall_exit and window_actions.is_reduced(state):
-            params.app_shall_exit, self._ends = False, True
+            params.app_shall_exit, self._ends_in = False, FRAMES_TO_END
             window_actions.restore(state)

@@ -9,7 +9,7 @@ import glfw
 import pytest
 from imgui_bundle import ImVec2, glfw_utils, hello_imgui, imgui
 
-from app.gui.actions import actions
+from app.gui.actions import actions, presenting
 from app.gui.frame import dockings
 from app.gui.state.app_state import AppState
 from app.gui.work import kept_layout
@@ -18,6 +18,7 @@ from assets import phantom_path
 from renderer.gaussians import DynamicGaussians
 from tests.app.gui.conftest import start_live
 from tests.app.gui.test_layouts import kept
+from tests.app.gui.test_stills import write_image
 from tests.app.gui.test_window import Driver, is_settled, wait
 
 Context = imgui.test_engine.TestContext
@@ -73,6 +74,36 @@ def test_a_layout_of_a_larger_window_fits_the_next_one(
     )
     kept_layout.seal(layout)
     kept(places, again)
+
+
+@pytest.mark.display
+def test_a_window_that_ends_in_a_presentation_leaves_the_images_their_share(
+    places: Places, tmp_path: Path
+) -> None:
+    still, heights = tmp_path / "still.png", list[tuple[float, float]]()
+    write_image(still, (64, 48))
+
+    def sizes(ctx: Context, state: AppState) -> None:
+        show(ctx, state, still, "Stills")
+        if not dockings.is_shown("Notes"):
+            dockings.toggle("Notes")
+        ctx.yield_(6)
+        images, notes = (ctx.window_info(f"//{name}").window.size.y for name in ("Images", "Notes"))
+        heights.append((float(images), float(notes)))
+
+    def first(ctx: Context, state: AppState) -> None:
+        sizes(ctx, state)
+        presenting.show(state, "right")
+        ctx.yield_(6)
+        leave(state)
+
+    def again(ctx: Context, state: AppState) -> None:
+        sizes(ctx, state)
+        leave(state)
+
+    kept(places, first)
+    kept(places, again)
+    assert heights[1] == pytest.approx(heights[0], abs=4)
 
 
 @pytest.mark.display
