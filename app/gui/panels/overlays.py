@@ -211,7 +211,9 @@ def draw_notes(state: AppState) -> None:
     changed, text = text_area("##notes", NOTES_HINT, state.session.notes, size)
     if imgui.is_item_active():
         notes_actions.begin_writing(state, False)
-    explain("Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports.")
+    explain(
+        "Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports: the case summary can add them."
+    )
     if changed:
         notes_actions.write_notes(state, text)
 
