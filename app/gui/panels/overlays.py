@@ -212,8 +212,8 @@ def draw_notes(state: AppState) -> None:
     if imgui.is_item_active():
         notes_actions.begin_writing(state, False)
     explain(
-        "Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports: the case summary "
-        "can add them."
+        "Saved with the session (Ctrl+S) and recovered after a crash. Not included in exports: the case "
+        "summary can add them."
     )
     if changed:
         notes_actions.write_notes(state, text)
