@@ -265,8 +265,7 @@ def _fit_strip(
             if reach == NARROW:
                 describe_narrow(sums[0], sums[1], rest, shares, tall, variance, mean)
             else:
-                accumulate(first, reach, running[0])
-                accumulate(second, reach, running[1])
+                accumulate(first, second, reach, running)
                 describe(running[0], running[1], reach, rest, shares, tall, variance, mean)
         if stage == KEEP and top <= y < bottom:
             copy_row(variance, kept[0, y])
@@ -281,8 +280,7 @@ def _fit_strip(
             for plane in range(2):
                 mean_narrow(sums[plane], rest, shares, tall, out[plane, y])
         else:
-            accumulate(first, reach, running[0])
-            accumulate(second, reach, running[1])
+            accumulate(first, second, reach, running)
             for plane in range(2):
                 mean_of(running[plane], reach, rest, shares, tall, out[plane, y])
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final, cast
 
 import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from enhance.part import part
@@ -16,30 +20,73 @@ EDGE: Final = NARROW + 1
 """Sums beyond each end of its row, which are 0."""
 
 
+@intrinsic
+def _add_fours(typing_context: Any, rows: Any, more: Any, fours: Any, out: Any, out_more: Any) -> Any:
+    """out[x] = the sum of rows[: x + 1] for the x of so many fours, and the same of `more`: both rows in one
+    vector, as each step waits for the one before.
+
+    To the last sum comes what is added up from there on: 0, 0 + 1, (0 + 1) + 2 and (0 + 1) + (2 + 3).
+    """
+    four, eight = (ir.VectorType(ir.DoubleType(), count) for count in (4, 8))
+    nothing = ir.Constant(eight, None)
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        def data(index: int) -> Any:
+            return context.make_array(signature.args[index])(context, builder, arguments[index]).data
+
+        def shuffled(one: Any, other: Any, lanes: list[int]) -> Any:
+            order = ir.Constant(ir.VectorType(ir.IntType(32), len(lanes)), lanes)
+            return builder.shuffle_vector(one, other, order)
+
+        def in_both(sums: Any, lanes: list[int]) -> Any:
+            """These lanes of each half; 8: 0."""
+            return shuffled(sums, nothing, lanes + [lane if lane == 8 else lane + 4 for lane in lanes])
+
+        sources, targets = (data(0), data(1)), (data(3), data(4))
+        total = cast(Any, cgutils).alloca_once_value(builder, nothing)
+        with cgutils.for_range(builder, arguments[2]) as loop:
+            at = builder.mul(loop.index, ir.Constant(loop.index.type, 4))
+
+            def place(array: Any) -> Any:
+                return builder.bitcast(builder.gep(array, [at]), four.as_pointer())
+
+            first, second = (builder.load(place(array), align=8) for array in sources)
+            sums = shuffled(first, second, list(range(8)))
+            sums = builder.fadd(sums, in_both(sums, [8, 0, 8, 2]))
+            sums = builder.fadd(sums, in_both(sums, [8, 8, 1, 1]))
+            before = builder.load(total)
+            builder.store(builder.fadd(before, in_both(sums, [3] * 4)), total)
+            sums = builder.fadd(before, sums)
+            for array, lanes in zip(targets, ([0, 1, 2, 3], [4, 5, 6, 7]), strict=True):
+                builder.store(shuffled(sums, sums, lanes), place(array), align=8)
+        return context.get_dummy_value()
+
+    return types.void(rows, more, types.intp, out, out_more), codegen
+
+
 @part()
-def accumulate(sums: NDArray[np.float64], whole: int, running: NDArray[np.float64]) -> None:
-    """Running sums, 0 before the row and the total after it, so that no window needs a look at the border.
+def accumulate(
+    first: NDArray[np.float64], second: NDArray[np.float64], whole: int, running: NDArray[np.float64]
+) -> None:
+    """Running sums of two rows, (2, n): 0 before the row and the total after it, so that no window needs a
+    look at the border.
 
     Four at a time: each step waits for one addition instead of four.
     """
     wide_vectors()
-    columns = len(sums)
-    running[: whole + 2] = 0.0
-    out = running[whole + 2 :]
-    total = 0.0
-    for step in range(columns // 4):
-        x = np.uint64(4 * step)  # unsigned: no look at whether it counts from the end
-        x1, x2, x3 = x + np.uint64(1), x + np.uint64(2), x + np.uint64(3)
-        two = sums[x] + sums[x1]
-        out[x] = total + sums[x]
-        out[x1] = total + two
-        out[x2] = total + (two + sums[x2])
-        total += two + (sums[x2] + sums[x3])
-        out[x3] = total
-    for i in range(columns // 4 * 4, columns):
-        total += sums[i]
-        out[i] = total
-    out[columns:] = total
+    columns = len(first)
+    out, out_2 = running[0, whole + 2 :], running[1, whole + 2 :]
+    for x in range(whole + 2):
+        running[0, x], running[1, x] = 0.0, 0.0
+    fours = columns // 4
+    _add_fours(first, second, fours, out, out_2)  # type: ignore[call-arg]
+    total, total_2 = (out[4 * fours - 1], out_2[4 * fours - 1]) if fours > 0 else (0.0, 0.0)
+    for x in range(4 * fours, columns):
+        total += first[x]
+        total_2 += second[x]
+        out[x], out_2[x] = total, total_2
+    for x in range(columns, len(out)):
+        out[x], out_2[x] = total, total_2
 
 
 @part(fastmath={"contract"})
