@@ -21,6 +21,7 @@ from enhance.pixel_block import (
     MOST,
     ONE,
     QUARTER,
+    STEP,
     TOTAL,
     VALUE,
     ZERO,
@@ -28,6 +29,7 @@ from enhance.pixel_block import (
     load,
     load_keep,
     zero_chunk,
+    zero_row,
 )
 from enhance.powers import rounded
 from enhance.prefetch import fetch
@@ -53,7 +55,7 @@ def first_pass(
 
     An odd edge repeats what is last.
     """
-    width = fine.shape[2] * subsample
+    held = (fine.shape[2] * subsample + CHUNK + STEP - 1) // STEP * STEP
     for block in prange(len(chroma)):
         _survey_block(
             block,
@@ -69,11 +71,11 @@ def first_pass(
             step,
             samples,
             zero_chunk(),  # type: ignore[call-arg]
-            np.zeros((5, CHUNK), image.dtype),
-            np.empty((3, width + CHUNK), np.float32),
+            zero_row(5 * CHUNK, image.dtype).reshape((5, CHUNK)),  # type: ignore[call-arg]
+            zero_row(3 * held, np.float32).reshape((3, held)),  # type: ignore[call-arg]
             np.empty(CHUNK, np.uint16),
             np.zeros((4, BINS + 1), np.int32),
-            np.zeros(CHUNK),
+            zero_row(CHUNK, np.float64),  # type: ignore[call-arg]
         )
     _together(histograms, histogram)
 

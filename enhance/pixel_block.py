@@ -12,7 +12,6 @@ from __future__ import annotations
 from typing import Any, cast
 
 import numpy as np
-from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
@@ -28,6 +27,8 @@ CHUNK = 256
 multiple of 32."""
 LINE = 64
 """Bytes of a line of the cache."""
+STEP = LINE // 4
+"""Float32 in a line: rows of as many, or of a multiple, begin with one each."""
 BLOCK = 16
 """Low-resolution rows of one task: a fixed number, so that no result depends on the number of threads."""
 BINS = 256
@@ -42,28 +43,44 @@ LUMA = (np.float32(0.299), np.float32(0.587), np.float32(0.114))
 RED, GREEN, BLUE, MOST, LEAST_COLOR, VALUE, LOG, INVERSE, SLOPE, OFFSET, TOTAL, KEEP, PLANES = range(13)
 
 
-@intrinsic
-def zero_chunk(typing_context: Any) -> Any:
-    """(PLANES, CHUNK) float32 zeros that begin with a line of the cache.
+def _zeros(context: Any, builder: Any, kind: Any, shape: tuple[Any, ...], strides: tuple[Any, ...]) -> Any:
+    """An array that begins with a line of the cache.
 
     Half of what numba allocates itself begins amid a line: vectors as wide as a line then lie in two of them,
     and a pass takes a tenth longer.
     """
+    whole = builder.mul(shape[0], strides[0])
+    owner = context.nrt.meminfo_alloc_aligned(builder, whole, LINE)
+    data = context.nrt.meminfo_data(builder, owner)
+    data = builder.bitcast(data, context.get_data_type(kind.dtype).as_pointer())
+    cast(Any, cgutils).memset(builder, data, whole, 0)
+    array = context.make_array(kind)(context, builder)
+    cast(Any, populate_array)(array, data, shape, strides, itemsize=strides[-1], meminfo=owner)
+    return array._getvalue()
+
+
+@intrinsic
+def zero_chunk(typing_context: Any) -> Any:
+    """(PLANES, CHUNK) float32 zeros that begin with a line of the cache."""
     kind = types.Array(types.float32, 2, "C")
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        item = 4
-        sizes = PLANES, CHUNK, item * CHUNK, item, item * CHUNK * PLANES
-        planes, width, stride, step, whole = (context.get_constant(types.intp, size) for size in sizes)
-        owner = context.nrt.meminfo_alloc_aligned(builder, whole, LINE)
-        data = builder.bitcast(context.nrt.meminfo_data(builder, owner), ir.FloatType().as_pointer())
-        cast(Any, cgutils).memset(builder, data, whole, 0)
-        array = context.make_array(kind)(context, builder)
-        shape, strides = (planes, width), (stride, step)
-        cast(Any, populate_array)(array, data, shape, strides, itemsize=step, meminfo=owner)
-        return array._getvalue()
+        planes, width, step = (context.get_constant(types.intp, size) for size in (PLANES, CHUNK, 4))
+        return _zeros(context, builder, kind, (planes, width), (builder.mul(width, step), step))
 
     return kind(), codegen
+
+
+@intrinsic
+def zero_row(typing_context: Any, count: Any, dtype: Any) -> Any:
+    """(count,) zeros of this type that begin with a line of the cache; to be reshaped."""
+    kind = types.Array(dtype.dtype, 1, "C")
+
+    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        step = context.get_constant(types.intp, context.get_abi_sizeof(context.get_data_type(kind.dtype)))
+        return _zeros(context, builder, kind, (arguments[0],), (step,))
+
+    return kind(types.intp, dtype), codegen
 
 
 @part(forceinline=True, fastmath={"contract"})

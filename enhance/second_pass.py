@@ -23,6 +23,7 @@ from enhance.pixel_block import (
     MOST,
     ONE,
     SLOPE,
+    STEP,
     TOTAL,
     TWO,
     VALUE,
@@ -33,6 +34,7 @@ from enhance.pixel_block import (
     load,
     load_keep,
     zero_chunk,
+    zero_row,
 )
 from enhance.powers import exp2, log2
 from enhance.prefetch import fetch
@@ -77,7 +79,7 @@ def render(
 ) -> None:
     """Second pass: Q, E, V*, S* and the colours, read once and written once."""
     columns, scales = image.shape[1], len(exponents)
-    width = (columns + CHUNK - 1) // CHUNK * CHUNK + 2 * subsample
+    width = (columns + CHUNK - 1) // CHUNK * CHUNK + (2 * subsample + STEP - 1) // STEP * STEP
     for block in prange(len(sums)):
         _render_block(
             block,
@@ -105,11 +107,11 @@ def render(
             sums[block],
             out,
             zero_chunk(),  # type: ignore[call-arg]
-            np.zeros((5, CHUNK), image.dtype),
+            zero_row(5 * CHUNK, image.dtype).reshape((5, CHUNK)),  # type: ignore[call-arg]
             np.empty(scales, np.float32),
-            np.zeros((scales, 2, 2, width), np.float32),
+            zero_row(4 * scales * width, np.float32).reshape((scales, 2, 2, width)),  # type: ignore[call-arg]
             np.full((scales, 2), -1),
-            np.zeros((scales, 2, CHUNK), np.float32),
+            zero_row(2 * scales * CHUNK, np.float32).reshape((scales, 2, CHUNK)),  # type: ignore[call-arg]
             np.zeros((scales, 2, CHUNK)),
         )
     _add_up(sums, totals)
