@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from renderer.clip import BoolImage, ByteImage, Clip, Frame
+from renderer.splats import Float32Array
 from renderer.unobserved import GREY
 
 SELDOM: Final = 0.3
@@ -22,6 +23,10 @@ GLARING: Final = 40
 """Grey levels, in some channel, by which it differs."""
 STRAYS: Final = 3
 """Pixels that a highlight, or any colour of tissue, may lie beside where a frame shows it."""
+SOLID: Final = 0.5
+"""Alpha of tissue, against what is clear."""
+BODY: Final = 5
+"""Radius in pixels of a disc that fits into observed tissue; what is narrower is compared with all around."""
 
 
 def shares_seen(clip: Clip, fit: Sequence[int]) -> NDArray[np.float64] | None:
@@ -71,16 +76,46 @@ def recorded(render: ByteImage, frame: Frame) -> BoolImage:
     return np.asarray(((render >= least) & (render <= most)).all(axis=2))
 
 
-def specks(render: ByteImage, seen: BoolImage, shown: BoolImage) -> int:
+def specks(render: ByteImage, alpha: Float32Array, seen: BoolImage, shown: BoolImage) -> int:
     """Pixels that differ glaringly from those around them, near the edge of what was ever seen (`seen`).
+
+    What hangs together with tissue that was observed is compared with such tissue alone: at a corner most of
+    what lies around is fill, which is no tissue. What floats in the fill is compared with all around it.
 
     What frames show so themselves (`shown`, see `highlights` and `recorded`) is no speck, and what looks like
     the grey that the render lies over, or like a mixture of that and what is around, is none but a place that
     was not observed, or its edge.
+
+    Args:
+        render: (H, W, 3), over GREY where its `alpha` (H, W) is below 1.
     """
     ever, disc = seen.astype(np.uint8), _disc(NEAR)
     edge = (cv2.dilate(ever, disc) > 0) & (cv2.erode(ever, disc, borderValue=1) == 0)
-    return int(np.count_nonzero(_is_no_mixture(render) & edge & ~shown))
+    solid = (alpha >= SOLID).astype(np.uint8)
+    observed = (cv2.morphologyEx(solid, cv2.MORPH_OPEN, _disc(BODY)) > 0) & seen
+    around = _around(render)
+    partly = cv2.erode(observed.astype(np.uint8), np.ones((AROUND, AROUND), np.uint8)) == 0
+    at = np.nonzero(edge & ~shown & partly & _joined(solid, observed))
+    around[at] = _medians(render, observed, at)
+    return int(np.count_nonzero(_is_no_mixture(render, around) & edge & ~shown))
+
+
+def _joined(solid: ByteImage, observed: BoolImage) -> BoolImage:
+    """(H, W) True of what is solid, hangs together with what was observed, and reaches STRAYS out of it."""
+    count, parts = cv2.connectedComponents(solid, connectivity=4)
+    held = np.zeros(count, bool)
+    held[parts[observed]] = True
+    near = cv2.dilate(observed.astype(np.uint8), _disc(STRAYS)) > 0
+    return np.asarray(held[parts] & (solid > 0) & near)
+
+
+def _medians(image: ByteImage, observed: BoolImage, at: tuple[NDArray[np.int64], ...]) -> NDArray[np.float64]:
+    """(N, 3) medians about the pixels `at` (rows and columns) of what was observed there."""
+    reach = AROUND // 2
+    known = np.where(observed[..., None], image, np.nan).astype(np.float32)
+    padded = np.pad(known, ((reach, reach), (reach, reach), (0, 0)), mode="edge")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, (AROUND, AROUND), axis=(0, 1))[at]
+    return np.asarray(np.nanmedian(windows.reshape(len(windows), 3, AROUND**2), axis=2))
 
 
 def _disc(radius: int) -> ByteImage:
@@ -93,9 +128,9 @@ def _glaring(image: ByteImage) -> BoolImage:
     return np.asarray(apart.max(axis=2) > GLARING)
 
 
-def _is_no_mixture(image: ByteImage) -> BoolImage:
+def _is_no_mixture(image: ByteImage, medians: ByteImage) -> BoolImage:
     """(H, W) True where it differs glaringly from all that lies between its surroundings and GREY."""
-    around = _around(image).astype(np.float32)
+    around = medians.astype(np.float32)
     to_grey, apart = np.float32(255) * np.array(GREY, np.float32) - around, image - around
     share = (apart * to_grey).sum(axis=2) / np.maximum((to_grey * to_grey).sum(axis=2), 1)
     left = apart - np.clip(share, 0, 1)[..., None] * to_grey

@@ -104,7 +104,7 @@ def measured(
         rows.append(
             {
                 **vars(closeness(picture, drawn.alpha, frame, seldom)),
-                "specks": np.nan if shares is None else specks(over_grey, shares > 0, shown),
+                "specks": np.nan if shares is None else specks(over_grey, drawn.alpha, shares > 0, shown),
                 "depth_rmse": depth_rmse(drawn.depth, depth, mask),
             }
         )

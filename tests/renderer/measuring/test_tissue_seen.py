@@ -25,6 +25,9 @@ from renderer.unobserved import GREY
 SHAPE = (80, 120)
 SEEN = np.ones(SHAPE, bool)
 SEEN[:, 80:] = False
+WHOLE = np.ones(SHAPE, np.float32)
+"""Alpha of a render without fill."""
+FILL, TISSUE = np.array([255 * level for level in GREY]), np.array((160.0, 95.0, 60.0))
 
 
 @pytest.fixture
@@ -62,14 +65,14 @@ NOWHERE = np.zeros(SHAPE, bool)
 def test_specks_are_counted_on_both_sides_of_the_edge_and_nowhere_else() -> None:
     near, far = (20, 80 - NEAR + 2), (20, 80 - NEAR - 4)
     beyond, outside = (50, 80 + NEAR - 3), (50, 80 + NEAR + 4)
-    assert specks(image(near, far, beyond, outside), SEEN, NOWHERE) == 2
+    assert specks(image(near, far, beyond, outside), WHOLE, SEEN, NOWHERE) == 2
 
 
 def test_what_frames_show_is_no_speck() -> None:
     at, shown = (40, 75), NOWHERE.copy()
     shown[at] = True
-    assert specks(image(at), SEEN, shown) == 0
-    assert specks(image(at), SEEN, NOWHERE) == 1
+    assert specks(image(at), WHOLE, SEEN, shown) == 0
+    assert specks(image(at), WHOLE, SEEN, NOWHERE) == 1
 
 
 def test_tissue_as_the_frame_itself_shows_it_is_no_speck(clip: Clip) -> None:
@@ -80,24 +83,24 @@ def test_tissue_as_the_frame_itself_shows_it_is_no_speck(clip: Clip) -> None:
     tissue[:, :column] = True
     seen = np.full((*shape, 3), metal, np.uint8)
     seen[:, :column], seen[30] = bright, dark
-    render = np.full((*shape, 3), bright, np.uint8)
+    render, solid = np.full((*shape, 3), bright, np.uint8), np.ones(shape, np.float32)
     render[30, column - 1] = render[30, column + 1] = dark  # As the frame shows it, a little beyond the edge.
     known = replace(frame, image=seen, tissue_mask=tissue)
-    assert specks(render, tissue, np.zeros(shape, bool)) == 2
-    assert specks(render, tissue, recorded(render, known)) == 0
+    assert specks(render, solid, tissue, np.zeros(shape, bool)) == 2
+    assert specks(render, solid, tissue, recorded(render, known)) == 0
     others = ((10, column - 1), dark), ((50, column - 1), metal), ((30, column + STRAYS), dark)
     for place, color in others:
         render[place] = color
         assert not recorded(render, known)[place]
-    assert specks(render, tissue, recorded(render, known)) == len(others)
+    assert specks(render, solid, tissue, recorded(render, known)) == len(others)
 
 
 def test_a_thin_part_that_was_not_observed_is_no_speck_but_colour_in_it_is() -> None:
     grey = np.full((*SHAPE, 3), 200, np.uint8)
     grey[38:41, 60:] = [round(255 * level) for level in GREY]
-    assert specks(grey, SEEN, NOWHERE) == 0
+    assert specks(grey, WHOLE, SEEN, NOWHERE) == 0
     grey[39, 85] = (150, 40, 40)
-    assert specks(grey, SEEN, NOWHERE) == 1
+    assert specks(grey, WHOLE, SEEN, NOWHERE) == 1
 
 
 def test_the_soft_edge_of_what_was_not_observed_is_no_speck() -> None:
@@ -107,10 +110,60 @@ def test_the_soft_edge_of_what_was_not_observed_is_no_speck() -> None:
     for rows, share in ((slice(37, 42), 0.5), (slice(38, 41), 1.0)):
         soft[rows, 60:] = tissue + share * (grey - tissue)
     soft = np.rint(soft).astype(np.uint8)
-    assert specks(soft, SEEN, NOWHERE) == 0
+    assert specks(soft, WHOLE, SEEN, NOWHERE) == 0
     for place, color in (((37, 70), (250, 250, 250)), ((37, 85), (0, 0, 0)), ((41, 90), (220, 140, 20))):
         soft[place] = color
-    assert specks(soft, SEEN, NOWHERE) == 3
+    assert specks(soft, WHOLE, SEEN, NOWHERE) == 3
+
+
+def beside_fill(alpha: np.ndarray, *dots: tuple[tuple[int, int], tuple[int, int, int]]) -> np.ndarray:
+    """Tissue of that alpha (H, W) over the fill, with opaque dots of other colours."""
+    made = np.rint(FILL + alpha[..., None] * (TISSUE - FILL)).astype(np.uint8)
+    for place, color in dots:
+        made[place], alpha[place] = color, 1
+    return made
+
+
+def corner() -> np.ndarray:
+    """(H, W) alpha of tissue in the lower left, up to row 40 and column 70, with an edge that is soft."""
+    rows, columns = np.ogrid[: SHAPE[0], : SHAPE[1]]
+    away = np.minimum(rows - 39, 70 - columns)
+    return np.clip((away + 1) / 3, 0, 1).astype(np.float32)
+
+
+def test_a_corner_of_tissue_beside_the_fill_is_no_speck() -> None:
+    alpha = corner()
+    seen = alpha > 0.5
+    drawn = beside_fill(alpha)
+    assert specks(drawn, alpha, seen, NOWHERE) == 0
+    elsewhere = np.broadcast_to(np.arange(SHAPE[1]) < 55, SHAPE)
+    assert specks(drawn, alpha, elsewhere, NOWHERE) > 0, "compared with what is around, fill and all"
+
+
+@pytest.mark.parametrize("color", [(250, 250, 250), (40, 200, 60), (0, 0, 0), (255, 95, 60)])
+@pytest.mark.parametrize("place", [(39, 71), (41, 69), (39, 50), (60, 71), (44, 66)])
+def test_dots_of_other_colours_at_a_corner_or_edge_are_specks(
+    place: tuple[int, int], color: tuple[int, int, int]
+) -> None:
+    alpha = corner()
+    seen = alpha > 0.5
+    assert specks(beside_fill(alpha, (place, color)), alpha, seen, NOWHERE) == 1
+
+
+@pytest.mark.parametrize("place", [(36, 40), (34, 80), (50, 76), (60, 85)])
+def test_tissue_that_floats_in_the_fill_is_a_speck_whatever_its_colour(place: tuple[int, int]) -> None:
+    alpha = corner()
+    seen = alpha > 0.5
+    assert specks(beside_fill(alpha, (place, (160, 95, 60))), alpha, seen, NOWHERE) == 1
+
+
+def test_tissue_that_hangs_out_far_is_a_speck_and_so_is_an_island() -> None:
+    alpha = corner()
+    seen = alpha > 0.5
+    alpha[60, 70:84] = 1  # A strand one pixel wide, from the edge on.
+    alpha[20:24, 40:44] = 1
+    far = specks(beside_fill(alpha), alpha, seen, NOWHERE)
+    assert far == (84 - 70 - STRAYS) + 16
 
 
 def test_highlights_are_those_of_tissue_in_any_frame_and_what_lies_beside_them(clip: Clip) -> None:
@@ -134,4 +187,4 @@ def test_highlights_are_those_of_tissue_in_any_frame_and_what_lies_beside_them(c
 
 def test_a_smooth_fill_has_no_specks() -> None:
     ramp = np.broadcast_to(np.linspace(0, 255, SHAPE[1]).astype(np.uint8)[None, :, None], (*SHAPE, 3))
-    assert specks(ramp, SEEN, NOWHERE) == 0
+    assert specks(ramp, WHOLE, SEEN, NOWHERE) == 0
