@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Final
 
 import numpy as np
@@ -12,7 +13,7 @@ from enhance.field import FieldOfView, typical
 from enhance.field_search import find_field
 from renderer.clip import ByteImage, Clip, Frame
 from renderer.evenly import evenly
-from renderer.poses.burned_in import burned_in_borders
+from renderer.poses.burned_in import burned_in_borders, dark_bars
 from renderer.readers.masks.lit_part import RIM
 from renderer.train.config import TrainConfig
 from renderer.train.events import Omission
@@ -60,10 +61,22 @@ def without_rim(field: FieldOfView) -> FieldOfView:
 
 def without_borders(images: Sequence[ByteImage]) -> FieldOfView | None:
     """Images without bars at their border, which stay while a camera moves; None where there are none."""
-    left, top, right, bottom = burned_in_borders(images)
-    if not any((left, top, right, bottom)):
+    return _within(images[0].shape[1], images[0].shape[0], burned_in_borders(images))
+
+
+def without_dark_bars(frames: Iterable[Frame]) -> FieldOfView | None:
+    """Frames without the thin dark bars at their border; None where there are none."""
+    every = iter(frames)
+    first = next(every, None)
+    if first is None:
         return None
-    height, width = images[0].shape[:2]
+    return _within(first.camera.width, first.camera.height, dark_bars(chain((first,), every)))
+
+
+def _within(width: int, height: int, borders: tuple[int, int, int, int]) -> FieldOfView | None:
+    left, top, right, bottom = borders
+    if not any(borders):
+        return None
     corners = ((left, top), (width - right, top), (width - right, height - bottom), (left, height - bottom))
     return FieldOfView(width=width, height=height, polygon=tuple((float(x), float(y)) for x, y in corners))
 

@@ -23,9 +23,9 @@ def with_found(
     keep: Sequence[Part],
     is_followed: bool = False,
 ) -> ClipPart:
-    """The part without the dark surround and the tools that some of these frames show, unless they are kept
-    or known; where the camera `is_followed` also without the rim of the surround and bars at the border,
-    which stay where it moves."""
+    """The part without the dark surround or thin dark bars at the border, and the tools that some of these
+    frames show, unless they are kept or known; where the camera `is_followed` also without the rim of the
+    surround and any bars at the border, which stay where it moves."""
     looked_at = dark_surround.spread(indices)
     if "surround" not in keep and part.field_of_view is None:
         field = dark_surround.lit_field(map(read_frame, looked_at))
@@ -33,6 +33,8 @@ def with_found(
             field = dark_surround.without_rim(field)
         elif is_followed:
             field = dark_surround.without_borders([read_frame(index).image for index in looked_at])
+        elif field is None:
+            field = dark_surround.without_dark_bars(map(read_frame, looked_at))
         part = replace(part, field_of_view=field)
     if "tools" not in keep and part.tools is None:
         frames = (part.cleared(read_frame(index)) for index in looked_at)

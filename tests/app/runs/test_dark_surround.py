@@ -14,14 +14,16 @@ import pytest
 
 from app.gui.work.omissions import OmissionsRequest
 from app.report.runs import Runs
+from app.runs.clip_selection import WHOLE
 from app.runs.dark_surround import lit_field
+from app.runs.left_out import left_out_of, with_found
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.runs.trained_clip import run_clip
 from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from app.scenes.scene import open_scene
 from enhance.field import overlap
-from renderer.clip import BoolImage
+from renderer.clip import BoolImage, Frame
 from renderer.metrics import psnr_masked
 from renderer.near_plane import near_plane
 from renderer.phantom import PhantomParams, write_phantom
@@ -162,6 +164,30 @@ def test_where_masks_leave_it_out_or_nothing_is_dark_there_is_none(round_clip: P
     whole = open_clip(clip_path)
     assert lit_field(whole.read_frame(index) for index in range(3)) is None
     assert lit_field([frames[0], whole.read_frame(0)]) is None
+
+
+def test_thin_dark_bars_at_the_border_are_left_out_unless_they_are_kept(clip_path: Path) -> None:
+    clip = open_clip(clip_path)
+
+    def barred(index: int) -> Frame:
+        frame = clip.read_frame(index)
+        image = frame.image.copy()
+        image[-2:, : clip.size[0] // 2] = 6  # Not all along, as where an image is turned a little.
+        return replace(frame, image=image)
+
+    indices, height = range(4), clip.size[1]
+    assert with_found(WHOLE, clip.read_frame, indices, ()).field_of_view is None
+    found = with_found(WHOLE, barred, indices, ())
+    assert found.field_of_view is not None
+    kept = found.field_of_view.mask()
+    assert kept[: height - 3].all()
+    assert not kept[height - 3 :].any()
+    frame = found.cleared(barred(0))
+    assert not frame.tissue_mask[height - 3 :].any()
+    assert not frame.evaluation_mask[height - 3 :].any()
+    _, (line,) = left_out_of(replace(found, tools=None))
+    assert line.startswith("left out: the dark surround, ")
+    assert with_found(WHOLE, barred, indices, ("surround",)).field_of_view is None
 
 
 def test_a_report_measures_a_run_without_what_it_left_out(round_clip: Path, tmp_path: Path) -> None:
