@@ -14,7 +14,17 @@ from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
 from renderer.rasterize.cpu import render
 from renderer.raw_gaussians import RawGaussians
-from renderer.train.fading import FADES, LEAST, SHRED, TRACE, _shares_beyond, _shreds, faded_out_of_sight
+from renderer.train import fading
+from renderer.train.fading import (
+    FADES,
+    LEAST,
+    OUTSIDE,
+    SHRED,
+    TRACE,
+    _shares_beyond,
+    _shreds,
+    faded_out_of_sight,
+)
 from renderer.train.frames import MARGIN, TrainFrame, train_frame, unseen_beyond
 from tests.renderer.splines import without_nodes
 
@@ -98,6 +108,20 @@ def test_the_curve_hardly_swings_between_frames() -> None:
         assert (after.at(float(time)).opacities <= 1.06 * before.at(float(time)).opacities).all()
 
 
+@pytest.mark.parametrize(("outside", "left"), [(OUTSIDE, 0.4), ((2.0, 3.0), 1.0)])
+def test_a_knob_out_of_the_edge_fades_though_it_lies_in_its_margin(
+    monkeypatch: pytest.MonkeyPatch, outside: tuple[float, float], left: float
+) -> None:
+    monkeypatch.setattr(fading, "OUTSIDE", outside)
+    before = model(down=BAR + 4 - HEIGHT / 2)
+    before.raw.log_scales[:] = np.log(0.07)
+    assert BAR + 1 < before.at(1.0).means[LEAVES, 1] * FOCAL / DEPTH + HEIGHT / 2 < BAR + MARGIN - 1
+    after = faded(before)
+    assert after.at(1.0).opacities[LEAVES] <= left * before.at(1.0).opacities[LEAVES]
+    assert after.at(0.2).opacities[LEAVES] > 0.9 * before.at(0.2).opacities[LEAVES]
+    assert (after is before) == (left == 1)
+
+
 def test_what_stays_in_sight_is_the_same_model() -> None:
     before = model(down=8)
     assert faded(before) is before
@@ -133,12 +157,15 @@ def test_shares_are_those_of_what_is_drawn(down: float) -> None:
     """One Gaussian alone, as it is drawn at the last frame."""
     one = model(down).rows(np.array([LEAVES]))
     beyond = hidden()
-    (share,) = list(_shares_beyond(one, [(1.0, ~beyond)], CAMERA, beyond, 0.1, "default"))
+    ((share, outside),) = list(
+        _shares_beyond(one, [(1.0, ~beyond)], CAMERA, (beyond, beyond), 0.1, "default")
+    )
     alpha = render(one.at(1.0), CAMERA, near=0.1).alpha.astype(np.float64)
     wanted = alpha[beyond].sum() / (alpha.sum() + TRACE)
     assert share[0] == pytest.approx(wanted, abs=1e-3)
+    assert outside[0] == pytest.approx(wanted, abs=1e-3)
     kept = faded(model(down)).at(1.0).opacities[LEAVES] / model(down).at(1.0).opacities[LEAVES]
-    if wanted < FADES[0]:
+    if wanted < min(FADES[0], OUTSIDE[0]):
         assert kept == pytest.approx(1, abs=1e-6)
     if wanted > FADES[1]:
         assert kept < 3 * LEAST
