@@ -47,14 +47,6 @@ of specks a frame; pulling 39.346 and 39.355, 39.54 and 39.56, 0 each. What show
 as hidden in part: with a FREE of 1 mesentery has 37.423 dB. Where colours alone tell what is seen, it loses
 0.38 dB of what is seldom seen.
 
-Of a Gaussian that lies for the most part where no frame ever shows tissue, frames see an end, and where that
-lies in a highlight all of it glares. So by GLINT it is brighter than its neighbours at most unless a share of
-EVER of it lies where some frame shows tissue. On training frames that were held out (3000 steps, seed 0),
-without and with it: mesentery 37.507 dB each, 40.387 and 40.384 of what is seldom seen; pulling 39.354 each,
-39.543 and 39.540; on all that were fitted of mesentery (2000 steps) 37 and 20 pixels of specks, those in the
-highlight 16 and 0. There 0.3 dB of what is seldom seen are lost. Both sides bound by 0.12 lose 0.24 dB of it
-where frames were held out: darker colours stay as they are. By the share in view they lose 0.07 to 0.4 dB.
-
 SLACK and SEEN were chosen on training frames of the pulling clip (1500 steps, seed 0). Behind two made-up
 masks, and on visible tissue of frames held out: 24.4 and 27.7 dB, and 38.60, without; 25.3 and 29.0, 38.48
 with SLACK of 0.01 and SEEN of 0.1; 26.1 and 30.3, 38.52 with SEEN of 0.5 and REST of 0.03 and no EDGE.
@@ -73,7 +65,6 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from renderer.clip import BoolImage
 from renderer.deformation.spline import spline_taps
 from renderer.deformation.spline_motion import SplineMotion
 from renderer.gaussians import DynamicGaussians
@@ -82,7 +73,7 @@ from renderer.rasterize.footprints import footprints
 from renderer.raw_gaussians import RawGaussians
 from renderer.splats import RenderMode
 from renderer.train.events import Omission
-from renderer.train.frames import TrainFrame, away_from_tools, ever_seen
+from renderer.train.frames import TrainFrame, away_from_tools
 from renderer.train.neighbours import nearest_others
 
 SLACK = 0.01
@@ -106,9 +97,6 @@ GLARE = np.float32(0.08)
 STRAY, FREE = np.float32(0.04), np.float32(3.0)
 """By which, of 1, a colour differs at most from theirs at a time when no frame sees it, and by how much more
 times the share of the frames that do: a third of them tell of any colour."""
-GLINT, EVER = np.float32(0.16), (np.float32(0.5), np.float32(0.6))
-"""By which, of 1, it is brighter than theirs at most where no more than the first of these shares of it lies
-where some frame shows tissue; from the second on that is no bound."""
 BATCH = 8192
 """Control values for which neighbours are looked at at once."""
 TINY = np.float32(1e-12)
@@ -127,17 +115,14 @@ def smooth_occluded_motion(
     if not isinstance(motion, SplineMotion):
         return gaussians, ()
     n_nodes, n_controls = len(motion.node_controls), motion.n_controls
-    shape = len(gaussians), n_controls, _BAND
-    normal, normal_colors, normal_clear, normal_inside = (np.zeros(shape) for _ in range(4))
+    normal, normal_colors, normal_clear = (np.zeros((len(gaussians), n_controls, _BAND)) for _ in range(3))
     normal_nodes = np.zeros((n_nodes, n_controls, _BAND))
     normal_whole = np.zeros((1, n_controls, _BAND))
-    shares = _seen_shares(gaussians, frames, near, mode)
-    for frame, (seen, apart, clear, inside) in zip(frames, shares, strict=True):
+    for frame, (seen, apart, clear) in zip(frames, _seen_shares(gaussians, frames, near, mode), strict=True):
         taps = spline_taps(frame.time, n_controls)
         _add_normal(normal, seen, *taps)
         _add_normal(normal_colors, apart, *taps)
         _add_normal(normal_clear, clear, *taps)
-        _add_normal(normal_inside, inside, *taps)
         _add_normal(normal_nodes, _seen_of_nodes(motion, seen), *taps)
         _add_normal(normal_whole, np.ones(1, np.float32), *taps)
     whole = normal_whole[0, :, 0]
@@ -147,13 +132,11 @@ def smooth_occluded_motion(
     _, others = nearest_others(gaussians.raw.means, AROUND)
     resting = _steps_from_glare(gaussians.raw, motion, others)
     colors = _colors_at_rest(motion.color_controls, resting, normal_clear, normal_colors, whole)
-    seen_then, inside_then = (
-        (of[:, :, 0] / np.maximum(whole, TINY)).astype(np.float32) for of in (normal, normal_inside)
-    )
+    seen_then = (normal[:, :, 0] / np.maximum(whole, TINY)).astype(np.float32)
     still = replace(
         motion,
         position_controls=_at_rest(motion.position_controls, normal, whole),
-        color_controls=_colors_like_others(colors, gaussians.raw, others, seen_then, inside_then),
+        color_controls=_colors_like_others(colors, gaussians.raw, others, seen_then),
         opacity_controls=_at_rest(motion.opacity_controls, normal, whole),
         node_controls=_at_rest(motion.node_controls, normal_nodes, whole),
     )
@@ -198,19 +181,17 @@ def _colors_like_others(
     raw: RawGaussians,
     others: NDArray[np.int64],  # (N, AROUND), or fewer
     seen: NDArray[np.float32],  # (N, K) share of the frames near each control value that see a Gaussian
-    inside: NDArray[np.float32],  # (N, K) and in which it lies where some frame shows tissue
 ) -> NDArray[np.float32]:
     if not (len(curves) and others.size):
         return curves
     colors, out = raw.colors[:, None] + curves, curves.copy()
-    below = STRAY + FREE * seen
-    above = np.minimum(below, GLINT + FREE * inside)
-    bound = np.argwhere(above < 1)
+    reach = STRAY + FREE * seen
+    bound = np.argwhere(reach < 1)
     for begin in range(0, len(bound), BATCH):
         rows, at = bound[begin : begin + BATCH].T
         around = np.median(colors[others[rows], at[:, None]], axis=1)
-        down, up, found = below[rows, at, None], above[rows, at, None], colors[rows, at]
-        out[rows, at] += np.clip(found, around - down, around + up) - found
+        most, found = reach[rows, at, None], colors[rows, at]
+        out[rows, at] += np.clip(found, around - most, around + most) - found
     return out
 
 
@@ -224,13 +205,11 @@ def _seen_of_nodes(motion: SplineMotion, seen: NDArray[np.float32]) -> NDArray[n
 
 def _seen_shares(
     gaussians: DynamicGaussians, frames: Sequence[TrainFrame], near: float, mode: RenderMode = "default"
-) -> Iterator[tuple[NDArray[np.float32], ...]]:
-    """Four times (N,) of each frame: w / (w + SEEN) of the blending weight w that supervised pixels give a
+) -> Iterator[tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]]:
+    """Three times (N,) of each frame: w / (w + SEEN) of the blending weight w that supervised pixels give a
     Gaussian, and of its colour: those beside tools give less, and a sliver in sight tells hardly anything;
-    the same where other tissue does not hide it; and the first of those that lie where some frame shows
-    tissue."""
+    and the same where other tissue does not hide it."""
     width, height = frames[0].camera.width, frames[0].camera.height
-    never = _never_shown(frames)
     rasterizer = Rasterizer(width, height)
     for frame in frames:
         rasterizer.forward(gaussians.at(frame.time), frame.camera, near, mode=mode)
@@ -242,22 +221,7 @@ def _seen_shares(
         visible = np.flatnonzero(rasterizer.visible)
         covered = footprints(rasterizer.records[visible], width, height)
         bare[visible] = whole[visible] / np.maximum(covered, TINY)
-        clear, seen = colored * bare**4 / (bare**4 + CLEARLY**4), weight / (weight + SEEN)
-        inside = np.ones(len(whole), np.float32)
-        if never is not None:
-            total = whole.copy()
-            (beyond,) = rasterizer.blending_weights(never)
-            inside -= beyond / np.maximum(total, TINY)
-        yield seen, colored, clear, seen * np.clip((inside - EVER[0]) / (EVER[1] - EVER[0]), 0, 1)
-
-
-def _never_shown(frames: Sequence[TrainFrame]) -> BoolImage | None:
-    """(H, W) where no frame shows tissue; None: there is no such place, or the camera moves, so that a pixel
-    is no place."""
-    if any(frame.camera != frames[0].camera for frame in frames):
-        return None
-    never = ~ever_seen(frames)
-    return never if never.any() else None
+        yield weight / (weight + SEEN), colored, colored * bare**4 / (bare**4 + CLEARLY**4)
 
 
 def _trusted(frame: TrainFrame) -> NDArray[np.float32]:

@@ -18,7 +18,6 @@ from renderer.train.frames import TrainFrame, train_frame
 from renderer.train.hidden import (
     EDGE,
     GLARE,
-    GLINT,
     LEAK,
     REST,
     SLACK,
@@ -84,7 +83,7 @@ def test_what_is_seen_stays_within_the_slack() -> None:
     roughness = (np.diff(model.motion.color_controls, axis=1) ** 2).sum(axis=(1, 2))
     size = (model.motion.color_controls**2).sum(axis=(1, 2))
     apart = np.zeros(COUNT)
-    for frame, (_, seen, *_) in zip(shown, list(_seen_shares(model, shown, 0.1)), strict=True):
+    for frame, (_, seen, _) in zip(shown, list(_seen_shares(model, shown, 0.1)), strict=True):
         change = values(still, frame.time) - values(model, frame.time)
         apart += seen * (change**2).sum(axis=1)
     assert apart.max() > 0
@@ -143,9 +142,8 @@ def test_curves_are_the_minimiser_of_the_stated_sum(monkeypatch: pytest.MonkeyPa
     shares = [rng.uniform(0, 1, COUNT).astype(np.float32) for _ in TIMES]
     shares = [share * (rng.uniform(size=COUNT) < 0.3) for share in shares]
     clear = [share * (rng.uniform(size=COUNT) < 0.5).astype(np.float32) for share in shares]
-    told = [(share[::-1].copy(), share, some, share) for share, some in zip(shares, clear, strict=True)]
-    for bound in ("STRAY", "GLINT"):  # Of others' colours it knows nothing.
-        monkeypatch.setattr(hidden_tissue, bound, np.float32(10))
+    told = [(share[::-1].copy(), share, some) for share, some in zip(shares, clear, strict=True)]
+    monkeypatch.setattr(hidden_tissue, "STRAY", np.float32(10))  # Of others' colours it knows nothing.
     monkeypatch.setattr(hidden_tissue, "_seen_shares", lambda *_: told)
     still, _ = smooth_occluded_motion(model, frames(hidden_after=2.0), near=0.1)
     basis = np.zeros((len(TIMES), CONTROLS))
@@ -197,34 +195,13 @@ def test_a_highlight_that_a_tool_covers_goes_out_with_it(
     assert (apart(still, 0.8).max() < 1.5 * STRAY) == (stray == STRAY)
 
 
-@pytest.mark.parametrize(
-    ("glint", "columns", "goes_on"), [(GLINT, 15, False), (10.0, 15, True), (GLINT, 30, True)]
-)
-def test_the_end_of_a_highlight_does_not_go_on_along_what_no_frame_shows(
-    monkeypatch: pytest.MonkeyPatch, glint: float, columns: int, goes_on: bool
-) -> None:
-    """A long Gaussian glares, and all frames show its end alone; a dark one stays as the end is."""
-    monkeypatch.setattr(hidden_tissue, "GLINT", np.float32(glint))
-    model, lit, dark = gaussians(np.random.default_rng(8)), COUNT // 2, COUNT // 2 - 1
-    model.raw.log_scales[[lit, dark], 0] = np.log(1.5)
-    controls = np.zeros((COUNT, CONTROLS, 3), np.float32)
-    controls[lit], controls[dark] = 0.4, -0.4
-    model = replace(model, motion=without_nodes(np.zeros_like(controls), controls))
-    still, _ = smooth_occluded_motion(model, frames(hidden_after=-1.0, first_column=columns), near=0.1)
-    colors = still.at(0.5).colors
-    apart = colors[[lit, dark]] - np.median(np.delete(colors, lit, axis=0), axis=0)
-    assert (apart[0].max() > 1.5 * GLINT) == goes_on
-    assert apart[1].max() < -1.5 * GLINT
-
-
 @pytest.mark.parametrize(("edge", "ghost"), [(EDGE, False), (0.0, True)])
 def test_hidden_tissue_has_the_colour_of_before_not_that_beside_the_tool(
     monkeypatch: pytest.MonkeyPatch, edge: float, ghost: bool
 ) -> None:
     """A tool comes from the right, and tissue within three pixels of it has its colour."""
     monkeypatch.setattr(hidden_tissue, "EDGE", edge)
-    for bound in ("STRAY", "GLINT"):  # Of others' colours it knows nothing.
-        monkeypatch.setattr(hidden_tissue, bound, np.float32(10))
+    monkeypatch.setattr(hidden_tissue, "STRAY", np.float32(10))  # Of others' colours it knows nothing.
     model, shown = gaussians(np.random.default_rng(5)), []
     motion, tool = model.motion, 1.0
     assert isinstance(motion, SplineMotion)
@@ -258,7 +235,7 @@ def test_a_sliver_in_sight_does_not_colour_what_a_tool_hides() -> None:
     scales = np.full((2, 3), np.log(0.7), np.float32)
     model = replace(model, raw=replace(model.raw, log_scales=scales), motion=motion)
     shown = frames(hidden_after=0.5, first_column=18)
-    (_, whole, *_), *_, (_, sliver, *_) = _seen_shares(model, shown, 0.1)
+    (_, whole, _), *_, (_, sliver, _) = _seen_shares(model, shown, 0.1)
     still, _ = smooth_occluded_motion(model, shown, near=0.1)
     assert 0 < sliver[0] < 0.05 * whole[0]
     assert values(still, 1.0)[0].min() > -0.5
@@ -279,7 +256,7 @@ def test_what_shows_through_other_tissue_keeps_about_the_colour_that_it_had_in_s
         opacity_logits=np.float32([3, 8]),
     )
     model, shown = DynamicGaussians(raw, motion), frames(hidden_after=2.0)
-    (_, _, before, _), *_, (_, through, clear, _) = _seen_shares(model, shown, 0.1)
+    (_, _, before), *_, (_, through, clear) = _seen_shares(model, shown, 0.1)
     still, _ = smooth_occluded_motion(model, shown, near=0.1)
     assert before[0] > 0.9
     assert through[0] > 0.2 > 0.001 > clear[0]
