@@ -287,6 +287,10 @@ def _surrounded(image: NDArray[np.uint8]) -> dict[str, tuple[NDArray[np.uint8], 
     point[shape[0] // 2, shape[1] // 2] = 200
     texts = _within(image, round_view, noise)
     texts[2:6, 3 : shape[1] // 8] = 230
+    boxes = texts.copy()
+    boxes[-shape[0] // 6 : -4, 4 : shape[1] // 6] = (40, 90, 160)
+    boxes[4 : shape[0] // 7, -shape[1] // 6 : -4] = 120
+    boxes[6 : shape[0] // 7 - 2, -shape[1] // 6 + 2 : -6] = 0
     black, white = np.zeros_like(image), np.full_like(image, 255)
     grey = np.repeat(_within(image, round_view, noise)[..., 1:2], 3, axis=2)
     row = np.any([_disc(shape, at, 0.147 * shape[1] / shape[0]) for at in (0.2, 0.5, 0.8)], axis=0)
@@ -309,6 +313,7 @@ def _surrounded(image: NDArray[np.uint8]) -> dict[str, tuple[NDArray[np.uint8], 
         "circle with a straight side": (_within(image, cut, noise), cut),
         "two circles": (_within(image, eyes, noise), eyes),
         "text in the surround": (texts, round_view),
+        "text and boxes in the surround": (boxes, round_view),
         "grey": (grey, round_view),
         "three circles side by side": (_within(image, row, noise), row),
         "circle larger than the image, dim at its rim": (_within(dim, beyond, noise), beyond),
