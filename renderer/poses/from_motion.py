@@ -258,7 +258,9 @@ def solved(
     if best is None or len(best[0].views) < SHORTEST:
         raise Lost(commonest([*why, *(each.why for each in lost)], _TOO_FEW))
     rough, loop = best
-    return Solved(*_shaped(settled(rough), rough.keys, loop.part), lost, closed=loop.frames)
+    held = {view.frame for view in rough.views}
+    shown = tuple(pair for pair in loop.frames if held.issuperset(pair))
+    return Solved(*_shaped(settled(rough), rough.keys, loop.part), lost, closed=shown)
 
 
 def _rest(part: Tracked, growing: Growing) -> Iterator[Tracked]:

@@ -12,6 +12,7 @@ from renderer.poses import from_motion
 from renderer.poses.bundle import Bundle, FocalGuess, adjusted, misfit
 from renderer.poses.from_motion import FOCAL_SPREAD, MEDIAN_DEPTH, Solved, focused, solved
 from renderer.poses.growing import seen_at
+from renderer.poses.loop_closure import Closed
 from renderer.poses.parts import Lost
 from renderer.poses.rigid_motion import local, moved, projected, zoomed
 from renderer.poses.settling import Noise, Settled
@@ -259,6 +260,19 @@ def test_where_a_clip_breaks_the_frame_is_named_and_the_longer_part_is_kept():
     assert [view.frame for view in broken.done.views] == list(range(9, 24))
     assert lost[0].why == "5 points whose place is known"
     assert lost[0].frame in (6, 9)
+
+
+def test_a_path_that_is_closed_in_a_part_that_is_not_kept_is_not_said_to_be(monkeypatch):
+    pairs = ((0, 27), (24, 39), (27, 39))
+    monkeypatch.setattr(from_motion, "closed", lambda growing, part, grey: Closed(growing, part, pairs))
+    tracked = followed(path(40))
+    sights = [replace(each, ids=each.ids[:4], places=each.places[:4]) if 9 < each.frame < 18 else each
+              for each in tracked.sights]  # fmt: skip
+    found = solved(
+        LENS, [replace(tracked, sights=tuple(sights))], None, grey=lambda frame: np.zeros((1, 1), np.uint8)
+    )
+    assert [view.frame for view in found.done.views] == list(range(18, 40))
+    assert found.closed == ((24, 39), (27, 39))
 
 
 def test_what_is_seen_again_behind_many_frames_that_show_nothing_is_one_part():
