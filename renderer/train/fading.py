@@ -31,6 +31,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import reduce
 from itertools import pairwise
 from typing import Final
 
@@ -47,7 +48,7 @@ from renderer.rasterize.binning import TILE
 from renderer.rasterize.cpu import BLACK, Rasterizer
 from renderer.raw_gaussians import logits, sigmoid
 from renderer.splats import RenderMode
-from renderer.train.frames import TrainFrame, ever_seen, tissue_tiles, unseen_beyond
+from renderer.train.frames import TrainFrame, tissue_tiles, unseen_beyond
 
 FADES: Final = (0.3, 0.7)
 """Shares of the blending weight of a Gaussian that lie where no frame shows tissue within a margin."""
@@ -93,7 +94,7 @@ def faded_out_of_sight(
         return gaussians
     moments = _moments(frames)
     times = [time for time, _ in moments]
-    masks = unseen, ~ever_seen(frames)
+    masks = unseen, ~reduce(np.logical_or, (visible for _, visible in moments))
     beyond = np.stack(list(_shares_beyond(gaussians, moments, frames[0].camera, masks, near, mode)))
     left = np.minimum(_kept(beyond[:, 0], FADES), _kept(beyond[:, 1], OUTSIDE))
     strays = np.flatnonzero(left.min(axis=0) < 1)

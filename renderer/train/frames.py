@@ -78,11 +78,6 @@ def seen_by(frames: Iterable[Frame]) -> NDArray[np.bool_]:
     return reduce(np.logical_or, (frame.tissue_mask for frame in frames))
 
 
-def ever_seen(frames: Iterable[TrainFrame]) -> NDArray[np.bool_]:
-    """(H, W) where some of the frames shows tissue, of one fixed camera."""
-    return reduce(np.logical_or, (frame.tissue for frame in frames))
-
-
 def unseen_beyond(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """(H, W) where no frame of a fixed camera shows tissue within MARGIN; `seen` (H, W): where some does."""
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * MARGIN + 1, 2 * MARGIN + 1))
