@@ -106,7 +106,7 @@ def _joined(solid: ByteImage, observed: BoolImage) -> BoolImage:
     held = np.zeros(count, bool)
     held[parts[observed]] = True
     near = cv2.dilate(observed.astype(np.uint8), _disc(STRAYS)) > 0
-    return np.asarray(held[parts] & (solid > 0) & near)
+    return np.asarray(held[parts] & near)
 
 
 def _medians(image: ByteImage, observed: BoolImage, at: tuple[NDArray[np.int64], ...]) -> NDArray[np.float64]:
