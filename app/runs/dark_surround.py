@@ -84,10 +84,11 @@ def _within(width: int, height: int, borders: tuple[int, int, int, int]) -> Fiel
 def omission_of(field: FieldOfView) -> Omission:
     """What leaving out all but this field is, in words and numbers."""
     share = 1 - _lit_share(field)
+    said = f"{100 * share:.0f} %" if share >= 0.005 else "less than 1 %"
     return Omission(
         "dark surround",
         "the endoscope sees nothing there",
-        f"{100 * share:.0f} % of the pixels and Gaussians",
+        f"{said} of the pixels and Gaussians",
         "surround",
     )
 

@@ -15,14 +15,14 @@ import pytest
 from app.gui.work.omissions import OmissionsRequest
 from app.report.runs import Runs
 from app.runs.clip_selection import WHOLE
-from app.runs.dark_surround import lit_field
+from app.runs.dark_surround import lit_field, omission_of
 from app.runs.left_out import left_out_of, with_found
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
 from app.runs.trained_clip import run_clip
 from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from app.scenes.scene import open_scene
-from enhance.field import overlap
+from enhance.field import FieldOfView, overlap
 from renderer.clip import BoolImage, Frame
 from renderer.metrics import psnr_masked
 from renderer.near_plane import near_plane
@@ -188,6 +188,12 @@ def test_thin_dark_bars_at_the_border_are_left_out_unless_they_are_kept(clip_pat
     _, (line,) = left_out_of(replace(found, tools=None))
     assert line.startswith("left out: the dark surround, ")
     assert with_found(WHOLE, barred, indices, ("surround",)).field_of_view is None
+
+
+@pytest.mark.parametrize(("rows", "said"), [(2, "less than 1 %"), (6, "1 %"), (240, "50 %")])
+def test_bars_of_a_row_or_two_are_not_said_to_be_nothing(rows: int, said: str) -> None:
+    field = FieldOfView(width=640, height=480, polygon=((0, 0), (640, 0), (640, 480 - rows), (0, 480 - rows)))
+    assert omission_of(field).saves == f"{said} of the pixels and Gaussians"
 
 
 def test_a_report_measures_a_run_without_what_it_left_out(round_clip: Path, tmp_path: Path) -> None:
