@@ -52,7 +52,7 @@ def posed(clip: Clip, config: TrainConfig, start: int = 0) -> Generator[Preparin
     Raises ClipError: a frame cannot be read.
     """
     bare = yield from unposed(clip, config)
-    if bare.omitted or not _may_be_posed(clip):
+    if bare.omitted or not may_be_posed(clip):
         return bare
     try:
         found = yield from told_meanwhile(STAGE, lambda tell: find_poses(lit_part(clip), tell))
@@ -69,14 +69,14 @@ def unposed(clip: Clip, config: TrainConfig) -> Generator[Preparing, None, Posed
 
 def left_out(clip: Clip, config: TrainConfig, moves: str | None) -> tuple[Omission, ...]:
     """The search for poses, where the clip needs none or it is refused; nothing of clips that allow none."""
-    if not _may_be_posed(clip):
+    if not may_be_posed(clip):
         return ()
     if "poses" in config.leave_out:
         return (REFUSED,)
     return () if moves or "poses" in config.keep else (FIXED,)
 
 
-def _may_be_posed(clip: Clip) -> bool:
+def may_be_posed(clip: Clip) -> bool:
     """It lacks poses and has depth; a guess of that differs in scale from frame to frame."""
     return (
         clip.camera_is_fixed

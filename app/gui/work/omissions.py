@@ -10,7 +10,7 @@ from typing import get_args
 
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.left_out import BEFORE, left_out_of, with_found
-from app.runs.posing import left_out
+from app.runs.posing import left_out, may_be_posed
 from renderer.camera_motion import camera_motion
 from renderer.clip import Clip, Frame
 from renderer.train.config import Part, TrainConfig
@@ -90,7 +90,8 @@ def look(request: OmissionsRequest) -> Iterator[Looking | Omissions]:
     @cache
     def seen(keep: tuple[Part, ...]) -> tuple[ClipPart, FrameStore[Frame]]:
         """What of the frames training sees, and the frames so."""
-        is_followed = clip.depth_origin == "motion"
+        is_sought = may_be_posed(clip) and not left_out(clip, replace(config, keep=keep), moves)
+        is_followed = clip.depth_origin == "motion" or is_sought
         part = with_found(WHOLE, frames.__getitem__, range(len(frames)), keep, is_followed)
         return part, frames if part == WHOLE else FrameStore.of(map(part.cleared, frames))
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
+import numpy as np
 import pytest
 from imgui_bundle import ImVec2, imgui, imgui_ctx
 
@@ -18,6 +20,7 @@ from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.omissions import Looking, Omissions, OmissionsRequest, look
 from app.runs.train_run import TrainRequest
+from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission, Started
@@ -36,6 +39,22 @@ def test_it_is_what_training_says_when_it_starts(clip_path: Path) -> None:
         # Poses are decided on before training sees the frames.
         assert tuple(each for each in told.omitted if each.part != "poses") == started.omitted
         assert told.omitted
+
+
+def test_bars_of_a_moving_clip_are_left_out_as_in_training_which_follows_its_camera(tmp_path: Path) -> None:
+    """Too wide to be told from a surround where the camera rests."""
+    path = tmp_path / "clip"
+    params = PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
+    write_phantom(path, params)
+    bounds = np.load(path / "poses_bounds.npy")
+    np.save(path / "poses_bounds.npy", np.repeat(bounds[:1], len(bounds), axis=0))
+    for image in (path / "images").glob("*.png"):
+        pixels = cv2.imread(str(image))
+        pixels[:6] = 0
+        cv2.imwrite(str(image), pixels)
+    told = found_omissions(OmissionsRequest(open_clip(path), TrainConfig(iterations=1, n_gaussians=300)))
+    assert "surround" in {each.part for each in told.omitted}
+    assert "poses" not in {each.part for each in told.omitted}
 
 
 def test_it_is_looked_up_only_when_asked_for_and_not_for_more_iterations(
