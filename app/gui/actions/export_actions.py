@@ -137,12 +137,10 @@ def shown_request(state: AppState) -> ExportRequest | None:
 
 
 def name_wish(state: AppState) -> NameRequest | None:
-    """While the panel is shown: whether the name of what is being written, or else the one there, is free."""
-    if not state.exports.shown:
-        return None
+    """Whether the name of what is being written is free or else, while the panel is shown, the one there."""
     if (under_way := state.exports.under_way) is not None:
         return NameRequest(under_way.folder, under_way.stem, under_way.suffix, state.exports.count)
-    if why_not_name(stem_of(state)):
+    if not state.exports.shown or why_not_name(stem_of(state)):
         return None
     return NameRequest(state.export_folder, stem_of(state), suffix_of(state), state.exports.count)
 

@@ -21,7 +21,14 @@ from app.exports.sizing import Sizing
 from app.exports.summary.page import COLUMNS
 from app.files.provenance import read_provenance
 from app.files.stepping import run_to_end
-from app.gui.actions import actions, floating_windows, leaving, session_actions, summary_actions
+from app.gui.actions import (
+    actions,
+    export_actions,
+    floating_windows,
+    leaving,
+    session_actions,
+    summary_actions,
+)
 from app.gui.commands.keys import chord
 from app.gui.frame.quitting import case_in_words
 from app.gui.panels.summary import draw_summary
@@ -29,6 +36,7 @@ from app.gui.session_file import MOST_ITEMS, mended_session, write_session
 from app.gui.state.app_state import AppState
 from app.gui.state.summary import Item
 from app.gui.work.background import Failure
+from app.gui.work.naming import name_of
 from app.gui.work.settings import Places, Settings
 from enhance.noise import NoiseCut
 from tests.app.gui.exporting import Exporter
@@ -65,6 +73,23 @@ def test_what_is_shown_is_saved_and_added_and_the_page_is_written(run: Exporter)
     assert told == [(second.path.name, "a vessel"), (first.path.name, "")]
     assert facts["title"] == "Case: 7"
     assert replay(path, (), path.with_name("again.html")).difference.is_none
+
+
+def test_while_the_page_is_written_the_name_that_its_file_gets_is_said(run: Exporter) -> None:
+    """The export panel is not open."""
+    run.rest()
+    add(run)
+    summary_actions.write_page(run.state)
+    run.turn(20)
+    first = run.state.exports.last
+    assert first is not None
+    run.state.exports.shown = False
+    summary_actions.write_page(run.state)
+    wish = export_actions.name_wish(run.state)
+    assert wish is not None
+    (name,) = name_of(wish)
+    export_actions.take_name(run.state, wish, name)
+    assert export_actions.name_written(run.state) == f"{first.stem}-2.html"
 
 
 def test_notes_of_the_case_are_added_once(state: AppState) -> None:
