@@ -72,7 +72,7 @@ class Statistics:
     as before 0.10.0, or of grey images."""
     color_noise: float | None = None
     """Share of places where red and green curve against each other, as coarse noise of colour makes them; see
-    `color_noise`. None: not measured, as before 0.13.0, or of grey images."""
+    `color_noise`. None: not measured, as before 0.13.0, or of images that are grey or too dark."""
     field: Annotated[FieldOfView | None, BeforeValidator(_known)] = None
     """Where it was measured, and is to be used; None: all pixels."""
 

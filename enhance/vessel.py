@@ -69,8 +69,8 @@ class VesselParams:
     """In images less red than this, such as grey ones, vessels are darkened in their own hue, not reddened: 0
     reddens them in all."""
     color_smoothing: Annotated[float, Interval(ge=0.0, le=1.0)] = 1.0
-    """How much of coarse noise of colour, as of cheap cameras, is smoothed away in images that have such: 0
-    is off."""
+    """How much of the coarse noise of colour, as from cheap cameras, is smoothed away in images that have it:
+    0 is off."""
     lift: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.25
     """How much of the paper's brightening, Eq 1, is applied: 0 is off."""
     gamma: Annotated[float, Interval(ge=0.5, le=2.0)] = 0.95
