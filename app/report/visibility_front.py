@@ -143,12 +143,10 @@ def above_vessel(found: Seen) -> list[Setting]:
     own = [one for setting, one in found.items() if setting.method == VESSEL]
 
     def reached(one: Visibility) -> float:
-        return max((each.contrast for each in own if each.noise <= one.noise), default=1.0)
+        return max([1.0, *(each.contrast for each in own if each.noise <= one.noise)])
 
     return [
-        setting
-        for setting, one in found.items()
-        if setting.method != VESSEL and one.contrast > max(1.0, reached(one))
+        setting for setting, one in found.items() if setting.method != VESSEL and one.contrast > reached(one)
     ]
 
 

@@ -150,8 +150,8 @@ def _reading(found: Seen) -> Iterator[str]:
             for setting, one in ((setting, found[setting]) for setting in above)
         )
         yield (
-            "More contrast than vessel at any strength with no more noise, in brackets both over the "
-            f"original's: {'; '.join(each)}."
+            "More contrast than vessel has at any strength with no more noise (contrast at noise, relative "
+            f"to the original): {'; '.join(each)}."
         )
     yield from _reading_of_halos(found, "highlights", lambda setting: found[setting].highlight_halo)
     yield from _reading_of_halos(found, "strong edges", lambda setting: found[setting].edge_halo)
