@@ -88,7 +88,7 @@ def _missing(scene: Scene, window: ModelWindow) -> str:
         frames = window.frames(len(scene.cameras))
         where = f" in window {window.index + 1}, frames {frames[0]} to {frames[-1]}"
         if not len(window):
-            return f"expected a surface{where}, got none: nothing is in it, maybe all is removed: {name}"
+            return f"expected a surface{where}, got none: the window is empty; maybe all was removed: {name}"
     return f"expected a surface{where}, got none: {name} {why}"
 
 

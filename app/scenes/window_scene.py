@@ -15,7 +15,7 @@ def scene_of_window(scene: Scene, number: int) -> Scene:
     """The window of that number, counted from 1, with the frames that it was trained on.
 
     Raises:
-        UserError: there is no such window, or nothing is in it.
+        UserError: there is no such window, or it is empty.
     """
     windows = windows_of(scene.model)
     if len(windows) == 1:
@@ -27,7 +27,7 @@ def scene_of_window(scene: Scene, number: int) -> Scene:
     model, camera = window.model, scene.cameras[frames.start]
     if not len(model):
         raise UserError(
-            f"expected Gaussians in window {number}, got none; maybe all are removed: {scene.name}"
+            f"expected Gaussians in window {number}, got none; maybe all were removed: {scene.name}"
         )
     return replace(
         scene,

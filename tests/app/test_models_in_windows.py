@@ -221,7 +221,7 @@ def test_a_window_is_that_of_the_edited_model(run: Path, vesselsplat: Cli, tmp_p
     assert again.out.rstrip().endswith("identical"), again.error + again.out
     first = Mask.of(np.arange(len(scene.model)) < windows_of(scene.model)[0].rows.stop)
     bare = scene.edited(Edits.none(len(scene.model)).selecting(first, "replace").deleting())
-    with pytest.raises(UserError, match="got none; maybe all are removed"):
+    with pytest.raises(UserError, match="got none; maybe all were removed"):
         scene_of_window(bare, 1)
 
 
@@ -272,7 +272,7 @@ def test_a_missing_surface_is_told_with_its_window_before_any_file_is_written(
     done = vesselsplat("export", run, *flags, "--mesh", out / "meshes")
     assert done.code == 2
     assert "expected a surface in window 3, frames 64 to 111, got none" in done.error
-    assert "nothing is in it, maybe all is removed" in done.error
+    assert "the window is empty; maybe all was removed" in done.error
     assert not out.exists()
     every = Edits.none(len(scene.model)).selecting(Mask.of(np.ones(len(scene.model), bool)), "replace")
     save_edits(RunFolder(run), every.deleting())
