@@ -29,10 +29,12 @@ class Footprint:
     """The system has a bin that takes it."""
 
 
-def folder_name(wanted: str) -> str:
-    """As near to what a person typed as every system and its bin allow; empty where nothing is left of it."""
+def folder_name(wanted: str, ending: str = "") -> str:
+    """As near to what a person typed as every system and its bin allow, and an ending that stays whole; empty
+    where nothing is left of what was typed."""
     whole = re.sub(r"[^\w.-]+", "-", wanted).strip(".-").encode(errors="ignore")
-    name = whole[:LONGEST].decode(errors="ignore").strip(".-")
+    name = whole[: LONGEST - len(ending)].decode(errors="ignore").strip(".-")
+    name = f"{name}{ending}" if name else ""
     return f"run-{name}" if is_device(name) else name
 
 

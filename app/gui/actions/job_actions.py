@@ -131,8 +131,9 @@ def _run_path(state: AppState, suffix: str) -> Path:
     """The name the user gave, or the clip's with the time; never one that is taken or promised."""
     assert state.source.clip is not None
     stamp = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
-    wanted = (state.runs.reconstruction.name.strip() or f"{state.source.clip.name}-{stamp}") + suffix
-    base = folder_name(wanted) or "run"
+    typed = state.runs.reconstruction.name.strip()
+    ending = suffix if typed else f"-{stamp}{suffix}"
+    base = folder_name(typed or state.source.clip.name, ending) or f"run{ending}"
     path, number = state.places.runs / base, 2
     while path.exists() or state.runs.is_queued(path) or path == state.runs.reconstruction.run_path:
         path, number = state.places.runs / f"{base}-{number}", number + 1

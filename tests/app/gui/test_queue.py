@@ -183,6 +183,15 @@ def test_both_in_turn_are_two_that_differ_in_their_frames_alone(state: AppState,
     assert state.runs.reconstruction.input == "both in turn"
 
 
+def test_both_in_turn_differ_where_a_long_name_is_cut(state: AppState, jobs: Jobs) -> None:
+    state.runs.reconstruction.input = "both in turn"
+    job_actions.name_run(state, 100 * "é")
+    job_actions.start_reconstruction(state)
+    names = [waiting.request.run_path.name for waiting in state.runs.queue]
+    assert [name.lstrip("é") for name in names] == ["-original", "-enhanced"]
+    assert max(len(name.encode()) for name in names) <= 120
+
+
 def test_what_waits_can_be_moved_to_the_front_and_withdrawn(state: AppState, jobs: Jobs) -> None:
     queued(state, jobs, 100, 200, 300, 400)
     two, three, four = state.runs.queue

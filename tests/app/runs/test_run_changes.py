@@ -37,6 +37,9 @@ def test_no_folder_has_the_name_of_a_device_of_windows(name: str) -> None:
 def test_a_run_of_a_very_long_name_can_be_deleted(run: Path, letter: str) -> None:
     """Systems allow names of 255 bytes, with all that their bin adds."""
     assert len(folder_name(250 * letter).encode()) in range(118, 121)
+    assert folder_name(250 * letter, "-20260101-120000").endswith(f"{letter[-1]}-20260101-120000")
+    assert len(folder_name(250 * letter, "-20260101-120000").encode()) in range(118, 121)
+    assert folder_name("..", "-original") == ""
     named_elsewhere = run.rename(run.with_name(250 * "x"))
     delete_run(named_elsewhere, for_good=True)
     assert not list(run.parent.iterdir())
