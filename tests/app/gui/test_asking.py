@@ -42,6 +42,7 @@ def test_of_several_replies_it_is_the_last(keys: Ui) -> None:
 
 def test_what_was_lost_is_restored(keys: Ui, state: AppState, tmp_path: Path) -> None:
     state.session.recoverable = tmp_path / "autosave-1.vesselsplat"
+    state.session.recoverable.touch()
     enter(keys, lambda: overlays.draw_recovery(state))
     assert state.session.recoverable is None
     assert state.source.opening is not None
