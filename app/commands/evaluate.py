@@ -57,11 +57,11 @@ def run(flags: argparse.Namespace) -> None:
     paths = [flags.run] if flags.against is None else [flags.run, flags.against]
     evaluations = [open_evaluation(path, flags.lpips_weights, edited=flags.edited) for path in paths]
     clips = [evaluation.record.clip for evaluation in evaluations]
+    if _reading(evaluations[0]) != _reading(evaluations[-1]):
+        raise UserError("--against: expected a run on frames that were read in the same way, got others")
     # Each run keeps its own copies of masks: where they lie is no part.
     if clips[0].part.of_anywhere != clips[-1].part.of_anywhere:
         raise UserError("--against: expected a run on the same frames and mask, got one on another part")
-    if _reading(evaluations[0]) != _reading(evaluations[-1]):
-        raise UserError("--against: expected a run on frames that were read in the same way, got others")
     if clips[0].sha256 != clips[-1].sha256:
         raise UserError(f"--against: expected a run on the clip {clips[0].name}, got one on {clips[-1].name}")
     if not _over_the_same_pixels(evaluations[0], evaluations[-1]):
@@ -81,10 +81,10 @@ def run(flags: argparse.Namespace) -> None:
 
 
 def _reading(evaluation: Evaluation) -> tuple[object, ...]:
-    """What says which frames there are, and which of them are held out."""
+    """What says which frames there are, how they look, and which of them are held out."""
     options = evaluation.record.clip.options
     of_video = (options.deinterlacing, options.stereo) if evaluation.clip.format == "video" else ()
-    return options.frame_step, options.split, options.calibration, *of_video
+    return options.frame_step, options.split, options.calibration, evaluation.clip.bits, *of_video
 
 
 def _over_the_same_pixels(one: Evaluation, other: Evaluation) -> bool:

@@ -101,7 +101,7 @@ def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW, bits: int | Non
     """One picture as a clip of one frame. Raises ClipError when it is none."""
     bits = bits or used_bits((path,))
     image = read_rgb(path, bits)
-    return new_clip(
+    clip = new_clip(
         path,
         "image",
         cameras=(assumed_camera(field_of_view, (image.shape[1], image.shape[0])),),
@@ -109,6 +109,7 @@ def open_image(path: Path, field_of_view: float = FIELD_OF_VIEW, bits: int | Non
         read_image=lambda index: read_rgb((path,)[index], bits),
         notices=(*left_pages((path,)), *said_of_bits(1, bits)),
     )
+    return replace(clip, bits=bits)
 
 
 def is_seen_by_assumption(clip: Clip) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 
 from app.runs.train_run import run_training
@@ -57,6 +58,34 @@ def test_the_same_masks_asked_for_in_other_words_are_compared(
 ) -> None:
     own, other = two_kinds(ClipOptions()), two_kinds(ClipOptions(mask_polarity="tool"))
     assert vesselsplat("evaluate", own, "--against", other).code == 0
+
+
+@pytest.fixture
+def by_bits(clip_path: Path, tmp_path: Path) -> Callable[[int | None], Path]:
+    """Of images of a camera of 12 bits: a run that reads them by any number of bits."""
+    for path in sorted((clip_path / "images").iterdir())[:3]:
+        levels = cv2.imread(str(path)).astype(np.uint16) * 16
+        (tmp_path / "deep").mkdir(exist_ok=True)
+        cv2.imwrite(str(tmp_path / "deep" / path.name), levels)
+
+    def trained(bits: int | None) -> Path:
+        path = tmp_path / f"bits-{bits}"
+        config = replace(CONFIG, iterations=2, n_gaussians=100)
+        options = ClipOptions(depth="brightness", bits=bits)
+        list(run_training(request_of(tmp_path / "deep", path, config=config, clip_options=options)))
+        return path
+
+    return trained
+
+
+def test_runs_on_frames_of_other_bits_are_not_compared(
+    by_bits: Callable[[int | None], Path], vesselsplat: Cli
+) -> None:
+    found, told, stored = by_bits(None), by_bits(12), by_bits(14)
+    assert vesselsplat("evaluate", found, "--against", told).code == 0
+    call = vesselsplat("evaluate", found, "--against", stored)
+    assert (call.code, call.out, call.error.count("\n")) == (2, "", 1)
+    assert "expected a run on frames that were read in the same way" in call.error
 
 
 @pytest.mark.parametrize(("count", "frames"), [(1, "training"), (3, "held-out")])
