@@ -29,6 +29,7 @@ from renderer.readers.data_sets.structure_from_motion import (
 from renderer.readers.dicom.header import dicom_kind
 from renderer.readers.image_files.coded_picture import CODED, is_coded_still
 from renderer.readers.image_files.file_kinds import SUFFIXES, is_picture, is_unnamed
+from renderer.readers.image_files.used_bits import ALL, said_of_unread_bits, used_bits
 from renderer.readers.image_folders.frames import frames_of, open_image, open_images
 from renderer.readers.image_folders.picture_kinds import frame_folder
 from renderer.readers.video import open_video
@@ -83,7 +84,11 @@ def _open_endonerf(path: Path, options: ClipOptions) -> Clip:
 
 def _open_stereo(path: Path, options: ClipOptions) -> Clip:
     left = next(iter(eye_folders(path)), path)
-    return with_maps(open_stereo_folder(path, options.view_angle), left, options)
+    clip = open_stereo_folder(path, options.view_angle, options.bits or ALL)
+    if options.bits is None:
+        files = [left / label for label in clip.labels]
+        clip = replace(clip, notices=(*clip.notices, *said_of_unread_bits(len(files), used_bits(files))))
+    return with_maps(clip, left, options)
 
 
 def _stereo_files(path: Path) -> ClipFiles:
@@ -208,7 +213,7 @@ LAYOUTS: Final = (
         matches=is_stereo_folder,
         open=_open_stereo,
         own_files=_stereo_files,
-        heeds=("mask_polarity", "field_of_view"),
+        heeds=("mask_polarity", "field_of_view", "bits"),
     ),
     Layout(
         name="images",

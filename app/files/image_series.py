@@ -157,9 +157,8 @@ def _of_clip(path: Path, options: ClipOptions) -> Series:
     names = [f"frame-{index:06d}" if is_video else Path(clip.labels[index]).stem for index in indices]
     timing, files = timing_of(clip, indices), (path,) * len(clip)
     images = () if is_video else _image_files(path, clip)
-    bits = options.bits or used_bits(images) if "bits" in layout_of(path).heeds else ALL
     facts = tuple(names), files, clip.read_image, images, clip.notices
-    return Series(*facts, is_video=is_video, timing=timing, bits=bits)
+    return Series(*facts, is_video=is_video, timing=timing, bits=clip.bits)
 
 
 def _image_files(path: Path, clip: Clip) -> tuple[Path, ...]:

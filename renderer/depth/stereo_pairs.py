@@ -30,6 +30,7 @@ from renderer.listing import count, listed
 from renderer.readers.clip_files import folders_in
 from renderer.readers.image_files.file_kinds import is_picture
 from renderer.readers.image_files.pictures import common_size, read_rgb
+from renderer.readers.image_files.used_bits import ALL
 from renderer.readers.image_folders.frames import is_seen_by_assumption, open_images
 from renderer.readers.image_folders.picture_kinds import kind_by_name
 
@@ -122,16 +123,17 @@ def eye_folders(path: Path) -> tuple[Path, ...]:
     return (left, left.with_name(right_name(left.name) or "")) if left else ()
 
 
-def open_stereo_folder(path: Path, field_of_view: float) -> Clip:
-    """The left pictures of a folder as a clip; `with_stereo_depth` makes use of the right ones.
+def open_stereo_folder(path: Path, field_of_view: float, bits: int = ALL) -> Clip:
+    """The left pictures of a folder as a clip; `with_stereo_depth` makes use of the right ones. `bits`: that
+    values of 16-bit images use.
 
     Raises:
         ClipError: nothing that can be read, as `open_images`.
     """
     lefts = _left_folder(path)
     if lefts is None:
-        return _left_half(open_images(path, field_of_view))
-    return replace(open_images(lefts, field_of_view), path=path, name=path.resolve().name)
+        return _left_half(open_images(path, field_of_view, bits))
+    return replace(open_images(lefts, field_of_view, bits), path=path, name=path.resolve().name)
 
 
 def right_pictures(clip: Clip) -> tuple[Path, ...]:

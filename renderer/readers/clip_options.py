@@ -89,7 +89,8 @@ class ClipOptions:
     are of one eye. Auto: as the video says."""
     bits: Annotated[int, Interval(ge=8, le=16)] | None = None
     """That the values of 16-bit images use, PNG or TIFF, alone or in a folder: they are shown over the whole
-    range. Auto: 10 or 12, where these are enough and 8 are not; else 16, as stored."""
+    range. Auto: 10 or 12, where these are enough and 8 are not; else, and of left and right images, 16, as
+    stored."""
     split: Split = "field"
     """Frames held out of training: every eighth from the second on, as is usual, or the odd ones, as is usual
     for Hamlyn."""

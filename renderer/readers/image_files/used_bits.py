@@ -54,8 +54,21 @@ def said_of_bits(count: int, bits: int) -> tuple[str, ...]:
     """To a person, of so many files; nothing where they use all bits."""
     if bits >= ALL:
         return ()
-    files = f"16-bit file that uses {bits} bits" if count == 1 else f"16-bit files that use {bits} bits"
-    return (f"{files}: shown {1 << (ALL - bits)} times brighter (--bits 16 shows what is stored)",)
+    return (
+        f"{_files(count, bits)}: shown {1 << (ALL - bits)} times brighter (--bits 16 shows what is stored)",
+    )
+
+
+def said_of_unread_bits(count: int, bits: int) -> tuple[str, ...]:
+    """The same where so many files that use `bits` are shown as stored."""
+    if bits >= ALL:
+        return ()
+    way = f"--bits {bits} shows them {1 << (ALL - bits)} times brighter"
+    return (f"{_files(count, bits)}: shown as stored ({way})",)
+
+
+def _files(count: int, bits: int) -> str:
+    return f"16-bit file that uses {bits} bits" if count == 1 else f"16-bit files that use {bits} bits"
 
 
 def holds_deep(path: Path) -> bool:

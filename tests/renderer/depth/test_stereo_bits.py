@@ -29,3 +29,19 @@ def test_both_eyes_are_read_by_the_bits_that_the_left_images_use(tmp_path: Path)
     assert abs(right.mean() / left.mean() - 1) < 0.1
     depth = with_stereo_depth(clip, right_eye(clip), None).read_frame(0).depth
     assert np.mean(depth > 0) == pytest.approx(np.mean(opened(folder).read_frame(0).depth > 0), abs=0.02)
+
+
+def test_left_and_right_images_are_read_by_the_bits_that_are_stated(tmp_path: Path) -> None:
+    write_eyes(folder := tmp_path / "clip", *LAYOUTS["folders"], count=2, **SIZE)
+    for path in folder.rglob("*.png"):
+        cv2.imwrite(str(path), 16 * cv2.imread(str(path)).astype(np.uint16))
+    stored, stated = open_bare(folder), open_bare(folder, ClipOptions(bits=12))
+    assert {clip.format for clip in (stored, stated)} == {"images"}
+    assert [right_eye(clip) is not None for clip in (stored, stated)] == [True, True]
+    for clip in (stored, stated):
+        assert clip.read_image(0).mean() == pytest.approx(right_eye(clip).read(0).mean(), rel=0.1)
+    assert stated.read_image(0).mean() == pytest.approx(16 * stored.read_image(0).mean(), rel=0.1)
+    assert (stored.bits, stated.bits) == (16, 12)
+    said = "16-bit files that use 12 bits: shown as stored (--bits 12 shows them 16 times brighter)"
+    assert said in stored.notices
+    assert "16-bit files that use 12 bits: shown 16 times brighter" in stated.notices[0]
