@@ -20,10 +20,13 @@ from app.files.provenance import digest, provenance, strict_json
 from app.sweeps.folder import SWEEP, is_sweep
 from app.sweeps.jobs import Job, JobFolder, JobState
 from app.sweeps.names import names_of
-from app.sweeps.settings import TaskName
+from app.sweeps.settings import Settings, TaskName, training_of
 from app.sweeps.spec import Spec, all_settings, clip_paths, jobs_asked_for
+from renderer.clip import ClipError
 from renderer.layouts import layout_of
+from renderer.readers.clip_options import ClipOptions
 from renderer.regular_files import read_regular
+from renderer.sources import require_depth_source
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,8 @@ def planned(spec: Spec, path: Path) -> Plan:
         settings = all_settings(spec)
     except UserError as error:
         raise UserError(f"{error}: {path}") from error
+    for clip in paths:
+        _require_depth(clip, settings)
     clips: dict[str, Path] = {}
     names: dict[str, str] = {}
     with progress("reading clips", len(paths)) as report:
@@ -82,6 +87,22 @@ def _require_images(clip: Path) -> None:
     """Raises UserError: it is a folder without any, of which each job would only say so."""
     if clip.is_dir() and layout_of(clip).name == "images":
         frames_in(clip)
+
+
+def _require_depth(clip: Path, settings: Sequence[Settings]) -> None:
+    """Raises UserError: a video in which no setting finds depth, of which each job would only say so."""
+    asked = {training.options for each in settings if (training := training_of(each)) is not None}
+    if asked and not any(_may_have_depth(clip, options) for options in asked):
+        way = 'depth = "brightness" or "motion" in the settings of a sweep finds it without a scale'
+        raise UserError(f"expected clips with depth, got a video, which has none ({way}): {clip}")
+
+
+def _may_have_depth(clip: Path, options: ClipOptions) -> bool:
+    try:
+        require_depth_source(clip, options)
+    except ClipError:
+        return False
+    return True
 
 
 def write_sweep(plan: Plan, folder: Path) -> None:

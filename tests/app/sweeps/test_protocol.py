@@ -6,12 +6,15 @@ import tomllib
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
+
 from app.commands.protocol import compared
 from app.sweeps.jobs import JobFolder
 from app.sweeps.plan import planned, write_sweep
 from app.sweeps.settings import Training
 from app.sweeps.spec import spec_of
 from tests.app.conftest import Cli
+from tests.renderer.readers.numbered import encoded
 
 
 def test_it_prints_a_sweep_that_runs_every_method_at_its_published_length(
@@ -39,6 +42,18 @@ def test_any_name_of_a_clip_is_printed_as_toml_reads_it(vesselsplat: Cli, tmp_pa
     clips = [tmp_path / name for name in ("c\N{GRINNING FACE}", "a\x7fb", 'q"\\u0041', "é\n")]
     printed = vesselsplat("protocol", *clips, "--print")
     assert tomllib.loads(printed.out)["clips"] == [str(path) for path in clips]
+
+
+def test_a_video_without_depth_is_refused_before_the_first_job(vesselsplat: Cli, tmp_path: Path) -> None:
+    video = encoded(tmp_path / "a.mp4", [np.zeros((48, 64, 3), np.uint8)] * 3)
+    called = vesselsplat("protocol", video, "--out", tmp_path / "out")
+    assert (called.code, called.out, called.error.count("\n")) == (2, "", 1)
+    assert "expected clips with depth, got a video, which has none" in called.error
+    assert called.error.endswith(f": {video}\n")
+    assert not (tmp_path / "out").exists()
+    path = tmp_path / "sweep.toml"
+    for found in ({"grid": {"depth": ["auto", "brightness"]}}, {"settings": {"stereo": "side-by-side"}}):
+        assert planned(spec_of({"clips": [str(video)], "task": "train"} | found, path), path).jobs
 
 
 def test_rows_of_a_known_clip_stand_beside_the_published_ones(clip_path: Path, tmp_path: Path) -> None:
