@@ -33,7 +33,7 @@ from renderer.readers.image_files.used_bits import ALL, said_of_unread_bits, use
 from renderer.readers.image_folders.frames import frames_of, open_image, open_images
 from renderer.readers.image_folders.picture_kinds import frame_folder
 from renderer.readers.video import open_video
-from renderer.regular_files import require_regular
+from renderer.regular_files import require_file_or_folder, require_regular
 
 
 def every_frame(path: Path) -> int:
@@ -74,7 +74,10 @@ class Layout:
 
 
 def layout_of(path: Path) -> Layout:
-    """The layout of a file or folder that is there. Raises OSError: a folder cannot be listed."""
+    """The layout of a file or folder that is there. Raises OSError, which names it: a folder whose files may
+    not be looked at."""
+    if path.is_dir():
+        require_file_or_folder(path)
     return next(layout for layout in LAYOUTS if layout.matches(path))
 
 

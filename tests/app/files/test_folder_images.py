@@ -23,6 +23,7 @@ from renderer.readers.image_files.pictures import read_rgb, upright_size
 from renderer.readers.image_folders import passed_over
 from renderer.readers.image_folders.stills import images_in, open_stills
 from renderer.sources import open_case, open_clip
+from tests.app.conftest import Cli
 from tests.renderer.readers.numbered import encoded
 from tests.renderer.readers.tiled_avif import tiled
 
@@ -45,6 +46,18 @@ def folder(tmp_path: Path) -> Path:
     for shade, (name, kind) in enumerate(zip(NAMES, ("PNG", "AVIF", "JPEG2000", "JPEG"), strict=True)):
         _image(60 + 20 * shade).save(found / name, kind)
     return found
+
+
+def test_a_folder_whose_files_may_not_be_looked_at_is_named(
+    folder: Path, tmp_path: Path, vesselsplat: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing that is looked for in it, such as frame_data of SCARED."""
+    monkeypatch.setattr("renderer.regular_files.os.access", lambda path, how: path != folder)
+    for call in (("enhance", folder, tmp_path / "out"), ("metrics", folder)):
+        refused = vesselsplat(*call)
+        assert (refused.code, refused.out) == (2, "")
+        assert refused.error == f"vesselsplat: Permission denied: {folder}\n"
+    assert not (tmp_path / "out").exists()
 
 
 def test_each_is_an_image_of_the_folder_as_it_is_alone(folder: Path) -> None:
