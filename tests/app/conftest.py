@@ -61,6 +61,19 @@ def unmasked(clip_path: Path, made_once: Callable[..., Path]) -> Path:
 
 
 @pytest.fixture(scope="session")
+def unposed(made_once: Callable[..., Path]) -> Path:
+    """A phantom clip of 12 frames whose camera moves and whose poses say that it rests. Read only."""
+
+    def make(folder: Path) -> None:
+        params = PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
+        write_phantom(folder / "clip", params)
+        bounds = np.load(folder / "clip/poses_bounds.npy")
+        np.save(folder / "clip/poses_bounds.npy", np.repeat(bounds[:1], len(bounds), axis=0))
+
+    return made_once("unposed", make) / "clip"
+
+
+@pytest.fixture(scope="session")
 def runs(clip_path: Path, made_once: Callable[..., Path]) -> dict[str, Path]:
     """One finished run on the original frames and one on the enhanced. Read only."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,7 +21,6 @@ from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.work.omissions import Looking, Omissions, OmissionsRequest, look
 from app.runs.train_run import TrainRequest
-from renderer.phantom import PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission, Started
@@ -41,13 +41,11 @@ def test_it_is_what_training_says_when_it_starts(clip_path: Path) -> None:
         assert told.omitted
 
 
-def test_bars_of_a_moving_clip_are_left_out_as_in_training_which_follows_its_camera(tmp_path: Path) -> None:
+def test_bars_of_a_moving_clip_are_left_out_as_in_training_which_follows_its_camera(
+    unposed: Path, tmp_path: Path
+) -> None:
     """Bars of many grey levels: where a camera rests they might be tissue."""
-    path = tmp_path / "clip"
-    params = PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
-    write_phantom(path, params)
-    bounds = np.load(path / "poses_bounds.npy")
-    np.save(path / "poses_bounds.npy", np.repeat(bounds[:1], len(bounds), axis=0))
+    path = shutil.copytree(unposed, tmp_path / "clip")
     ramp = np.linspace(40, 220, 160)[:, None]
     for image in (path / "images").glob("*.png"):
         pixels = cv2.imread(str(image))

@@ -121,18 +121,13 @@ def test_a_finished_run_is_measured_as_evaluate_does_and_says_so(
     assert lines[-2:] == ["Covered tissue", f"{int(1000 * covered) / 10:.1f} %"]
 
 
-def test_cameras_that_training_estimated_are_measured_through(tmp_path: Path) -> None:
+def test_cameras_that_training_estimated_are_measured_through(unposed: Path, tmp_path: Path) -> None:
     """Also beside the clip as it was opened, which does not know them."""
-    clip = tmp_path / "clip"
-    whole = PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
-    write_phantom(clip, whole)
-    bounds = np.load(clip / "poses_bounds.npy")
-    np.save(clip / "poses_bounds.npy", np.repeat(bounds[:1], len(bounds), axis=0))
     config = TrainConfig(iterations=4, n_gaussians=500)
-    list(run_training(TrainRequest(clip_path=clip, run_path=tmp_path / "run", config=config)))
+    list(run_training(TrainRequest(clip_path=unposed, run_path=tmp_path / "run", config=config)))
     scene, evaluation = open_scene(tmp_path / "run"), open_evaluation(tmp_path / "run")
     assert scene.poses_are_estimated
-    *_, last = measure_run(RunMeasuresRequest(scene, open_clip(clip), WHOLE, config))
+    *_, last = measure_run(RunMeasuresRequest(scene, open_clip(unposed), WHOLE, config))
     frames = (evaluation.trained_clip.read_frame(index) for index in evaluation.indices)
     drawn = (
         (frame, evaluation.drawn(index)) for frame, index in zip(frames, evaluation.indices, strict=True)

@@ -33,21 +33,10 @@ CONFIG = TrainConfig(iterations=4, n_gaussians=500)
 
 
 @pytest.fixture(scope="module")
-def moving(tmp_path_factory):
-    """A clip whose camera moves and whose poses say that it does not."""
-    path = tmp_path_factory.mktemp("moving") / "clip"
-    write_phantom(
-        path, PhantomParams(n_frames=12, width=160, height=128, seed=5, camera="moving", tissue="static")
-    )
-    bounds = np.load(path / "poses_bounds.npy")
-    np.save(path / "poses_bounds.npy", np.repeat(bounds[:1], len(bounds), axis=0))
-    return path
-
-
-@pytest.fixture(scope="module")
-def trained(moving):
-    events = list(run_training(TrainRequest(clip_path=moving, run_path=moving.parent / "run", config=CONFIG)))
-    return RunFolder(moving.parent / "run"), events
+def trained(unposed, tmp_path_factory):
+    path = tmp_path_factory.mktemp("trained") / "run"
+    events = list(run_training(TrainRequest(clip_path=unposed, run_path=path, config=CONFIG)))
+    return RunFolder(path), events
 
 
 def test_poses_are_recorded_with_how_well_they_fit(trained):
@@ -69,9 +58,9 @@ def test_evaluation_and_the_window_see_through_them(trained):
     assert opened.run.model.is_of(opened.clip)
 
 
-def test_a_run_is_of_its_clip_as_that_was_opened_whatever_was_found_of_the_lens(trained, moving):
+def test_a_run_is_of_its_clip_as_that_was_opened_whatever_was_found_of_the_lens(trained, unposed):
     """As beside a training that has just ended in the window."""
-    scene, clip = open_scene(trained[0].path), open_clip(moving)
+    scene, clip = open_scene(trained[0].path), open_clip(unposed)
     zooming = tuple(zoomed(camera, 0.02 * at) for at, camera in enumerate(scene.cameras))
     assert scene.is_of(clip)
     assert replace(scene, cameras=zooming).is_of(clip)
@@ -87,8 +76,8 @@ def test_a_run_is_of_its_clip_as_that_was_opened_whatever_was_found_of_the_lens(
     assert not replace(scene, poses_are_estimated=False).is_of(clip)
 
 
-def test_a_run_resumes_with_the_poses_that_it_began_with(moving, tmp_path):
-    request = TrainRequest(clip_path=moving, run_path=tmp_path / "run", config=CONFIG)
+def test_a_run_resumes_with_the_poses_that_it_began_with(unposed, tmp_path):
+    request = TrainRequest(clip_path=unposed, run_path=tmp_path / "run", config=CONFIG)
     events = run_training(request)
     next(event for event in events if isinstance(event, Started))
     events.close()
@@ -99,14 +88,14 @@ def test_a_run_resumes_with_the_poses_that_it_began_with(moving, tmp_path):
 
 
 def test_a_run_that_began_without_poses_goes_on_without_whatever_is_found_by_now(
-    moving, tmp_path, monkeypatch
+    unposed, tmp_path, monkeypatch
 ):
     """As of an earlier version, which could not follow the camera."""
 
     def lost(clip, tell):
         raise PosesError("the camera could not be followed")
 
-    request = TrainRequest(clip_path=moving, run_path=tmp_path / "run", config=CONFIG)
+    request = TrainRequest(clip_path=unposed, run_path=tmp_path / "run", config=CONFIG)
     with monkeypatch.context() as before:
         before.setattr("app.runs.posing.find_poses", lost)
         events = run_training(request)
@@ -120,9 +109,9 @@ def test_a_run_that_began_without_poses_goes_on_without_whatever_is_found_by_now
     assert RunFolder(request.run_path).is_finished
 
 
-def test_poses_can_be_refused_and_are_left_out_where_the_camera_is_fixed(moving, tmp_path):
+def test_poses_can_be_refused_and_are_left_out_where_the_camera_is_fixed(unposed, tmp_path):
     refused = replace(CONFIG, leave_out=("poses",))
-    told = list(run_training(TrainRequest(clip_path=moving, run_path=tmp_path / "refused", config=refused)))
+    told = list(run_training(TrainRequest(clip_path=unposed, run_path=tmp_path / "refused", config=refused)))
     assert any("poses are missing" in event.message for event in told if isinstance(event, Warned))
     assert RunFolder(tmp_path / "refused").record().clip.poses is None
 
@@ -135,8 +124,8 @@ def test_poses_can_be_refused_and_are_left_out_where_the_camera_is_fixed(moving,
     assert ("camera poses", "no motion of the camera was found") in {(o.what, o.why) for o in started.omitted}
 
 
-def test_a_zoom_is_said_with_its_frames_and_each_frame_keeps_its_lens(moving):
-    clip = open_clip(moving)
+def test_a_zoom_is_said_with_its_frames_and_each_frame_keeps_its_lens(unposed):
+    clip = open_clip(unposed)
     zoom = Zoom(np.array([2, 9]), np.array([0.0, np.log(1.12)]))
     cameras = tuple(zoomed(clip.cameras[0], zoom.at(at)) for at in range(12))
     found = FoundPoses(0, cameras, (0.5,) * 12, (200,) * 12, (), zoom=zoom)
@@ -149,8 +138,8 @@ def test_a_zoom_is_said_with_its_frames_and_each_frame_keeps_its_lens(moving):
     assert not any("zooms" in note for note in through_found(clip, replace(found, zoom=ONE_LENS), 0).notices)
 
 
-def test_where_a_path_is_closed_is_said_with_its_frames(moving):
-    clip = open_clip(moving)
+def test_where_a_path_is_closed_is_said_with_its_frames(unposed):
+    clip = open_clip(unposed)
     found = FoundPoses(0, clip.cameras, (0.5,) * 12, (200,) * 12, (), closed=((1, 10), (2, 9)))
     said = (
         f"frames {clip.labels[1]} and {clip.labels[10]} show the same place: "
@@ -173,10 +162,10 @@ def test_info_says_by_how_much_the_lens_of_a_run_zooms(trained, tmp_path):
     assert after.value["zoom"] == pytest.approx(1.2)
 
 
-def test_the_part_that_holds_is_what_is_trained_on(moving, tmp_path):
+def test_the_part_that_holds_is_what_is_trained_on(unposed, tmp_path):
     """Frames without anything to follow at the start are left out."""
     clip = tmp_path / "clip"
-    shutil.copytree(moving, clip)
+    shutil.copytree(unposed, clip)
     for image in sorted((clip / "images").iterdir())[:2]:
         Image.fromarray(np.zeros((128, 160, 3), np.uint8)).save(image)
     config = replace(CONFIG, keep=("poses",))
@@ -193,9 +182,9 @@ def test_the_part_that_holds_is_what_is_trained_on(moving, tmp_path):
     list(run_training(replace(request, resume=True)))
 
 
-def test_frames_that_are_bridged_are_neither_trained_on_nor_measured(moving, tmp_path):
+def test_frames_that_are_bridged_are_neither_trained_on_nor_measured(unposed, tmp_path):
     clip = tmp_path / "clip"
-    shutil.copytree(moving, clip)
+    shutil.copytree(unposed, clip)
     for image in sorted((clip / "images").iterdir())[8:10]:
         Image.fromarray(np.zeros((128, 160, 3), np.uint8)).save(image)
     config = replace(CONFIG, keep=("poses",))
