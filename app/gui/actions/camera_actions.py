@@ -17,6 +17,9 @@ from app.scenes.view_kinds import EXPLAINED, ViewKind
 from app.scenes.view_request import ViewRequest
 
 NO_SURFACE = "No surface under the pointer"
+NOTHING_TO_MEASURE = (
+    "Distances are measured on a reconstruction, and there is none: reconstruct a clip or open a run."
+)
 LONGEST_STEP = 0.1
 """Seconds: after a pause of the window, flight does not jump."""
 

@@ -34,7 +34,7 @@ def camera_sections(state: AppState) -> tuple[Section, ...]:
                           "heatmap", "render", "rendering")),
         Command("Measure", camera_actions.toggle_measuring, ("M",),
                 text="measure between two clicks on the 3D view",
-                applies=has_model, ticked=lambda s: s.scene.viewer.measuring,
+                applies=has_model, refuse=_refuse_measuring, ticked=lambda s: s.scene.viewer.measuring,
                 synonyms=("distance", "ruler", "length", "size", "mm", "caliper", "diameter", "width",
                           "measurement", "quantify", "scale")),
         Command("Fly", camera_actions.toggle_flight, ("G",),
@@ -81,6 +81,10 @@ _has_path = Needs(
     lambda state: "" if state.scene.cameras.views.path.keyframes else "Add a keyframe to the path first."
 )
 _snapped = Needs(lambda state: "" if state.scene.viewer.snapped else "Turn on the frame overlay first (C).")
+
+
+def _refuse_measuring(state: AppState) -> None:
+    actions.announce(state, camera_actions.NOTHING_TO_MEASURE)
 
 
 def _blend(state: AppState, by: float) -> None:

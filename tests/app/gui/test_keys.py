@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 from imgui_bundle import imgui
+from PIL import Image
 
 from app.gui.actions import job_actions
 from app.gui.commands.commands import sections
@@ -13,6 +15,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.panes import pane
 from app.gui.work.settings import Places
 from renderer.gaussians import DynamicGaussians
+from renderer.sources import open_case
 from tests.app.gui.conftest import make_clip, outside, start_live
 from tests.app.gui.ui import (
     Draw,
@@ -94,6 +97,22 @@ def test_a_key_that_cannot_do_its_work_says_what_is_missing(ui: Ui, places: Plac
     assert state.window.toast.message == job_actions.why_not_reconstruct(state)
     assert state.runs.asked
     assert not state.runs.starts
+
+
+def test_the_key_of_measuring_says_that_images_alone_have_no_distances(
+    ui: Ui, places: Places, tmp_path: Path
+) -> None:
+    state = AppState(places)
+    for name, width in (("1.png", 64), ("2.png", 48)):
+        Image.new("RGB", (width, 48)).save(tmp_path / name)
+    state.source.clip = open_case(tmp_path)
+    assert not state.source.clip.has_one_size
+    ui.press(keyboard(state), imgui.Key.m)
+    assert not state.scene.viewer.measuring
+    assert state.window.toast is not None
+    assert state.window.toast.message == (
+        "Distances are measured on a reconstruction, and there is none: reconstruct a clip or open a run."
+    )
 
 
 def test_keys_of_flight_fly_and_do_nothing_else(ui: Ui, opened: AppState, model: DynamicGaussians) -> None:
