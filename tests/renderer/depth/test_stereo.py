@@ -78,6 +78,21 @@ def test_a_shift_is_found_to_a_fraction_of_a_pixel():
         assert np.mean(inner[inner > 0]) == pytest.approx(by, abs=0.03)
 
 
+def test_shifts_beyond_what_the_matcher_counts_are_found_in_smaller_images():
+    """As of eyes of 8K close to the tissue; OpenCV's numbers of 16 bits end at 2047 px."""
+    rng = np.random.default_rng(5)
+    image = sum(
+        cv2.normalize(
+            cv2.GaussianBlur(rng.uniform(0, 1, (192, 4608, 3)), (0, 0), scale), None, 20, 110, cv2.NORM_MINMAX
+        )
+        for scale in (2, 24)
+    )
+    found = disparity(as_bytes(image), as_bytes(shifted(image, 2150.4)))
+    inner = found[30:-30, 2250:-30]
+    assert np.mean(inner > 0) > 0.95
+    assert abs(np.median(inner[inner > 0]) - 2150.4) < 0.1
+
+
 def test_the_range_follows_the_scene():
     """Disparities up to 40 % of the width are found without being told, in pictures of any size."""
     picture = texture(160, 640)
