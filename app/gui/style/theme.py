@@ -233,7 +233,7 @@ def _roles(colors: Colors) -> dict[imgui.Col_, ImVec4]:
         c.plot_lines_hovered: colors.warning, c.plot_histogram_hovered: colors.warning,
         c.frame_bg: shade(0.21), c.frame_bg_hovered: shade(0.26), c.frame_bg_active: shade(0.30),
         c.button: shade(0.25), c.button_hovered: shade(0.32), c.button_active: shade(0.38),
-        c.header: shade(0.24), c.header_hovered: shade(0.27), c.header_active: shade(0.29),
+        c.header: shade(0.24), c.header_hovered: shade(0.26), c.header_active: shade(0.27),
         c.slider_grab: colors.grab, c.slider_grab_active: colors.grab, c.check_mark: colors.accent,
         c.checkbox_selected_bg: shade(0.21),
         c.separator: shade(0.24), c.separator_hovered: shade(0.38), c.separator_active: colors.accent,

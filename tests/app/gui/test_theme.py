@@ -63,7 +63,16 @@ def test_every_text_can_be_read(ui: Ui, name: Theme) -> None:
     theme.wear(name, 100)
     worn = theme.now()
     bright = {f"text on {ground}": contrast(worn.text, style(ground)) for ground in (*PANELS, *CONTROLS)}
-    soft = ("window_bg", "popup_bg", "menu_bar_bg", "tab", "header", "header_hovered", "frame_bg")
+    soft = (
+        "window_bg",
+        "popup_bg",
+        "menu_bar_bg",
+        "tab",
+        "header",
+        "header_hovered",
+        "header_active",
+        "frame_bg",
+    )
     bright |= {f"muted on {ground}": contrast(worn.muted, style(ground)) for ground in soft}
     for ink in ("accent", "warning", "danger"):
         for ground in ("window_bg", "popup_bg", "menu_bar_bg"):
