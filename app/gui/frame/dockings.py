@@ -207,6 +207,17 @@ def spare_ground() -> None:
         panel.imgui_window_flags = (can.no_background if docked else can.none) | quiet
 
 
+def _bring_title_into_sight() -> None:
+    """Of a panel that comes to the front otherwise than by its tab, which may be scrolled out of sight."""
+    focused: imgui.internal.Window | None = imgui.get_current_context().nav_window
+    window = None if focused is None else focused.root_window
+    node = _node_of(window)
+    if window is None or node is None or node.tab_bar is None:
+        return
+    if node.tab_bar.selected_tab_id != window.tab_id:
+        node.tab_bar.next_selected_tab_id = window.tab_id
+
+
 def _in_window(node: Node | None) -> bool:
     """Whether what is docked there has the window behind it, not a panel that floats over others."""
     while (above := _parent_of(node)) is not None:
@@ -247,6 +258,7 @@ def follow(state: AppState) -> None:
         # Once in front, it is as the View menu says.
         panel(REPORT).is_visible = panel(REPORT).focus_window_at_next_frame = True
         laid_out.came(state.reports)
+    _bring_title_into_sight()
 
 
 def _show(window: hello_imgui.DockableWindow, wanted: bool) -> None:

@@ -12,6 +12,8 @@ from app.gui.work.settings import Theme
 from app.report.colors import COLORS
 
 FONT_SIZE = 16.0
+WHOLE = float(np.finfo(np.float32).max)
+"""What ImGui takes for no shrinking: titles of panels stay whole, and tabs scroll where there is no room."""
 
 
 def grey(level: float, alpha: float = 1.0) -> ImVec4:
@@ -187,6 +189,7 @@ def apply_style(text: float = 1.0, density: float = 1.0) -> None:
     style.child_rounding = style.scrollbar_rounding = 4 * scale
     style.window_rounding = 0
     style.tab_rounding = 3 * scale
+    style.tab_min_width_shrink = WHOLE
     style.popup_border_size = style.window_border_size = int(density)
     style.frame_border_size = style.tab_border_size = 0
     style.docking_separator_size = int(3 * density)

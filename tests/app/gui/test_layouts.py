@@ -142,6 +142,29 @@ def test_larger_text_arranges_also_what_only_a_later_session_opens(places: Place
 
 
 @pytest.mark.display
+def test_titles_of_panels_are_whole_in_large_text_and_come_into_sight(places: Places) -> None:
+    driver = Driver(places, Settings(acknowledged=True, text_percent=200), [])
+    actions.open_path(driver.state, phantom_path())
+
+    def drive(ctx: imgui.test_engine.TestContext) -> None:
+        wait(ctx, lambda: driver.state.source.clip is not None, "the phantom")
+        ctx.yield_(12)
+        bar = imgui.internal.find_window_by_name("Enhancement").dock_node.tab_bar
+        room = bar.bar_rect.max.x - bar.bar_rect.min.x
+        assert bar.width_all_tabs_ideal > room
+        assert all(tab.width >= tab.content_width for tab in bar.tabs)
+        for name in ("Cameras", "Enhancement"):
+            ctx.window_focus(f"//{name}")
+            ctx.yield_(30)
+            assert name in in_front(ctx)
+            (tab,) = (tab for tab in bar.tabs if tab.id_ == bar.selected_tab_id)
+            left = tab.offset - bar.scrolling_anim
+            assert -1 <= left <= left + tab.width <= room + 1, name
+
+    driver.run(drive)
+
+
+@pytest.mark.display
 def test_another_layout_waits_until_all_panels_are_there(places: Places, still: Path) -> None:
     driver = Driver(places, Settings(acknowledged=True), [])
     state = driver.state
