@@ -85,7 +85,7 @@ class ReadAhead:
         self._places: dict[int, int] = {}
 
     def fill(self, told: Tell) -> None:
-        """Raises ClipError: a frame cannot be read, or none of a few pairs that are looked at first match."""
+        """Raises ClipError: a frame cannot be read, or none of a few pairs that are looked at match."""
         indices = self._indices
         probes = _probes(indices) if self._source.depth_origin == "stereo" else []
         ordered = probes + [index for index in indices if index not in probes]
@@ -98,9 +98,13 @@ class ReadAhead:
             self._store.append(frame)
 
     def _require_match(self, probes: Sequence[int]) -> None:
+        """Raises ClipError: none of these, nor of a few of the whole clip; a window may show none."""
         if any(self._store[self._places[index]].depth_mask.any() for index in probes):
             return
-        labels = ", ".join(self._source.labels[index] for index in probes)
+        others = [index for index in _probes(self._source.train_indices) if index not in self._places]
+        if any(self._source.read_frame(index).depth_mask.any() for index in others):
+            return
+        labels = ", ".join(self._source.labels[index] for index in (*probes, *others))
         way = "--depth brightness, or Depth in the window, estimates it without a scale"
         wanted = "expected left and right images of one scene"
         raise ClipError(f"{wanted}, got none that match in {labels} ({way}): {self._source.path}")

@@ -217,3 +217,30 @@ def test_pairs_that_match_nowhere_are_refused_after_a_few(clip_path: Path, tmp_p
     with pytest.raises(ClipError, match="none that match in"):
         ahead.fill(lambda done, total: None)
     assert len(read) == 3
+
+
+@pytest.mark.parametrize("matches", [True, False])
+def test_of_a_long_clip_a_window_may_show_nothing_that_matches(
+    clip_path: Path, tmp_path: Path, matches: bool
+) -> None:
+    """As where the endoscope is out of the body at first."""
+    read, clip = list[int](), open_clip(clip_path)
+
+    def dark_at_first(index: int) -> Frame:
+        read.append(index)
+        frame = clip.read_frame(index)
+        if matches and index > 5:
+            return frame
+        return replace(frame, depth=np.zeros(frame.tissue_mask.shape, np.float32))
+
+    source = replace(clip, read_frame=dark_at_first, depth_origin="stereo")
+    ahead = ReadAhead(source, tmp_path, Window(0, 5))
+    if matches:
+        ahead.fill(lambda done, total: None)
+        assert {index for index in clip.train_indices if index <= 5} <= set(read)
+        ahead.hand_over()
+        assert not ahead.clip.read_frame(0).depth_mask.any()
+    else:
+        with pytest.raises(ClipError, match="none that match in"):
+            ahead.fill(lambda done, total: None)
+        assert len(read) < 6
