@@ -221,6 +221,8 @@ class Clip:
     """That values of its 16-bit image files use; the right eye's are read alike."""
     read_right: Callable[[int], ByteImage] | None = None
     """The right eye's picture of a frame, where the clip's own file holds it beside the left one."""
+    read_visible: Callable[[int], BoolImage | None] | None = None
+    """(H, W) of a frame, False where its image is fully transparent; None: it is nowhere."""
 
     def __len__(self) -> int:
         return len(self.cameras)
@@ -279,7 +281,7 @@ class Clip:
             index = numbered(index, len(kept))
             return replace(self.read_frame(kept[index]), index=index, time=index / len(kept))
 
-        times, read_right = self.frame_times, self.read_right
+        times, read_right, read_visible = self.frame_times, self.read_right, self.read_visible
         taken = slice(kept.start, kept.stop, kept.step)
         return replace(
             self,
@@ -291,6 +293,7 @@ class Clip:
             passed_over=frozenset(kept.index(index) for index in self.passed_over if index in kept),
             frame_times=times and tuple(time - times[kept.start] for time in times[taken]),
             read_right=read_right and (lambda index: read_right(place(index))),
+            read_visible=read_visible and (lambda index: read_visible(place(index))),
         )
 
     def _rate_of(self, kept: range) -> float | None:

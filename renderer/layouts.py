@@ -29,6 +29,7 @@ from renderer.readers.data_sets.structure_from_motion import (
 from renderer.readers.dicom.header import dicom_kind
 from renderer.readers.image_files.coded_picture import CODED, is_coded_still
 from renderer.readers.image_files.file_kinds import SUFFIXES, is_picture, is_unnamed
+from renderer.readers.image_files.transparency import where_visible
 from renderer.readers.image_files.used_bits import ALL, said_of_unread_bits, used_bits
 from renderer.readers.image_folders.frames import frames_of, open_image, open_images
 from renderer.readers.image_folders.picture_kinds import frame_folder
@@ -91,7 +92,7 @@ def _open_stereo(path: Path, options: ClipOptions) -> Clip:
     if options.bits is None:
         files = [left / label for label in clip.labels]
         clip = replace(clip, notices=(*clip.notices, *said_of_unread_bits(len(files), used_bits(files))))
-    return with_maps(clip, left, options)
+    return _where_visible(with_maps(clip, left, options), left, options)
 
 
 def _stereo_files(path: Path) -> ClipFiles:
@@ -103,7 +104,14 @@ def _stereo_files(path: Path) -> ClipFiles:
 def _open_pictures(path: Path, options: ClipOptions) -> Clip:
     pictures = frame_folder(path)
     clip = open_images(pictures, options.view_angle, options.bits)
-    return with_maps(replace(clip, path=path, name=path.resolve().name), pictures, options)
+    clip = with_maps(replace(clip, path=path, name=path.resolve().name), pictures, options)
+    return _where_visible(clip, pictures, options)
+
+
+def _where_visible(clip: Clip, folder: Path, options: ClipOptions) -> Clip:
+    if options.alpha == "ignored":
+        return clip
+    return where_visible(clip, [folder / label for label in clip.labels])
 
 
 def _frames_and_maps(path: Path, folder: Path) -> ClipFiles:
@@ -132,7 +140,8 @@ def _open_picture(path: Path, options: ClipOptions) -> Clip:
     is_coded = path.suffix.lower() not in SUFFIXES and is_coded_still(path)
     if is_coded:
         return open_coded_still(path, options.view_angle)
-    return open_image(path, options.view_angle, options.bits)
+    clip = open_image(path, options.view_angle, options.bits)
+    return clip if options.alpha == "ignored" else where_visible(clip, (path,))
 
 
 def _open_video(path: Path, options: ClipOptions) -> Clip:
@@ -151,7 +160,7 @@ LAYOUTS: Final = (
         matches=_is_still,
         open=_open_picture,
         own_files=_itself,
-        heeds=("field_of_view", "bits"),
+        heeds=("field_of_view", "bits", "alpha"),
     ),
     Layout(
         name="video",
@@ -216,7 +225,7 @@ LAYOUTS: Final = (
         matches=is_stereo_folder,
         open=_open_stereo,
         own_files=_stereo_files,
-        heeds=("mask_polarity", "field_of_view", "bits"),
+        heeds=("mask_polarity", "field_of_view", "bits", "alpha"),
     ),
     Layout(
         name="images",
@@ -224,7 +233,7 @@ LAYOUTS: Final = (
         matches=lambda path: True,
         open=_open_pictures,
         own_files=lambda path: _frames_and_maps(path, frame_folder(path)),
-        heeds=("mask_polarity", "field_of_view", "bits"),
+        heeds=("mask_polarity", "field_of_view", "bits", "alpha"),
     ),
 )
 """In the order in which they are asked: a folder may look like several."""

@@ -14,6 +14,7 @@ from renderer.depth.calibrated import with_calibration
 from renderer.depth.clip_depth import with_depth
 from renderer.layouts import layout_of
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
+from renderer.readers.image_files.transparency import where_visible
 from renderer.readers.image_folders.picture_kinds import frame_folder
 from renderer.readers.image_folders.stills import images_in, open_stills
 from renderer.readers.video_decoding.stereo_layout import chosen_layout
@@ -78,6 +79,8 @@ def open_case(path: Path, options: ClipOptions = DEFAULTS) -> Clip:
             stills = open_stills(folder, options.view_angle, options.bits) if images_in(folder) else None
         if stills is None or stills.has_one_size:
             raise
+        if options.alpha != "ignored":
+            stills = where_visible(stills, [folder / label for label in stills.labels])
         return replace(stills, path=path, name=path.resolve().name)
 
 

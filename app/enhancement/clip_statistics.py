@@ -115,7 +115,18 @@ def _indices(request: StatisticsRequest) -> list[int]:
 def read_frame(
     clip: Clip, index: int, pixels: Pixels, mask: PictureMask, tools: Tools | None = None
 ) -> tuple[ByteImage, BoolImage | None]:
-    """The frame and the pixels that count, None = all: so too where nothing but black would be left."""
+    """The frame, (H, W, 3), or (H, W, 4) with what is seen of it as alpha, and the pixels that count, None =
+    all: so too where nothing but black would be left."""
+    image, kept = _read(clip, index, pixels, mask, tools)
+    visible = clip.read_visible(index) if clip.read_visible else None
+    if visible is not None and visible.any():
+        image = np.dstack((image, np.where(visible, 255, 0).astype(np.uint8)))
+    return image, kept
+
+
+def _read(
+    clip: Clip, index: int, pixels: Pixels, mask: PictureMask, tools: Tools | None
+) -> tuple[ByteImage, BoolImage | None]:
     if pixels == "tissue":
         frame = (clip if tools is None else tools.of(clip)).read_frame(index)
         image, kept = frame.image, frame.tissue_mask & inside([frame.image])

@@ -82,36 +82,37 @@ class PictureMaker:
 
     def make(self, request: PictureRequest) -> Iterator[Pictures]:
         """First the frame alone, then both. Raises ClipError or ImageError."""
-        original = self._show(request)
+        given = self._show(request)
+        original = _colors(given)
         yield Pictures(request, original)
         if request.params is None:
             return
         statistics = self._of_clip(request, request.params)
-        self._load(request.params, original)
+        self._load(request.params, given)
         start = perf_counter()
         result = self._enhancer.enhance(request.params, statistics=statistics)
         milliseconds = 1000 * (perf_counter() - start)
-        enhanced = np.asarray(result.image, dtype=np.uint8)
+        enhanced = _colors(np.asarray(result.image, dtype=np.uint8))
         yield Pictures(request, original, enhanced, result.statistics, milliseconds, result.omitted)
 
-    def _load(self, params: EnhancementSettings, original: ByteImage) -> None:
+    def _load(self, params: EnhancementSettings, given: ByteImage) -> None:
         """The kernels of a method, once: their way from disk is no time of a picture."""
         if type(params) not in self._loaded:
             self._loaded.add(type(params))
-            load_kernels(params, original)
+            load_kernels(params, given)
             # A search for garbage through all that numba keeps would stop the window for a tenth of a second.
             gc.freeze()
 
     def _show(self, request: PictureRequest) -> ByteImage:
-        """The frame, read once for as long as only parameters move."""
+        """The frame, see `read_frame`, read once for as long as only parameters move."""
         key = replace(request, params=None, scope="image", of_clip=None)
         if self._shown is None or self._shown[0] != key:
             self._shown = None
-            original, mask = read_frame(
+            given, mask = read_frame(
                 request.clip, request.frame_index, request.pixels, request.mask, request.tools
             )
-            self._enhancer.show(original, mask, drawn(request.pixels))
-            self._shown = key, original, mask
+            self._enhancer.show(given, mask, drawn(request.pixels))
+            self._shown = key, given, mask
         return self._shown[1]
 
     def _of_clip(self, request: PictureRequest, params: EnhancementSettings) -> Statistics | None:
@@ -137,3 +138,8 @@ class PictureMaker:
             pool.add(*self._shown[1:])
             self._first = key, pool.statistics()
         return self._first[1]
+
+
+def _colors(image: ByteImage) -> ByteImage:
+    """(H, W, 3), without alpha."""
+    return image if image.shape[2] == 3 else np.ascontiguousarray(image[..., :3])

@@ -21,6 +21,7 @@ from renderer.readers.clip_files import files_in
 from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.dicom.header import holds_stream
 from renderer.readers.image_files.file_kinds import is_visible
+from renderer.readers.image_files.transparency import SAID, hides_some
 from renderer.readers.image_files.used_bits import ALL, holds_deep, said_of_bits, stretched, used_bits
 from renderer.readers.image_folders.pages import left_pages
 from renderer.readers.image_folders.passed_over import broken_links, passed_over
@@ -92,7 +93,8 @@ def open_series(path: Path, options: ClipOptions = DEFAULTS, apart: Container[Pa
     if path.is_dir():
         if options.calibration is not None or not layout_of(path).frames_are_files:
             # Of files that tell more than pictures, as left ones of pairs, or as others than they are stored.
-            return _of_clip(path, replace(DEFAULTS, calibration=options.calibration, bits=options.bits))
+            heeded = replace(DEFAULTS, calibration=options.calibration, bits=options.bits)
+            return _of_clip(path, replace(heeded, alpha="ignored"))
         kinds = frames_in(path)
         series = _of_files(kinds.frames, options.bits)
         left = (*kinds.notices(), *_left_out(path), *_passed_over(path, kinds, apart))
@@ -137,7 +139,8 @@ def _of_files(paths: tuple[Path, ...], bits: int | None) -> Series:
         if other != path:
             raise UserError(f"{other.name} and {path.name} would share one output name: {path.parent}")
     bits = bits or used_bits(paths)
-    notices = *left_pages(paths), *said_of_bits(len(paths), bits)
+    hidden = (SAID,) if hides_some(paths) else ()
+    notices = *left_pages(paths), *said_of_bits(len(paths), bits), *hidden
     return Series(names, paths, lambda index: _read(paths[index], bits), notices=notices, bits=bits)
 
 

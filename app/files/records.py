@@ -37,8 +37,9 @@ keeps nobody from making the file again."""
 
 
 def _as_stored(given: Any) -> Any:
-    """Before 0.12.0, 16-bit images that use fewer bits were shown as stored."""
-    return {"bits": 16} | given if isinstance(given, dict) else given
+    """Before 0.12.0, 16-bit images that use fewer bits were shown as stored; and before 0.14.0, alpha told
+    nothing."""
+    return {"bits": 16, "alpha": "ignored"} | given if isinstance(given, dict) else given
 
 
 RecordedReading = Annotated[ClipOptions, BeforeValidator(_as_stored)]

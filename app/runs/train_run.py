@@ -327,7 +327,7 @@ def _check_same(request: TrainRequest, record: RunRecord, whole: Clip) -> None:
         known |= {"color_smoothing": measured.color_noise}
         before = {name for name, value in known.items() if value is None}  # There was no such thing.
         asked |= {name: began[name] for name in asked.keys() & began.keys() & before}
-    for found in ("field_of_view", "bits", "tools", "tool_masks"):
+    for found in ("field_of_view", "bits", "alpha", "tools", "tool_masks"):
         if asked[found] is None:  # Nobody asks for it.
             del began[found]
     if "tool_masks" in began and began["tool_masks"] is not None:

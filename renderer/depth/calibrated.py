@@ -76,7 +76,11 @@ def _of_two(clip: Clip, right: RightEye, calibration: Calibration) -> Clip:
 
 
 def _straight(clip: Clip, by: Straightening, said: str) -> Clip:
-    mask = _remembering(by.mask)
+    mask, seen = _remembering(by.mask), clip.read_visible
+
+    def read_visible(index: int) -> BoolImage | None:
+        visible = seen(index) if seen else None
+        return None if visible is None else by.mask(visible)
 
     def read_frame(index: int) -> Frame:
         frame = clip.read_frame(index)
@@ -92,6 +96,7 @@ def _straight(clip: Clip, by: Straightening, said: str) -> Clip:
         cameras=(by.camera,) * len(clip),
         read_frame=read_frame,
         read_image=read_image,
+        read_visible=seen and read_visible,
         calibrated=True,
         notices=(*clip.notices, said),
     )

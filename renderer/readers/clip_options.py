@@ -91,6 +91,9 @@ class ClipOptions:
     """That the values of 16-bit images use, PNG or TIFF, alone or in a folder: they are shown over the whole
     range. Auto: 10 or 12, where these are enough and 8 are not; else, and of left and right images, 16, as
     stored."""
+    alpha: Literal["mask", "ignored"] | None = None
+    """What is fully transparent in images, alone or in a folder: outside of the tissue (mask), or like any
+    other pixel (ignored). Auto: mask."""
     split: Split = "field"
     """Frames held out of training: every eighth from the second on, as is usual, or the odd ones, as is usual
     for Hamlyn."""
@@ -107,10 +110,11 @@ class ClipOptions:
         return replace(self, calibration=None) if is_found else self
 
     def reads_as(self, other: ClipOptions) -> bool:
-        """Whether training comes to read the same frames, whoever states the field of view or the bits, or
-        finds a lens by which they are undistorted."""
+        """Whether training comes to read the same frames, whoever states the field of view, the bits or what
+        alpha means, or finds a lens by which they are undistorted."""
         bits = self.bits if None not in (self.bits, other.bits) else other.bits
-        asked = replace(self.as_asked, field_of_view=self.view_angle, bits=bits)
+        alpha = self.alpha if None not in (self.alpha, other.alpha) else other.alpha
+        asked = replace(self.as_asked, field_of_view=self.view_angle, bits=bits, alpha=alpha)
         return asked == replace(other.as_asked, field_of_view=other.view_angle)
 
 

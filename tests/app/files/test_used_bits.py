@@ -97,7 +97,7 @@ def test_a_tuning_sheet_comes_again(tmp_path: Path, vesselsplat: Cli) -> None:
 
 def test_records_of_before_read_what_is_stored() -> None:
     read = TypeAdapter(RecordedReading).validate_python
-    assert read({"frame_step": 2}) == ClipOptions(frame_step=2, bits=16)
+    assert read({"frame_step": 2}) == ClipOptions(frame_step=2, bits=16, alpha="ignored")
     assert read({"bits": None}).bits is None
     assert read({"bits": 12}).bits == 12
     panes = TypeAdapter(PanesPicture).validate_python({"clip_options": {"depth": "off"}})
