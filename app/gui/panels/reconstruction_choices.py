@@ -15,7 +15,7 @@ from app.files.legible import named
 from app.gui.actions import actions, clip_actions, depth_actions, job_actions
 from app.gui.state.app_state import AppState
 from app.gui.state.reconstruction import QUALITIES, Reconstruction, expected_seconds, quality_of
-from app.gui.style.fields import declared, wants_default
+from app.gui.style.fields import asks_for_default, declared
 from app.gui.style.widgets import NAMES, button, checkbox, choose_row, em, explain, explain_entry, note, row
 from app.gui.work.presets import loosely_named
 from app.kernels.progress import rounded
@@ -212,6 +212,6 @@ def _steps(config: TrainConfig) -> int:
     row("Iterations", text)
     changed, value = imgui.input_int("##iterations", config.iterations, 100, 1000)
     explain(text)
-    if wants_default("iterations"):
+    if asks_for_default("iterations"):
         return int(about.default)
     return int(min(max(value, about.lo), about.hi)) if changed else config.iterations

@@ -168,6 +168,11 @@ def wants_default(name: str) -> bool:
         # The button is still down: a slider that was held on would be moved to the pointer again.
         imgui.internal.clear_active_id()
         return True
+    return asks_for_default(name)
+
+
+def asks_for_default(name: str) -> bool:
+    """The item before was reset from its context menu, where a double click chooses text or is two clicks."""
     if not imgui.begin_popup_context_item(f"reset {name}"):
         return False
     chosen = imgui.menu_item_simple("Reset to default")

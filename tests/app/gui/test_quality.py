@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
+from imgui_bundle import ImVec2, imgui
 
 from app.gui.panels import reconstruction_choices
 from app.gui.panels.reconstruction_choices import draw_choices
@@ -54,3 +57,49 @@ def test_each_word_says_its_time(ui: Ui, opened: AppState, monkeypatch: pytest.M
         "Standard": "Standard, about 10 min",
         "Fine": "Fine, about 20 min",
     }
+
+
+@pytest.fixture
+def ends(monkeypatch: pytest.MonkeyPatch) -> dict[str, ImVec2]:
+    """Of the field of iterations with its buttons, as drawn last."""
+    found, draw = dict[str, ImVec2](), imgui.input_int
+
+    def seen(*given: Any) -> tuple[bool, int]:
+        drawn = draw(*given)
+        found.update(low=imgui.get_item_rect_min(), high=imgui.get_item_rect_max())
+        return drawn
+
+    monkeypatch.setattr(imgui, "input_int", seen)
+    return found
+
+
+def click(ui: Ui, state: AppState, at: tuple[float, float], times: int) -> None:
+    """So many in quick succession."""
+    show = partial(draw_choices, state)
+    for _ in range(times):
+        ui.drag(show, at, at)
+    ui.frame(show)
+
+
+def test_quick_clicks_on_a_button_of_the_iterations_are_so_many_steps(
+    ui: Ui, opened: AppState, ends: dict[str, ImVec2]
+) -> None:
+    ui.frame(partial(draw_choices, opened))
+    low, high = ends["low"], ends["high"]
+    click(ui, opened, (high.x - 5, (low.y + high.y) / 2), 3)
+    assert opened.runs.reconstruction.config.iterations == TrainConfig().iterations + 300
+
+
+def test_a_double_click_chooses_the_number_of_iterations_to_type_over(
+    ui: Ui, opened: AppState, ends: dict[str, ImVec2]
+) -> None:
+    run, show = opened.runs.reconstruction, partial(draw_choices, opened)
+    run.config = replace(run.config, iterations=700)
+    ui.frame(show)
+    low, high = ends["low"], ends["high"]
+    click(ui, opened, (low.x + 10, (low.y + high.y) / 2), 2)
+    assert run.config.iterations == 700
+    ui.io.add_input_characters_utf8("42")
+    ui.frame(show)
+    ui.press(show, imgui.Key.enter)
+    assert run.config.iterations == 42
