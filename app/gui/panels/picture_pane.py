@@ -30,6 +30,8 @@ WHEEL_STEP = 1.15
 PANE_BUTTONS = imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_button_right
 NARROW = 20.0
 """Em across below which a pane says less."""
+LEAST_SIDE = 8.0
+"""Em across that the tags of a side of the line have at least."""
 Pointer = tuple[int, int]
 
 
@@ -79,7 +81,9 @@ def draw_divider(
         for side, pane, start, end in (("left", left, area.corner.x, x), ("right", right, x, area.end.x)):
             with imgui_ctx.push_clip_rect(ImVec2(start, area.corner.y), ImVec2(end, area.end.y), True):
                 _draw_image(state, textures, side, pane, area)
-                _draw_tags(pane.tags, ImVec2(start, area.corner.y), ImVec2(end - start, area.size.y))
+                # A side that is narrower than a word cuts its tags off: they would be columns of letters.
+                room = ImVec2(max(end - start, em(LEAST_SIDE)), area.size.y)
+                _draw_tags(pane.tags, ImVec2(start, area.corner.y), room)
         if is_not_live(state.live):
             _draw_rim(area)
         _draw_line(area, x)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -20,7 +21,8 @@ from app.gui.panels import picture_pane
 from app.gui.state.app_state import AppState
 from app.gui.state.panes import FIRST_USE, LONG_SECONDS, Pane, original_tag, pane, source_label
 from app.gui.state.tags import Tag
-from app.gui.style.widgets import button
+from app.gui.style.labels import tag_height
+from app.gui.style.widgets import button, em
 from app.gui.update.channels import Channels
 from app.gui.views.comparison import SIDES
 from app.gui.work.opening import Opened
@@ -173,6 +175,23 @@ def test_a_low_pane_says_what_it_shows_and_not_how_that_was_made(
 
     ui.frame(draw)
     assert said == [["ENHANCED", "UPDATING…"], ["ENHANCED", "UPDATING…", "Vessel · Strength 2.40"]]
+
+
+def test_a_narrow_side_of_the_wipe_cuts_its_tags_off_and_breaks_no_word(
+    ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    broken: list[str] = []
+
+    def watch(tags: Iterable[Tag], _: ImVec2, width: float) -> None:
+        words = (word for one in tags for word in one.text.split())
+        broken.extend(word for word in words if tag_height(word, width - em(0.8)) > tag_height("a", 1e4))
+
+    monkeypatch.setattr(picture_pane, "stack_tags", watch)
+    comparing.choose_mode(opened, "wipe")
+    for place in (0.02, 0.5, 0.98):
+        comparing.set_wipe(opened, place)
+        ui.frame(compare(opened, Shown()))
+    assert broken == []
 
 
 def test_both_settings_are_stored_from_one_line(
