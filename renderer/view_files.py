@@ -80,6 +80,12 @@ def read_views(path: Path) -> Views:
         raise CameraFileError(f"{error}: {path}") from error
 
 
+def may_hold_views(path: Path) -> bool:
+    """JSON, or text that lies beside cameras of COLMAP; not a text of another kind."""
+    beside = (path.parent / name for name in ("cameras.txt", "images.txt"))
+    return path.suffix.lower() == ".json" or any(one.is_file() for one in beside)
+
+
 def import_views(path: Path) -> Views:
     """Of our file, or the cameras of another program's as named views; of COLMAP its folder or a file in it.
 

@@ -30,6 +30,12 @@ PIXELS_SAID: Final[Mapping[Pixels, str]] = {
     "tissue": "statistics of tissue only",
 }
 
+WEB: Final = (("http:",), ("https:",))
+"""How the path of what was dragged out of a browser begins."""
+OF_THE_WEB: Final = (
+    "expected a file or a folder, got an address on the web: save it there first, then drop the file here"
+)
+
 
 def add_input(state: AppState, path: Path) -> None:
     """A file or a folder, once."""
@@ -39,10 +45,13 @@ def add_input(state: AppState, path: Path) -> None:
 
 def take_dropped(state: AppState, paths: Sequence[Path]) -> None:
     """On the window: all join the batch whose window is shown; without it the first is opened."""
-    if not state.batches.shown:
-        actions.open_first(state, paths)
+    files = tuple(path for path in paths if path.parts[:1] not in WEB)
+    if len(files) < len(paths):
+        actions.fail(state, OF_THE_WEB)
+    if files and not state.batches.shown:
+        actions.open_first(state, files)
         return
-    for path in paths:
+    for path in files:
         add_input(state, path)
 
 

@@ -34,7 +34,7 @@ from renderer.sources import open_bare, open_case, with_chosen_depth
 from renderer.splat_files import is_named_as_splats
 from renderer.splat_series import series_files
 from renderer.train.window_files import unfinished
-from renderer.view_files import Views, import_views
+from renderer.view_files import Views, import_views, may_hold_views
 
 Content = Literal["clip", "stills", "run"]
 """Kinds of what is opened: each has its layout of the window."""
@@ -176,7 +176,7 @@ def _open(request: OpenRequest) -> Opened:
         return _open_session(request.path, request.source)
     if is_named_as_splats(request.path):
         return _open_splats(splat_scene(request.path))
-    if request.path.suffix.lower() in VIEW_SUFFIXES:
+    if request.path.suffix.lower() in VIEW_SUFFIXES and may_hold_views(request.path):
         return _open_beside(request.path)
     if is_sweep(request.path):
         return Opened(None, report=read_sweep_report(request.path))

@@ -179,6 +179,16 @@ def test_a_lone_model_file_is_refused_in_one_line(tmp_path: Path, model: Dynamic
     assert "\n" not in str(caught.value)
 
 
+def test_a_text_is_no_file_of_cameras_unless_it_lies_beside_some(tmp_path: Path) -> None:
+    notes = tmp_path / "notes.txt"
+    notes.write_text("hello")
+    with pytest.raises(ClipError, match=r"expected an image or a video, got .*notes\.txt$"):
+        opened(notes)
+    (tmp_path / "images.txt").write_text("# Nothing.")
+    with pytest.raises(UserError, match=r"expected a report, views or cameras: .*cameras\.txt$"):
+        opened(notes)
+
+
 def test_a_clip_whose_first_picture_is_damaged_is_refused(tmp_path: Path) -> None:
     copy = tmp_path / "copy"
     shutil.copytree(phantom_path(), copy)
