@@ -93,7 +93,8 @@ def _know(state: AppState, there: MasksThere) -> None:
 def take_mask(state: AppState, request: MaskRequest, frame: FrameMask) -> None:
     if request == mask_wish(state):
         _finish_line(state)
-        state.masking.shown, state.masking.past = frame, ()
+        state.masking.shown = frame
+        _forget_steps(state)
 
 
 def paint(state: AppState, at: Point) -> None:
@@ -156,11 +157,34 @@ def take_grown(state: AppState, request: GrowRequest, answer: BoolImage | Failur
 def undo(state: AppState) -> None:
     """The last stroke on this frame: it is as it was, and by whom it was masked. Nothing during a stroke."""
     masking = state.masking
-    if masking.past and masking.growing is None and not masking.line:
+    if masking.past and masking.shown is not None and _is_at_rest(state):
         before, masking.past = masking.past[-1], masking.past[:-1]
-        masking.shown = before
-        mask = None if before.origin is None else before.mask
-        _keep(state, KeepMask(before.request, mask, before.origin or BY_HAND))
+        masking.future = (*masking.future, masking.shown)
+        _return_to(state, before)
+
+
+def redo(state: AppState) -> None:
+    """The stroke that was undone last on this frame, unless the mask was changed since; none during one."""
+    masking = state.masking
+    if masking.future and masking.shown is not None and _is_at_rest(state):
+        after, masking.future = masking.future[-1], masking.future[:-1]
+        masking.past = (*masking.past, masking.shown)[-MOST_PAST:]
+        _return_to(state, after)
+
+
+def _is_at_rest(state: AppState) -> bool:
+    """No stroke is under way, and none grows."""
+    return state.masking.growing is None and not state.masking.line
+
+
+def _return_to(state: AppState, frame: FrameMask) -> None:
+    state.masking.shown = frame
+    mask = None if frame.origin is None else frame.mask
+    _keep(state, KeepMask(frame.request, mask, frame.origin or BY_HAND))
+
+
+def _forget_steps(state: AppState) -> None:
+    state.masking.past = state.masking.future = ()
 
 
 def clear_frame(state: AppState) -> None:
@@ -185,14 +209,15 @@ def forget_frame(state: AppState) -> None:
     masking = state.masking
     if masking.shown is not None:
         _keep(state, KeepMask(masking.shown.request, None))
-        masking.shown, masking.past = None, ()
+        masking.shown = None
+        _forget_steps(state)
 
 
 def _set(state: AppState, mask: BoolImage) -> None:
     """The mask of the frame on screen, by hand."""
     masking = state.masking
     assert masking.shown is not None
-    masking.shown = replace(masking.shown, mask=mask, origin=BY_HAND)
+    masking.shown, masking.future = replace(masking.shown, mask=mask, origin=BY_HAND), ()
     _keep(state, KeepMask(masking.shown.request, mask))
 
 
@@ -253,7 +278,7 @@ def stop_making(state: AppState) -> None:
     _finish_line(state)
     masking = state.masking
     masking.making = masking.there = masking.shown = None
-    masking.past = ()
+    _forget_steps(state)
 
 
 def answer(state: AppState, *, agreed: bool) -> None:

@@ -32,10 +32,11 @@ MASKING: Final[Keys] = {
     imgui.Key.left_bracket: partial(masking_actions.scale_radius, steps=-1),
     imgui.Key.right_bracket: partial(masking_actions.scale_radius, steps=1),
     int(imgui.Key.mod_ctrl) | int(imgui.Key.z): masking_actions.undo,
+    int(imgui.Key.mod_ctrl) | int(imgui.Key.y): masking_actions.redo,
 }
 MASKING_TEXT: Final = (
     ("[ or ]", "a smaller or a larger brush"),
-    ("Ctrl+Z", "undo the last stroke on this frame"),
+    ("Ctrl+Z, Ctrl+Y", "undo or redo a stroke on this frame"),
     ("Esc", "stop masking"),
 )
 TILE_TEXT: Final = (

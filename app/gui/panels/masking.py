@@ -152,7 +152,12 @@ def _draw_frame(state: AppState) -> None:
     by_hand = shown is not None and shown.origin == BY_HAND
     busy = "The area is growing." if masking.growing is not None else ""
     controls = (
-        ("Undo", masking_actions.undo, "Undo the last stroke on this frame.", bool(masking.past)),
+        (
+            "Undo",
+            masking_actions.undo,
+            "Undo the last stroke on this frame. Ctrl+Y redoes it.",
+            bool(masking.past),
+        ),
         ("Clear", masking_actions.clear_frame, "Mark this frame as free of tools.", shown is not None),
         ("Accept", masking_actions.accept, ACCEPT_TEXT, shown is not None and not by_hand),
         ("Drop", masking_actions.forget_frame, FORGET_TEXT, shown is not None and shown.origin is not None),
@@ -164,10 +169,15 @@ def _draw_frame(state: AppState) -> None:
 
 
 def _said(shown: FrameMask) -> str:
-    share = f"{percent(shown.mask.mean())} of this frame" if shown.mask.any() else "no tool in this frame"
+    share = f"{_part(shown.mask.mean())} of this frame" if shown.mask.any() else "no tool in this frame"
     if shown.origin is None and shown.own.any():
-        return f"{percent(shown.own.mean())} masked by the clip's own masks, which stay"
+        return f"{_part(shown.own.mean())} masked by the clip's own masks, which stay"
     return f"{capital(ORIGINS[shown.origin])}: {share}"
+
+
+def _part(share: float) -> str:
+    """A little is not nothing."""
+    return "less than 1 %" if 0 < share < 0.01 else percent(share)
 
 
 def _draw_by_hand(state: AppState) -> None:
@@ -224,7 +234,7 @@ def _draw_making(state: AppState) -> None:
 
 
 def _draw_report(state: AppState, report: MaskReport) -> None:
-    note(f"Tools in {report.with_tools} of {report.done} frames, {percent(report.share)} of the pixels")
+    note(f"Tools in {report.with_tools} of {report.done} frames, {_part(report.share)} of the pixels")
     if report.held_out is not None:
         note(f"Overlap with masks by hand: {report.held_out:.2f}")
         explain(IOU_TEXT)

@@ -36,6 +36,8 @@ class Masking:
     """Of the frame on screen, as it is now, with the stroke."""
     past: tuple[FrameMask, ...] = ()
     """That frame before each stroke, oldest first."""
+    future: tuple[FrameMask, ...] = ()
+    """That frame after each stroke that was undone, the next one last."""
     growing: GrowRequest | None = None
     keeping: tuple[KeepMask, ...] = ()
     """Those that are being written."""

@@ -76,6 +76,10 @@ def test_who_masked_a_frame_is_said_before_how_much(
     settle(masking)
     ui.frame(lambda: masking_panel.draw_masking(masking))
     assert "Masked by hand: no tool in this frame" in said
+    masking_actions.choose_radius(masking, THINNEST)
+    stroke(masking, (10.0, 20.0))
+    ui.frame(lambda: masking_panel.draw_masking(masking))
+    assert "Masked by hand: less than 1 % of this frame" in said
 
 
 def shown(state: AppState) -> FrameMask:
@@ -180,6 +184,27 @@ def test_an_undone_stroke_leaves_the_frame_as_nobody_had_touched_it(masking: App
     settle(masking)
     assert origin_of(before.request.path) == "learned"
     assert masking.masking.there.frames("by hand") == ()
+
+
+def test_an_undone_stroke_comes_back_unless_another_took_its_place(masking: AppState) -> None:
+    stroke(masking, (10.0, 20.0))
+    stroke(masking, (40.0, 20.0))
+    both = shown(masking).mask
+    for _ in range(2):
+        masking_actions.undo(masking)
+    for _ in range(3):  # One more than there are.
+        masking_actions.redo(masking)
+    settle(masking)
+    np.testing.assert_array_equal(on_disk(masking)[0], both)
+    masking_actions.undo(masking)
+    one = shown(masking).mask
+    masking_actions.redo(masking)
+    masking_actions.undo(masking)
+    np.testing.assert_array_equal(shown(masking).mask, one)
+    masking_actions.clear_frame(masking)
+    masking_actions.redo(masking)
+    settle(masking)
+    assert not on_disk(masking)[0].any()
 
 
 def test_an_area_grows_and_is_dropped_where_the_frame_has_changed(masking: AppState) -> None:
