@@ -18,8 +18,9 @@ from app.gui.frame.title import NAME
 from app.gui.work import kept_layout
 
 SIZE = (1280, 720)
-ON_UPRIGHT = 0.9
-"""Of an upright screen, in both directions."""
+"""The least that a first window has, and its shape on a screen that is not upright."""
+ON_WIDE, ON_UPRIGHT = 0.85, 0.9
+"""Of a screen, in both directions."""
 LEAST = (800, 480)
 """Below which images have no room beside the panels."""
 
@@ -88,8 +89,11 @@ def _first_size() -> tuple[int, int]:
     if (screen := _first_screen()) is None:
         return SIZE
     *_, width, height = glfw.get_monitor_workarea(screen)
-    share = ON_UPRIGHT / _density()  # The runner makes the window larger for a dense screen.
-    return SIZE if width > height else (round(share * width), round(share * height))
+    density = _density()  # The runner makes the window larger for a dense screen.
+    if width <= height:
+        return round(ON_UPRIGHT * width / density), round(ON_UPRIGHT * height / density)
+    scale = max(ON_WIDE * min(width / SIZE[0], height / SIZE[1]) / density, 1.0)
+    return round(scale * SIZE[0]), round(scale * SIZE[1])
 
 
 def _short(folder: Path) -> Path:

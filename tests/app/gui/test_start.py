@@ -262,9 +262,16 @@ def test_windows_gets_the_folder_of_the_layout_in_english_letters(
 
 @pytest.mark.parametrize("density", [1.0, 1.5])
 @pytest.mark.parametrize(
-    ("screen", "size"), [((1080, 1880), (972, 1692)), ((1920, 1080), starting.SIZE), (None, starting.SIZE)]
+    ("screen", "size"),
+    [
+        ((1080, 1880), (972, 1692)),
+        ((1920, 1080), (1632, 918)),
+        ((1280, 1024), starting.SIZE),
+        ((1366, 768), starting.SIZE),
+        (None, starting.SIZE),
+    ],
 )
-def test_the_first_window_of_an_upright_screen_is_upright(
+def test_the_first_window_has_most_of_the_screen_and_is_upright_where_that_is(
     screen: tuple[int, int] | None, size: tuple[int, int], density: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The runner makes what it is given larger on a dense screen."""
