@@ -26,8 +26,8 @@ KINDS: dict[Kind, str] = {
     "file": "One image or one video.",
 }
 SETTINGS_TEXT = (
-    "Set in the Enhancement panel. Eyes and lens chosen for a clip apply to that clip; masks drawn on a clip "
-    "are not used."
+    "Set in the Enhancement panel. Stereo video and lens chosen for a clip apply to that clip; masks drawn "
+    "on a clip are not used."
 )
 REMOVE_TEXT = "Remove from the list; no file is touched."
 RUNS_TEXT = "Runs in the background; the window stays usable. Each file records how it was made."

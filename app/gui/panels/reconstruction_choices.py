@@ -98,7 +98,7 @@ def draw_choices(state: AppState) -> None:
 
 def _draw_eyes(state: AppState) -> None:
     if clip_actions.is_video(state):
-        chosen = choose_row("Eyes", state.source.options.stereo, EYES, EYES_TEXT)
+        chosen = choose_row("Stereo video", state.source.options.stereo, EYES, EYES_TEXT)
         clip_actions.choose_eyes(state, chosen)
 
 

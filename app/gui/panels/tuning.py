@@ -98,7 +98,7 @@ def draw_tuning(state: AppState, textures: ShowsPictures) -> None:
 
 def _draw_axis(state: AppState, place: int, choice: Choice) -> None:
     kind = type(state.enhancement.params)
-    names = {"": "None"} | {name: LABELS[name] for name in NAMES[kind]}
+    names = {"": "Nothing" if place == 0 else "Nothing else"} | {name: LABELS[name] for name in NAMES[kind]}
     text = "The parameter of the rows." if place == 0 else "The parameter of the columns."
     now = choice.name if choice.name in names else ""
     name = choose(f"vary{place}", now, names, text, 8)

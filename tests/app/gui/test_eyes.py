@@ -70,7 +70,7 @@ def test_it_is_chosen_by_hand(places: Places, video: Path) -> None:
     def drive(ctx: imgui.test_engine.TestContext) -> None:
         wait(ctx, lambda: is_settled(state) and state.source.depth_ways is not None, "the video")
         to_choices(ctx)
-        ctx.combo_click("##Eyes/Left and right halves")
+        ctx.combo_click("##Stereo video/Left and right halves")
         wait(ctx, lambda: state.source.options.stereo == "side-by-side", "both eyes")
         wait(ctx, lambda: depth_actions.without_scale(state) != "", "depth")
         state.window.closing = "agreed"
