@@ -50,7 +50,7 @@ def choose_radius(state: AppState, radius: float) -> None:
     state.masking.radius = min(max(radius, THINNEST), THICKEST)
 
 
-def scale_radius(state: AppState, steps: int) -> None:
+def scale_radius(state: AppState, steps: float) -> None:
     choose_radius(state, state.masking.radius * STEP**steps)
 
 

@@ -35,7 +35,7 @@ MASKING: Final[Keys] = {
     int(imgui.Key.mod_ctrl) | int(imgui.Key.y): masking_actions.redo,
 }
 MASKING_TEXT: Final = (
-    ("[ or ]", "a smaller or a larger brush"),
+    ("[ or ]", "a smaller or a larger brush; also Shift and the wheel"),
     ("Ctrl+Z, Ctrl+Y", "undo or redo a stroke on this frame"),
     ("Esc", "stop masking"),
 )

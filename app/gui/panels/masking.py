@@ -42,7 +42,7 @@ TOOL_TEXTS: Final[dict[Stroke, str]] = {
     "erase": "Drag over tissue that is masked.",
     "grow": "Drag along the middle of a tool: the mask grows from there to the edges in the frame.",
 }
-SIZE_TEXT: Final = "Radius of the brush in pixels of the frame. [ and ] change it."
+SIZE_TEXT: Final = "Radius of the brush in pixels of the frame. [ and ] or Shift and the wheel change it."
 MAKE_TEXT: Final = (
     "Masks the tools in every frame that is not masked by hand: learned from those that are, or by colour "
     "where there are none."
@@ -274,6 +274,17 @@ def follow_brush(state: AppState, place: Placement, area: Area) -> None:
     elif not imgui.is_mouse_down(imgui.MouseButton_.left):
         # Escape takes the mouse from the pane while the button is still held: it drops the stroke.
         masking_actions.end_stroke(state)
+
+
+def size_by_wheel(state: AppState) -> bool:
+    """Whether it did, over the pane, which is the item before, while Shift is held."""
+    io = imgui.get_io()
+    if not (state.masking.active and io.key_shift):
+        return False
+    imgui.set_item_key_owner(imgui.Key.mouse_wheel_y)
+    # macOS turns the wheel's axis with Shift.
+    masking_actions.scale_radius(state, io.mouse_wheel or io.mouse_wheel_h)
+    return True
 
 
 def draw_brush(state: AppState, place: Placement, area: Area) -> None:

@@ -11,7 +11,7 @@ from app.files.legible import in_one_line
 from app.gui.actions import clip_actions, comparing, laid_out, picture_actions, presenting
 from app.gui.actions.picture_actions import Seen
 from app.gui.drawing.textures import PLAIN, Marks, ShowsPictures
-from app.gui.panels.masking import draw_brush, follow_brush
+from app.gui.panels.masking import draw_brush, follow_brush, size_by_wheel
 from app.gui.state.app_state import AppState
 from app.gui.state.live_words import is_not_live
 from app.gui.state.panes import Pane, pixel
@@ -133,10 +133,11 @@ def _placement(state: AppState, image: ByteImage, area: Area) -> Placement:
 
 
 def _look_around(state: AppState, image: ByteImage, area: Area) -> None:
-    """Wheel zooms at the pointer, drag moves, a double click fits: on either pane, for both."""
+    """Wheel zooms at the pointer or sizes the brush, drag moves, a double click fits: on both panes alike."""
     picture, pane = (image.shape[1], image.shape[0]), area.inside
     if imgui.is_item_hovered():
-        zoom_by_wheel(state.picture, picture, area)
+        if not size_by_wheel(state):
+            zoom_by_wheel(state.picture, picture, area)
         if imgui.is_mouse_double_clicked(imgui.MouseButton_.left) and not state.masking.active:
             picture_actions.fit(state.picture)
             return

@@ -421,3 +421,16 @@ def test_a_hand_draws_in_the_pane_and_escape_takes_it_back(ui: Ui, masking: AppS
     assert masking.masking.radius > radius
     ui.press(draw, imgui.Key.escape)
     assert not masking.masking.active
+
+
+def test_shift_and_the_wheel_size_the_brush_and_the_wheel_alone_zooms(ui: Ui, masking: AppState) -> None:
+    panes, view, radius = compare(masking, Shown()), masking.picture.view, masking.masking.radius
+    ui.frame(panes)
+    ui.io.add_key_event(imgui.Key.mod_shift, True)
+    ui.scroll(panes, (200, 300), 2)
+    assert masking.masking.radius == pytest.approx(masking_actions.STEP**2 * radius)
+    assert masking.picture.view == view
+    ui.io.add_key_event(imgui.Key.mod_shift, False)
+    ui.scroll(panes, (200, 300), 2)
+    assert masking.masking.radius == pytest.approx(masking_actions.STEP**2 * radius)
+    assert masking.picture.view != view
