@@ -101,6 +101,9 @@ def take_changed(state: AppState, request: ChangeRequest, answer: Path | Failure
     now = f"the run {name} is now called {legible(answer.name)}" if answer is not None else gone
     actions.announce(state, now)
     actions.use_settings(state, state.settings.moved(request.path, answer))
+    if answer is None and (found := state.runs.found) is not None:
+        # The list is made again seconds later: until then the run could be opened from it.
+        state.runs.found = replace(found, runs=tuple(run for run in found.runs if run.path != request.path))
     second = state.scene.second.model
     if second is not None and second.path == request.path:
         second_actions.close_second(state)

@@ -119,6 +119,8 @@ def test_only_what_was_agreed_to_is_done(listed: AppState) -> None:
     update(listed, channels, 0.4)
     assert listed.window.toast is not None
     assert listed.window.toast.message == "moved one to the bin"
+    assert listed.runs.found is not None
+    assert [run.path.name for run in listed.runs.found.runs] == ["two"]
 
 
 def test_the_bin_is_named_once_it_is_known_that_there_is_one(
