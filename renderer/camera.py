@@ -235,9 +235,8 @@ class Camera:
             width, height = (whole_pixels(values[name], name) for name in ("width", "height"))
             return cls(**numbers, width=width, height=height, camera_from_world=matrix)
         except (KeyError, TypeError, OverflowError) as error:
-            raise CameraError(
-                f"expected fx fy cx cy width height camera_from_world, got {error!r}"
-            ) from error
+            got = f"no {error.args[0]}" if isinstance(error, KeyError) else error
+            raise CameraError(f"expected fx fy cx cy width height camera_from_world, got {got}") from error
 
     def _key(self) -> tuple[Any, ...]:
         pose = self.camera_from_world + 0.0  # -0 and 0 are one pose.

@@ -19,6 +19,7 @@ from app.gui.state.window import Banner, Toast
 from app.gui.work.keeping import KeepSettings
 from app.gui.work.opening import VIEW_SUFFIXES, OpenRequest
 from app.gui.work.settings import Settings, Theme
+from app.runs.run_folder import RunFolder
 from app.scenes.backgrounds import BackgroundName
 from assets import phantom_path
 
@@ -155,6 +156,7 @@ def open_phantom(state: AppState) -> None:
 
 def open_path(state: AppState, path: Path) -> None:
     """Ask for a clip or a run; what is open stays until the new one is there, what is unsaved for good."""
+    path = path.parent if path.name == RunFolder(path.parent).record_path.name else path
     if path.suffix.lower() not in VIEW_SUFFIXES:
         open_request(state, _request_of(state, path))
     elif state.source.opening is not None:

@@ -115,6 +115,14 @@ def test_the_model_file_opens_its_run(tmp_path: Path, model: DynamicGaussians) -
     assert answer.run.path == run.path
 
 
+def test_the_record_of_a_run_opens_its_run(tmp_path: Path, places: Places, model: DynamicGaussians) -> None:
+    run = make_run(tmp_path / "run-1", phantom_path(), model)
+    state = AppState(places, Settings(acknowledged=True))
+    actions.open_path(state, run.record_path)
+    assert state.source.opening is not None
+    assert state.source.opening.path == run.path
+
+
 def test_a_file_of_splats_is_shown_alone(tmp_path: Path, places: Places, model: DynamicGaussians) -> None:
     run = make_run(tmp_path / "run-1", phantom_path(), model)
     state = session(places, run.path)
