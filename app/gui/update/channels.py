@@ -304,6 +304,7 @@ class Channels:
 
     def finish(self, state: AppState) -> None:
         """The window has closed and no worker is left: do what must not be given up."""
+        masking_actions.end_stroke(state)  # The button may still be held.
         self.ask_once(state)
         self.edits.want(state.editing.saving)
         for channel in (self.files, self.settings, self.known, self.presets, self.edits, self.kept_masks):

@@ -317,6 +317,12 @@ def test_the_last_stroke_is_kept_when_the_window_closes(masking: AppState) -> No
     assert on_disk(masking)[0].any()
 
 
+def test_a_stroke_that_is_still_held_is_kept_when_the_window_closes(masking: AppState) -> None:
+    masking_actions.paint(masking, (10.0, 20.0))
+    Channels().finish(masking)
+    assert on_disk(masking)[0].any()
+
+
 def test_masks_that_are_gone_when_a_run_begins_are_for_the_run_to_tell(masking: AppState) -> None:
     stroke(masking, (10.0, 20.0))
     settle(masking)
