@@ -95,7 +95,7 @@ def test_impossible_cameras_are_refused(changes: dict[str, object], words: str) 
 def test_json_without_a_field_says_so() -> None:
     values = turned_camera(8, 8).to_json()
     del values["cx"]
-    with pytest.raises(ValueError, match="got no cx$"):
+    with pytest.raises(ValueError, match=r"got no cx$"):
         Camera.from_json(values)
 
 
