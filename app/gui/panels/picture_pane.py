@@ -31,7 +31,7 @@ PANE_BUTTONS = imgui.ButtonFlags_.mouse_button_left | imgui.ButtonFlags_.mouse_b
 NARROW = 20.0
 """Em across below which a pane says less."""
 LEAST_SIDE = 8.0
-"""Em across that the tags of a side of the line have at least."""
+"""Em across of a side of the line above which its tags are broken into lines."""
 Pointer = tuple[int, int]
 
 
@@ -82,8 +82,8 @@ def draw_divider(
             with imgui_ctx.push_clip_rect(ImVec2(start, area.corner.y), ImVec2(end, area.end.y), True):
                 _draw_image(state, textures, side, pane, area)
                 # A side that is narrower than a word cuts its tags off: they would be columns of letters.
-                room = ImVec2(max(end - start, em(LEAST_SIDE)), area.size.y)
-                _draw_tags(pane.tags, ImVec2(start, area.corner.y), room)
+                wide = end - start if end - start > em(LEAST_SIDE) else area.size.x
+                _draw_tags(pane.tags, ImVec2(start, area.corner.y), ImVec2(wide, area.size.y))
         if is_not_live(state.live):
             _draw_rim(area)
         _draw_line(area, x)

@@ -177,14 +177,14 @@ def test_a_low_pane_says_what_it_shows_and_not_how_that_was_made(
     assert said == [["ENHANCED", "UPDATING…"], ["ENHANCED", "UPDATING…", "Vessel · Strength 2.40"]]
 
 
-def test_a_narrow_side_of_the_wipe_cuts_its_tags_off_and_breaks_no_word(
+def test_a_narrow_side_of_the_wipe_cuts_its_tags_off_and_breaks_none(
     ui: Ui, opened: AppState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     broken: list[str] = []
 
     def watch(tags: Iterable[Tag], _: ImVec2, width: float) -> None:
-        words = (word for one in tags for word in one.text.split())
-        broken.extend(word for word in words if tag_height(word, width - em(0.8)) > tag_height("a", 1e4))
+        texts = (one.text for one in tags)
+        broken.extend(text for text in texts if tag_height(text, width - em(0.8)) > tag_height("a", 1e4))
 
     monkeypatch.setattr(picture_pane, "stack_tags", watch)
     comparing.choose_mode(opened, "wipe")
