@@ -81,7 +81,7 @@ VALUE_NAMES: Final[dict[Values, str]] = {
 }
 CLASSES_TEXT: Final = "Numbers of the classes that are tools, from 0. Empty: all but the first."
 NO_CLASSES: Final = "Classes are whole numbers from 0, such as 1 3."
-NONE_YET: Final = "None by hand yet: mask two or three to teach the others."
+NONE_YET: Final = "None by hand yet: mask two or three first."
 MOST_LISTED: Final = 6
 
 
