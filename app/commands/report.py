@@ -23,7 +23,7 @@ from renderer.clip import ClipError
 from renderer.listing import count
 from renderer.train.trainer import TrainingError
 
-MINUTES, MINUTES_WITH_CLIP = 27.0, 54.0
+MINUTES, MINUTES_WITH_CLIP = 29.0, 54.0
 """What may be begun, so that 30 and 60 suffice on two cores."""
 
 
@@ -41,7 +41,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         "--parts", metavar="NAMES", default=names, help=f"any of {names}, separated by commas"
     )
     parser.add_argument(
-        "--minutes", type=positive, metavar="F", help="total time to spend (27; with --clip 54)"
+        "--minutes", type=positive, metavar="F", help="total time to spend (29; with --clip 54)"
     )
     parser.add_argument(
         "--budget",

@@ -146,7 +146,7 @@ class Part:
 
 PARTS: Final = (
     Part("enhancement", 1),
-    Part("training", 100),
+    Part("training", 200),
     Part("drawing", 2),
     Part("stability", 2),
     Part("left_out", 18),

@@ -29,6 +29,8 @@ STEPS: Final[dict[Method, tuple[int, ...]]] = {
     "static": (1000, 250),
 }
 """Of the runs; the first, which the paper's tables are measured on, is the schedule of all other knobs."""
+PUBLISHED: Final[dict[Method, int]] = {"deform3dgs": 3000, "endogaussian": 3000}
+"""Steps of the published schedules; of endogaussian those with motion."""
 SEEDS: Final = 3
 """Of the longest runs on the phantom, which are short enough for it."""
 PIXELS, USUAL = 640 * 512, TrainConfig().n_gaussians

@@ -8,7 +8,7 @@ import pytest
 
 from app.report.bench import Bench, Clock, measured_frames
 from app.report.measures import paper, training
-from app.report.runs import STEPS
+from app.report.runs import PUBLISHED, STEPS
 from app.report.section import Section
 from renderer.phantom import PhantomParams, write_phantom
 from renderer.train.config import TrainConfig
@@ -18,6 +18,8 @@ from renderer.train.config import TrainConfig
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     for method in STEPS:
         monkeypatch.setitem(STEPS, method, (6,))
+    for method in PUBLISHED:
+        monkeypatch.setitem(PUBLISHED, method, 9)
 
 
 def bench(tmp_path: Path, frames: int) -> Bench:
@@ -52,3 +54,15 @@ def test_no_run_is_wanted_twice(tmp_path: Path, frames: int) -> None:
     clip = bench(tmp_path, frames).clip
     wanted = list(training._wanted(clip, TrainConfig(), 3))
     assert len(wanted) == len(set(wanted))
+
+
+def test_published_methods_are_trained_at_their_published_length_with_every_seed(tmp_path: Path) -> None:
+    """On original frames, after all that is shorter."""
+    clip = bench(tmp_path, 9).clip
+    *others, last = (
+        [(config.method, config.seed) for config, kind in training._wanted(clip, TrainConfig(), seeds)
+         if (config.iterations, kind) == (9, "original")]
+        for seeds in (1, 3)
+    )  # fmt: skip
+    assert others == [[("deform3dgs", 0), ("endogaussian", 0)]]
+    assert last == [(method, seed) for seed in range(3) for method in ("deform3dgs", "endogaussian")]
