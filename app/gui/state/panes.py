@@ -18,6 +18,7 @@ from app.gui.state.app_state import AppState
 from app.gui.state.live_words import live_tags
 from app.gui.state.tags import Tag, cautions
 from app.gui.views.comparison import SIDES, Side, label_of
+from app.scenes.backgrounds import Background
 from app.scenes.scene import Scene
 from enhance import EnhanceParams
 from enhance.vessel import VesselParams
@@ -183,7 +184,7 @@ def _named(state: AppState, side: Side, made: Other) -> tuple[Tag, ...]:
     if source == RENDER and model is not None:
         frames = model.record.trained_on
         what = f"RENDER · {legible(model.name)}" + (f" · from {legible(frames)}" if frames else "")
-        return Tag(what, "enhanced"), *progress_tags(state, model)
+        return Tag(what, "enhanced"), *progress_tags(state, model), *fill_tags(made.request.background)
     if made.made is None:
         return (Tag(f"METHOD {named(source)}", "enhanced"),)
     head = f"STORED {source}" if source in ("A", "B") else f"METHOD {named(source)}, defaults"
@@ -196,6 +197,11 @@ def progress_tags(state: AppState, model: Scene) -> tuple[Tag, ...]:
         return ()
     name = "LIVE PREVIEW" if state.runs.reconstruction.is_of(model.name) else "UNFINISHED"
     return (Tag(f"{name} · iteration {grouped(model.iteration)} / {grouped(model.iterations)}", "caution"),)
+
+
+def fill_tags(background: Background) -> tuple[Tag, ...]:
+    """What the lines over a fill mean that could pass for tissue."""
+    return (Tag("HATCHED · not observed", "caution"),) if background == "smooth" else ()
 
 
 def _state_tags(state: AppState, stale: bool) -> tuple[Tag, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.files.legible import legible, named
 from app.gui.state.app_state import AppState
-from app.gui.state.panes import frame_share, hides_enhancement, progress_tags
+from app.gui.state.panes import fill_tags, frame_share, hides_enhancement, progress_tags
 from app.gui.state.tags import Tag, Tone
 from app.gui.views.measurement import LEAST_CORNERS, Measurement
 from app.scenes.scene import Scene
@@ -32,6 +32,8 @@ def view_tags(state: AppState, shown: ViewRequest | None) -> tuple[Tag, ...]:
         tags.append(Tag(f"OF {str(model.record.input).upper()} FRAMES · not white light", "caution"))
     if model is not second:
         tags += _hand_tags(state, shown)
+    if shown.kind == "color":
+        tags += fill_tags(shown.background)
     if shown.kind not in ("color", "difference"):
         tags.append(Tag(f"{shown.kind.upper()} · not how it looks", "enhanced"))
     if shown.reduced:
