@@ -10,6 +10,7 @@ import pytest
 from renderer.camera import Camera
 from renderer.clip import ClipError, Frame
 from renderer.train.config import TrainConfig
+from renderer.train.frames import train_frame
 from renderer.train.initialize import DETAIL, EVENNESS, relative_detail, sampled, scene_size
 
 WIDTH, HEIGHT, COUNT = 64, 48, 10
@@ -59,6 +60,9 @@ def test_tissue_without_depth_gets_its_gaussians_too() -> None:
     right = np.count_nonzero(raw.means[:, 0] > 0) / len(raw)
     np.testing.assert_allclose(right, 0.5, atol=0.06)
     np.testing.assert_allclose(raw.means[:, 2], 50, rtol=1e-5)
+    # What was filled in places them, and nothing is compared with it.
+    assert not any(train_frame(frame).depth[RIGHT].any() for frame in given)
+    assert {train_frame(frame).n_depths for frame in given} == {WIDTH * HEIGHT // 2}
 
 
 def test_detailed_tissue_gets_more_and_smaller_gaussians() -> None:
