@@ -4,8 +4,8 @@ The scene is that of renderer.measuring.scattered. The unit is measured in the s
 into a given array; rounds alternate, so that a busy machine slows both alike. "through torch" is forward and
 backward of `renderer.rasterize.rasterize` with a loss on image, alpha and depth. With the word "busy" another
 process keeps one core busy meanwhile. Without AVX-512 (NUMBA_CPU_NAME=haswell and its NUMBA_CPU_FEATURES) the
-kernels take 1.2 times the CPU time at 50k: 13.5 + 20.0 ms of one thread for 11.4 + 16.6. Memory is what a first picture of 50k adds to the peak of the process
-after its imports, kernels and scene included.
+kernels take 1.2 times the CPU time at 50k: 13.5 + 20.0 ms of one thread for 11.4 + 16.6. Memory is what
+a first picture of 50k adds to the peak of the process after its imports, kernels and scene included.
 """
 
 from __future__ import annotations
