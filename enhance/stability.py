@@ -22,7 +22,7 @@ from enhance.pipeline import enhance
 from enhance.reference import enhance_reference, window_mean
 from enhance.shown import found_in
 from enhance.stability_row import Row
-from enhance.stability_vessel import hues
+from enhance.stability_vessel import extremes
 from enhance.vessel import enhance_vessels
 
 WHOLE: Final = EnhanceParams(omit_below=0.0)
@@ -391,6 +391,6 @@ PARTS: Final[dict[str, Callable[[NDArray[np.uint8]], Iterator[Row]]]] = {
     "types": _types,
     "fields": _fields,
     "noise gains": _noise_gains,
-    "vessel": hues,
+    "vessel": extremes,
 }
 """Rows by what they are of; `image` is ordinary tissue, (H, W, 3)."""

@@ -33,7 +33,7 @@ from enhance.saturation import pull
 from enhance.shown import Pixels, Shown
 from enhance.statistics import LiveStatistics, Statistics, from_sums, require_classes
 from enhance.stream import Stream
-from enhance.vessel_density import background, blood_density, middle_density
+from enhance.vessel_density import background, blood_density, middle_absorbed, middle_density
 from enhance.vessel_first_pass import SUBSAMPLE, TASK, first_pass
 from enhance.vessel_second_pass import ABSORPTION, second_pass
 
@@ -63,6 +63,9 @@ class VesselParams:
     """Share of the darkness common to red and green that is treated as shadow, not blood."""
     coring: Annotated[float, Interval(ge=0.0, le=4.0)] = 1.5
     """Structures weaker than this many times the image's median density are hardly strengthened."""
+    contrast: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.0
+    """How much all that is darker than the image's median, however wide, is darkened and reddened like
+    vessels: 0 is off."""
     most_exposure: Annotated[float, Interval(ge=1.0, le=8.0)] = 6.0
     """Underexposed images are brightened at most so many times, and their noise with them: 1 is off."""
     least_redness: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.2
@@ -104,7 +107,8 @@ def enhance_vessels(
     4. What is narrow and absorbs green more than red is a density of blood: the top-hat (the image less its
        morphological opening, of radius `radius`) of `shading` log R - log G. Slow shading falls out, of
        steps between tissues little is left, and reflections count as what surrounds them. R, G and B are
-       attenuated by it as haemoglobin does. Nothing gets brighter, so nothing saturates.
+       attenuated by it as haemoglobin does. Nothing gets brighter, so nothing saturates. By `contrast`, all
+       that absorbs more than the image's median counts, too, wide areas and shadows as well.
     5. The less red exceeds green in an image, from `least_redness` of its brightness on down to half of that,
        the more of this darkness is that of G alone, and the more are R, G and B attenuated alike, by the mean
        of what blood absorbs, and twice the noise left out: no hue is invented in images that are nearly
@@ -294,7 +298,10 @@ def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Groun
     share = 0.0 if now.is_grey else blood_share(used.redness, params.least_redness)
     strength, coring = _strength_and_coring(params, 1.0 if now.is_grey else share)
     noise = coring * ground.middle
-    density = blood_density(found.absorbed, found.bright, ground.opened, ground.radius, noise)
+    planes, middle = (found.absorbed, found.bright), 0.0
+    if params.contrast > 0:
+        middle = middle_absorbed(*planes, view.shading, now.spans, now.keep)
+    density = blood_density(*planes, ground.opened, ground.radius, noise, params.contrast, middle)
     out = np.empty_like(now.pixels)
     second_pass(
         now.pixels,

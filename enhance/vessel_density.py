@@ -16,14 +16,18 @@ from enhance.image import Float32Image
 from enhance.part import part
 from enhance.pixel_block import ONE, TWO, ZERO
 from enhance.powers import LOG2_E, brief_exp2
-from enhance.reflections import without_reflections
+from enhance.reflections import COLORLESS, without_reflections
 from enhance.upscale import at_places, bring_up
 from enhance.vessel_curves import faded
-from enhance.vessel_first_pass import SUBSAMPLE
+from enhance.vessel_first_pass import FLOOR, SUBSAMPLE
 from enhance.wide_vectors import wide_vectors
 
 BOUND = np.float32(0.5)
 """On the density that is found, a natural logarithm: at strength 1, green falls to 61 % at most."""
+KNEE = np.float32(0.1)
+"""Natural logarithm beyond the image's median up to which little counts."""
+LEAST_WEIGHT: Final = 0.05
+"""Of a place without colour, where one of colour has 1 more."""
 SAMPLES: Final = 1 << 12
 """Places, or up to twice as many, whose median is taken."""
 STRIP: Final = 32
@@ -47,18 +51,10 @@ def middle_density(
     """Median within the spans of an image's rows (all, where there are none), at evenly spread places: those
     where `keep` (H, W; empty: all) is not 0, or all where it keeps none."""
     grid = morphology.step_of(radius) // SUBSAMPLE
-    apart = max(3, math.isqrt(absorbed.size // SAMPLES))
-    height, width = absorbed.shape
-    y, x = np.arange(0, height, apart), np.arange(0, width, apart)
+    apart = _apart(absorbed)
+    y, x = np.arange(0, absorbed.shape[0], apart), np.arange(0, absorbed.shape[1], apart)
     density = np.maximum(absorbed[::apart, ::apart] - at_places(opened, y, x, grid), 0)
-    counts = np.ones(density.shape, bool)
-    if len(spans):
-        within = spans[SUBSAMPLE * y]
-        counts = (SUBSAMPLE * x >= within[:, :1]) & (SUBSAMPLE * x < within[:, 1:])
-    if len(keep):
-        kept = counts & (keep[:: SUBSAMPLE * apart, :: SUBSAMPLE * apart] > 0)
-        counts = kept if kept.any() else counts
-    density = density[counts]
+    density = density[_counted(density.shape, apart, spans, keep)]
     if density.size == 0:
         return 0.0
     # As np.median, in a fraction of its time.
@@ -66,16 +62,64 @@ def middle_density(
     return float(np.partition(density, middle)[middle].mean())
 
 
+def middle_absorbed(
+    absorbed: Float32Image, value: Float32Image, shading: float, spans: Spans, keep: NDArray[np.uint8]
+) -> float:
+    """Median of what is absorbed at the places of `middle_density`, with little weight on those without
+    colour: what tissue is compared with hardly changes as a tool comes in.
+
+    `value` is V on the same grid, of which `absorbed` has `shading` times the logarithm where red is largest.
+    """
+    apart = _apart(absorbed)
+    seen, lit = absorbed[::apart, ::apart], value[::apart, ::apart]
+    counted = _counted(seen.shape, apart, spans, keep)
+    found = seen[counted]
+    if found.size == 0:
+        return 0.0
+    low, high = COLORLESS
+    color = found + np.float32(1 - shading) * np.log(lit[counted] + FLOOR)
+    weights = LEAST_WEIGHT + np.clip((color - low) / (high - low), 0, 1, dtype=np.float64)
+    order = np.argsort(found)
+    below = np.cumsum(weights[order])
+    return float(found[order[np.searchsorted(below, below[-1] / 2)]])
+
+
 def blood_density(
-    absorbed: Float32Image, value: Float32Image, opened: Float32Image, radius: int, noise: float
+    absorbed: Float32Image,
+    value: Float32Image,
+    opened: Float32Image,
+    radius: int,
+    noise: float,
+    contrast: float = 0.0,
+    middle: float = 0.0,
 ) -> Float32Image:
     """(h, w) in [0, BOUND]: what stands out from the background, hardly so what is weaker than the noise.
 
-    It fades where V on the same grid is dark, beside bright letters too.
+    It fades where V on the same grid is dark, beside bright letters too. To it comes what is absorbed beyond
+    `middle`, however wide, x: `contrast` x^2 / (x^2 + x + KNEE). Of each place alone, it makes no halo.
     """
     density, grid = np.empty_like(absorbed), morphology.step_of(radius) // SUBSAMPLE
-    _stand_out(absorbed, value, opened[None], grid, np.float32(noise), density)
+    of_all = np.float32(contrast), np.float32(middle)
+    _stand_out(absorbed, value, opened[None], grid, np.float32(noise), *of_all, density)
     return density
+
+
+def _apart(absorbed: Float32Image) -> int:
+    """Of the places whose median is taken."""
+    return max(3, math.isqrt(absorbed.size // SAMPLES))
+
+
+def _counted(shape: tuple[int, ...], apart: int, spans: Spans, keep: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Of places so far apart, those that count; see `middle_density`."""
+    y, x = (apart * np.arange(count) for count in shape)
+    counts = np.ones(shape, bool)
+    if len(spans):
+        within = spans[SUBSAMPLE * y]
+        counts = (SUBSAMPLE * x >= within[:, :1]) & (SUBSAMPLE * x < within[:, 1:])
+    if len(keep):
+        kept = counts & (keep[:: SUBSAMPLE * apart, :: SUBSAMPLE * apart] > 0)
+        counts = kept if kept.any() else counts
+    return counts
 
 
 def _shrunk(plane: Float32Image, side: int) -> Float32Image:
@@ -95,6 +139,8 @@ def _stand_out(
     opened: NDArray[np.float32],  # (1, h / grid, w / grid) rounded up
     grid: int,
     noise: np.float32,
+    contrast: np.float32,
+    middle: np.float32,
     density: NDArray[np.float32],  # (h, w), out
 ) -> None:
     rows, columns = absorbed.shape
@@ -104,6 +150,8 @@ def _stand_out(
         for y in range(strip * STRIP, min((strip + 1) * STRIP, rows)):
             weight = bring_up(opened, y, grid, lines, held)
             _core(absorbed[y], value[y], lines[0, 0], lines[1, 0], weight, noise, density[y])
+            if contrast > ZERO:
+                _add_all(absorbed[y], contrast, middle, density[y])
 
 
 @part(fastmath={"contract"})
@@ -125,3 +173,16 @@ def _core(
         cored = found * square / (square + noise * noise + LEAST_SQUARE)
         grown = brief_exp2(TWO * LOG2_E / BOUND * cored)
         density[i] = faded(value[i]) * BOUND * (ONE - TWO / (grown + ONE))
+
+
+@part(fastmath={"contract"})
+def _add_all(
+    absorbed: NDArray[np.float32], contrast: np.float32, middle: np.float32, density: NDArray[np.float32]
+) -> None:
+    """What is absorbed beyond the middle: it sets in without an edge, and does not turn shadows black."""
+    wide_vectors()
+    for i in range(len(density)):
+        beyond = absorbed[i] - middle
+        beyond = beyond if beyond > ZERO else ZERO
+        square = beyond * beyond
+        density[i] += contrast * square / (square + beyond + KNEE)

@@ -14,7 +14,7 @@ from enhance.vessel import VesselParams
 
 VESSEL_LABELS = {
     "radius": "Radius", "lift": "Brightening", "d_factor": "Colour", "shading": "Shadows",
-    "coring": "Noise floor", "gamma": "Gamma", "most_color": "Colour limit",
+    "coring": "Noise floor", "contrast": "Contrast", "gamma": "Gamma", "most_color": "Colour limit",
     "most_exposure": "Exposure limit", "least_redness": "Least redness",
     "color_smoothing": "Colour blur",
 }  # fmt: skip
@@ -26,8 +26,8 @@ LABELS = VESSEL_LABELS | {
 def worded(look: EnhancementSettings, used: Statistics | None = None) -> str:
     """As sliders show it; what is left to the image as "auto", with what was `used` where known."""
     if isinstance(look, VesselParams):
-        shown = (_shown(name, getattr(look, name)) for name in ("strength", "lift", "d_factor"))
-        return " · ".join((named(VESSEL), *shown))
+        names = ("strength", *(("contrast",) if look.contrast > 0 else ()), "lift", "d_factor")
+        return " · ".join((named(VESSEL), *(_shown(name, getattr(look, name)) for name in names)))
     whole = None if used is None else before_strength(look, used)
     parts = [_shown("strength", look.strength)] if look.strength != 1 else []
     parts.append(_shown("z", look.z, () if whole is None else (whole.z,)))

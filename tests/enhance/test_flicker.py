@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from enhance import Enhancer, LiveStatistics, VesselEnhancer, measure
+from enhance import Enhancer, LiveStatistics, VesselEnhancer, VesselParams, enhance_vessels, measure
 from tests.benchmarks.flicker import Method, by_paper, by_vessel, flicker_gain, gains, live, still_scene
 from tests.enhance.pictures import vessels
 
@@ -18,6 +18,13 @@ def test_by_statistics_of_the_clip_still_tissue_stays_still(method: Method) -> N
     own, clip = gains(SCENE, method, measure(SCENE))
     assert clip <= BAR
     assert own > clip
+
+
+def test_contrast_takes_no_tool_that_comes_in_for_tissue() -> None:
+    """Its median is that of each frame."""
+    known, params = measure(SCENE), VesselParams(contrast=1)
+    own = [np.asarray(enhance_vessels(frame, params, statistics=known).image) for frame in SCENE]
+    assert flicker_gain(own, SCENE) <= BAR
 
 
 @pytest.mark.parametrize("method", [Enhancer, VesselEnhancer])

@@ -32,6 +32,8 @@ EXTREMES = (
     VESSEL,
     VesselParams(strength=4, radius=40, shading=1, coring=0, gamma=2, lift=1, d_factor=0.1, most_color=4),
     VesselParams(strength=4, radius=2, shading=0, coring=4, gamma=0.5, lift=0, d_factor=0, most_color=1),
+    VesselParams(contrast=1, shading=0),
+    VesselParams(contrast=0.5, strength=4),
 )
 
 
@@ -175,6 +177,42 @@ def test_coring_spares_weak_structures() -> None:
     image = np.clip(np.random.default_rng(2).normal(0.5, 0.01, (80, 80, 3)), 0, 1)
     mean = [density(image, VesselParams(coring=k)).mean() for k in (0.0, 1.0, 4.0)]
     assert mean[0] > 1.3 * mean[1] > 1.3 * 1.3 * mean[2]
+
+
+def test_contrast_darkens_what_is_darker_than_the_median_however_wide() -> None:
+    """In proportion to how blood absorbs, so hues of dark areas are those of more blood."""
+    tissue = np.full((90, 150, 3), (0.6, 0.4, 0.35))
+    tissue[:, :50] *= (1.1, 1.3, 1.3)
+    tissue[:, 100:] *= (0.9, 0.5, 0.5)
+    params = VesselParams(strength=1, shading=0)
+    plain, own = (enhance_vessels(tissue, replace(params, contrast=k)).image for k in (0.0, 1.0))
+    assert np.array_equal(plain[:, :96], own[:, :96])
+    wide = np.log(plain / own)[:, 106:]
+    beyond = np.log((0.4 + 8 / 255) / (0.2 + 8 / 255))
+    np.testing.assert_allclose(wide[..., 1], beyond**2 / (beyond**2 + beyond + 0.1), rtol=2e-3)
+    np.testing.assert_allclose(wide, wide[..., 1:2] * ABSORPTION, rtol=2e-3)
+
+
+def test_contrast_grows_with_its_parameter_and_the_strength() -> None:
+    image = vessels()
+    less, half, full = (enhance_vessels(image, VesselParams(contrast=k)).image for k in (0.0, 0.5, 1.0))
+    assert (full <= half).all()
+    assert (half <= less).all()
+    assert (full < half).mean() > 0.2
+    off = replace(OFF, contrast=1)
+    assert np.array_equal(enhance_vessels(image, off).image, enhance_vessels(image, OFF).image)
+
+
+def test_the_median_of_contrast_is_that_of_the_kept_pixels() -> None:
+    image = np.full((60, 120, 3), (150, 100, 90), np.uint8)
+    image[:, 60:] //= 2
+    keep = np.zeros((60, 120), bool)
+    keep[:, 80:] = True
+    params = VesselParams(contrast=1)
+    plain = enhance_vessels(image, tissue_mask=keep).image
+    assert np.array_equal(enhance_vessels(image, params, tissue_mask=keep).image, plain)
+    assert (enhance_vessels(image, params, tissue_mask=~keep).image[:, 80:] < plain[:, 80:]).any()
+    assert (apart(image, params, tissue_mask=~keep) <= 1).all()
 
 
 def test_noise_of_brightness_is_not_strengthened() -> None:

@@ -154,6 +154,9 @@ def test_the_description_tells_automatic_from_chosen(clip: Clip) -> None:
         == worded(vessel)
         == "Vessel · Strength 1.50 · Brightening 0.25 · Colour 0.59"
     )
+    assert worded(replace(vessel, contrast=1)).startswith(
+        "Vessel · Strength 1.50 · Contrast 1.00 · Brightening"
+    )
     assert in_letters(chosen) == "z 0.25 · P 0.40/0.50 · d 1.00"
 
 

@@ -260,6 +260,21 @@ def _hues() -> list[Fault]:
     ]
 
 
+def _contrasts() -> list[Fault]:
+    def edit(kind: Kind, what: str, old: str, new: str) -> Fault:
+        return edit_of("contrast", kind, what, "enhance.vessel_density", old, new, "vessel")
+
+    return [
+        edit("guard", "what is bright counts, too", "beyond = beyond if beyond > ZERO else ZERO", ""),
+        edit("dropped", "the median", "beyond = absorbed[i] - middle", "beyond = absorbed[i]"),
+        edit(
+            "sign", "what is bright counts", "beyond = absorbed[i] - middle", "beyond = middle - absorbed[i]"
+        ),
+        edit("other", "it sets in with an edge", "square = beyond * beyond", "square = beyond"),
+        edit("swapped", "the background for what is there", "_add_all(absorbed[y],", "_add_all(lines[0, 0],"),
+    ]
+
+
 FAULTS: tuple[Fault, ...] = (
-    *_statistics(), *_jumps(), *_first_pass(), *_filters(), *_noise_gains(), *_hues(),
+    *_statistics(), *_jumps(), *_first_pass(), *_filters(), *_noise_gains(), *_hues(), *_contrasts(),
 )  # fmt: skip
