@@ -29,7 +29,7 @@ def gain_figure(diagram: GainDiagram) -> Figure:
     default = [gain for gain in diagram.gains if gain.is_default]
     axes.scatter(*_places(default), s=110, facecolors="none", edgecolors="black", label="default", zorder=4)
     front = gain_front(diagram)
-    ahead = {gain.series for gain in front}
+    ahead = {gain.series.partition(",")[0] for gain in front}  # Before the comma, the method.
     _name(axes, [*front, *(gain for gain in default if gain.series in ahead and gain not in front)])
     _draw_front(axes, front)
     for axis in (axes.xaxis, axes.yaxis):

@@ -1,13 +1,15 @@
 """Contrast of vessels against noise, both over the original's: `vessel` at every strength, all others mixed.
 
 Every other method is mixed with the original in five shares, so that each can be compared at the same noise.
+`vessel` is not mixed: its strengths are taken as they are, with contrast in full, and without what it does
+besides to brightness and colour, all of which are settings of the program.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Final
 
 import cv2
@@ -27,6 +29,12 @@ ORIGINAL: Final = "original"
 VESSEL: Final = "vessel"
 DEFAULT: Final = VesselParams().strength
 STRENGTHS: Final = (0.5, 1.0, 1.7, DEFAULT, 3.2, 4.0)
+WAYS: Final[Mapping[str, VesselParams]] = {
+    VESSEL: VesselParams(),
+    "vessel, contrast 1": VesselParams(contrast=1.0, shading=0.0),
+    "vessel, tone kept": VesselParams(lift=0.0, gamma=1.0, d_factor=0.0, most_exposure=1.0),
+}
+"""Of using `vessel`, each at every strength, by the name of its series."""
 SHARES: Final = (0.2, 0.4, 0.6, 0.8, 1.0)
 THIN: Final = 3
 """Pixels across."""
@@ -43,6 +51,11 @@ class Setting:
     method: str
     amount: str
     is_default: bool = False
+
+    @property
+    def is_vessel(self) -> bool:
+        """In any of its ways."""
+        return self.method in WAYS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,9 +96,10 @@ def results(one: Sample) -> Iterator[tuple[Setting, ByteImage, ByteImage]]:
     """Every setting, its image, and what that was mixed from; the original is one."""
     enhancer = VesselEnhancer()
     enhancer.show(one.image, one.tissue)
-    for strength in STRENGTHS:
-        result = np.asarray(enhancer.enhance(VesselParams(strength=strength)).image)
-        yield Setting(VESSEL, f"strength {strength:g}", strength == DEFAULT), result, result
+    for way, params in WAYS.items():
+        for strength in STRENGTHS:
+            result = np.asarray(enhancer.enhance(replace(params, strength=strength)).image)
+            yield Setting(way, f"strength {strength:g}", (way, strength) == (VESSEL, DEFAULT)), result, result
     for name, method in methods().items():
         if name == ORIGINAL:
             yield UNCHANGED, one.image, one.image
@@ -126,6 +140,7 @@ def best_other(setting: Setting, found: Seen) -> Setting | None:
         other
         for other, one in found.items()
         if other.method != setting.method
+        and not (other.is_vessel and setting.is_vessel)
         and one.noise <= found[setting].noise
         and math.isfinite(one.contrast)
     ]
@@ -139,14 +154,14 @@ def is_ahead(setting: Setting, found: Seen) -> bool:
 
 
 def above_vessel(found: Seen) -> list[Setting]:
-    """What has more contrast than any strength of `vessel` with no more noise, and than the original."""
-    own = [one for setting, one in found.items() if setting.method == VESSEL]
+    """What has more contrast than any setting of `vessel` with no more noise, and than the original."""
+    own = [one for setting, one in found.items() if setting.is_vessel]
 
     def reached(one: Visibility) -> float:
         return max([1.0, *(each.contrast for each in own if each.noise <= one.noise)])
 
     return [
-        setting for setting, one in found.items() if setting.method != VESSEL and one.contrast > reached(one)
+        setting for setting, one in found.items() if not setting.is_vessel and one.contrast > reached(one)
     ]
 
 

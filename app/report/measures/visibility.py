@@ -1,4 +1,4 @@
-"""Vessel contrast against noise, of every method and strength, and their halos."""
+"""Vessel contrast against noise, of every method and amount, and their halos."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from app.report.visibility import of_clip, of_phantom
 from app.report.visibility_front import (
     SHARES,
     STRENGTHS,
-    VESSEL,
     Seen,
     Setting,
     above_vessel,
@@ -116,7 +115,8 @@ def _method(bench: Bench, count: int) -> Iterator[str]:
     )
     yield (
         "Weber contrast of vessels in green, and noise of flat tissue without clipped pixels, both relative "
-        f"to the original: vessel at {len(STRENGTHS)} strengths, every other method blended with the "
+        f"to the original: vessel at {len(STRENGTHS)} strengths, as it is, with contrast 1 and shadows 0, "
+        "and with brightness and colour kept but for the vessels; every other method blended with the "
         f"original in {len(SHARES)} shares, so that methods can be compared at the same noise. Geometric "
         f"means over {count} {'image' if count == 1 else 'images'}. {vessels}"
     )
@@ -129,7 +129,7 @@ def _method(bench: Bench, count: int) -> Iterator[str]:
 
 def _reading(found: Seen) -> Iterator[str]:
     """From the figures."""
-    own = [setting for setting in found if setting.method == VESSEL]
+    own = [setting for setting in found if setting.is_vessel]
     default = next(setting for setting in own if setting.is_default)
     one, other = found[default], best_other(default, found)
     rival = (
@@ -141,7 +141,7 @@ def _reading(found: Seen) -> Iterator[str]:
     ahead = sum(is_ahead(setting, found) for setting in own)
     yield (
         f"The method vessel, by default, has {one.contrast:.2f} times the contrast at {one.noise:.2f} times "
-        f"the noise. {rival} At {ahead} of its {len(own)} strengths, no other method has more contrast with "
+        f"the noise. {rival} At {ahead} of its {len(own)} settings, no other method has more contrast with "
         "no more noise."
     )
     if above := above_vessel(found):
@@ -150,7 +150,7 @@ def _reading(found: Seen) -> Iterator[str]:
             for setting, one in ((setting, found[setting]) for setting in above)
         )
         yield (
-            "More contrast than vessel has at any strength with no more noise (contrast at noise, relative "
+            "More contrast than vessel has at any setting with no more noise (contrast at noise, relative "
             f"to the original): {'; '.join(each)}."
         )
     yield from _reading_of_halos(found, "highlights", lambda setting: found[setting].highlight_halo)

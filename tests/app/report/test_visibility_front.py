@@ -3,9 +3,9 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from functools import cache
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 
 import cv2
@@ -29,6 +29,7 @@ from app.report.visibility_front import (
     SHARES,
     STRENGTHS,
     UNCHANGED,
+    WAYS,
     Seen,
     Setting,
     Visibility,
@@ -78,12 +79,12 @@ def direct(result: np.ndarray) -> tuple[float, float]:
 
 def test_the_points_are_those_of_the_direct_computation() -> None:
     gains = {(gain.series, gain.setting): gain for gain in visibility.diagram_of(found(), "t").gains}
-    assert len(gains) == len(STRENGTHS) + 1 + len(SHARES) * (len(methods()) - 2)
-    for strength in STRENGTHS:
-        gain = gains["vessel", f"strength {strength:g}"]
-        own = enhance_vessels(one().image, VesselParams(strength=strength)).image
+    assert len(gains) == len(WAYS) * len(STRENGTHS) + 1 + len(SHARES) * (len(methods()) - 2)
+    for (way, params), strength in product(WAYS.items(), STRENGTHS):
+        gain = gains[way, f"strength {strength:g}"]
+        own = enhance_vessels(one().image, replace(params, strength=strength)).image
         assert (gain.noise, gain.contrast) == pytest.approx(direct(own))
-        assert gain.is_default is (strength == DEFAULT)
+        assert gain.is_default is (replace(params, strength=strength) == VesselParams())
     for share in SHARES:
         gain = gains["unsharp", f"{share:.0%}"]
         blended = np.rint(share * unsharp(one().image).astype(np.float64) + (1 - share) * one().image)
@@ -132,16 +133,18 @@ def test_the_best_other_is_of_another_method_with_no_more_noise() -> None:
     others = [best_other(setting, few) for setting in settings]
     assert others == [settings[2], None, settings[1], settings[1], None]
     assert [is_ahead(setting, few) for setting in settings[:4]] == [True, True, False, False]
+    ways = [Setting(way, "1") for way in WAYS]
+    assert best_other(ways[0], dict.fromkeys(ways, of_gains(1.0, 1.5))) is None
 
 
-def test_what_is_above_vessel_has_more_contrast_than_its_strengths_with_no_more_noise() -> None:
+def test_what_is_above_vessel_has_more_contrast_than_its_settings_with_no_more_noise() -> None:
     pairs = {
         UNCHANGED: (1.0, 1.0),
         Setting("vessel", "1"): (1.1, 1.5),
-        Setting("vessel", "2"): (1.2, 1.8),
+        Setting("vessel, contrast 1", "2"): (1.2, 1.8),
         Setting("more noise, more contrast", "1"): (2.0, 1.9),
         Setting("more noise, less contrast", "1"): (2.0, 1.7),
-        Setting("between the strengths", "1"): (1.15, 1.6),
+        Setting("between its settings", "1"): (1.15, 1.6),
         Setting("less noise", "1"): (0.9, 1.1),
         Setting("less noise, fainter", "1"): (0.5, 0.4),
         Setting("bright vessels", "1"): (0.9, math.nan),
@@ -149,7 +152,7 @@ def test_what_is_above_vessel_has_more_contrast_than_its_strengths_with_no_more_
     above = above_vessel({setting: of_gains(*pair) for setting, pair in pairs.items()})
     assert [setting.method for setting in above] == [
         "more noise, more contrast",
-        "between the strengths",
+        "between its settings",
         "less noise",
     ]
 
