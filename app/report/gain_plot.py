@@ -30,7 +30,7 @@ def gain_figure(diagram: GainDiagram) -> Figure:
     axes.scatter(*_places(default), s=110, facecolors="none", edgecolors="black", label="default", zorder=4)
     front = gain_front(diagram)
     ahead = {gain.series.partition(",")[0] for gain in front}  # Before the comma, the method.
-    _name(axes, [*front, *(gain for gain in default if gain.series in ahead and gain not in front)])
+    _name(axes, [*front, *(gain for gain in default if gain.series in ahead and gain not in front)], front)
     _draw_front(axes, front)
     for axis in (axes.xaxis, axes.yaxis):
         labelled(axis)
@@ -43,7 +43,7 @@ def _limits(noise: Sequence[float]) -> tuple[float, float]:
     """With room for names at the left."""
     least, most = min(noise), max(noise)
     span = max(most / least, 1.1)
-    return least / span**0.24, most * span**0.07
+    return least / span**0.36, most * span**0.07
 
 
 def _draw(axes: Axes, gains: Sequence[Gain], index: int) -> None:
@@ -65,11 +65,12 @@ def _draw_front(axes: Axes, front: Sequence[Gain]) -> None:
     )  # fmt: skip
 
 
-def _name(axes: Axes, gains: Sequence[Gain]) -> None:
-    """Where nothing is drawn: there is no setting above a front and to its left."""
+def _name(axes: Axes, gains: Sequence[Gain], front: Sequence[Gain]) -> None:
+    """Where little is drawn: there is no setting above a front and to its left."""
     for gain, place in without_overlap(axes, gains, list(zip(*_places(gains), strict=True))):
         name = f"{gain.series}, {gain.setting}"
-        axes.annotate(name, place, (-7, 2), textcoords="offset points", fontsize=7, ha="right")
+        away, side = ((-7, 2), "right") if gain in front else ((9, -2), "left")
+        axes.annotate(name, place, away, textcoords="offset points", fontsize=7, ha=side)
 
 
 def _places(gains: Sequence[Gain]) -> tuple[list[float], list[float]]:
