@@ -8,10 +8,28 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from enhance.field import MOST_CORNERS
+from enhance.image import BoolImage
+
+LEAST_FREE: Final = MOST_CORNERS // 6
+"""Points, at least, that tell a circle."""
 CIRCLE_TOLERANCE: Final = 1.5
 """Pixels, or so many thousandths of the radius where that is more, that a point may lie off a circle."""
 
 Points = NDArray[np.float64]
+Fit = tuple[int, tuple[float, float], tuple[float, float, float], float]
+"""Points that are not cropped, the middle of all, and `circle_through` those, if there are enough."""
+
+
+@njit(cache=True, error_model="numpy")
+def fit_of(points: Points, cropped: BoolImage) -> Fit:
+    free = points[~cropped]
+    x, y = points[:, 0], points[:, 1]
+    middle = (x.max() + x.min()) / 2, (y.max() + y.min()) / 2
+    if len(free) < LEAST_FREE:
+        return len(free), middle, (0.0, 0.0, 0.0), 0.0
+    across, down, radius, share = circle_through(free)
+    return len(free), middle, (across, down, radius), share
 
 
 @njit(error_model="numpy")
@@ -21,7 +39,10 @@ def circle_through(points: Points) -> tuple[float, float, float, float]:
     apart, most = np.zeros(len(points)), 0.0
     x, y, radius, tolerance = 0.0, 0.0, 0.0, 0.0
     for _ in range(6):
+        before = x, y, radius
         x, y, radius = _kasa(points, apart, most)
+        if (x, y, radius) == before:
+            break
         for i in range(len(points)):
             apart[i] = abs(np.sqrt((points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2) - radius)
         tolerance = tolerance_of(radius)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from enhance.brightness import BLACK
 from enhance.field import FieldOfView, beyond
-from enhance.field_outline import Levels
+from enhance.field_regions import Levels
 from enhance.field_shape import around_circle
 from enhance.field_tones import ranked
 from enhance.image import AnyImage, full_scale
@@ -30,20 +30,12 @@ LEAST_BOX: Final = 0.95
 """Of the rectangle around it, that a field covers which is one."""
 
 
-def even_surround(small: Levels) -> NDArray[np.int16] | None:
-    """The colour, (3,) or (1,) in grey levels, that the corners of a small copy have; None: they are of
-    several, or black, in which V tells the field."""
-    colors = small[..., None] if small.ndim == 2 else small
-    color, alike = _corners(colors)
-    return color if alike >= ALIKE else None
-
-
-@njit(cache=True, error_model="numpy")
-def _corners(colors: Levels) -> tuple[NDArray[np.int16], int]:
-    """The colour of squares in the corners of (h, w, n), the mean of the two middle ones of their tones, and
-    how many have it."""
+@njit(error_model="numpy")
+def corners_of(colors: Levels) -> tuple[NDArray[np.int16], int]:
+    """The colour of squares in the corners of a small copy, (h, w, n), the mean of the two middle ones of
+    their tones, and how many have it, none of them black."""
     height, width, channels = colors.shape
-    if not _may_be_even(colors):
+    if colors.size == 0 or not _may_be_even(colors):
         return np.empty(0, np.int16), 0
     side = max(2, min(height, width) // CORNER)
     size, color = side * side, np.empty(channels, np.int16)

@@ -1,4 +1,4 @@
-"""The convex hull of what is lit in a small copy of the picture, and the pixels within.
+"""The convex hull of what is lit in a small copy of the picture, and the rows within.
 
 What OpenCV has, too; but its calls, and numpy's between them, take longer than the work where a search is all
 that is done with the picture.
@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from enhance.field_regions import Levels, Numbers
+from enhance.field_regions import Numbers
 
 FINE = 16
 """Bits of a pixel's fraction."""
@@ -47,8 +47,9 @@ def _turned(corners: Numbers, begin: int, count: int, point: Numbers) -> int:
 
 
 @njit(error_model="numpy")
-def within(corners: Numbers, height: int, width: int) -> Levels:
-    """(h, w) 1 within a convex outline, its sides included."""
+def within(corners: Numbers, height: int, width: int) -> Numbers:
+    """(h, 2) first column of each row within a convex outline, its sides included, and the one after the
+    last; 0 and 0 where there is none."""
     spans = np.zeros((height, 2), np.int32)
     spans[:, 0] = width
     for corner in range(len(corners)):
@@ -56,10 +57,10 @@ def within(corners: Numbers, height: int, width: int) -> Levels:
         _draw(spans, one, other)
         if len(corners) > 2:
             _fill(spans, one, other)
-    field = np.zeros((height, width), np.uint8)
     for y in range(height):
-        field[y, spans[y, 0] : spans[y, 1]] = 1
-    return field
+        if spans[y, 0] >= spans[y, 1]:
+            spans[y, 0] = spans[y, 1] = 0
+    return spans
 
 
 @njit(error_model="numpy")

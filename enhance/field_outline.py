@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 import cv2
@@ -13,7 +14,16 @@ from numpy.typing import NDArray
 
 from enhance.field_circle import Points
 from enhance.field_hull import hull_of, within
-from enhance.field_regions import dark_beside_border, lit_parts
+from enhance.field_regions import (
+    Levels,
+    Numbers,
+    Runs,
+    dark_beside_border,
+    dark_within,
+    drawn,
+    ends_of,
+    lit_parts,
+)
 
 STEP: Final = 10.0
 """Grey levels that a field is above the surround at least, and above the threshold within two small pixels
@@ -36,7 +46,6 @@ LEAST_SHARP: Final = 0.5
 """Of the outline: there the picture rises by another STEP within two small pixels; a shadow fades."""
 
 SQUARE: Final = np.ones((3, 3), np.uint8)
-Levels = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,10 +57,20 @@ class Lit:
     """Within two small pixels of a sharp rim it is brighter than this."""
     pixels: Levels
     """(h, w), 1 there."""
-    labels: NDArray[np.int32]
-    """(h, w), of connected parts, but for specks, from 1."""
-    count: int
-    """One more than these."""
+    parts: Runs
+    """That are connected, but for specks."""
+    areas: NDArray[np.int64]
+    """Pixels of each of these; 0 of none."""
+
+    @property
+    def count(self) -> int:
+        """One more than there are parts."""
+        return len(self.areas)
+
+    @cached_property
+    def labels(self) -> Numbers:
+        """(h, w) the number of each pixel's part, 0 where there is none."""
+        return drawn(self.parts, *self.pixels.shape)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,26 +90,32 @@ def lit_above(low: Levels, threshold: float, step: float = STEP) -> tuple[Lit, O
 
     step: from the threshold to what lies within a sharp rim.
     """
-    sharp = threshold + step
-    lit, is_told, outline = _lit_above(low, threshold, sharp)
+    sharp = sharp_from(threshold, step)
+    lit, is_told, outline = lit_in(low, threshold, sharp)
     return Lit(threshold, sharp, *lit), Outline(*outline) if is_told else None
 
 
+@register_jitable
+def sharp_from(threshold: float, step: float = STEP) -> float:
+    """`Lit.sharp`."""
+    return threshold + step
+
+
 @njit(cache=True, error_model="numpy")
-def _lit_above(
+def lit_in(
     low: Levels, threshold: float, sharp_level: float
-) -> tuple[tuple[Levels, NDArray[np.int32], int], bool, tuple[Points, bool, bool]]:
+) -> tuple[tuple[Levels, Runs, NDArray[np.int64]], bool, tuple[Points, bool, bool]]:
     """`lit_parts`, whether it is bright enough to tell, and `Outline`."""
-    found = lit, labels, count = lit_parts(low, threshold)
-    area, ends = parts_of(labels, count)
+    found = lit, parts, areas = lit_parts(low, threshold)
+    area = areas.max()
     if area == 0 or area < LEAST_FIELD * low.size:
         return found, False, (np.empty((0, 2)), True, False)
-    hull = hull_of(ends)
+    hull = hull_of(ends_of(parts, areas >= LEAST_PART * area))
     field = within(hull, low.shape[0], low.shape[1])
     outside, dark, rim, sharp = around(low, lit, field, sharp_level)
     if not (is_surround(low, outside, dark) and is_sharp(rim, sharp)):
         return found, True, (np.empty((0, 2)), True, False)
-    dents, reached = dark_beside_border(lit, field)
+    dents, reached = dark_within(lit, field)
     is_convex, is_dented = dents <= MOST_SWALLOWED * reached, dents >= LEAST_DENTS * (low.size - outside)
     return found, True, (hull.astype(np.float64), is_convex, is_dented)
 
@@ -103,32 +128,19 @@ def filled(low: Levels, hull: NDArray[Any]) -> Levels:
 
 
 @njit(cache=True, error_model="numpy")
-def parts_of(labels: NDArray[np.int32], count: int) -> tuple[int, NDArray[np.int32]]:
-    """Pixels of the largest part, 0 where there is none; the (N, 2) ends, x and y, of rows of large ones."""
-    height, width = labels.shape
-    areas = np.zeros(count, np.int64)
+def spans_in(field: Levels) -> Numbers:
+    """(h, 2) of a field of one span in each row, as `within`."""
+    height, width = field.shape
+    spans = np.zeros((height, 2), np.int32)
     for y in range(height):
-        label, since = labels[y, 0], 0
-        for x in range(1, width):
-            if labels[y, x] != label:
-                areas[label] += x - since
-                label, since = labels[y, x], x
-        areas[label] += width - since
-    areas[0] = 0
-    largest = areas.max()
-    is_large = areas >= max(LEAST_PART * largest, 1.0)
-    ends, found = np.empty((2 * height, 2), np.int32), 0
-    for y in range(height if largest > 0 else 0):
-        first, last = 0, width - 1
-        while first < width and not is_large[labels[y, first]]:
+        first, end = 0, width
+        while first < width and field[y, first] == 0:
             first += 1
-        if first < width:
-            while not is_large[labels[y, last]]:
-                last -= 1
-            ends[found, 0], ends[found + 1, 0] = first, last
-            ends[found, 1] = ends[found + 1, 1] = y
-            found += 2
-    return largest, ends[:found]
+        while end > first and field[y, end - 1] == 0:
+            end -= 1
+        if first < end:
+            spans[y, 0], spans[y, 1] = first, end
+    return spans
 
 
 @register_jitable
@@ -150,20 +162,13 @@ def is_convex(lit: Levels, field: Levels) -> bool:
 
 
 @njit(cache=True, error_model="numpy")
-def around(low: Levels, lit: Levels, field: Levels, sharp_level: float) -> tuple[int, int, int, int]:
+def around(low: Levels, lit: Levels, spans: Numbers, sharp_level: float) -> tuple[int, int, int, int]:
     """Pixels outside the field and how many of them are dark; pixels of a ring within it, one away from its
-    outline, and how many of them are brighter than `sharp_level`."""
+    outline, and how many of them are brighter than `sharp_level`. spans: `within` of the field."""
     height, width = low.shape
-    spans = np.zeros((height, 2), np.int64)
     outside, dark = 0, 0
     for y in range(height):
-        first, end = 0, width
-        while first < width and field[y, first] == 0:
-            first += 1
-        while end > first and field[y, end - 1] == 0:
-            end -= 1
-        if first < end:
-            spans[y, 0], spans[y, 1] = first, end
+        first, end = spans[y, 0], spans[y, 1]
         outside += width - (end - first)
         for x in range(first):
             dark += 1 - lit[y, x]
@@ -186,11 +191,11 @@ def around(low: Levels, lit: Levels, field: Levels, sharp_level: float) -> tuple
 
 
 @njit(error_model="numpy")
-def _eroded(spans: NDArray[np.int64], width: int) -> NDArray[np.int64]:
+def _eroded(spans: Numbers, width: int) -> Numbers:
     """First and after last column of each row, less a pixel all around; what lies beyond the picture counts
     as field."""
     rows = len(spans)
-    eroded = np.zeros((rows, 2), np.int64)
+    eroded = np.zeros((rows, 2), np.int32)
     for y in range(rows):
         first, end = 0, width
         for beside in range(max(y - 1, 0), min(y + 2, rows)):

@@ -14,15 +14,15 @@ from enhance.field_circle import Points
 from enhance.field_outline import (
     LEAST_PART,
     SQUARE,
-    Levels,
     Lit,
     around,
     filled,
     is_convex,
     is_sharp,
     is_surround,
-    parts_of,
+    spans_in,
 )
+from enhance.field_regions import Levels
 
 LEAST_RADIUS: Final = 0.45
 """Of the largest circle in a part: smaller ones are no fields."""
@@ -48,7 +48,7 @@ def apart(low: Levels, lit: Lit) -> list[Points]:
     """Convex outlines of large lit parts, if there are several, and a surround divides them; else none."""
     if lit.count <= 2:
         return []
-    areas = _areas(lit)
+    areas = lit.areas
     large = np.flatnonzero(areas >= LEAST_PART * areas.max())
     if not 2 <= len(large) <= MOST_PARTS:
         return []
@@ -59,8 +59,7 @@ def apart(low: Levels, lit: Lit) -> list[Points]:
 def touching(low: Levels, lit: Lit) -> tuple[list[Points], Points]:
     """Convex outlines of the round fields that the largest lit part is made of, and (N, 3) circles inscribed
     in it, middle and radius; no outlines where it is not made of several."""
-    areas = _areas(lit)
-    largest = lit.labels == areas.argmax()
+    largest = lit.labels == lit.areas.argmax()
     circles = _inscribed(largest)
     if not 2 <= len(circles) <= MOST_PARTS:
         return [], circles
@@ -85,7 +84,7 @@ def insets(low: Levels, colors: NDArray[Any], lit: Lit, field: Points) -> list[P
     """
     if lit.count <= 2:
         return []
-    areas = _areas(lit)
+    areas = lit.areas
     within = filled(low, field.astype(np.int32)) > 0
     color = _color(colors, within)
     small = np.flatnonzero((areas >= LEAST_INSET * areas.max()) & (areas < LEAST_PART * areas.max()))
@@ -102,15 +101,8 @@ def insets(low: Levels, colors: NDArray[Any], lit: Lit, field: Points) -> list[P
     return found
 
 
-def _areas(lit: Lit) -> NDArray[np.int64]:
-    """Pixels of each part; none of what is dark."""
-    areas = np.bincount(lit.labels.ravel())
-    areas[0] = 0
-    return areas
-
-
 def _hull(part: NDArray[np.bool_]) -> NDArray[Any]:
-    return cv2.convexHull(parts_of(part.astype(np.int32), 2)[1])
+    return cv2.convexHull(cv2.findNonZero(part.view(np.uint8)))
 
 
 def _corners(hulls: list[NDArray[Any]]) -> list[Points]:
@@ -131,17 +123,20 @@ def _are_divided(low: Levels, lit: Lit, hulls: list[NDArray[Any]], most: float) 
     outside, dark = int((together == 0).sum()), int(((together == 0) & (lit.pixels == 0)).sum())
     shared = int((together > 1).sum())
     is_apart = bool(shared <= most * (together > 0).sum()) and is_convex(lit.pixels, together)
-    rim, sharp = np.sum([around(low, lit.pixels, one, lit.sharp)[2:] for one in fields], axis=0).tolist()
+    rim, sharp = np.sum(
+        [around(low, lit.pixels, spans_in(one), lit.sharp)[2:] for one in fields], axis=0
+    ).tolist()
     return is_apart and is_surround(low, outside, dark) and is_sharp(rim, sharp)
 
 
 def _inscribed(part: NDArray[np.bool_]) -> Points:
     """(N, 3) middles, x and y, and radii of the largest circles in a part, from the largest one on, of which
-    none covers much of another; none where these leave much of the part. One more than MOST_PARTS at most."""
+    none covers much of another; none where several leave much of the part. One more than MOST_PARTS at
+    most."""
     filled_part = _without_holes(part.astype(np.uint8))
     depth = cv2.distanceTransform(filled_part, cv2.DIST_L2, cv2.DIST_MASK_5)
     depth[depth < cv2.dilate(depth, SQUARE)] = 0
-    covered, circles = np.zeros_like(filled_part), list[tuple[float, float, float]]()
+    circles = list[tuple[float, float, float]]()
     while len(circles) <= MOST_PARTS:
         _, radius, _, middle = cv2.minMaxLoc(depth)
         if circles and radius < LEAST_RADIUS * circles[0][2]:
@@ -149,9 +144,13 @@ def _inscribed(part: NDArray[np.bool_]) -> Points:
         cv2.circle(depth, middle, round(radius), 0, -1)
         if all(math.dist(middle, one[:2]) >= LEAST_AWAY * (radius + one[2]) for one in circles):
             circles.append((middle[0], middle[1], radius))
-            cv2.circle(covered, middle, round(radius) + 1, 1, -1)
-    rest = np.count_nonzero((filled_part > 0) & (covered == 0))
-    return np.array(circles if rest <= MOST_REST * np.count_nonzero(filled_part) else []).reshape(-1, 3)
+    if len(circles) == 1:
+        return np.array(circles)
+    whole = np.count_nonzero(filled_part)
+    for x, y, radius in circles:
+        cv2.circle(filled_part, (int(x), int(y)), round(radius) + 1, 0, -1)
+    is_covered = np.count_nonzero(filled_part) <= MOST_REST * whole
+    return np.array(circles if is_covered else []).reshape(-1, 3)
 
 
 def _without_holes(part: Levels) -> Levels:

@@ -11,7 +11,7 @@ from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from enhance.field import MOST_CORNERS
-from enhance.field_circle import Points, median
+from enhance.field_circle import Fit, Points, fit_of, median
 from enhance.image import AnyImage, BoolImage, full_scale
 from enhance.prefetch import fetch_line
 
@@ -38,6 +38,8 @@ NEAR: Final = 2.0
 """Pixels: what lies so near the border lies at it."""
 FINE: Final = 16
 """Bins of a grey level."""
+BESIDE_RAYS: Final = 8
+"""Of so many rays, one tells what lies along a circle."""
 
 Samples = NDArray[np.float32]
 _ANGLES: Final = np.arange(RAYS) * (2 * np.pi / RAYS)
@@ -61,32 +63,42 @@ class Rim:
     """What lies beyond varies more than noise of a surround does: stray light, or field."""
     is_dark: bool
     """Many rays see nothing but dark: the field goes on beyond them, perhaps."""
+    fit: Fit
+    """Of a circle to what ends within the picture."""
 
 
 def left_along_rays(
-    pixels: AnyImage, outline: Points, threshold: float, most: float, pixel: int, *, is_faint: bool = False
+    pixels: AnyImage,
+    corners: Points,
+    size: tuple[int, int],
+    threshold: float,
+    most: float,
+    pixel: int,
+    *,
+    is_faint: bool = False,
 ) -> Rim:
     """Where rays from the middle of an outline leave the field.
 
     Args:
         pixels: (H, W) or (H, W, 3), not float16.
-        outline: (N, 2) corners, x and y, a few small pixels off at most.
+        corners: (N, 2) of the outline, x and y in pixels of a small copy, a few off at most.
+        size: of the small copy, height and width.
         threshold: V in grey levels above which a pixel is field, but for noise.
         most: the same whatever the noise.
-        pixel: width of a pixel of the small copy that the outline was found in.
+        pixel: width of a pixel of the small copy.
         is_faint: the rim is hardly brighter than the surround; it is no wider than what lies between these.
     """
     colors = pixels if pixels.ndim == 3 else pixels[..., None]
-    values, middle, far = _seen_along(colors, 255 / full_scale(pixels.dtype), outline, REACH * pixel)
+    values, middle, far = _seen_along(colors, 255 / full_scale(pixels.dtype), corners, size, REACH * pixel)
     height, width = pixels.shape[:2]
     return Rim(*_ends_of(values, middle, far, threshold, most, pixel, width, height, is_faint))
 
 
-@njit(cache=True, error_model="numpy")
-def at_full_size(corners: Points, low: NDArray[np.uint8], width: int, height: int) -> Points:
-    """(N, 2) middles of pixels of a small copy in the picture, which is of this size."""
+@njit(error_model="numpy")
+def _at_full_size(corners: Points, size: tuple[int, int], width: int, height: int) -> Points:
+    """(N, 2) middles of pixels of a small copy of this size in the picture, which is of the other."""
     points = np.empty_like(corners)
-    across, down = width / low.shape[1], height / low.shape[0]
+    across, down = width / size[1], height / size[0]
     for corner in range(len(corners)):
         points[corner, 0] = (corners[corner, 0] + 0.5) * across
         points[corner, 1] = (corners[corner, 1] + 0.5) * down
@@ -95,10 +107,10 @@ def at_full_size(corners: Points, low: NDArray[np.uint8], width: int, height: in
 
 @njit(cache=True, error_model="numpy")
 def _seen_along(
-    pixels: NDArray[Any], scale: float, outline: Points, reach: float
+    pixels: NDArray[Any], scale: float, corners: Points, size: tuple[int, int], reach: float
 ) -> tuple[Samples, Points, Points]:
     """`_unrolled`, and `_distances`."""
-    middle, far = _distances(outline)
+    middle, far = _distances(_at_full_size(corners, size, pixels.shape[1], pixels.shape[0]))
     return _unrolled(pixels, scale, middle, far, reach), middle, far
 
 
@@ -113,7 +125,7 @@ def _ends_of(
     width: int,
     height: int,
     is_faint: bool,
-) -> tuple[Points, BoolImage, BoolImage, float, bool, bool]:
+) -> tuple[Points, BoolImage, BoolImage, float, bool, bool, Fit]:
     """`Rim`, of a picture of this size."""
     noise = _noise_ends(values, int(REACH * pixel))
     threshold = max(threshold, min(noise, most))
@@ -126,7 +138,8 @@ def _ends_of(
     in_the_dark = 0
     for ray in range(RAYS):
         in_the_dark += not (lit[ray] or cropped[ray])
-    return points, cropped, lit, wide, noise > most, in_the_dark > MOST_IN_THE_DARK * RAYS
+    is_dark = in_the_dark > MOST_IN_THE_DARK * RAYS
+    return points, cropped, lit, wide, noise > most, is_dark, fit_of(points, cropped)
 
 
 @njit(error_model="numpy")
@@ -319,9 +332,27 @@ def _move_beyond(point: Points, ends: Points, margin: float) -> None:
             point[axis] = ends[axis] + BEYOND
 
 
+@njit(cache=True, error_model="numpy")
+def dim_beside(
+    low: NDArray[np.uint8], factor: int, circle: tuple[float, float, float], most: float
+) -> tuple[int, int]:
+    """Pixels of a small copy, by this factor, along a circle of the picture, and how many of them are no
+    brighter than `most`."""
+    height, width = low.shape
+    seen, dim = 0, 0
+    for ray in range(0, RAYS, BESIDE_RAYS):
+        x = int((circle[2] * ALONG[ray, 0] + circle[0]) / factor)
+        y = int((circle[2] * ALONG[ray, 1] + circle[1]) / factor)
+        if 0 <= x < width and 0 <= y < height:
+            seen += 1
+            dim += low[y, x] <= most
+    return seen, dim
+
+
 def cropped_by(rim: Rim, other: BoolImage) -> Rim:
     """Cropped by another field, too: points that lie in it tell nothing of this one."""
-    return replace(rim, cropped=rim.cropped | other, lit=rim.lit & ~other)
+    cropped = rim.cropped | other
+    return replace(rim, cropped=cropped, lit=rim.lit & ~other, fit=fit_of(rim.points, cropped))
 
 
 @register_jitable

@@ -11,21 +11,23 @@ import numpy as np
 from enhance.field import MOST_PARTS, FieldOfView, overlap, whole_field
 from enhance.field_circle import Points
 from enhance.field_copy import low_of, small_copy
-from enhance.field_even import apart_from, box_of, even_surround, is_box, moved
+from enhance.field_even import apart_from, box_of, is_box, moved
+from enhance.field_look import Look, look_at
 from enhance.field_outline import (
     LEAST_SURROUND,
     SQUARE,
-    Levels,
     Lit,
     Outline,
     around,
     filled,
     lit_above,
+    spans_in,
 )
 from enhance.field_parts import apart, insets, nearest_of, touching
-from enhance.field_rim import ALONG, Rim, are_free, at_full_size, cropped_by, left_along_rays
+from enhance.field_regions import Levels
+from enhance.field_rim import Rim, are_free, cropped_by, dim_beside, left_along_rays
 from enhance.field_shape import LEAST_ON_CIRCLE, are_circles, fitted, share_on_circle
-from enhance.field_tones import DEVIATIONS, LEAST_SHADED, Tones, tones_of
+from enhance.field_tones import DEVIATIONS, LEAST_SHADED, Tones
 from enhance.image import WHOLE, AnyImage, Picture, read_picture
 
 READ: Final = *WHOLE, np.dtype(np.float32), np.dtype(np.float64)
@@ -42,9 +44,8 @@ is what a page shows."""
 RINGED, LEAST_RINGED = 0.5, 0.9
 """Brighter than `Tones.most` by this share of its own height is so much of the rim within a dim ring; and so
 much of that rim is on a circle."""
-BESIDE, BESIDE_RAYS = 3, 8
-"""Small pixels from a rim to where it is looked at whether a ring lies there, along one ray of so many."""
-
+BESIDE: Final = 3
+"""Small pixels from a rim to where it is looked at whether a ring lies there."""
 EDGE: Final = 2
 """Pixels along the sides of an image on a page."""
 MOSTLY, ALL_BUT, SURELY, NEVER = 0.5, 0.7, 0.8, 2.0
@@ -81,10 +82,12 @@ def find_field(image: AnyImage | Picture) -> FieldOfView | None:
         pixels = pixels.astype(np.float32)
     factor = _factor_of(height, width)
     small, low = small_copy(pixels, factor)
-    surround = even_surround(small)
+    look = look_at(low, small)
+    surround = look.surround
     if surround is None:
-        return _found(pixels, low, small, whole, factor)
-    field = _found(apart_from(pixels, surround), low_of(apart_from(small, surround)), small, whole, factor)
+        return _found(pixels, low, look, small, whole, factor)
+    low = low_of(apart_from(small, surround))
+    field = _found(apart_from(pixels, surround), low, look_at(low), small, whole, factor)
     if field is None or field.is_whole:
         return whole
     left, top, right, bottom = box_of(field)
@@ -113,7 +116,7 @@ def _in_the_dark(pixels: AnyImage) -> FieldOfView | None:
     height, width = pixels.shape[:2]
     factor = _factor_of(height, width)
     small, low = small_copy(pixels, factor)
-    return _found(pixels, low, small, whole_field(width, height), factor)
+    return _found(pixels, low, look_at(low), small, whole_field(width, height), factor)
 
 
 def _factor_of(height: int, width: int) -> int:
@@ -122,13 +125,12 @@ def _factor_of(height: int, width: int) -> int:
 
 
 def _found(
-    pixels: AnyImage, low: Levels, colors: Levels, whole: FieldOfView, factor: int
+    pixels: AnyImage, low: Levels, look: Look, colors: Levels, whole: FieldOfView, factor: int
 ) -> FieldOfView | None:
     """low: `low_of` a small copy of the pixels, by this factor; colors: as they are shown there."""
-    tones = tones_of(low)
-    if tones is None:
+    tones, lit, outline = look.tones, look.lit, look.outline
+    if tones is None or lit is None:
         return whole
-    lit, outline = lit_above(low, tones.threshold)
     search = _Search(pixels, whole, factor, low, tones)
     if outline is None:
         faint = search.faint(ALL_BUT)
@@ -181,7 +183,7 @@ class _Search:
         bright, outline = lit_above(self.low, self.tones.most)
         if outline is None or len(outline.corners) == 0 or not outline.is_convex:
             return field
-        within = filled(self.low, outline.corners.astype(np.int32))
+        within = spans_in(filled(self.low, outline.corners.astype(np.int32)))
         middle = self.tones.most + RINGED * (self.tones.most - self.tones.level)
         _, _, rim, sharp = around(self.low, bright.pixels, within, middle)
         if sharp < LEAST_RINGED * rim:
@@ -193,12 +195,10 @@ class _Search:
 
     def _is_dim_within(self, circle: tuple[float, float, float]) -> bool:
         """What lies beside its rim, all around."""
-        beside = (circle[2] - BESIDE * self.factor) * ALONG[::BESIDE_RAYS]
-        x, y = ((beside + circle[:2]) / self.factor).astype(np.intp).T
-        height, width = self.low.shape
-        seen = (x >= 0) & (y >= 0) & (x < width) & (y < height)
-        dim = np.count_nonzero(self.low[y[seen], x[seen]] <= self.tones.most)
-        return bool(dim >= LEAST_RINGED * np.count_nonzero(seen))
+        x, y, radius = circle
+        beside = x, y, radius - BESIDE * self.factor
+        seen, dim = dim_beside(self.low, self.factor, beside, self.tones.most)
+        return dim >= LEAST_RINGED * seen
 
     def _beyond_stray_light(self, field: FieldOfView, rim: Rim) -> FieldOfView:
         """A field beyond a rim that is all lit; all of the picture where a soft rim lies there, which is
@@ -250,9 +250,8 @@ class _Search:
         return replace(self.whole, parts=tuple(parts)) if len(parts) > len(field.parts or (field,)) else field
 
     def _rim(self, corners: Points, threshold: float, *, is_faint: bool = False) -> Rim:
-        outline = at_full_size(corners, self.low, self.whole.width, self.whole.height)
-        most = self.tones.most
-        return left_along_rays(self.pixels, outline, threshold, most, self.factor, is_faint=is_faint)
+        size, most = self.low.shape, self.tones.most
+        return left_along_rays(self.pixels, corners, size, threshold, most, self.factor, is_faint=is_faint)
 
     @property
     def _scale(self) -> Points:

@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from enhance.changed import changed
 from enhance.field import MOST_CORNERS, FieldOfView, beyond
-from enhance.field_circle import Points, circle_through, median, tolerance_of
+from enhance.field_circle import LEAST_FREE, Points, median, tolerance_of
 from enhance.field_rim import ALONG, RAYS, Rim, are_free
 from enhance.image import BoolImage
 
-LEAST_FREE: Final = RAYS // 6
-"""Points, at least, that tell a circle."""
 LEAST_ON_CIRCLE: Final = 0.7
 """Of the rays: with fewer the outline is no circle."""
 LEAST_HALF: Final = 0.5
@@ -63,28 +61,44 @@ def fitted(rim: Rim, whole: FieldOfView, least: float, round_at: float = LEAST_O
     arc = 1.0 if through is None else through[1]
     hull = cv2.convexHull(rim.points.astype(np.float32))
     corners = cv2.approxPolyDP(hull, 0.7, closed=True)[:, 0]
-    if arc < LEAST_ARC or least > 0:
-        sides = _sides_within(corners, whole)
-        if (arc < LEAST_ARC and _is_shade(sides)) or (least > 0 and _shape(rim, arc, sides) < least):
-            return whole
-    return _polygon(corners, whole)
+    is_shade, straight, tenths = _runs_of(corners, whole.width, whole.height)
+    if (arc < LEAST_ARC and is_shade) or (least > 0 and _shape(rim, arc, straight) < least):
+        return whole
+    return changed(whole, polygon=tuple([(x, y) for x, y in tenths.tolist()]))
 
 
-def _sides_within(corners: NDArray[Any], whole: FieldOfView) -> NDArray[Any]:
-    """(N, 2) sides of an outline but for those that lie outside the picture."""
-    outside = np.hstack((corners < 0, corners > (whole.width, whole.height)))
-    within = ~(outside & _next(outside)).any(axis=1)
-    return np.asarray((_next(corners) - corners)[within])
+@njit(cache=True, error_model="numpy")
+def _runs_of(corners: NDArray[Any], width: int, height: int) -> tuple[bool, float, Points]:
+    """Of the (N, 2) corners of an outline in a picture of this size: whether its sides, but for those outside
+    the picture, are one straight line that runs as no frame does; what of their length runs as frames do; and
+    the corners to tenths."""
+    length, straight, across, down = 0.0, 0.0, 0.0, 0.0
+    tenths = np.empty(corners.shape)
+    for corner in range(len(corners)):
+        for axis in range(2):
+            # Ten times a float32 is exact in a float64.
+            tenths[corner, axis] = np.rint(np.float64(corners[corner, axis]) * 10) / 10
+        after = corner + 1 if corner + 1 < len(corners) else 0
+        x, y, to_x, to_y = corners[corner, 0], corners[corner, 1], corners[after, 0], corners[after, 1]
+        if max(x, to_x) < 0 or max(y, to_y) < 0 or min(x, to_x) > width or min(y, to_y) > height:
+            continue
+        side = np.hypot(to_x - x, to_y - y)
+        length, across, down = length + side, across + to_x - x, down + to_y - y
+        straight += side if _is_straight(to_x - x, to_y - y) else 0.0
+    is_line = np.hypot(across, down) > STRAIGHT * length
+    return is_line and not _is_straight(across, down), straight / max(length, 1.0), tenths
 
 
-def _next(corners: NDArray[Any]) -> NDArray[Any]:
-    """Of each corner the one after it; the first one after the last."""
-    return np.concatenate((corners[1:], corners[:1]))
+@njit(error_model="numpy")
+def _is_straight(across: float, down: float) -> bool:
+    """As frames run."""
+    turn = np.degrees(np.arctan2(down, across)) % 45
+    return bool(min(turn, 45 - turn) <= MOST_SLANT)
 
 
-def _shape(rim: Rim, arc: float, sides: NDArray[Any]) -> float:
+def _shape(rim: Rim, arc: float, straight: float) -> float:
     """Of a rim what runs as circles and frames do."""
-    return max(arc + _straight_share(sides), FREE if are_free(rim.cropped) else 0.0)
+    return max(arc + straight, FREE if are_free(rim.cropped) else 0.0)
 
 
 def share_on_circle(rim: Rim, whole: FieldOfView) -> float:
@@ -109,7 +123,7 @@ def are_circles(rims: list[Rim], whole: FieldOfView) -> bool:
 def _through(rim: Rim, whole: FieldOfView) -> tuple[tuple[float, float, float], float] | None:
     """The circle through what ends within the picture, and the share of these points on it, 0 where it is
     none of the picture; None: too few to tell."""
-    count, (across, down), (x, y, radius), share = _circle_of(rim.points, rim.cropped)
+    count, (across, down), (x, y, radius), share = rim.fit
     if count < LEAST_FREE:
         return None
     x, y, radius = round(x, 2), round(y, 2), round(radius, 2)
@@ -118,27 +132,9 @@ def _through(rim: Rim, whole: FieldOfView) -> tuple[tuple[float, float, float], 
     return (x, y, radius), share if is_near else 0.0
 
 
-@njit(cache=True, error_model="numpy")
-def _circle_of(
-    points: Points, cropped: BoolImage
-) -> tuple[int, tuple[float, float], tuple[float, float, float], float]:
-    """Points that are not cropped, the middle of all, and `circle_through` those, if there are enough."""
-    free = points[~cropped]
-    x, y = points[:, 0], points[:, 1]
-    middle = (x.max() + x.min()) / 2, (y.max() + y.min()) / 2
-    if len(free) < LEAST_FREE:
-        return len(free), middle, (0.0, 0.0, 0.0), 0.0
-    across, down, radius, share = circle_through(free)
-    return len(free), middle, (across, down, radius), share
-
-
 def _fades(rim: Rim, whole: FieldOfView) -> bool:
     """Whether tissue fades towards it, as in a shadow."""
     return rim.width > SOFT_PX + SOFT * max(whole.width, whole.height)
-
-
-def _polygon(corners: NDArray[Any], whole: FieldOfView) -> FieldOfView:
-    return changed(whole, polygon=tuple([(round(x, 1), round(y, 1)) for x, y in corners.tolist()]))
 
 
 def around_circle(circle: tuple[float, float, float]) -> Points:
@@ -148,26 +144,30 @@ def around_circle(circle: tuple[float, float, float]) -> Points:
 
 def _cut(circle: tuple[float, float, float], rim: Rim, whole: FieldOfView) -> FieldOfView:
     """A circle, or a polygon where straight lines of lit ends run within it as frames do, such as of a D."""
-    middle, radius = np.array(circle[:2]), circle[2]
-    levels = _straight_levels(rim.points[:RAYS] - middle, rim.lit, radius)
-    if (levels == radius).all():
+    is_cut, levels = _straight_levels(rim.points, rim.lit, *circle)
+    if not is_cut:
         return changed(whole, circle=circle)
-    corners = around_circle(circle)
+    corners, middle = around_circle(circle), np.array(circle[:2])
     for outward, level in zip(OUTWARD, levels.tolist(), strict=True):
         corners = beyond(corners, -outward, -level - float(middle @ outward))
-    return _polygon(corners, whole)
+    return changed(whole, polygon=tuple([(round(x, 1), round(y, 1)) for x, y in corners.tolist()]))
 
 
 @njit(cache=True, error_model="numpy")
-def _straight_levels(points: Points, lit: BoolImage, radius: float) -> Points:
-    """How far from its middle a straight line cuts a circle, in each direction of OUTWARD; the radius where
-    none does. points: about the middle."""
-    levels, tolerance = np.full(len(OUTWARD), radius), tolerance_of(radius)
-    depths, away = np.empty(RAYS), np.sqrt(points[:, 0] ** 2 + points[:, 1] ** 2)
+def _straight_levels(
+    points: Points, lit: BoolImage, middle_x: float, middle_y: float, radius: float
+) -> tuple[bool, Points]:
+    """Whether straight lines cut a circle, and how far from its middle, in each direction of OUTWARD; the
+    radius where none does."""
+    levels, tolerance, is_cut = np.full(len(OUTWARD), radius), tolerance_of(radius), False
+    depths, away, x, y = np.empty(RAYS), np.empty(RAYS), np.empty(RAYS), np.empty(RAYS)
+    for ray in range(RAYS):
+        x[ray], y[ray] = points[ray, 0] - middle_x, points[ray, 1] - middle_y
+        away[ray] = np.sqrt(x[ray] ** 2 + y[ray] ** 2)
     for turn in range(len(OUTWARD)):
         count = 0
         for ray in range(RAYS):
-            depth = points[ray, 0] * OUTWARD[turn, 0] + points[ray, 1] * OUTWARD[turn, 1]
+            depth = x[ray] * OUTWARD[turn, 0] + y[ray] * OUTWARD[turn, 1]
             if depth > AHEAD * away[ray]:
                 depths[count] = depth
                 count += 1
@@ -176,23 +176,10 @@ def _straight_levels(points: Points, lit: BoolImage, radius: float) -> Points:
             continue
         passing, straight = 0, 0
         for ray in range(RAYS):
-            depth = points[ray, 0] * OUTWARD[turn, 0] + points[ray, 1] * OUTWARD[turn, 1]
+            depth = x[ray] * OUTWARD[turn, 0] + y[ray] * OUTWARD[turn, 1]
             if depth * radius > level * away[ray]:
                 passing += 1
                 straight += lit[ray] and abs(depth - level) <= tolerance
         if straight >= LEAST_STRAIGHT * passing:
-            levels[turn] = level
-    return levels
-
-
-def _is_shade(sides: NDArray[Any]) -> bool:
-    """Whether (N, 2) sides of a polygon are one straight line that runs as no frame does."""
-    whole = sides.sum(axis=0, keepdims=True)
-    is_straight = np.hypot(*whole[0]) > STRAIGHT * np.hypot(sides[:, 0], sides[:, 1]).sum()
-    return bool(is_straight and _straight_share(whole) == 0)
-
-
-def _straight_share(sides: NDArray[Any]) -> float:
-    """Of the length of (N, 2) sides, what runs as frames do."""
-    lengths, turns = np.hypot(sides[:, 0], sides[:, 1]), np.degrees(np.arctan2(sides[:, 1], sides[:, 0])) % 45
-    return float(lengths[np.minimum(turns, 45 - turns) <= MOST_SLANT].sum() / max(lengths.sum(), 1.0))
+            levels[turn], is_cut = level, True
+    return is_cut, levels

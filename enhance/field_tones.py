@@ -9,7 +9,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from enhance.field_outline import STEP, Levels
+from enhance.field_outline import STEP
+from enhance.field_regions import Levels
 
 BRIGHTEST: Final = 64.0
 """Grey levels of V: a brighter corner is no surround."""
@@ -45,15 +46,9 @@ class Tones:
     """So many pixels lie between `least` and `threshold` that they may be tissue in the shade."""
 
 
-def tones_of(low: Levels) -> Tones | None:
-    """Of the surround, from the darkest corner; None: no corner can be one."""
-    is_dark, tones = _tones_of(low)
-    return Tones(*tones) if is_dark else None
-
-
-@njit(cache=True, error_model="numpy")
-def _tones_of(low: Levels) -> tuple[bool, tuple[float, float, float, float, float, bool]]:
-    """Whether there are any, and `Tones`."""
+@njit(error_model="numpy")
+def tones_in(low: Levels) -> tuple[bool, tuple[float, float, float, float, float, bool]]:
+    """Whether the darkest corner can be a surround, and its `Tones`."""
     level, noise = _darkest_corner(low)
     if level > BRIGHTEST or noise > NOISIEST:
         return False, (level, noise, 0.0, 0.0, 0.0, False)

@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from enhance.brightness import BLACK
-from enhance.field_even import ALIKE, CORNER, EVEN, NOISE, even_surround
+from enhance.field_copy import low_of
+from enhance.field_even import ALIKE, CORNER, EVEN, NOISE
+from enhance.field_look import look_at
 from tests.enhance.endoscopes import assert_found, found, outline, seen_in
 from tests.enhance.pictures import as_type
 
@@ -48,7 +50,7 @@ def test_the_colour_of_corners_is_that_of_the_sorted_values(
         page = rng.integers(20, 235) + lamp + noise * rng.normal(size=shape)
         small = np.clip(page, 0, 255).astype(np.uint8)
         expected = literally(small)
-        found_one = even_surround(small)
+        found_one = look_at(low_of(small), small).surround
         assert (found_one is None) == (expected is None)
         assert expected is None or np.array_equal(found_one, expected)
         told += expected is not None

@@ -8,8 +8,27 @@ import pytest
 
 from enhance.field_copy import small_copy
 from enhance.field_hull import hull_of, within
-from enhance.field_outline import LEAST_FIELD, SQUARE, around, is_sharp, is_surround, lit_above, parts_of
-from enhance.field_regions import Levels, Numbers, dark_beside_border, lit_parts
+from enhance.field_outline import (
+    LEAST_FIELD,
+    LEAST_PART,
+    SQUARE,
+    around,
+    is_sharp,
+    is_surround,
+    lit_above,
+    spans_in,
+)
+from enhance.field_regions import (
+    Levels,
+    Numbers,
+    areas_of,
+    connected,
+    dark_beside_border,
+    dark_within,
+    drawn,
+    ends_of,
+    lit_parts,
+)
 
 
 def cloudy(rng: np.random.Generator) -> Levels:
@@ -32,10 +51,11 @@ def test_lit_parts_are_those_of_opencv(seed: int) -> None:
     rng = np.random.default_rng(seed)
     low = cloudy(rng)
     for threshold in (float(np.median(low)), float(rng.uniform(0, 255)), 0.0, 255.0, 300.0):
-        for found, expected in zip(
-            lit_parts(low, threshold), lit_parts_of_opencv(low, threshold), strict=True
-        ):
-            assert np.array_equal(found, expected)
+        lit, parts, areas = lit_parts(low, threshold)
+        expected, labels, count = lit_parts_of_opencv(low, threshold)
+        assert np.array_equal(lit, expected)
+        assert np.array_equal(drawn(parts, *low.shape), labels)
+        assert np.array_equal(areas, np.bincount(labels[labels > 0], minlength=count))
 
 
 @pytest.mark.parametrize("seed", range(100))
@@ -47,6 +67,10 @@ def test_what_is_dark_beside_the_border_is_what_opencv_floods(seed: int) -> None
     cv2.floodFill(framed, None, (0, 0), 2)
     reached = framed[1:-1, 1:-1] == 2
     assert dark_beside_border(lit, field) == ((reached & (field > 0)).sum(), reached.sum())
+    spans = np.sort(rng.integers(0, low.shape[1] + 1, (len(low), 2), dtype=np.int32), axis=1)
+    columns = np.arange(low.shape[1])
+    inside = (columns >= spans[:, :1]) & (columns < spans[:, 1:])
+    assert dark_within(lit, spans) == ((reached & inside).sum(), reached.sum())
 
 
 @pytest.mark.parametrize("seed", range(200))
@@ -54,7 +78,8 @@ def test_the_convex_outline_and_what_lies_within_are_those_of_opencv(seed: int) 
     """Also of single pixels and straight lines."""
     rng = np.random.default_rng(seed)
     low = cloudy(rng) if seed % 3 else np.ascontiguousarray(np.fliplr(np.eye(*rng.integers(1, 40, 2))))
-    _, ends = parts_of((low > np.quantile(low, rng.uniform(0, 0.9))).astype(np.int32), 2)
+    regions = connected((low > np.quantile(low, rng.uniform(0, 0.9))).astype(np.uint8), 1)
+    ends = ends_of(regions, areas_of(regions) > 0)
     if len(ends) == 0:
         return
     expected, field = cv2.convexHull(ends), np.zeros(low.shape, np.uint8)
@@ -63,7 +88,9 @@ def test_the_convex_outline_and_what_lies_within_are_those_of_opencv(seed: int) 
     # It begins elsewhere.
     [first] = np.flatnonzero((expected[:, 0] == corners[0]).all(axis=1))
     assert np.array_equal(corners, np.roll(expected[:, 0], -first, axis=0))
-    assert np.array_equal(within(corners, *low.shape), field)
+    spans, columns = within(corners, *low.shape), np.arange(low.shape[1])
+    assert np.array_equal(spans, spans_in(field))
+    assert np.array_equal((columns >= spans[:, :1]) & (columns < spans[:, 1:]), field > 0)
 
 
 @pytest.mark.parametrize("seed", range(60))
@@ -75,17 +102,18 @@ def test_an_outline_is_what_its_steps_give_in_turn(seed: int) -> None:
         np.uint8
     )
     lit, outline = lit_above(low, 20.0)
-    pixels, labels, count = lit_parts(low, 20.0)
+    pixels, parts, areas = lit_parts(low, 20.0)
     assert np.array_equal(lit.pixels, pixels)
-    assert np.array_equal(lit.labels, labels)
-    assert lit.count == count
-    area, ends = parts_of(labels, count)
+    assert np.array_equal(lit.labels, drawn(parts, *low.shape))
+    assert lit.count == len(areas)
+    area = areas.max()
+    ends = ends_of(parts, areas >= LEAST_PART * area)
     assert (outline is None) == (area == 0 or area < LEAST_FIELD * low.size)
     if outline is None:
         return
     field, hull = np.zeros_like(low), cv2.convexHull(ends)
     cv2.fillConvexPoly(field, hull, 1)
-    outside, dark, rim, sharp = around(low, pixels, field, 30.0)
+    outside, dark, rim, sharp = around(low, pixels, spans_in(field), 30.0)
     is_framed = is_surround(low, outside, dark) and is_sharp(rim, sharp)
     assert sorted(outline.corners.tolist()) == (sorted(hull[:, 0].tolist()) if is_framed else [])
 
@@ -95,7 +123,8 @@ def test_an_outline_is_what_its_steps_give_in_turn(seed: int) -> None:
 def test_the_small_copy_is_that_of_opencv(factor: int, colors: tuple[int, ...]) -> None:
     """Also of an image whose sides are not multiples of the factor."""
     rng = np.random.default_rng(factor)
-    for height, width in ((20 * factor, 31 * factor), (20 * factor + factor // 2, 31 * factor)):
+    for right, below in ((0, 0), (0, factor // 2), *rng.integers(0, factor, (9, 2)).tolist()):
+        height, width = 20 * factor + below, 31 * factor + right
         image = rng.integers(0, 256, (height, width, *colors), dtype=np.uint8)
         small, low = small_copy(image, factor)
         expected = cv2.resize(image, (31, 20), interpolation=cv2.INTER_LINEAR)

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from enhance import field_circle, field_outline, field_rim, field_shape, field_tones
+from enhance import field_circle, field_outline, field_regions, field_rim, field_shape, field_tones
 from enhance.field import FieldOfView
 from enhance.field_circle import Points
 from enhance.field_rim import RAYS, left_along_rays
@@ -38,7 +38,7 @@ def test_rays_leave_the_field_where_numpy_has_it(seed: int, dtype: Any, channels
     image = as_type(values if channels == 3 else values[..., 0], dtype)
     threshold = float(rng.uniform(5, 60))
     most = threshold + float(rng.uniform(0, 100))
-    rim = left_along_rays(image, corners, threshold, most, pixel)
+    rim = left_along_rays(image, corners - 0.5, (height, width), threshold, most, pixel)
     points, cropped, lit = field_oracle.rim_of(image, corners, threshold, most, pixel)
     # The threshold of noise is found to a sixteenth of a grey level, so that a few rays of floats may differ.
     off = np.abs(rim.points[:RAYS] - points[:RAYS]).max(axis=1) > 1e-6
@@ -70,7 +70,9 @@ def test_a_circle_is_cut_where_numpy_cuts_it(seed: int, depth: float, noise: flo
     far = np.minimum(far, radius) + rng.normal(0, noise, RAYS)
     far[rng.random(RAYS) < stray] *= 0.9
     points, lit = far[:, None] * field_rim.ALONG, rng.random(RAYS) < 0.9
-    levels = field_shape._straight_levels(points, lit, radius)
+    x, y = rng.uniform(0, 900, 2).tolist()
+    is_cut, levels = field_shape._straight_levels(points + np.array([x, y]), lit, x, y, radius)
+    assert is_cut == (levels < radius).any()
     assert np.allclose(levels, field_oracle.straight_levels_of(points, lit, radius))
     if depth < 0.9 and noise < 0.3 and stray < 0.1:
         assert levels[round(turn / (np.pi / 4))] == pytest.approx(depth * radius, abs=1)
@@ -78,14 +80,9 @@ def test_a_circle_is_cut_where_numpy_cuts_it(seed: int, depth: float, noise: flo
 
 def test_points_on_a_line_lie_on_no_circle_of_the_picture() -> None:
     points = np.stack((np.linspace(3, 90, 60), np.linspace(2, 31, 60)), axis=1)
-    rim = field_rim.Rim(
-        np.concatenate((points, [(50.0, 60.0)])),
-        np.zeros(61, bool),
-        np.ones(61, bool),
-        0.0,
-        is_noisy=False,
-        is_dark=False,
-    )
+    points, cropped = np.concatenate((points, [(50.0, 60.0)])), np.zeros(61, bool)
+    fit = field_circle.fit_of(points, cropped)
+    rim = field_rim.Rim(points, cropped, ~cropped, 0.0, is_noisy=False, is_dark=False, fit=fit)
     assert field_shape.fitted(rim, FieldOfView(100, 80), 0.0).circle is None
 
 
@@ -108,7 +105,8 @@ def test_tones_and_surroundings_are_those_of_numpy(seed: int) -> None:
         ring.sum(),
         (low[ring] > threshold + 10).sum(),
     )
-    assert field_outline.around(low, lit, field, threshold + 10) == expected
+    spans = field_outline.spans_in(field)
+    assert field_outline.around(low, lit, spans, threshold + 10) == expected
 
 
 @given(st.integers(0, 9999))
@@ -117,13 +115,15 @@ def test_large_parts_are_those_of_opencv(seed: int) -> None:
     height, width = rng.integers(2, 40, 2).tolist()
     lit = (rng.random((height, width)) < rng.random()).astype(np.uint8)
     count, labels, facts, _ = cv2.connectedComponentsWithStats(lit, connectivity=4)
-    area, ends = field_outline.parts_of(labels, count)
-    areas = facts[1:, cv2.CC_STAT_AREA]
-    assert area == (areas.max() if len(areas) else 0)
-    if area:
-        y, x = np.nonzero(np.isin(labels, 1 + np.flatnonzero(areas >= field_outline.LEAST_PART * area)))
-        rows = {row: (x[y == row].min(), x[y == row].max()) for row in set(y.tolist())}
-        assert ends.tolist() == [[at, row] for row, both in sorted(rows.items()) for at in both]
+    regions = field_regions.connected(lit, 1)
+    areas = field_regions.areas_of(regions)
+    assert np.array_equal(areas, [0, *facts[1:count, cv2.CC_STAT_AREA]])
+    assert np.array_equal(field_regions.drawn(regions, height, width), labels)
+    are_large = areas >= field_outline.LEAST_PART * max(areas.max(), 1)
+    y, x = np.nonzero(are_large[labels])
+    rows = {row: (x[y == row].min(), x[y == row].max()) for row in set(y.tolist())}
+    ends = field_regions.ends_of(regions, are_large)
+    assert ends.tolist() == [[at, row] for row, both in sorted(rows.items()) for at in both]
 
 
 @pytest.mark.parametrize("size", [(512, 640), (1024, 1280), (1080, 1920), (2160, 3840)])
@@ -144,8 +144,8 @@ def test_a_rough_outline_with_tissue_beyond_it_is_mended(name: str) -> None:
     image: ByteImage = seen_in(field)
     rough = cv2.erode(field.astype(np.uint8), np.ones((9, 9), np.uint8), borderValue=1)
     [contour], _ = cv2.findContours(rough, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    corners = np.asarray(cv2.convexHull(contour)[:, 0], np.float64) + 0.5
-    rim = left_along_rays(image, corners, 36.0, 86.0, 4)
+    corners = np.asarray(cv2.convexHull(contour)[:, 0], np.float64)
+    rim = left_along_rays(image, corners, field.shape, 36.0, 86.0, 4)
     mask = field_shape.fitted(rim, FieldOfView(320, 240), 0.0).mask()
     assert not mask[~field].any()
     assert mask[cv2.erode(field.astype(np.uint8), np.ones((17, 17), np.uint8), borderValue=1) > 0].all()
