@@ -117,23 +117,34 @@ def _take_means(pixels: Levels, factor: int, small: Levels, values: Levels) -> N
     is_grey, width = small.shape == values.shape, pixels.shape[1]
     near, far, step = (factor - 1) // 2, factor // 2, factor if is_grey else 3 * factor
     apart = far - near if is_grey else 3 * (far - near)
+    sums = np.empty(width, np.uint16)
     for y in range(values.shape[0]):
-        above, below = pixels[y * factor + near], pixels[y * factor + far]
+        _add_rows(pixels[y * factor + near], pixels[y * factor + far], sums)
         # Asked for a row of blocks ahead: what lies so far apart comes slowly.
         ahead, beyond = ((y + 1) * factor + near) * width, ((y + 1) * factor + far) * width
         if is_grey:
             for x in range(values.shape[1]):
                 at = near + x * step
                 _fetch(pixels, ahead + at, beyond + at)
-                values[y, x] = small[y, x] = _mean(above, below, at, apart)
+                values[y, x] = small[y, x] = _mean(sums, at, apart)
         else:
             for x in range(values.shape[1]):
                 at = 3 * near + x * step
                 _fetch(pixels, ahead + at, beyond + at)
-                red, green = _mean(above, below, at, apart), _mean(above, below, at + 1, apart)
-                blue = _mean(above, below, at + 2, apart)
+                red, green, blue = (
+                    _mean(sums, at, apart),
+                    _mean(sums, at + 1, apart),
+                    _mean(sums, at + 2, apart),
+                )
                 small[y, 3 * x], small[y, 3 * x + 1], small[y, 3 * x + 2] = red, green, blue
                 values[y, x] = max(max(red, green), blue)
+
+
+@njit(error_model="numpy")
+def _add_rows(one: Levels, other: Levels, sums: NDArray[np.uint16]) -> None:
+    wide_vectors()
+    for i in range(len(sums)):
+        sums[i] = np.uint16(one[i]) + np.uint16(other[i])
 
 
 @njit(forceinline=True, error_model="numpy")
@@ -143,9 +154,9 @@ def _fetch(pixels: Levels, one: int, other: int) -> None:
 
 
 @njit(forceinline=True, error_model="numpy")
-def _mean(above: Levels, below: Levels, at: int, apart: int) -> int:
-    left, right = np.uint64(at), np.uint64(at + apart)
-    total = np.uint32(above[left]) + above[right] + below[left] + below[right]
+def _mean(sums: NDArray[np.uint16], at: int, apart: int) -> int:
+    """Of two rows, two pixels of each."""
+    total = np.uint32(sums[np.uint64(at)]) + np.uint32(sums[np.uint64(at + apart)])
     return int((total + np.uint32(2)) >> np.uint32(2))
 
 

@@ -14,6 +14,7 @@ from enhance.field import MOST_CORNERS
 from enhance.field_circle import Fit, Points, fit_of, median
 from enhance.image import AnyImage, BoolImage, full_scale
 from enhance.prefetch import fetch_line
+from enhance.wide_vectors import wide_vectors
 
 RAYS: Final = MOST_CORNERS
 REACH: Final = 2.5
@@ -173,13 +174,16 @@ def _unrolled(pixels: NDArray[Any], scale: float, middle: Points, far: Points, r
     """(RAYS, n) V along each ray in grey levels, inner end first; negative outside the picture."""
     height, width, channels = pixels.shape
     values = np.empty((RAYS, int(2 * reach) + 1), np.float32)
+    # Of a ray and the next one, whose pixels are asked for meanwhile.
+    places = np.empty((2, 2, values.shape[1]), np.intp)
+    _find_places(middle, _begin(far[0], reach), 0, places[0])
     for ray in range(RAYS):
-        begin, after = _begin(far[ray], reach), min(ray + 1, RAYS - 1)
-        begin_after = _begin(far[after], reach)
+        here, ahead = places[ray % 2], places[1 - ray % 2]
+        if ray + 1 < RAYS:
+            _find_places(middle, _begin(far[ray + 1], reach), ray + 1, ahead)
         for i in range(values.shape[1]):
-            x, y = _pixel_at(middle, begin_after + i, after)
-            fetch_line(pixels, (y * width + x) * channels)  # type: ignore[call-arg]
-            x, y = _pixel_at(middle, begin + i, ray)
+            fetch_line(pixels, (ahead[1, i] * width + ahead[0, i]) * channels)  # type: ignore[call-arg]
+            x, y = here[0, i], here[1, i]
             values[ray, i] = -1.0
             if 0 <= x < width and 0 <= y < height:
                 most = pixels[y, x, 0]
@@ -189,10 +193,14 @@ def _unrolled(pixels: NDArray[Any], scale: float, middle: Points, far: Points, r
     return values
 
 
-@njit(forceinline=True, error_model="numpy")
-def _pixel_at(middle: Points, far: float, ray: int) -> tuple[int, int]:
-    """x and y, so far from the middle along a ray."""
-    return int(np.floor(middle[0] + far * ALONG[ray, 0])), int(np.floor(middle[1] + far * ALONG[ray, 1]))
+@njit(error_model="numpy")
+def _find_places(middle: Points, begin: float, ray: int, places: NDArray[np.intp]) -> None:
+    """(2, n) x and y of the pixels along a ray, the first one so far from the middle."""
+    wide_vectors()
+    for axis in range(2):
+        start, step = middle[axis], ALONG[ray, axis]
+        for i in range(places.shape[1]):
+            places[axis, i] = int(np.floor(start + (begin + i) * step))
 
 
 @njit(error_model="numpy")

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from enhance.field_circle import CIRCLE_TOLERANCE, Points
-from enhance.field_rim import BEYOND, DEVIATIONS, DOWN, NEAR, RAYS, REACH, RIM
-from enhance.field_shape import AHEAD, LEAST_CUT, LEAST_STRAIGHT
+from enhance.field_rim import ALONG, BESIDE_RAYS, BEYOND, DEVIATIONS, DOWN, NEAR, RAYS, REACH, RIM
+from enhance.field_shape import AHEAD, LEAST_CUT, LEAST_STRAIGHT, MOST_SLANT, STRAIGHT
 from enhance.image import AnyImage, BoolImage, full_scale
 
 
@@ -137,3 +137,27 @@ def ring_of(field: NDArray[np.uint8]) -> BoolImage:
         return np.asarray(np.all(shifted, axis=0))
 
     return eroded(1) & ~eroded(2)
+
+
+def runs_of(corners: Points, width: int, height: int) -> tuple[bool, float]:
+    """As `enhance.field_shape._runs_of`, but for the corners to tenths."""
+    outside, after = np.hstack((corners < 0, corners > (width, height))), np.roll(corners, -1, axis=0)
+    sides = (after - corners)[~(outside & np.roll(outside, -1, axis=0)).any(axis=1)]
+    lengths, whole = np.hypot(*sides.T), sides.sum(axis=0)
+    is_line = np.hypot(*whole) > STRAIGHT * lengths.sum()
+    straight = lengths[are_straight(sides)].sum() / max(lengths.sum(), 1)
+    return bool(is_line and not are_straight(whole[None])[0]), float(straight)
+
+
+def are_straight(sides: Points) -> BoolImage:
+    turns = np.degrees(np.arctan2(sides[:, 1], sides[:, 0])) % 45
+    return np.asarray(np.minimum(turns, 45 - turns) <= MOST_SLANT)
+
+
+def dim_beside(
+    low: NDArray[np.uint8], factor: int, circle: tuple[float, float, float], most: float
+) -> tuple[int, int]:
+    """As `enhance.field_rim.dim_beside`."""
+    x, y = ((circle[2] * ALONG[::BESIDE_RAYS] + circle[:2]) / factor).astype(int).T
+    seen = (x >= 0) & (y >= 0) & (x < low.shape[1]) & (y < low.shape[0])
+    return np.count_nonzero(seen), np.count_nonzero(low[y[seen], x[seen]] <= most)

@@ -78,6 +78,29 @@ def test_a_circle_is_cut_where_numpy_cuts_it(seed: int, depth: float, noise: flo
         assert levels[round(turn / (np.pi / 4))] == pytest.approx(depth * radius, abs=1)
 
 
+@given(st.integers(0, 9999), st.sampled_from([3, 4, 8, 40]), st.integers(0, 3))
+def test_sides_run_as_numpy_has_them(seed: int, count: int, grid: int) -> None:
+    """Also those of frames, octagons, and lines."""
+    rng = np.random.default_rng(seed)
+    turns = np.linspace(0, 2 * np.pi, count, endpoint=False) + rng.choice([0, np.pi / 8, 0.3])
+    flat = rng.choice([1, 0.01, 0.0])
+    corners = 60 + rng.uniform(20, 90) * np.stack((np.cos(turns), flat * np.sin(turns)), axis=1)
+    corners = (corners + rng.normal(0, 0.1 * grid, corners.shape)).astype(np.float32)
+    is_shade, straight, tenths = field_shape._runs_of(corners, 120, 100)
+    expected = field_oracle.runs_of(corners.astype(np.float64), 120, 100)
+    assert (is_shade, straight) == (expected[0], pytest.approx(expected[1], abs=1e-6))
+    assert tenths.tolist() == [[round(value, 1) for value in corner] for corner in corners.tolist()]
+
+
+@given(st.integers(0, 9999), st.integers(1, 12))
+def test_what_lies_beside_a_rim_is_dim_where_numpy_has_it(seed: int, factor: int) -> None:
+    rng = np.random.default_rng(seed)
+    low = rng.integers(0, 256, rng.integers(16, 90, 2), dtype=np.uint8)
+    x, y, radius = (factor * rng.uniform((-20, -20, 1), (110, 110, 90))).tolist()
+    beside = low, factor, (x, y, radius), float(rng.uniform(0, 255))
+    assert field_rim.dim_beside(*beside) == field_oracle.dim_beside(*beside)
+
+
 def test_points_on_a_line_lie_on_no_circle_of_the_picture() -> None:
     points = np.stack((np.linspace(3, 90, 60), np.linspace(2, 31, 60)), axis=1)
     points, cropped = np.concatenate((points, [(50.0, 60.0)])), np.zeros(61, bool)
