@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -64,8 +65,11 @@ class Rim:
     """What lies beyond varies more than noise of a surround does: stray light, or field."""
     is_dark: bool
     """Many rays see nothing but dark: the field goes on beyond them, perhaps."""
-    fit: Fit
-    """Of a circle to what ends within the picture."""
+
+    @cached_property
+    def fit(self) -> Fit:
+        """Of a circle to what ends within the picture."""
+        return fit_of(self.points, self.cropped)
 
 
 def left_along_rays(
@@ -126,7 +130,7 @@ def _ends_of(
     width: int,
     height: int,
     is_faint: bool,
-) -> tuple[Points, BoolImage, BoolImage, float, bool, bool, Fit]:
+) -> tuple[Points, BoolImage, BoolImage, float, bool, bool]:
     """`Rim`, of a picture of this size."""
     noise = _noise_ends(values, int(REACH * pixel))
     threshold = max(threshold, min(noise, most))
@@ -139,8 +143,7 @@ def _ends_of(
     in_the_dark = 0
     for ray in range(RAYS):
         in_the_dark += not (lit[ray] or cropped[ray])
-    is_dark = in_the_dark > MOST_IN_THE_DARK * RAYS
-    return points, cropped, lit, wide, noise > most, is_dark, fit_of(points, cropped)
+    return points, cropped, lit, wide, noise > most, in_the_dark > MOST_IN_THE_DARK * RAYS
 
 
 @njit(error_model="numpy")
@@ -359,8 +362,7 @@ def dim_beside(
 
 def cropped_by(rim: Rim, other: BoolImage) -> Rim:
     """Cropped by another field, too: points that lie in it tell nothing of this one."""
-    cropped = rim.cropped | other
-    return replace(rim, cropped=cropped, lit=rim.lit & ~other, fit=fit_of(rim.points, cropped))
+    return replace(rim, cropped=rim.cropped | other, lit=rim.lit & ~other)
 
 
 @register_jitable
