@@ -32,6 +32,7 @@ _BREATH = 20  # Frames, about.
 _EXPOSURE = 1.05
 _GLOSS = 90.0
 _OPTICAL_BLUR = 0.7  # px
+_PUMPING = 1  # Told apart from the noise of a frame.
 _READ_SHARE = 0.36  # Of the noise variance at full brightness; the rest is shot noise.
 
 
@@ -68,6 +69,9 @@ class PhantomParams:
     """Number of instruments; the first one pulls."""
     noise: Annotated[float, Interval(ge=0, le=50), Unit("grey levels")] = 0.5
     """Standard deviation of the sensor noise at full brightness."""
+    pumping: Annotated[float, Interval(ge=0, le=0.5)] = 0
+    """How far the brightness of single frames is off, to either side, as a share of it: of a camera whose
+    automatic exposure does not come to rest."""
 
 
 @plain_dataclass(frozen=True, eq=False)
@@ -116,6 +120,11 @@ class Phantom:
         matrix[:3, :3], matrix[:3, 3] = rotation, -rotation @ centre
         return self._lens.moved(matrix)
 
+    def gain(self, index: int) -> float:
+        """By which the brightness of a frame is off: 1 without pumping."""
+        off = np.random.default_rng([self.params.seed, index, _PUMPING]).uniform(-1, 1)
+        return 1 + self.params.pumping * float(off)
+
     def view(self, index: int) -> View:
         """Frame `index` in [0, n_frames). Raises IndexError: another."""
         if not 0 <= index < self.params.n_frames:
@@ -159,7 +168,7 @@ class Phantom:
         """Linear light (H, W, 3) to the 8-bit picture: blur, tone curve, read and shot noise."""
         rng = np.random.default_rng([self.params.seed, index])
         blurred = np.asarray(cv2.GaussianBlur(np.minimum(light, 4.0), (0, 0), _OPTICAL_BLUR))
-        tone = np.clip(_EXPOSURE * blurred, 0, 1) ** (1 / 2.2)
+        tone = np.minimum(self.gain(index) * np.maximum(_EXPOSURE * blurred, 0) ** (1 / 2.2), 1)
         spread = self.params.noise * np.sqrt(_READ_SHARE + (1 - _READ_SHARE) * tone)
         noisy = 255 * tone + spread * rng.standard_normal(tone.shape)
         return np.asarray(np.clip(np.rint(noisy), 0, 255), dtype=np.uint8)

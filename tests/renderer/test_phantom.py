@@ -352,3 +352,18 @@ def test_the_embedded_clip_is_what_its_docstring_says():
     assert (frame.tissue_mask == view.frame.tissue_mask).mean() > 0.999
     everything = np.ones(frame.tissue_mask.shape, dtype=bool)
     assert psnr(view.frame.image / 255, frame.image / 255, everything) > 40
+
+
+def test_brightness_that_pumps_is_told_and_nothing_else_differs() -> None:
+    steady = Phantom(PhantomParams(n_frames=6, width=48, height=32, noise=0.0))
+    pumping = Phantom(PhantomParams(n_frames=6, width=48, height=32, noise=0.0, pumping=0.2))
+    assert [steady.gain(index) for index in range(6)] == [1.0] * 6
+    gains = [pumping.gain(index) for index in range(6)]
+    assert len(set(gains)) == 6
+    assert all(0.8 <= gain <= 1.2 for gain in gains)
+    for index in (0, 3):
+        one, other = steady.view(index).frame, pumping.view(index).frame
+        seen = (one.image < 255) & (other.image < 255)
+        assert seen.mean() > 0.9
+        assert np.abs(other.image - gains[index] * one.image)[seen].max() <= 1.2
+        assert np.array_equal(one.depth, other.depth)
