@@ -82,6 +82,9 @@ class Frame:
     """Known up to scale and shift of its inverse at best: no depth is measured against it."""
     tools_are_known: bool = False
     """A mask of its own says where tools are: nobody looks for them."""
+    gain: float = 1.0
+    """Brightness of the image against the clip's common exposure, in which a model is: one number, found from
+    the image itself and those beside it, never from the model, as exposure is compensated for elsewhere."""
 
     def __post_init__(self) -> None:
         """Raises ClipError: arrays of other types than above, such as images in [0, 1], or of another size

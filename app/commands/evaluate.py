@@ -212,6 +212,8 @@ def _cautions(report: dict[str, Any]) -> list[str]:
     cautions = ["DV, BV: inferred definition. Visibility only, neither detection nor diagnosis."]
     if report["definitions"]["lpips"] != LPIPS:
         cautions.append(f"LPIPS: {no_lpips(lpips_folder())}")
+    if report["gains"]:
+        cautions.append("Brightness pumps: the render is measured in the exposure of each frame.")
     if report["edits"]:
         measured = "as edited" if report["edits"]["measured"] else "as trained, without its edits (--edited)"
         cautions.append(f"the model is measured {measured}")

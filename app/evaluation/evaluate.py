@@ -28,6 +28,7 @@ from enhance.metrics import dvbv_local, dvbv_otsu, line_scale, saturated_share, 
 from enhance.ridges import vessel_mask
 from renderer.camera import Camera
 from renderer.clip import BoolImage, ByteImage, Clip, Frame, Split
+from renderer.frame_gains import exposed
 from renderer.gaussians import DynamicGaussians
 from renderer.lpips import WEIGHT_FILES, Lpips, LpipsWeightsError, read_lpips, weight_files
 from renderer.measuring.closeness import Closeness, closeness
@@ -48,6 +49,8 @@ REPEATS = 5
 LPIPS_VARIABLE = "VESSELSPLAT_LPIPS"
 LPIPS = "AlexNet, version 0.1, in [-1, 1], both images times the evaluation mask; lower is better"
 DEFINITIONS = {
+    "gains": "true: brightness pumps, and psnr, ssim and lpips show the render in the exposure of each "
+    "frame, by one gain found from that frame and those beside it, not from the render",
     "psnr": "dB, both images times the evaluation mask, mean over all pixels, render rounded to 8 bits",
     "psnr_masked": "dB, mean over the evaluated pixels only: lower by -10 log10(evaluated_share)",
     "ssim": "11x11 Gaussian window of sigma 1.5, both images times the evaluation mask, zeros beyond the "
@@ -193,6 +196,7 @@ class Evaluation:
             "edits": self.edits,
             "frames_are": self.frames_are,
             "evaluation_masks": clip.options.evaluation_masks,
+            "gains": bool(self.record.exposure and self.record.exposure.gains),
             "evaluated_share": mean_of_finite(frame.evaluated_share for frame in frames),
             "mean": {name: mean_of_finite(getattr(frame, name) for frame in frames) for name in AVERAGED}
             | constant,
@@ -278,6 +282,7 @@ def measure_frame(
     seldom: (H, W), True where tissue was seldom seen; None: that is not known.
     """
     render, mask = drawn.bytes, frame.evaluation_mask
+    shown = exposed(render, frame.gain) / 255.0
     original = clip.read_image(frame.index)
     vessels = vessel_mask(original, tissue_mask=mask, scale=line_scale(original))
     pair = None if frame.measured_depth is None else (drawn.depth, frame.measured_depth)
@@ -286,7 +291,7 @@ def measure_frame(
         label=clip.labels[frame.index],
         time=frame.time,
         evaluated_share=float(mask.mean()),
-        lpips=None if lpips is None else lpips.distance(render / 255.0, frame.image / 255.0, mask),
+        lpips=None if lpips is None else lpips.distance(shown, frame.image / 255.0, mask),
         depth_rmse_mm=depth_rmse(*pair, mask) if pair and clip.unit == "mm" else None,
         depth=pair and {"abs_rel": depth_abs_rel(*pair, mask), "covered": depth_coverage(*pair, mask)},
         visibility=_visibility(render, original, mask, vessels),

@@ -28,6 +28,7 @@ from app.files.provenance import digest, strict_json
 from app.files.records import RecordedReading
 from app.runs.clip_selection import WHOLE, ClipPart
 from app.runs.device import Device
+from app.runs.exposure_record import ExposureRecord
 from app.runs.run_lock import LOCK, NAME
 from enhance import Statistics
 from renderer.atomic_files import unlinked
@@ -171,6 +172,8 @@ class RunRecord:
     enhancement: Enhancement | None = None
     """None when the run was trained on the original frames."""
     device: Device = "cpu"
+    exposure: ExposureRecord | None = None
+    """None: not looked at, as by earlier versions."""
 
     @property
     def cameras(self) -> tuple[Camera, ...]:

@@ -44,6 +44,7 @@ from app.runs.run_folder import (
     RunRecord,
 )
 from app.runs.run_lock import locked, require_free
+from app.runs.steadying import STAGE, exposure_left_out, exposure_notices, found_exposure
 from app.runs.structuring import structured
 from app.runs.tool_masks import FOLDER, ToolMasks, keep
 from app.runs.trained_clip import input_clip
@@ -146,9 +147,15 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
         record = yield from told_meanwhile(
             "recording the clip", lambda _: _new_record(request, through, device, copies)
         )
+        record = yield from _with_exposure(record, through.clip)
         begin = partial(_begin, run, record, copies)
     ahead.hand_over()
-    through = replace(through, notices=(*clip.notices, *through.notices))
+    found = record.exposure
+    through = replace(
+        through,
+        notices=(*clip.notices, *through.notices, *exposure_notices(found)),
+        omitted=(*through.omitted, *exposure_left_out(found, record.config)),
+    )
     try:
         yield from _train(record, run, through, clock, begin)
     except TrainingError as error:
@@ -167,6 +174,13 @@ def _through_cameras(
     if record is not None:  # It began without: another version may find some, which it was not trained by.
         return (yield from unposed(clip, request.config))
     return (yield from posed(clip, request.config, start))
+
+
+def _with_exposure(record: RunRecord, clip: Clip) -> Generator[TrainEvent, None, RunRecord]:
+    """With the gains of the frames as they are trained on, or why there are none."""
+    seen = input_clip(record.clip.part.lit(clip), record)
+    found = yield from told_meanwhile(STAGE, partial(found_exposure, seen, record.config))
+    return replace(record, exposure=found)
 
 
 def _opened(path: Path, options: ClipOptions, part: ClipPart) -> Clip:

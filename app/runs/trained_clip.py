@@ -23,8 +23,10 @@ def run_clip(record: RunRecord) -> Clip:
 
 
 def input_clip(clip: Clip, record: RunRecord) -> Clip:
-    """The clip with the frames that the run was trained on: its own, or the same enhanced again."""
-    return enhanced_clip(clip, record.enhancement) if record.enhancement else clip
+    """The clip with the frames that the run was trained on: its own, or the same enhanced again. Raises
+    ValueError: another number of frames than the run's."""
+    clip = enhanced_clip(clip, record.enhancement) if record.enhancement else clip
+    return clip if record.exposure is None else record.exposure.through(clip)
 
 
 def enhanced_clip(clip: Clip, enhancement: Enhancement) -> Clip:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from renderer.clip import BoolImage, ByteImage, Frame
+from renderer.frame_gains import exposed
 from renderer.metrics import coverage, psnr, psnr_masked, ssim
 from renderer.splats import Float32Array
 
@@ -27,8 +28,11 @@ class Closeness:
 
 
 def closeness(render: ByteImage, alpha: Float32Array, frame: Frame, seldom: BoolImage | None) -> Closeness:
-    """seldom: (H, W), True where tissue was seldom seen; None: that is not known."""
-    shown, image, mask = render / 255.0, frame.image / 255.0, frame.evaluation_mask
+    """The render is shown in the exposure of its frame, see `Frame.gain`.
+
+    seldom: (H, W), True where tissue was seldom seen; None: that is not known.
+    """
+    shown, image, mask = exposed(render, frame.gain) / 255.0, frame.image / 255.0, frame.evaluation_mask
     tissue = frame.tissue_mask
     return Closeness(
         psnr=psnr(shown, image, mask),

@@ -27,8 +27,10 @@ Part = Literal[
     "surround",
     "tools",
     "poses",
+    "exposure",
 ]
-"""What a clip may not need; surround, tools and poses are decided on before training sees the frames."""
+"""What a clip may not need; surround, tools, poses and exposure are decided on before training sees the
+frames."""
 
 EachOnce: Final = AfterValidator(lambda parts: tuple(sorted(set(parts))))
 """However often and in whatever order parts are named, the same is asked for."""
@@ -115,7 +117,7 @@ class TrainConfig:
     keep: Annotated[tuple[Part, ...], EachOnce] = ()
     """Parts to keep although the clip does not need them, to measure what they cost."""
     leave_out: Annotated[
-        tuple[Literal["deformation", "color_curves", "tracks", "poses", "lens"], ...], EachOnce
+        tuple[Literal["deformation", "color_curves", "tracks", "poses", "lens", "exposure"], ...], EachOnce
     ] = ()
     """Parts to leave out whatever the clip needs."""
     hold_out: bool = False

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from renderer.camera import Camera
 from renderer.clip import Frame
+from renderer.frame_gains import steadied
 from renderer.rasterize.binning import TILE
 
 MARGIN = 3
@@ -56,6 +57,11 @@ def within_reach(frame: Frame) -> Frame:
         return frame
     near = frame.depth <= BEYOND * median
     return frame if near.all() else replace(frame, depth=np.where(near, frame.depth, np.float32(0)))
+
+
+def as_fitted(frame: Frame) -> Frame:
+    """The frame that training sees: in the clip's common exposure, within reach."""
+    return steadied(within_reach(frame))
 
 
 def train_frame(

@@ -11,6 +11,7 @@ import numpy as np
 
 from renderer.clip import Clip, Frame
 from renderer.evenly import evenly
+from renderer.frame_gains import exposed
 from renderer.gaussians import DynamicGaussians
 from renderer.metrics import depth_rmse, psnr
 from renderer.near_plane import NEAR_SHARE
@@ -57,12 +58,12 @@ def evaluated(
     mode: RenderMode = "default",
 ) -> Evaluated:
     """Means over the frames of which something is evaluated; a depth error where some frame has a measured
-    depth that the model covers."""
+    depth that the model covers. The model is shown in the exposure of each frame, see `Frame.gain`."""
     quality, errors = [], []
     for frame in frames:
         drawn = render(gaussians.at(frame.time), frame.camera, near=NEAR_SHARE * size, mode=mode)
-        rounded = np.rint(np.clip(drawn.image, 0, 1) * 255) / 255
-        quality.append(psnr(rounded, frame.image / 255.0, frame.evaluation_mask))
+        shown = exposed(drawn.bytes, frame.gain) / 255.0
+        quality.append(psnr(shown, frame.image / 255.0, frame.evaluation_mask))
         if frame.measured_depth is not None:
             errors.append(depth_rmse(drawn.depth, frame.measured_depth, frame.evaluation_mask))
     known, seen = ([one for one in found if not math.isnan(one)] for found in (errors, quality))

@@ -28,7 +28,7 @@ from renderer.train.events import (
 from renderer.train.fading import faded_out_of_sight
 from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frame_store import FrameStore, nearest_folder
-from renderer.train.frames import TrainFrame, halved, seen_by, train_frame, unseen_beyond, within_reach
+from renderer.train.frames import TrainFrame, as_fitted, halved, seen_by, train_frame, unseen_beyond
 from renderer.train.gaps import EVERY as LOOKED_AT
 from renderer.train.gaps import ROUNDS, closed_gaps
 from renderer.train.gradient_backend import GradientBackend
@@ -129,7 +129,7 @@ def _prepared(
     """Everything before the first step, and what `resume` goes on from."""
     spilled = nearest_folder(folder) if folder else None
     fit = fitted(clip, held_out)
-    frames = FrameStore.of((within_reach(clip.read_frame(index)) for index in fit), spilled)
+    frames = FrameStore.of((as_fitted(clip.read_frame(index)) for index in fit), spilled)
     seeds = frames if clip.points is None else FrameStore.of(with_points(frames, clip.points), spilled)
     size = scene_size(seeds)
     require_resolved(clip, size)

@@ -28,7 +28,7 @@ from renderer.train.events import (
     Warned,
 )
 from renderer.train.fingerprint import fingerprint, former_fingerprint
-from renderer.train.frames import within_reach
+from renderer.train.frames import as_fitted
 from renderer.train.gradient_backend import GradientBackend
 from renderer.train.held_out import evaluated
 from renderer.train.initialize import NoTissue
@@ -197,4 +197,4 @@ class WindowedTraining:
         """As its checkpoints have it. Raises ClipError: its first frame cannot be read."""
         clip = window.of(self.clip)
         fit = fitted(clip, window.inside(self._held_out))
-        return fingerprint(clip, self.config, fit, within_reach(clip.read_frame(fit[0])))
+        return fingerprint(clip, self.config, fit, as_fitted(clip.read_frame(fit[0])))

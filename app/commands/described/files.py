@@ -18,6 +18,7 @@ from app.exports.replay.recorded import recorded
 from app.gui.session_file import SESSION, SessionSource
 from app.live.picture import FRAME, RECORDING
 from app.report.section import holds_report, read_report
+from app.runs.exposure_record import ExposureRecord
 from app.runs.run_folder import ClipRecord, RunFolder
 from app.runs.run_lock import holder
 from app.runs.wall_clock import STEPS, WALL, in_all
@@ -75,6 +76,7 @@ def of_run(path: Path) -> Facts:
         Fact("unit", clip.unit),
         *_lens(clip.options.calibration),
         *_poses(clip),
+        *_exposure(record.exposure),
         made(record.created, record.version),
     ]
     if quality is not None:
@@ -133,6 +135,19 @@ def _poses(clip: ClipRecord) -> list[Fact]:
         "zoom": zoom,
     }
     return [Fact("poses", text, facts | {"tissue": poses.tissue})]
+
+
+def _exposure(found: ExposureRecord | None) -> list[Fact]:
+    """Of a run that looked at it."""
+    if found is None:
+        return []
+    changes = f"brightness changes by {100 * found.jitter:.1f} % from frame to frame"
+    if not found.gains:
+        return [Fact("exposure", f"steady: {changes}", {"jitter": found.jitter, "gains": False})]
+    low, high = min(found.gains), max(found.gains)
+    text = f"{changes}: gains from {low:.2f} to {high:.2f}, views and exports show steady light"
+    facts = {"jitter": found.jitter, "gains": True, "least": low, "most": high}
+    return [Fact("exposure", text, facts)]
 
 
 def _time(steps: object, wall: float | None) -> Facts:

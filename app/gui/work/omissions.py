@@ -9,10 +9,12 @@ from functools import cache
 from typing import get_args
 
 from app.runs.clip_selection import WHOLE, ClipPart
+from app.runs.exposure_record import ExposureRecord
 from app.runs.left_out import BEFORE, left_out_of, with_found
 from app.runs.posing import left_out, may_be_posed
 from renderer.camera_motion import camera_motion
 from renderer.clip import Clip, Frame
+from renderer.frame_gains import jitter, log_gains
 from renderer.train.config import Part, TrainConfig
 from renderer.train.events import Omission
 
@@ -66,6 +68,7 @@ def look(request: OmissionsRequest) -> Iterator[Looking | Omissions]:
     """Decides as training does, from the same frames; the answer comes last. Raises ClipError: frames cannot
     be read."""
     # Training's modules take a while to import; the window must not wait for them.
+    from app.runs.steadying import exposure_left_out
     from renderer.train import windows
     from renderer.train.frame_store import FrameStore
     from renderer.train.needs import decide
@@ -95,11 +98,17 @@ def look(request: OmissionsRequest) -> Iterator[Looking | Omissions]:
         part = with_found(WHOLE, frames.__getitem__, range(len(frames)), keep, is_followed)
         return part, frames if part == WHOLE else FrameStore.of(map(part.cleared, frames))
 
+    @cache
+    def exposure(keep: tuple[Part, ...]) -> ExposureRecord:
+        return ExposureRecord(jitter=jitter(log_gains(seen(keep)[1])))
+
     def omitted(keep: tuple[Part, ...]) -> tuple[Omission, ...]:
-        part, bare = seen(tuple(each for each in keep if each in BEFORE))
+        earlier = tuple(each for each in keep if each in BEFORE)
+        part, bare = seen(earlier)
         asked = replace(config, keep=keep)
         needed = decide(clip, bare, asked)
-        before = (*left_out_of(part)[0], *left_out(clip, asked, moves))
+        steady = exposure_left_out(exposure(earlier), asked)
+        before = (*left_out_of(part)[0], *left_out(clip, asked, moves), *steady)
         return (*before, *needed.omitted, *windows.left_out(cut, asked))
 
     kept = (

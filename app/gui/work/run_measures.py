@@ -9,6 +9,7 @@ import numpy as np
 
 from app.evaluation.mean import mean_of_finite
 from app.runs.clip_selection import ClipPart
+from app.runs.run_folder import RunFolder
 from app.runs.trained_clip import enhanced_clip
 from app.scenes.cpu_rendering import DrawOptions, draw_on_cpu
 from app.scenes.scene import Scene
@@ -62,7 +63,7 @@ class RunMeasures:
 
 
 def measure_run(request: RunMeasuresRequest) -> Iterator[RunMeasures]:
-    """Measures as `evaluate` does. Raises ClipError: a frame cannot be read."""
+    """Measures as `evaluate` does. Raises ClipError: a frame cannot be read; UserError: run.json cannot."""
     scene, clip = request.scene, request.as_trained()
     indices = scene.test_indices or clip.train_indices
     nothing = RunMeasures(request, len(indices))
@@ -72,6 +73,9 @@ def measure_run(request: RunMeasuresRequest) -> Iterator[RunMeasures]:
         yield nothing
     enhancement, taken = scene.record.enhancement, list[Closeness]()
     trained = enhanced_clip(clip, enhancement) if enhancement else clip
+    run = None if scene.path is None else RunFolder(scene.path)
+    exposure = run.record().exposure if run and run.is_run else None
+    trained = trained if exposure is None else exposure.through(trained)
     for index in indices:
         frame = trained.read_frame(index)
         near = near_plane(scene.model, frame.camera)
