@@ -26,6 +26,7 @@ from tests.benchmarks.stability_faults import (
     drawing,
     enhancement,
     equations,
+    exposure,
     learning,
     motion,
 )
@@ -45,6 +46,7 @@ FAULTS: tuple[Fault, ...] = (
     *whole_runs.FAULTS,
     *enhancement.FAULTS,
     *equations.FAULTS,
+    *exposure.FAULTS,
 )
 
 
