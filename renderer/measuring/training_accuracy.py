@@ -99,12 +99,15 @@ def measured(
         mask = frame.evaluation_mask
         over_grey = _rounded(drawn, GREY)
         shown = bright | recorded(over_grey, frame)
+        others = (clip.read_frame(place) for place in fit)
         known = frame.measured_depth
         depth = np.zeros_like(drawn.depth) if known is None else known
         rows.append(
             {
                 **vars(closeness(picture, drawn.alpha, frame, seldom)),
-                "specks": np.nan if shares is None else specks(over_grey, drawn.alpha, shares > 0, shown),
+                "specks": np.nan
+                if shares is None
+                else specks(over_grey, drawn.alpha, shares > 0, shown, others),
                 "depth_rmse": depth_rmse(drawn.depth, depth, mask),
             }
         )

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from renderer.camera import Camera
 from renderer.clip import Clip, Frame
 from renderer.measuring.tissue_seen import (
+    ALIKE,
     NEAR,
     STRAYS,
     highlights,
@@ -95,6 +98,69 @@ def test_tissue_as_the_frame_itself_shows_it_is_no_speck(clip: Clip) -> None:
     assert specks(render, solid, tissue, recorded(render, known)) == len(others)
 
 
+PALE, HIDDEN = (230, 190, 195), (44, 60)
+"""A spot of tissue, and where a tool has just covered it."""
+STEEL = (20, 30, 140)
+"""Of a tool."""
+
+
+def spotted() -> Frame:
+    """A training frame that shows the spot, with a tool of another colour beside it."""
+    alpha = corner()
+    shown, tissue = beside_fill(alpha, (HIDDEN, PALE)), alpha > 0.5
+    steel = np.s_[HIDDEN[0] + 1 :, HIDDEN[1] + 1 :]
+    shown[steel], tissue[steel] = STEEL, False
+    return Frame(0, 0.0, shown, Camera(80.0, 80.0, 60.0, 40.0, 120, 80), tissue, tissue)
+
+
+def counted(place: tuple[int, int], color: Sequence[int]) -> int:
+    """Specks, with a dot of that colour, of a frame that hides the spot, which a training frame shows."""
+    alpha = corner()
+    drawn, bare = beside_fill(alpha, (place, color)), spotted()
+    bare = replace(bare, image=beside_fill(corner()))
+    return specks(drawn, alpha, corner() > 0.5, NOWHERE, iter((bare, spotted(), bare)))
+
+
+@pytest.mark.parametrize("off", [(0, 0), (-STRAYS, 0), (0, STRAYS), (2, 2)])
+def test_what_a_training_frame_shows_there_is_no_speck(off: tuple[int, int]) -> None:
+    row, column = HIDDEN[0] + off[0], HIDDEN[1] + off[1]
+    for levels in ((0, 0, 0), (ALIKE, -ALIKE, ALIKE)):
+        assert counted((row, column), np.add(PALE, levels)) == 0
+
+
+@pytest.mark.parametrize("channel", range(3))
+@pytest.mark.parametrize("levels", [-ALIKE - 1, ALIKE + 1])
+def test_a_colour_off_by_more_in_one_channel_is_a_speck(channel: int, levels: int) -> None:
+    color = np.array(PALE)
+    color[channel] += levels
+    assert counted(HIDDEN, color) == 1
+
+
+@pytest.mark.parametrize("color", [(250, 250, 250), (40, 200, 60), (0, 0, 0), (255, 95, 60), STEEL])
+def test_dots_of_other_colours_in_that_very_place_are_specks(color: tuple[int, int, int]) -> None:
+    """That of a tool, too: it is no tissue of the frame that shows it."""
+    assert counted(HIDDEN, color) == 1
+
+
+def test_that_colour_elsewhere_or_afloat_is_a_speck() -> None:
+    beside, afloat = (HIDDEN[0] - STRAYS - 1, HIDDEN[1]), (36, 60)
+    assert counted(beside, PALE) == 1
+    assert counted(afloat, PALE) == 1
+    shown = spotted()
+    shown.image[afloat], shown.tissue_mask[afloat] = PALE, True
+    alpha = corner()
+    assert specks(beside_fill(alpha, (afloat, PALE)), alpha, corner() > 0.5, NOWHERE, (shown,)) == 1
+
+
+def test_frames_are_read_only_where_there_is_something_to_look_up() -> None:
+    def unread() -> Iterator[Frame]:
+        raise AssertionError("read")
+        yield
+
+    alpha = corner()
+    assert specks(beside_fill(alpha), alpha, alpha > 0.5, NOWHERE, unread()) == 0
+
+
 def test_a_thin_part_that_was_not_observed_is_no_speck_but_colour_in_it_is() -> None:
     grey = np.full((*SHAPE, 3), 200, np.uint8)
     grey[38:41, 60:] = [round(255 * level) for level in GREY]
@@ -116,7 +182,7 @@ def test_the_soft_edge_of_what_was_not_observed_is_no_speck() -> None:
     assert specks(soft, WHOLE, SEEN, NOWHERE) == 3
 
 
-def beside_fill(alpha: np.ndarray, *dots: tuple[tuple[int, int], tuple[int, int, int]]) -> np.ndarray:
+def beside_fill(alpha: np.ndarray, *dots: tuple[tuple[int, int], Sequence[int]]) -> np.ndarray:
     """Tissue of that alpha (H, W) over the fill, with opaque dots of other colours."""
     made = np.rint(FILL + alpha[..., None] * (TISSUE - FILL)).astype(np.uint8)
     for place, color in dots:
