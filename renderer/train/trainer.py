@@ -25,6 +25,7 @@ from renderer.train.events import (
     TrainEvent,
     Warned,
 )
+from renderer.train.fading import ROUNDS as FADED
 from renderer.train.fading import faded_out_of_sight
 from renderer.train.fingerprint import fingerprint, former_fingerprint
 from renderer.train.frame_store import FrameStore, nearest_folder
@@ -159,7 +160,7 @@ def _prepared(
     if bends and hides and "hidden" not in config.keep:
         after[SMOOTHING] = SMOOTHED * len(fit)
     if bends and unseen is not None and unseen.any():
-        after[FADING] = SMOOTHED * len(fit)
+        after[FADING] = SMOOTHED * FADED * len(fit)
     if SMOOTHING in after and needs.has_masks and unseen is not None:
         after[CLOSING] = RENDERED * ROUNDS * len(fit) / LOOKED_AT
     after[MEASURING] = RENDERED * len(measured)

@@ -19,6 +19,7 @@ from renderer.train.fading import (
     FADES,
     LEAST,
     OUTSIDE,
+    ROUNDS,
     SHRED,
     TRACE,
     _shares_beyond,
@@ -120,6 +121,23 @@ def test_a_knob_out_of_the_edge_fades_though_it_lies_in_its_margin(
     assert after.at(1.0).opacities[LEAVES] <= left * before.at(1.0).opacities[LEAVES]
     assert after.at(0.2).opacities[LEAVES] > 0.9 * before.at(0.2).opacities[LEAVES]
     assert (after is before) == (left == 1)
+
+
+@pytest.mark.parametrize(("rounds", "left"), [(1, (0.95, 1.0)), (ROUNDS, (0.0, 0.35))])
+def test_what_fades_uncovers_what_lay_behind_which_fades_too(
+    monkeypatch: pytest.MonkeyPatch, rounds: int, left: tuple[float, float]
+) -> None:
+    """One behind hangs out of the edge, but there another hides it, of which most is out of sight."""
+    monkeypatch.setattr(fading, "ROUNDS", rounds)
+    before = model(down=0).rows(np.array([LEAVES, LEAVES]))
+    for one, row, depth in ((0, BAR + 5, DEPTH - 1), (1, BAR + 3, DEPTH)):
+        before.raw.means[one] = 0, (row - HEIGHT / 2) * depth / FOCAL, depth
+    before.raw.log_scales[:] = np.log(np.float32([[0.5], [0.2]]))
+    before.raw.opacity_logits[:] = 5
+    after = faded(before)
+    kept = (after.at(0.5).opacities / before.at(0.5).opacities).tolist()
+    assert kept[0] < 0.1
+    assert left[0] <= kept[1] <= left[1]
 
 
 def test_what_stays_in_sight_is_the_same_model() -> None:
