@@ -23,8 +23,10 @@ share of OUTSIDE beyond what frames show fades, too. On eight fitted frames of p
 pixels of specks without it, 5 with, 3 with (0.75, 0.95), which loses 0.14 dB of what is seldom seen of
 mesentery (3000 steps, on frames held out); from 0.85 on none is lost. A steeper one lets curves swing.
 
-What fades uncovers what lay behind it, which hardly showed and was kept; so all is looked at again. Each time
-the least that is left counts, not what is left of that.
+What fades uncovers what lay behind, which hardly showed and was kept; so all is looked at again, for knobs.
+The least that is left counts, not what is left of that. On training frames of mesentery that were held out
+(400 steps, seed 0), without and with it: 36.305 dB each, 39.568 and 39.565 of what is seldom seen; with FADES
+once more 36.302 and 39.562, and of pulling (700 steps) 38.327 each and 38.07 each, without and with.
 
 Where frames are missing, as those held out, moments between two are looked at as well. Without, at one of 16
 such moments of pulling (1000 steps, seed 0) a speck of 3 pixels stays, with them none.
@@ -101,9 +103,11 @@ def faded_out_of_sight(
     times = [time for time, _ in moments]
     masks = unseen, ~reduce(np.logical_or, (visible for _, visible in moments))
     left, faded = np.ones((len(times), len(gaussians))), gaussians
-    for _ in range(ROUNDS):
+    for once_more in range(ROUNDS):
         beyond = np.stack(list(_shares_beyond(faded, moments, frames[0].camera, masks, near, mode)))
-        found = np.minimum(_kept(beyond[:, 0], FADES), _kept(beyond[:, 1], OUTSIDE))
+        found = _kept(beyond[:, 1], OUTSIDE)
+        if not once_more:
+            found = np.minimum(found, _kept(beyond[:, 0], FADES))
         if (found >= left).all():
             break
         left = np.minimum(left, found)
