@@ -17,8 +17,9 @@ from renderer.readers.clip_options import DEFAULTS, ClipOptions
 from renderer.readers.image_files.transparency import where_visible
 from renderer.readers.image_folders.picture_kinds import frame_folder
 from renderer.readers.image_folders.stills import images_in, open_stills
+from renderer.readers.video import eyes_hint
 from renderer.readers.video_decoding.stereo_layout import chosen_layout
-from renderer.readers.video_header import read_video_header
+from renderer.readers.video_header import first_frame, read_video_header
 
 
 def open_clip(path: str | Path, options: ClipOptions = DEFAULTS) -> Clip:
@@ -112,9 +113,16 @@ def require_depth_source(path: Path, options: ClipOptions) -> None:
             return
         way = (
             "--depth brightness estimates it, --depth motion finds it where the camera moves, both without a "
-            "scale; --stereo LAYOUT tells that it shows both eyes"
+            "scale"
         )
+        hint = _eyes_hint(path) if options.stereo == "auto" and told is None else ""
+        way = f"{hint}; else {way}" if hint else f"{way}; --stereo LAYOUT tells that it shows both eyes"
         raise ClipError(f"reconstruction expects depth, and a video has none ({way}): {path}")
+
+
+def _eyes_hint(path: Path) -> str:
+    first = first_frame(path)
+    return "" if first is None else eyes_hint(first)
 
 
 def _thinned(clip: Clip, step: int | None, usual: int) -> Clip:

@@ -100,6 +100,11 @@ def test_a_video_that_says_nothing_is_told_to_look_like_two_eyes(tmp_path, momen
     assert any("look alike" in said and f"set Eyes (--stereo {layout})" in said for said in whole.notices)
     for stereo in ("off", layout):
         assert not any("look alike" in n for n in open_clip(path, ClipOptions(stereo=stereo)).notices)
+    with pytest.raises(ClipError, match=rf"a video has none \(.*look alike; .* \(--stereo {layout}\); else "):
+        require_depth_source(path, ClipOptions())
+    with pytest.raises(ClipError, match="a video has none") as refused:
+        require_depth_source(path, ClipOptions(stereo="off"))
+    assert "look alike" not in str(refused.value)
 
 
 def test_frames_of_one_eye_do_not_look_like_two(moments) -> None:
