@@ -230,21 +230,22 @@ def _rig(clip: Clip, baseline: float | None) -> _Rig:
 
 
 def _assumed(clip: Clip, rows: _Rows) -> str:
-    """What lengths rest on where no calibration says it, as an end of a sentence; empty where one does."""
+    """What lengths and shapes rest on where no calibration says it; empty where one does."""
     if not is_seen_by_assumption(clip):
         return ""
-    view = f"a field of view of {clip.cameras[0].field_of_view:.0f} degrees"
     doubt = ", which eyes whose rows lie apart make doubtful" if rows != _Rows() else ""
-    rest = f"eyes that look in parallel with principal points in the middle{doubt}, and on {view}"
-    return f"; lengths in mm rest on {rest} (--calibration FILE says how the eyes are)"
+    eyes = f"eyes that look in parallel with principal points in the middle{doubt}"
+    return f"{eyes}, and on a field of view of {clip.cameras[0].field_of_view:.0f} degrees"
 
 
 def _said(rig: _Rig, assumed: str) -> str:
     by = "depth is matched between left and right images"
     if rig.unit == "mm":
-        return f"{by}, {rig.baseline:.4g} mm apart{assumed}"
+        rest = f"; lengths in mm rest on {assumed} (--calibration FILE says how the eyes are)"
+        return f"{by}, {rig.baseline:.4g} mm apart{rest if assumed else ''}"
     way = "--baseline or --calibration gives one in mm"
-    return f"{by} with an unknown baseline: lengths have no scale ({way})"
+    rest = f"; shapes rest on {assumed} (--field-of-view states another)"
+    return f"{by} with an unknown baseline: lengths have no scale ({way}){rest if assumed else ''}"
 
 
 def _said_swapped(clip: Clip, swapped: Sequence[int]) -> tuple[str, ...]:

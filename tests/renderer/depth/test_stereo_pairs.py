@@ -211,10 +211,17 @@ def test_it_is_said_what_millimetres_rest_on_without_a_calibration(written, tmp_
     said = opened(written[0], BASELINE).notices[-1]
     assert "4.2 mm apart; lengths in mm rest on eyes that look in parallel with principal points in" in said
     assert "a field of view of 59 degrees (--calibration FILE" in said
+    without = opened(written[0]).notices[-1]
+    assert "no scale" in without
+    assert "; shapes rest on eyes that look in parallel" in without
+    assert "a field of view of 59 degrees (--field-of-view states another)" in without
     calibrated = replace(
         open_stereo_folder(written[0], FIELD_OF_VIEW), unit="mm", baseline=4.2, calibrated=True
     )
     assert with_stereo_depth(calibrated, right_eye(calibrated), None).notices[-1].endswith("4.2 mm apart")
+    unknown = with_stereo_depth(replace(calibrated, baseline=None), right_eye(calibrated), None).notices[-1]
+    assert "no scale" in unknown
+    assert "rest on" not in unknown
     folder = copied(written, tmp_path)
     for index in range(2):
         change(folder / f"right/{index:06d}.png", lambda pixels: np.roll(pixels, 4, axis=0))
