@@ -11,7 +11,7 @@ FloatImage = NDArray[np.float32] | NDArray[np.float64]
 
 _HUBER = 1.345
 """Residual, in standard deviations, from which its weight falls: 95 % efficient for Gaussian noise."""
-_DEVIATION = 1.4826
+TO_DEVIATION = 1.4826
 """Standard deviation over median absolute deviation of a Gaussian."""
 _ROUNDS = 50
 _SETTLED = 1e-9
@@ -40,7 +40,7 @@ def aligned(prior: FloatImage, depth: FloatImage, mask: BoolImage) -> tuple[floa
         before = scale, shift
         scale, shift = _weighted_line(guess, known, weights)
         residuals = np.abs(known - scale * guess - shift)
-        threshold = _HUBER * _DEVIATION * float(np.median(residuals))
+        threshold = _HUBER * TO_DEVIATION * float(np.median(residuals))
         moved = abs(scale - before[0]) * np.ptp(guess) + abs(shift - before[1])
         if threshold == 0 or moved <= _SETTLED * threshold:
             break

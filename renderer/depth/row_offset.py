@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import cv2
@@ -23,8 +24,28 @@ SCATTERED: Final = 1.5
 VARYING: Final = 2.0
 """px between the pairs of a clip: eyes that do not look at the same moment see a moving camera at two places.
 Rows of clips from fixed cameras vary by up to 1 px from pair to pair, features being few."""
+NEARLY_ALL: Final = 0.9
+"""Of the features of a pair, where its eyes are swapped; the others match by chance."""
 PAIRS: Final = 5
 """Pairs that are looked at, spread over the clip: one alone may have too few features to tell."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """By how many right images are to be moved down."""
+
+    usual: float = 0.0
+    vary: bool = False
+    """From frame to frame: each is looked at."""
+
+    def said(self) -> tuple[str, ...]:
+        if self.vary:
+            return (
+                "the eyes' rows are apart by a distance that varies: each right image is moved by its own",
+            )
+        if self.usual:
+            return (f"the eyes' rows are {abs(self.usual):.1f} px apart: right images are moved by that",)
+        return ()
 
 
 def row_offset(shifts: Sequence[NDArray[np.float64]]) -> tuple[float, float]:
@@ -45,6 +66,12 @@ def own_offsets(shifts: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
 def has_a_say(shifts: NDArray[np.float64]) -> bool:
     """Whether a pair (M, 2) shows much whose rows agree."""
     return len(shifts) >= DECIDING and scatter(shifts) <= SCATTERED
+
+
+def is_swapped(shifts: NDArray[np.float64]) -> bool:
+    """Whether the right image of a pair (M, 2) shows nearly all farther right; not said of what shows little.
+    Eyes that look at one near point have some of the tissue on either side of it."""
+    return has_a_say(shifts) and bool(np.quantile(shifts[:, 0], NEARLY_ALL) < 0)
 
 
 def scatter(shifts: NDArray[np.float64]) -> float:

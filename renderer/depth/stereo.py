@@ -98,9 +98,16 @@ def disparity_limits(left: GreyImage, right: GreyImage) -> tuple[int, int] | Non
 
 
 def feature_shifts(left: ByteImage, right: ByteImage) -> NDArray[np.float64]:
-    """Shifts (M, 2) in px, left minus right, of what can be recognised in both RGB pictures.
+    """Shifts (M, 2) in px, left minus right, of what can be recognised in both RGB pictures; the second
+    column is 0 in a rectified pair."""
+    here, there = feature_matches(left, right)
+    return np.asarray(here - there)
 
-    SIFT features (Lowe 2004) that pass the ratio test; the second column is 0 in a rectified pair.
+
+def feature_matches(left: ByteImage, right: ByteImage) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Places (M, 2) in px of what can be recognised in both RGB pictures, in the left and in the right one.
+
+    SIFT features (Lowe 2004) that pass the ratio test.
     """
     shrink = max(1.0, left.shape[1] / _FEATURE_WIDTH)
     sift = cv2.SIFT.create(_FEATURES)
@@ -113,11 +120,11 @@ def feature_shifts(left: ByteImage, right: ByteImage) -> NDArray[np.float64]:
         points.append(np.array([keypoint.pt for keypoint in keypoints]).reshape(-1, 2) * shrink)
         features.append(described)
     if min(len(found) for found in points) < 2:
-        return np.zeros((0, 2))
+        return np.zeros((0, 2)), np.zeros((0, 2))
     nearest = cv2.BFMatcher(cv2.NORM_L2).knnMatch(features[0], features[1], k=2)
     clear = [best for best, second in nearest if best.distance < _RATIO * second.distance]
     here, there = [match.queryIdx for match in clear], [match.trainIdx for match in clear]
-    return np.asarray(points[0][here] - points[1][there])
+    return points[0][here], points[1][there]
 
 
 def _grey(image: ByteImage) -> GreyImage:

@@ -7,16 +7,19 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from renderer.budget import OverBudget
 from renderer.clip import ByteImage, Clip, ClipError, Frame, numbered
+from renderer.depth.levelling import level_of
 from renderer.depth.row_offset import (
     PAIRS,
     VARYING,
-    has_a_say,
+    Rows,
+    is_swapped,
     moved_down,
     own_offset,
     own_offsets,
@@ -24,7 +27,7 @@ from renderer.depth.row_offset import (
     scatter,
     unseen,
 )
-from renderer.depth.stereo import disparity, feature_shifts
+from renderer.depth.stereo import disparity, feature_matches, feature_shifts
 from renderer.evenly import evenly_floored
 from renderer.listing import count, listed
 from renderer.readers.clip_files import folders_in
@@ -34,13 +37,14 @@ from renderer.readers.image_files.used_bits import ALL
 from renderer.readers.image_folders.frames import is_seen_by_assumption, open_images
 from renderer.readers.image_folders.picture_kinds import kind_by_name
 
+Found = TypeVar("Found")
+
 LARGEST_VERTICAL_OFFSET = 1.5
 """Median distance in px between the rows of what both eyes see, beyond which a pair is not rectified; what is
 the same in all rows of a clip counts for nothing, as the right images can be moved by it."""
 
 _FEWEST_FEATURES = 20
 _SAME = 0.25  # px, below which features of two images are in one place.
-_NEARLY_ALL = 0.9  # Of the features of a pair, where its eyes are swapped; the others match by chance.
 _REMEMBERED = 4  # Frames whose depth is kept, for sliders that ask for the same one again.
 _REMEMBERED_PAIRS = 32  # Whether they show one scene, which opening a folder asks several times.
 _LEFT = re.compile(r"left|(?<=[\d_-])l$|^l(?=$|[\d_-])", re.IGNORECASE)
@@ -50,30 +54,16 @@ _CAMERAS = {"image_02": "image_03", "image_00": "image_01", "cam0": "cam1"}
 """Folders of the left eye and of the right one, as KITTI and EuRoC call them."""
 
 
+class _UnrectifiedError(ClipError):
+    """Rows of a pair are apart by distances that differ."""
+
+
 @dataclass(frozen=True)
 class _Rig:
     """Depth of a rectified pair is focal length * baseline / disparity."""
 
     baseline: float
     unit: str
-
-
-@dataclass(frozen=True)
-class _Rows:
-    """By how many right pictures are to be moved down."""
-
-    usual: float = 0.0
-    vary: bool = False
-    """From frame to frame: each is looked at."""
-
-    def said(self) -> tuple[str, ...]:
-        if self.vary:
-            return (
-                "the eyes' rows are apart by a distance that varies: each right image is moved by its own",
-            )
-        if self.usual:
-            return (f"the eyes' rows are {abs(self.usual):.1f} px apart: right images are moved by that",)
-        return ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +180,7 @@ def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Cl
         wanted = f"{clip.size[0]}x{clip.size[1]} as the left one"
         came = f"{right.size[0]}x{right.size[1]}"
         raise ClipError(f"expected a right image of {wanted}, got {came}: {right.path}")
-    rows, swapped = _judged(clip, right)
+    right, levelled, (rows, swapped) = _level(clip, right)
     rig = _rig(clip, baseline)
 
     @lru_cache(_REMEMBERED)
@@ -200,14 +190,15 @@ def with_stereo_depth(clip: Clip, right: RightEye, baseline: float | None) -> Cl
         down = rows.usual
         if rows.vary or swapped:
             shifts = feature_shifts(frame.image, other)
-            if _is_swapped(shifts):
+            if is_swapped(shifts):
                 return replace(frame, depth=np.zeros(other.shape[:2], np.float32))
             down = own_offset(shifts, rows.usual) if rows.vary else down
         found = disparity(frame.image, moved_down(other, down) if down else other)
         found[unseen(down)] = 0
         return replace(frame, depth=_depth(found, frame.camera.fx * rig.baseline))
 
-    said = (*clip.notices, *rows.said(), *_said_swapped(clip, swapped), _said(rig, _assumed(clip, rows)))
+    told = (*levelled, *rows.said(), *_said_swapped(clip, swapped))
+    said = (*clip.notices, *told, _said(rig, _assumed(clip, is_doubtful=bool(levelled) or rows != Rows())))
     return replace(
         clip, read_frame=read_frame, has_depth=True, unit=rig.unit, depth_origin="stereo", notices=said
     )
@@ -229,11 +220,11 @@ def _rig(clip: Clip, baseline: float | None) -> _Rig:
     return _Rig(1.0, "scene units")
 
 
-def _assumed(clip: Clip, rows: _Rows) -> str:
+def _assumed(clip: Clip, *, is_doubtful: bool) -> str:
     """What lengths and shapes rest on where no calibration says it; empty where one does."""
     if not is_seen_by_assumption(clip):
         return ""
-    doubt = ", which eyes whose rows lie apart make doubtful" if rows != _Rows() else ""
+    doubt = ", which eyes whose rows lie apart make doubtful" if is_doubtful else ""
     eyes = f"eyes that look in parallel with principal points in the middle{doubt}"
     return f"{eyes}, and on a field of view of {clip.cameras[0].field_of_view:.0f} degrees"
 
@@ -271,14 +262,32 @@ def _show_one_scene(left: Path, right: Path, changed: tuple[int, int]) -> bool:
     return len(feature_shifts(read_rgb(left), read_rgb(right))) >= _FEWEST_FEATURES
 
 
-def _judged(clip: Clip, right: RightEye) -> tuple[_Rows, list[int]]:
+def _level(clip: Clip, right: RightEye) -> tuple[RightEye, tuple[str, ...], tuple[Rows, list[int]]]:
+    """The right eye, turned level with the left one where only that is amiss and no calibration says how they
+    are, what is said of it, and what `_judged` finds then. Raises ClipError as that."""
+    try:
+        return right, (), _judged(clip, right)
+    except _UnrectifiedError as error:
+        if not is_seen_by_assumption(clip):
+            raise
+        level = level_of([found for _, found in _seen_by_both(feature_matches, clip, right)])
+        if level is None:
+            raise
+        turned = replace(right, read=lambda index: level.applied(right.read(index)))
+        try:
+            return turned, (level.said(),), _judged(clip, turned)
+        except _UnrectifiedError:
+            raise error from None
+
+
+def _judged(clip: Clip, right: RightEye) -> tuple[Rows, list[int]]:
     """How far rows are apart; not at all where all of a few pairs look rectified. Whether they show one scene
     is judged by the first, or, where that shows too little, by the one that shows most. And those of the
     others whose eyes are swapped.
 
     Raises ClipError: they look like no rectified pair, or like one that is swapped or is one image twice.
     """
-    looked_at = dict(_shifts(clip, right, evenly_floored(range(len(clip)), PAIRS)))
+    looked_at = dict(_seen_by_both(feature_shifts, clip, right))
     every = list(looked_at.values())
     if len(every[0]) < _FEWEST_FEATURES:
         # One frame may be blurred or dark; the pair that shows most stands for all.
@@ -291,38 +300,35 @@ def _judged(clip: Clip, right: RightEye) -> tuple[_Rows, list[int]]:
     if np.median(np.abs(shifts[:, :2])) < _SAME:
         came = f"the same image twice for {right.names}"
         raise ClipError(f"expected a left and a right image, got {came}: {clip.path}")
-    across, rows = np.median(shifts[:, 0]), _Rows()
+    across, rows = np.median(shifts[:, 0]), Rows()
     own = own_offsets(every)
     apart = float(np.median(np.abs(shifts[:, 1])))
     if max([apart, *np.abs(own)]) > LARGEST_VERTICAL_OFFSET:
         usual, down = row_offset(every)
-        rows = _Rows(usual, len(own) > 1 and bool(np.ptp(own) > VARYING))
+        rows = Rows(usual, len(own) > 1 and bool(np.ptp(own) > VARYING))
         if rows.vary:
             down = scatter(shifts)
         if down > LARGEST_VERTICAL_OFFSET:
             limit = f"rows at most {LARGEST_VERTICAL_OFFSET} px apart"
             way = "--calibration FILE rectifies them"
             where = f"{right.names}; {way}: {clip.path}"
-            raise ClipError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
+            raise _UnrectifiedError(f"expected a rectified pair, {limit}, got {down:.1f} px between {where}")
     if across <= 0:
         shift = f"the right one shows objects {-across:.0f} px farther right"
         came = f"{right.names} swapped, {shift}"
         raise ClipError(f"expected a left and a right image, got {came}: {clip.path}")
-    return rows, [at for at, each in looked_at.items() if _is_swapped(each)]
+    return rows, [at for at, each in looked_at.items() if is_swapped(each)]
 
 
-def _is_swapped(shifts: NDArray[np.float64]) -> bool:
-    """Whether the right image of a pair (M, 2) shows nearly all farther right; not said of what shows little.
-    Eyes that look at one near point have some of the tissue on either side of it."""
-    return has_a_say(shifts) and bool(np.quantile(shifts[:, 0], _NEARLY_ALL) < 0)
-
-
-def _shifts(clip: Clip, right: RightEye, indices: Sequence[int]) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Of each of these pairs, by its frame, see `feature_shifts`. A later one that cannot be read is passed
-    over: it may be outside of the part that is trained on. Raises ClipError: the first cannot be read."""
+def _seen_by_both(
+    find: Callable[[ByteImage, ByteImage], Found], clip: Clip, right: RightEye
+) -> Iterator[tuple[int, Found]]:
+    """What is found in a few pairs, by their frame. A later one that cannot be read is passed over: it may be
+    outside of the part that is trained on. Raises ClipError: the first cannot be read."""
+    indices = evenly_floored(range(len(clip)), PAIRS)
     for at in indices:
         try:
-            yield at, feature_shifts(clip.read_image(at), right.read(at))
+            yield at, find(clip.read_image(at), right.read(at))
         except ClipError:
             if at == indices[0]:
                 raise
