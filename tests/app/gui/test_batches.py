@@ -84,34 +84,6 @@ class Person:
         raise AssertionError("the batch never ended")
 
 
-def test_all_that_is_dropped_joins_the_batch_that_is_gathered_and_else_the_first_opens(
-    places: Places, case: Path
-) -> None:
-    person, dropped = Person(places), [case / "scope.mp4", case / "stills"]
-    batch_actions.take_dropped(person.state, dropped)
-    assert person.state.source.opening is not None
-    assert person.state.source.opening.path == dropped[0]
-    assert person.state.batches.inputs == ()
-    actions.stop_opening(person.state)
-    person.state.batches.shown = True
-    batch_actions.take_dropped(person.state, dropped)
-    assert person.state.batches.inputs == tuple(dropped)
-    assert person.state.source.opening is None
-
-
-def test_what_is_dropped_from_a_browser_is_told_from_a_file(places: Places, case: Path) -> None:
-    person, address = Person(places), Path("https://example.org/scope.png")
-    for shown in (False, True):
-        person.state.batches.shown, person.state.window.banner = shown, None
-        batch_actions.take_dropped(person.state, [address])
-        assert person.state.source.opening is None
-        assert person.state.batches.inputs == ()
-        assert person.state.window.banner is not None
-        assert "got an address on the web" in person.state.window.banner.message
-    batch_actions.take_dropped(person.state, [address, case / "scope.mp4"])
-    assert person.state.batches.inputs == (case / "scope.mp4",)
-
-
 def test_the_present_setting_is_used_and_every_file_comes_again(
     places: Places, case: Path, tmp_path: Path
 ) -> None:

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from imgui_bundle import ImVec2, imgui
+from imgui_bundle import ImVec2
 
 from app.gui.actions import actions, clip_actions, laid_out, masking_actions
 from app.gui.actions.job_actions import start_reconstruction
@@ -31,8 +31,7 @@ from renderer.tools.brush import Stroke
 from renderer.tools.mask_files import origin_of, own_masks, write_mask
 from tests.app.gui.conftest import SIZE, FakeJob, make_clip
 from tests.app.gui.settling import served
-from tests.app.gui.test_keys import keyboard
-from tests.app.gui.ui import Shown, Ui, compare
+from tests.app.gui.ui import Ui
 
 
 def settle(state: AppState, channels: Channels | None = None) -> Channels:
@@ -390,53 +389,3 @@ def test_the_brush_shows_what_it_paints_where_pixels_are_not_square(
     painted = (np.ptp(columns) + 1) * place.zoom_x / 2, (np.ptp(rows) + 1) * place.zoom / 2
     assert (radii[0].x, radii[0].y) == pytest.approx(painted, abs=place.zoom_x)
     assert radii[0].x == pytest.approx(1.42 * radii[0].y)
-
-
-def test_a_hand_draws_in_the_pane_and_escape_takes_it_back(ui: Ui, masking: AppState) -> None:
-    ui.io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard
-    keys, panes = keyboard(masking), compare(masking, Shown())
-
-    def draw() -> None:
-        panes()
-        keys()
-
-    def move(x: float, y: float, button: bool | None = None) -> None:
-        ui.io.add_mouse_pos_event(x, y)
-        ui.frame(draw)
-        if button is not None:
-            ui.io.add_mouse_button_event(0, button)
-            ui.frame(draw)
-
-    ui.frame(draw)
-    view = masking.picture.view
-    move(200, 300, True)
-    move(260, 330)
-    assert shown(masking).mask.any()
-    ui.press(draw, imgui.Key.escape)
-    assert not shown(masking).mask.any()
-    move(270, 340, False)
-    assert not masking.masking.keeping
-    assert masking.masking.active
-    move(200, 300, True)
-    move(260, 330)
-    move(260, 331, False)
-    assert len(masking.masking.keeping) == 1
-    assert masking.picture.view == view
-    radius = masking.masking.radius
-    ui.press(draw, imgui.Key.right_bracket)
-    assert masking.masking.radius > radius
-    ui.press(draw, imgui.Key.escape)
-    assert not masking.masking.active
-
-
-def test_shift_and_the_wheel_size_the_brush_and_the_wheel_alone_zooms(ui: Ui, masking: AppState) -> None:
-    panes, view, radius = compare(masking, Shown()), masking.picture.view, masking.masking.radius
-    ui.frame(panes)
-    ui.io.add_key_event(imgui.Key.mod_shift, True)
-    ui.scroll(panes, (200, 300), 2)
-    assert masking.masking.radius == pytest.approx(masking_actions.STEP**2 * radius)
-    assert masking.picture.view == view
-    ui.io.add_key_event(imgui.Key.mod_shift, False)
-    ui.scroll(panes, (200, 300), 2)
-    assert masking.masking.radius == pytest.approx(masking_actions.STEP**2 * radius)
-    assert masking.picture.view != view
