@@ -81,7 +81,7 @@ def window_at(model: DynamicGaussians, time: float) -> ModelWindow:
 def handover(former: ModelWindow) -> float:
     """The time in [0, 1] from which the next window, of which there is one, shows more than this one."""
     motion = _cut(former.whole)
-    return float(motion.frames[former.index, 1] + motion.frames[former.index + 1, 0]) / (2 * motion.count)
+    return motion.middle(former.index) / motion.count
 
 
 def whole_at(model: DynamicGaussians, time: float) -> Splats:

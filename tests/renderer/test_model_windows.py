@@ -25,6 +25,8 @@ PARTS = ((0, 44, 50), (30, 79, 40), (64, 99, 70))
 """First and last frame, Gaussians."""
 WITHIN = (0.1, 0.55, 0.9)
 """A time of each window at which it is alone."""
+BETWEEN = 0.375
+"""A time at which the first two are there."""
 
 
 @cache
@@ -61,7 +63,7 @@ def test_all_of_it_is_each_window_at_its_nearest_moment(time: float) -> None:
 def test_the_next_window_takes_over_in_the_middle_of_the_overlap() -> None:
     windows = windows_of(model())
     times = [handover(window) for window in windows[:-1]]
-    assert times == pytest.approx([0.37, 0.715])
+    assert times == pytest.approx([0.375, 0.715])
     for index, time in enumerate(times):
         assert window_at(model(), time - 0.001).index == index
         assert window_at(model(), time + 0.001).index == index + 1
@@ -84,7 +86,7 @@ def test_a_model_that_is_not_cut_is_one_window(kind: str) -> None:
 def test_motion_begins_anew_in_each_window() -> None:
     for time, window in zip(WITHIN, parts(), strict=True):
         assert np.array_equal(first_at(model(), time).means, window.at(0.0).means)
-    both = first_at(model(), 0.36).means
+    both = first_at(model(), BETWEEN).means
     assert np.array_equal(both, np.concatenate([part.at(0.0).means for part in parts()[:2]]))
     times = tuple(np.linspace(0, 1, 7))
     own = [Trail(part, times).amplitudes for part in parts()]
@@ -108,7 +110,7 @@ def test_a_selection_takes_all_windows_or_the_present_one_alone() -> None:
     edits = Edits.none(len(model())).selecting(chosen, "replace")
     kept = edits.selecting(found(Present(), seen), "intersect").selected
     assert kept.indices().tolist() == chosen.indices()[: counts[0]].tolist()
-    here = found(Present(), sight(0.36))
+    here = found(Present(), sight(BETWEEN))
     assert here == Mask.of(np.arange(len(model())) < PARTS[0][2] + PARTS[1][2])
 
 
@@ -116,7 +118,7 @@ def test_what_is_deleted_is_gone_at_all_times_and_the_rest_moves_as_before() -> 
     gone = Mask.of(np.arange(len(model())) % 3 == 0)
     edits = Edits.none(len(model())).selecting(gone, "replace").deleting()
     left = edits.applied(model())
-    for time in (0.0, 0.36, 0.55, 0.9):
+    for time in (0.0, BETWEEN, 0.55, 0.9):
         whole, kept = model().at(time), (~gone.booleans())[there_at(model(), time)]
         assert 0 < kept.sum() < len(kept)
         assert np.array_equal(left.at(time).means, whole.means[kept])

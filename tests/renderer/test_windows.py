@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from renderer.camera import FloatArray
 from renderer.clip import Clip, ClipError, Frame, within
 from renderer.deformation.windowed_motion import WindowedMotion
 from renderer.gaussians import DynamicGaussians
@@ -156,26 +157,44 @@ def test_steps_of_all_windows_are_counted(whole: tuple[list[TrainEvent], Path]) 
     assert sum(isinstance(event, Evaluated) and event.iteration == done[-1] for event in events) == 1
 
 
-def test_outside_of_overlaps_a_window_is_alone_and_in_them_the_next_one_fades_in(
+def test_every_frame_shows_one_window_and_between_two_frames_the_next_one_fades_in(
     whole: tuple[list[TrainEvent], Path],
 ) -> None:
     model = model_of(whole[0])
     motion = model.motion
     assert isinstance(motion, WindowedMotion)
-    counts = np.diff(motion.first_rows)
-    first, second = motion.frames[:2]
-    assert len(model.at((second[0] - 1) / FRAMES)) == counts[0]
-    start, end = second[0] / FRAMES, first[1] / FRAMES
-    assert len(model.at((start + end) / 2)) == counts[0] + counts[1]
-    seen = [model.at(start + share * (end - start)).opacities for share in np.linspace(0, 1, 41)]
-    assert seen[0][counts[0] :].max() < 1e-5 > seen[-1][: counts[0]].max()
-    # Wherever it is looked at, one of the two is all there.
-    alone = [model.at((start + end) / 2).opacities]
+    last = [int(motion.middle(window)) for window in range(len(motion) - 1)]
+    assert [motion.windows_at(frame / FRAMES) for frame in range(FRAMES)] == [
+        (sum(frame > middle for middle in last),) for frame in range(FRAMES)
+    ]
+    for middle, (former, latter) in zip(last, pairwise(motion.frames), strict=True):
+        assert middle - latter[0] + 1 == former[1] - middle == OVERLAP // 2
+    first = np.linspace(last[0], last[0] + 1, 41)
+    fades_in_the_middle(model, first[1:-1] / FRAMES)
+
+
+def test_a_model_of_an_earlier_version_fades_over_all_of_the_overlap(
+    whole: tuple[list[TrainEvent], Path],
+) -> None:
+    model = model_of(whole[0])
+    arrays = {name: array for name, array in model.arrays().items() if name != "window_fade"}
+    earlier = DynamicGaussians.checked(arrays)
+    assert set(earlier.arrays()) == set(arrays)
+    frames = earlier.motion.frames  # type: ignore[attr-defined]
+    fades_in_the_middle(earlier, np.linspace(frames[1, 0], frames[0, 1], 41)[1:-1] / FRAMES)
+
+
+def fades_in_the_middle(model: DynamicGaussians, times: FloatArray) -> None:
+    """Wherever it is looked at, one of the first two windows is all there, and nothing jumps."""
+    counts = np.diff(model.motion.first_rows)  # type: ignore[attr-defined]
+    seen = [model.at(float(time)).opacities for time in times]
+    assert [len(opacities) for opacities in seen] == [counts[0] + counts[1]] * len(times)
+    assert seen[0][counts[0] :].max() < 0.06 > seen[-1][: counts[0]].max()
+    both = model.at(float(times.mean())).opacities
     for opacities in seen:
-        faded = opacities / alone[0]
+        faded = opacities / both
         assert max(np.median(faded[: counts[0]]), np.median(faded[counts[0] :])) > 0.95
-    steps = [np.abs(later - former).max() for former, later in pairwise(seen)]
-    assert max(steps) < 0.1
+    assert max(np.abs(later - former).max() for former, later in pairwise(seen)) < 0.1
 
 
 def test_a_model_in_windows_comes_back_from_its_file(
