@@ -129,11 +129,13 @@ class WindowedMotion:
 
     def arrays(self) -> Mapping[str, NDArray[Any]]:
         """Its own arrays, and those of the windows, which are read as they are asked for."""
-        own = {
+        own: dict[str, NDArray[Any]] = {
             "window_clip": np.array([self.count], np.int64),
             "window_frames": self.frames,
             "window_rows": self.first_rows,
-        } | ({} if self.fade is None else {"window_fade": np.array([self.fade])})
+        }
+        if self.fade is not None:
+            own["window_fade"] = np.array([self.fade])
         names = [*own, *self._names()]
 
         def read(name: str) -> NDArray[Any]:

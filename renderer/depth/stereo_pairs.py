@@ -49,7 +49,6 @@ _REMEMBERED = 4  # Frames whose depth is kept, for sliders that ask for the same
 _REMEMBERED_PAIRS = 32  # Whether they show one scene, which opening a folder asks several times.
 _LEFT = re.compile(r"left|(?<=[\d_-])l$|^l(?=$|[\d_-])", re.IGNORECASE)
 _RIGHT = {"left": "right", "Left": "Right", "LEFT": "RIGHT", "l": "r", "L": "R"}
-
 _CAMERAS = {"image_02": "image_03", "image_00": "image_01", "cam0": "cam1"}
 """Folders of the left eye and of the right one, as KITTI and EuRoC call them."""
 
@@ -263,8 +262,8 @@ def _show_one_scene(left: Path, right: Path, changed: tuple[int, int]) -> bool:
 
 
 def _level(clip: Clip, right: RightEye) -> tuple[RightEye, tuple[str, ...], tuple[Rows, list[int]]]:
-    """The right eye, turned level with the left one where only that is amiss and no calibration says how they
-    are, what is said of it, and what `_judged` finds then. Raises ClipError as that."""
+    """The right eye, level with the left one where only that is amiss and no calibration says how they are,
+    what is said of it, and what `_judged` finds then. Raises ClipError as that."""
     try:
         return right, (), _judged(clip, right)
     except _UnrectifiedError as error:
@@ -295,8 +294,8 @@ def _judged(clip: Clip, right: RightEye) -> tuple[Rows, list[int]]:
     shifts = every[0]
     if len(shifts) < _FEWEST_FEATURES:
         found = f"{len(shifts)} features in common in the best of {count(len(every), 'pair')} looked at"
-        needed = f"{_FEWEST_FEATURES} are needed"
-        raise ClipError(f"expected a stereo pair, got images with {found} ({needed}): {clip.path}")
+        needed = f"({_FEWEST_FEATURES} are needed): {clip.path}"
+        raise ClipError(f"expected a stereo pair, got images with {found} {needed}")
     if np.median(np.abs(shifts[:, :2])) < _SAME:
         came = f"the same image twice for {right.names}"
         raise ClipError(f"expected a left and a right image, got {came}: {clip.path}")
