@@ -13,12 +13,13 @@ from pydantic.dataclasses import dataclass
 from app.enhancement.image_mask import NO_MASK, PictureMask
 from app.enhancement.settable import FrameNumber
 from app.errors import UserError
+from app.runs.burned_in import BurnedIn
 from app.runs.tool_masks import ToolMasks
 from app.runs.unmasked_tools import FoundTools
 from enhance.field import FieldOfView
 from renderer.camera import BoolArray
 from renderer.clip import Clip, Frame, within
-from renderer.tools.search import without_tools
+from renderer.tools.search import without_still, without_tools
 
 
 @dataclass(frozen=True, kw_only=True, config=ConfigDict(extra="forbid"))
@@ -32,6 +33,9 @@ class ClipPart:
     """What the endoscope sees, as training found it; None: there was no surround, or nobody looked for it."""
     tools: FoundTools | None = None
     """What training found of them; None: the clip has masks of its own, shows none, or nobody looked."""
+    burned_in: BurnedIn | None = None
+    """What training found beside masks of tools; None: nothing, there were none, or nobody looked, as in
+    versions before."""
     tool_masks: ToolMasks | None = None
     """Masks of them that were made for the clip; None: none but its own."""
 
@@ -81,13 +85,13 @@ class ClipPart:
             )
 
     def lit(self, clip: Clip) -> Clip:
-        """The clip without its dark surround and the tools that were found, alone.
+        """The clip without its dark surround and the tools and burned-in text that were found, alone.
 
         Raises:
             UserError: the field of view has another size.
         """
         field = self.field_of_view
-        if field is None and self.tools is None:
+        if field is None and self.tools is None and self.burned_in is None:
             return clip
         if field is not None and (field.width, field.height) != clip.size:
             got, wanted = f"{field.width}x{field.height}", "x".join(map(str, clip.size))
@@ -107,7 +111,8 @@ class ClipPart:
     def cleared(self, frame: Frame) -> Frame:
         """The same for a frame, of the size of the field of view."""
         lit = frame if self.field_of_view is None else within(frame, self.field_of_view.mask())
-        return lit if self.tools is None else without_tools(lit, self.tools.still)
+        bare = lit if self.burned_in is None else without_still(lit, self.burned_in.still)
+        return bare if self.tools is None else without_tools(bare, self.tools.still)
 
     def _trimmed(self, clip: Clip) -> Clip:
         self.require_within(clip)
@@ -126,6 +131,11 @@ class ClipPart:
                 f"keeps none: {clip.path}"
             )
         return clip if kept.all() else clip.within(kept)
+
+    @property
+    def as_asked(self) -> ClipPart:
+        """Without what training found."""
+        return replace(self, field_of_view=None, tools=None, burned_in=None)
 
     @property
     def of_anywhere(self) -> ClipPart:
@@ -149,7 +159,8 @@ class ClipPart:
         masked = "without masked pixels" if self.mask != NO_MASK else ""
         lit = "without the dark surround" if self.field_of_view is not None else ""
         bare = "without tools" if self.tools is not None or self.tool_masks is not None else ""
-        return ", ".join(filter(None, (frames + of, masked, lit, bare)))
+        textless = "without burned-in text" if self.burned_in is not None else ""
+        return ", ".join(filter(None, (frames + of, masked, lit, bare, textless)))
 
 
 WHOLE: Final = ClipPart()

@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
-from app.runs import dark_surround, unmasked_tools
+from app.runs import burned_in, dark_surround, unmasked_tools
 from app.runs.clip_selection import WHOLE, ClipPart
+from enhance.field import FieldOfView
 from renderer.clip import Clip, Frame
 from renderer.train.config import Part
 from renderer.train.events import Omission
@@ -24,22 +25,34 @@ def with_found(
     is_followed: bool = False,
 ) -> ClipPart:
     """The part without the dark surround or thin dark bars at the border, and the tools that some of these
-    frames show, unless they are kept or known; where the camera `is_followed` also without the rim of the
-    surround and any bars at the border, which stay where it moves."""
+    frames show, unless they are kept or known; where they are known, without what is burned in beside their
+    masks. Where the camera `is_followed` also without the rim of the surround and any bars at the border,
+    which stay where it moves."""
     looked_at = dark_surround.spread(indices)
-    if "surround" not in keep and part.field_of_view is None:
-        field = dark_surround.lit_field(map(read_frame, looked_at))
-        if is_followed and field is not None:
-            field = dark_surround.without_rim(field)
-        elif is_followed:
-            field = dark_surround.without_borders([read_frame(index).image for index in looked_at])
-        elif field is None:
-            field = dark_surround.without_dark_bars(map(read_frame, looked_at))
+    field = part.field_of_view or _field(read_frame, looked_at, is_followed)
+    if "surround" not in keep:
         part = replace(part, field_of_view=field)
     if "tools" not in keep and part.tools is None:
         frames = (part.cleared(read_frame(index)) for index in looked_at)
         part = replace(part, tools=unmasked_tools.tools_in(frames))
+    if "tools" not in keep and part.burned_in is None:
+        # A surround that is kept looks the same in every frame, too.
+        lit = replace(part, tools=None, field_of_view=field)
+        frames = (lit.cleared(read_frame(index)) for index in looked_at)
+        part = replace(part, burned_in=burned_in.burned_in_of(frames))
     return part
+
+
+def _field(
+    read_frame: Callable[[int], Frame], looked_at: Sequence[int], is_followed: bool
+) -> FieldOfView | None:
+    """What is left of these frames without the surround, or bars at the border; None: all of it."""
+    field = dark_surround.lit_field(map(read_frame, looked_at))
+    if is_followed and field is not None:
+        return dark_surround.without_rim(field)
+    if is_followed:
+        return dark_surround.without_borders([read_frame(index).image for index in looked_at])
+    return dark_surround.without_dark_bars(map(read_frame, looked_at)) if field is None else field
 
 
 def found_around(clip: Clip, index: int) -> tuple[ClipPart, Frame]:
@@ -61,4 +74,8 @@ def left_out_of(part: ClipPart) -> tuple[list[Omission], list[str]]:
         tools = unmasked_tools.omission_of(part.tools)
         omitted.append(tools)
         lines.append(f"left out: tools, {tools.why}: {tools.saves} (--keep tools reconstructs them)")
+    if part.burned_in is not None:
+        text = burned_in.omission_of(part.burned_in)
+        omitted.append(text)
+        lines.append(f"left out: {text.what}, {text.why}: {text.saves} (--keep tools reconstructs it)")
     return omitted, lines

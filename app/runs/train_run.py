@@ -114,7 +114,7 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     _check_vacancy(request, run)
     require_depth_source(request.clip_path, request.clip_options)
     record = run.record() if run.is_run else None
-    part = request.part if record is None else replace(record.clip.part, field_of_view=None, tools=None)
+    part = request.part if record is None else record.clip.part.as_asked
     options = request.clip_options if record is None else record.clip.options
     whole = yield from told_meanwhile("opening the clip", lambda _: _opened(request.clip_path, options, part))
     if record is not None:
@@ -341,7 +341,7 @@ def _check_same(request: TrainRequest, record: RunRecord, whole: Clip) -> None:
         known |= {"color_smoothing": measured.color_noise}
         before = {name for name, value in known.items() if value is None}  # There was no such thing.
         asked |= {name: began[name] for name in asked.keys() & began.keys() & before}
-    for found in ("field_of_view", "bits", "alpha", "tools", "tool_masks"):
+    for found in ("field_of_view", "bits", "alpha", "tools", "burned_in", "tool_masks"):
         if asked[found] is None:  # Nobody asks for it.
             del began[found]
     if "tool_masks" in began and began["tool_masks"] is not None:

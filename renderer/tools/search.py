@@ -4,7 +4,7 @@ plastic are grey, white or blue, and tissue is red."""
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import cv2
@@ -82,6 +82,18 @@ def without_tools(frame: Frame, still: Iterable[StillArea]) -> Frame:
     if frame.tools_are_known:
         return frame
     return within(frame, ~find_tools(frame.image, frame.tissue_mask, still))
+
+
+def without_still(frame: Frame, still: Iterable[StillArea]) -> Frame:
+    """The frame where what stands still, and its margin, is no tissue, be its tools known or not. What is
+    evaluated stays as the clip's masks say, so that figures stay comparable with published ones."""
+    bare = frame.tissue_mask & ~still_pixels(shrunk(frame.image), still, frame.tissue_mask.shape)
+    return replace(frame, tissue_mask=bare)
+
+
+def still_pixels(small: ByteImage, still: Iterable[StillArea], size: tuple[int, ...]) -> BoolImage:
+    """(H, W) of that size, True = what stands still, where the image (h, w, 3) looks so, and its margin."""
+    return with_margin(with_still(np.zeros(small.shape[:2], np.uint8), small, still), size)
 
 
 @dataclass(frozen=True, eq=False)

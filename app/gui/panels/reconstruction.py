@@ -219,7 +219,7 @@ def _draw_omission(state: AppState, omission: Omission) -> None:
     imgui.table_next_column()
     if (part := omission.part) is None:
         return
-    changed, kept = checkbox(f"Keep###keep {part}", part in state.runs.reconstruction.config.keep)
+    changed, kept = checkbox(f"Keep###keep {omission.what}", part in state.runs.reconstruction.config.keep)
     explain(f"Train it although {omission.why}: it costs {omission.saves}.")
     if changed:
         job_actions.keep_part(state, part, kept=kept)

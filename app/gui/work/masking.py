@@ -157,7 +157,11 @@ def read_frame_mask(request: MaskRequest) -> Iterator[FrameMask]:
     found, frame = found_around(clip, index)
     own = ~frame.tissue_mask
     seen = ~own if found.field_of_view is None else ~own & found.field_of_view.mask()
-    tools = (seen & False) if found.tools is None else find_tools(frame.image, seen, found.tools.still)
+    tools = (
+        seen & ~found.cleared(frame).tissue_mask
+        if found.tools is None
+        else find_tools(frame.image, seen, found.tools.still)
+    )
     yield FrameMask(request, frame.image, tools, None, own)
 
 
