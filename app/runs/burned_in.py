@@ -18,8 +18,8 @@ from renderer.train.events import Omission
 
 @dataclass(frozen=True)
 class BurnedIn:
-    """What stands still beside masks of tools, and has not the colour of tissue: it is not trained on,
-    and evaluated where the clip's masks say so."""
+    """What stands still beside masks of tools, and has not the colour of tissue: it is neither trained on
+    nor evaluated."""
 
     frames: Annotated[int, Ge(1)]
     """Of those looked at, the ones that show some."""

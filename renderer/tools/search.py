@@ -4,7 +4,7 @@ plastic are grey, white or blue, and tissue is red."""
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import cv2
@@ -85,10 +85,8 @@ def without_tools(frame: Frame, still: Iterable[StillArea]) -> Frame:
 
 
 def without_still(frame: Frame, still: Iterable[StillArea]) -> Frame:
-    """The frame where what stands still, and its margin, is no tissue, be its tools known or not. What is
-    evaluated stays as the clip's masks say, so that figures stay comparable with published ones."""
-    bare = frame.tissue_mask & ~still_pixels(shrunk(frame.image), still, frame.tissue_mask.shape)
-    return replace(frame, tissue_mask=bare)
+    """The frame where what stands still, and its margin, is no tissue, be its tools known or not."""
+    return within(frame, ~still_pixels(shrunk(frame.image), still, frame.tissue_mask.shape))
 
 
 def still_pixels(small: ByteImage, still: Iterable[StillArea], size: tuple[int, ...]) -> BoolImage:
