@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from renderer.clip import Frame
 from renderer.phantom import Phantom, PhantomParams
+from renderer.train.needs import STILL
 from renderer.train.stillness import Stillness, stillness
 from tests.renderer.plane import N_FRAMES, SIZE, plane_clip
 
@@ -90,8 +91,13 @@ Plane = NDArray[np.float32]
 Field = Callable[[int, Plane, Plane], Plane]
 
 
-def displaced(aside: Field, count: int = 64, scale: int = 1) -> list[Frame]:
-    """A picture of `scale` times 288 x 160 pixels whose tissue is `aside` px to the right, with noise."""
+def displaced(
+    aside: Field, count: int = 64, scale: int = 1, noise: float = 0.5, quality: int | None = None
+) -> list[Frame]:
+    """A picture of `scale` times 288 x 160 pixels whose tissue is `aside` px to the right.
+
+    noise: in grey levels. quality: of the JPEG files it was kept in, if any.
+    """
     frame = plane_clip().read_frame(0)
     tiled = np.tile(frame.image, (2, 3, 1)).repeat(scale, axis=0).repeat(scale, axis=1)
     picture = cv2.GaussianBlur(tiled, (0, 0), scale / 2)
@@ -103,8 +109,11 @@ def displaced(aside: Field, count: int = 64, scale: int = 1) -> list[Frame]:
         moved = cv2.remap(
             picture, (columns - aside(index, columns, rows)).astype(np.float32), rows, cv2.INTER_CUBIC
         )
-        noise = np.random.default_rng(index).normal(0, 0.5, picture.shape)
-        image = np.rint(np.clip(moved + noise, 0, 255)).astype(np.uint8)
+        noisy = moved + np.random.default_rng(index).normal(0, noise, picture.shape)
+        image = np.rint(np.clip(noisy, 0, 255)).astype(np.uint8)
+        if quality is not None:
+            _, file = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
+            image = np.asarray(cv2.imdecode(file, cv2.IMREAD_COLOR), np.uint8)
         frames.append(
             replace(
                 frame,
@@ -143,6 +152,18 @@ def test_a_small_place_that_beats_moves(period: float) -> None:
         return np.asarray(3 * np.sin(2 * np.pi * index / period + 0.5) * place, np.float32)
 
     assert stillness(displaced(beating)).displacement > 1
+
+
+@pytest.mark.parametrize(("noise", "quality"), [(0.5, None), (1, 80), (2, 60), (5, None)])
+def test_a_place_of_20_pixels_that_beats_moves(noise: float, quality: int | None) -> None:
+    """By 3 px each way, as does nothing that noise and the blocks of JPEG displace in tissue at rest."""
+
+    def beating(index: int, x: Plane, y: Plane) -> Plane:
+        place = np.exp(-((x - 60) ** 2 + (y - 100) ** 2) / (2 * 6**2))
+        return np.asarray(3 * np.sin(2 * np.pi * index / 12.7) * place, np.float32)
+
+    assert stillness(displaced(beating, noise=noise, quality=quality)).displacement > STILL
+    assert stillness(displaced(rest, noise=noise, quality=quality)).displacement < STILL / 2
 
 
 @pytest.mark.parametrize("scale", [1, 3])
