@@ -71,6 +71,9 @@ class VesselParams:
     least_redness: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.2
     """In images less red than this, such as grey ones, vessels are darkened in their own hue, not reddened: 0
     reddens them in all."""
+    spare_grey: Annotated[float, Interval(ge=0.0, le=1.0)] = 1.0
+    """How far what is grey in red images, as text and metal, is left out of what is darkened and reddened: 0
+    is off."""
     color_smoothing: Annotated[float, Interval(ge=0.0, le=1.0)] = 1.0
     """How much of the coarse noise of colour, as from cheap cameras, is smoothed away in images that have it:
     0 is off."""
@@ -107,8 +110,9 @@ def enhance_vessels(
     4. What is narrow and absorbs green more than red is a density of blood: the top-hat (the image less its
        morphological opening, of radius `radius`) of `shading` log R - log G. Slow shading falls out, of
        steps between tissues little is left, and reflections count as what surrounds them. R, G and B are
-       attenuated by it as haemoglobin does. Nothing gets brighter, so nothing saturates. By `contrast`, all
-       that absorbs more than the image's median counts, too, wide areas and shadows as well.
+       attenuated by it as haemoglobin does. Nothing gets brighter, so nothing saturates. In images as red as
+       tissue in white light, what is grey, as text and metal, is left out by `spare_grey`. By `contrast`, all
+       that absorbs more than the image's median counts, too, wide areas, shadows and tools as well.
     5. The less red exceeds green in an image, from `least_redness` of its brightness on down to half of that,
        the more of this darkness is that of G alone, and the more are R, G and B attenuated alike, by the mean
        of what blood absorbs, and twice the noise left out: no hue is invented in images that are nearly
@@ -301,7 +305,8 @@ def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Groun
     planes, middle = (found.absorbed, found.bright), 0.0
     if params.contrast > 0:
         middle = middle_absorbed(*planes, view.shading, now.spans, now.keep)
-    density = blood_density(*planes, ground.opened, ground.radius, noise, params.contrast, middle)
+    of_all = params.contrast, middle, view.shading, _spared(now, params, used.redness)
+    density = blood_density(*planes, ground.opened, ground.radius, noise, *of_all)
     out = np.empty_like(now.pixels)
     second_pass(
         now.pixels,
@@ -321,6 +326,14 @@ def _drawn(params: VesselParams, used: Statistics, found: _Found, ground: _Groun
         out,
     )
     return now.finished(out)
+
+
+def _spared(now: Shown, params: VesselParams, redness: float | None) -> float:
+    """Share of the density that is left out of what is grey: none in images that are hardly red, or not known
+    to be, whatever `least_redness` is; their vessels would be lost."""
+    if now.is_grey or redness is None:
+        return 0.0
+    return params.spare_grey * blood_share(redness, VESSEL.least_redness)
 
 
 def _view(

@@ -15,7 +15,7 @@ from enhance.field import Spans
 from enhance.image import Float32Image
 from enhance.part import part
 from enhance.pixel_block import ONE, TWO, ZERO
-from enhance.powers import LOG2_E, brief_exp2
+from enhance.powers import LN_2, LOG2_E, brief_exp2, brief_log2
 from enhance.reflections import COLORLESS, without_reflections
 from enhance.upscale import at_places, bring_up
 from enhance.vessel_curves import faded
@@ -26,6 +26,8 @@ BOUND = np.float32(0.5)
 """On the density that is found, a natural logarithm: at strength 1, green falls to 61 % at most."""
 KNEE = np.float32(0.1)
 """Natural logarithm beyond the image's median up to which little counts."""
+GREY: Final = (np.float32(0.0), np.float32(0.15))
+"""Natural logarithm of red over green: up to the first it is grey, from the second on it is not."""
 LEAST_WEIGHT: Final = 0.05
 """Of a place without colour, where one of colour has 1 more."""
 SAMPLES: Final = 1 << 12
@@ -92,14 +94,17 @@ def blood_density(
     noise: float,
     contrast: float = 0.0,
     middle: float = 0.0,
+    shading: float = 0.0,
+    spared: float = 0.0,
 ) -> Float32Image:
     """(h, w) in [0, BOUND]: what stands out from the background, hardly so what is weaker than the noise.
 
-    It fades where V on the same grid is dark, beside bright letters too. To it comes what is absorbed beyond
-    `middle`, however wide, x: `contrast` x^2 / (x^2 + x + KNEE). Of each place alone, it makes no halo.
+    It fades where V on the same grid is dark, beside bright letters too; what is grey keeps 1 - `spared` of
+    it, where `shading` is that of `absorbed`. To it comes what is absorbed beyond `middle`, however wide, x:
+    `contrast` x^2 / (x^2 + x + KNEE). Of each place alone, it makes no halo.
     """
     density, grid = np.empty_like(absorbed), morphology.step_of(radius) // SUBSAMPLE
-    of_all = np.float32(contrast), np.float32(middle)
+    of_all = np.float32(contrast), np.float32(middle), np.float32(shading), np.float32(spared)
     _stand_out(absorbed, value, opened[None], grid, np.float32(noise), *of_all, density)
     return density
 
@@ -141,6 +146,8 @@ def _stand_out(
     noise: np.float32,
     contrast: np.float32,
     middle: np.float32,
+    shading: np.float32,
+    spared: np.float32,
     density: NDArray[np.float32],  # (h, w), out
 ) -> None:
     rows, columns = absorbed.shape
@@ -150,6 +157,8 @@ def _stand_out(
         for y in range(strip * STRIP, min((strip + 1) * STRIP, rows)):
             weight = bring_up(opened, y, grid, lines, held)
             _core(absorbed[y], value[y], lines[0, 0], lines[1, 0], weight, noise, density[y])
+            if spared > ZERO:
+                _spare_grey(absorbed[y], value[y], ONE - shading, spared, density[y])
             if contrast > ZERO:
                 _add_all(absorbed[y], contrast, middle, density[y])
 
@@ -186,3 +195,23 @@ def _add_all(
         beyond = beyond if beyond > ZERO else ZERO
         square = beyond * beyond
         density[i] += contrast * square / (square + beyond + KNEE)
+
+
+@part(fastmath={"contract"})
+def _spare_grey(
+    absorbed: NDArray[np.float32],
+    value: NDArray[np.float32],
+    rest: np.float32,
+    spared: np.float32,
+    density: NDArray[np.float32],
+) -> None:
+    """Less of it where red hardly exceeds green. V is red where that is largest: `rest` of its logarithm is
+    what `absorbed` lacks of log red - log green."""
+    wide_vectors()
+    low, high = GREY
+    for i in range(len(density)):
+        red = absorbed[i] + rest * LN_2 * brief_log2(value[i] + FLOOR)
+        grey = (high - red) * (ONE / (high - low))
+        grey = grey if grey > ZERO else ZERO
+        grey = grey if grey < ONE else ONE
+        density[i] *= ONE - spared * grey

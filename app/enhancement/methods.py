@@ -47,8 +47,8 @@ def _preset(given: Any) -> Preset:
 
 def _of_before(given: Any) -> Any:
     """Before 0.9.0, underexposed images were left dark; before 0.10.0, vessels were reddened in all; before
-    0.13.0, coarse noise of colour was left."""
-    off = {"most_exposure": 1.0, "least_redness": 0.0, "color_smoothing": 0.0}
+    0.13.0, coarse noise of colour was left; before 0.14.0, what is grey was darkened like vessels."""
+    off = {"most_exposure": 1.0, "least_redness": 0.0, "color_smoothing": 0.0, "spare_grey": 0.0}
     return off | given if isinstance(given, dict) else given
 
 

@@ -16,7 +16,7 @@ VESSEL_LABELS = {
     "radius": "Radius", "lift": "Brightening", "d_factor": "Colour", "shading": "Shadows",
     "coring": "Noise floor", "contrast": "Contrast", "gamma": "Gamma", "most_color": "Colour limit",
     "most_exposure": "Exposure limit", "least_redness": "Least redness",
-    "color_smoothing": "Colour blur",
+    "color_smoothing": "Colour blur", "spare_grey": "Spare grey",
 }  # fmt: skip
 LABELS = VESSEL_LABELS | {
     "strength": "Strength", "z": "Brightness", "p": "Detail", "eps": "Smoothing", "subsample": "Subsample",

@@ -33,7 +33,7 @@ EXTREMES = (
     VesselParams(strength=4, radius=40, shading=1, coring=0, gamma=2, lift=1, d_factor=0.1, most_color=4),
     VesselParams(strength=4, radius=2, shading=0, coring=4, gamma=0.5, lift=0, d_factor=0, most_color=1),
     VesselParams(contrast=1, shading=0),
-    VesselParams(contrast=0.5, strength=4),
+    VesselParams(contrast=0.5, strength=4, spare_grey=0.5),
 )
 
 

@@ -78,6 +78,9 @@ def vessels_of(
     tones = _split(toned.image) if times == 1 else _exposed(calm, times, toned.statistics.z)
     colored = _colored(tones, toned.statistics.saturation_mean, params)
     exposed = [plane * np.float32(times) for plane in planes]
+    is_colored = len(planes) == 3 and red is not None
+    spared = params.spare_grey * _share_of_blood(red, 0.2) if is_colored else 0.0
+    params = replace(params, spare_grey=spared)
     density = _density(exposed, bright * np.float32(times), params, keep, share)
     taken = [share * np.exp(-one * density) + (1 - share) * np.exp(-density) for one in ABSORPTION]
     result = _merged([plane * left for plane, left in zip(colored, taken, strict=False)])
@@ -158,7 +161,8 @@ def _exposed(calm: Planes, times: float, z: float) -> Planes:
 def blood_density(
     planes: Planes, bright: Float32Image, params: VesselParams, keep: BoolImage, noisier: float = 1.0
 ) -> Float32Image:
-    """Optical density of narrow dark structures in green, (H, W) in [0, 0.5]; by `contrast`, of all.
+    """Optical density of narrow dark structures in green, (H, W) in [0, 0.5], of grey ones
+    1 - `spare_grey` of it; by `contrast`, of all.
 
     The top-hat (image less its morphological opening, of radius `radius`) of `shading` log R - log G: narrow
     structures remain, while slow shading falls out, and of steps between tissues little is left. Noise is the
@@ -179,6 +183,9 @@ def blood_density(
     square = found * found
     cored = found * square / (square + noise * noise + np.float32(1e-12))
     density = _fade(_blocks(bright, GRID)) * MOST * np.tanh(cored / MOST)
+    if len(planes) > 1:
+        red = absorbed + np.float32(1 - params.shading) * np.log(_blocks(bright, GRID) + FLOOR)
+        density *= 1 - np.float32(params.spare_grey) * (1 - np.clip(red / 0.15, 0, 1))
     seen, lit = (one[::apart, ::apart][keep[::apart, ::apart]] for one in (absorbed, _blocks(bright, GRID)))
     beyond = np.maximum(absorbed - _middle(seen, lit, 0.0 if len(planes) == 1 else params.shading), 0)
     density += np.float32(params.contrast) * beyond**2 / (beyond**2 + beyond + np.float32(0.1))
@@ -187,7 +194,7 @@ def blood_density(
 
 def _middle(absorbed: Float32Image, bright: Float32Image, shading: float) -> float:
     """Median, weighted by 0.05 without colour and by 1.05 with it."""
-    color = absorbed + (1 - shading) * np.log(bright + FLOOR)
+    color = (absorbed + np.float32(1 - shading) * np.log(bright + FLOOR)).astype(np.float64)
     order = np.argsort(absorbed)
     passed = np.cumsum((0.05 + np.clip((color - 0.05) / 0.1, 0, 1))[order])
     return float(absorbed[order][passed >= passed[-1] / 2][0])

@@ -28,11 +28,12 @@ def test_what_a_file_holds_says_of_which_method_it_is(told: dict[str, object], k
 
 
 def test_records_of_before_are_enhanced_as_they_were() -> None:
-    """Underexposed images were left dark until 0.9.0, vessels reddened in all until 0.10.0, and coarse noise
-    of colour left until 0.13.0; a record since says how much."""
+    """Underexposed images were left dark until 0.9.0, vessels reddened in all until 0.10.0, coarse noise of
+    colour left until 0.13.0, and grey darkened like vessels until 0.14.0; a record since says how much."""
     read = TypeAdapter(RecordedSettings).validate_python
     now = asdict(VesselParams(lift=0.3))
-    for since, off in (("most_exposure", 1.0), ("least_redness", 0.0), ("color_smoothing", 0.0)):
+    ways = ("most_exposure", 1.0), ("least_redness", 0.0), ("color_smoothing", 0.0), ("spare_grey", 0.0)
+    for since, off in ways:
         before = {name: value for name, value in now.items() if name != since}
         assert read(before) == VesselParams(lift=0.3, **{since: off})
     assert read(now) == read(VesselParams(lift=0.3)) == VesselParams(lift=0.3)
