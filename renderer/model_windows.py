@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil, floor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,25 @@ class ModelWindow:
     def frames(self, count: int) -> range:
         """Its own among those of the clip, which has so many."""
         return range(round(self.start * count), round((self.start + self.length) * count))
+
+    def seen_frames(self, count: int) -> range:
+        """Those of its frames that show it; in models of before 0.14.0 all, at the ends of some hardly."""
+        frames, shown = self.frames(count), self.shown
+        if shown is None:
+            return frames
+        return range(max(frames.start, floor(shown[0]) + 1), min(frames.stop, ceil(shown[1])))
+
+    @property
+    def shown(self) -> tuple[float, float] | None:
+        """Between which frames, or places between two, of the clip any of it is seen, beyond the clip's ends
+        where it is the first or last. None: wherever it is, as in models of before 0.14.0."""
+        motion = self.whole.motion
+        if not isinstance(motion, WindowedMotion) or motion.fade is None:
+            return None
+        first, last = motion.frames[self.index].tolist()
+        is_last = self.index == len(motion) - 1
+        begin = motion.middle(self.index - 1) - motion.fade / 2 if self.index else first - 1
+        return begin, last + 1 if is_last else motion.middle(self.index) + motion.fade / 2
 
     def local(self, time: float) -> float:
         """By its clock, in [0, 1]; its first or last moment before or after it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -71,12 +72,27 @@ def test_the_next_window_takes_over_in_the_middle_of_the_overlap() -> None:
     assert all(former.time(1.0) > latter.time(0.0) for former, latter in pairwise(windows))
 
 
+def test_each_frame_shows_one_window_and_in_models_of_before_all_of_an_overlap_shows_two() -> None:
+    windows = windows_of(model())
+    assert [one.seen_frames(FRAMES) for one in windows] == [range(38), range(38, 72), range(72, FRAMES)]
+    for one in windows:
+        shown = one.seen_frames(FRAMES)
+        assert [one.fade(frame / FRAMES) for frame in range(FRAMES)] == [
+            float(frame in shown) for frame in range(FRAMES)
+        ]
+    motion = replace(model().motion, fade=None)  # type: ignore[type-var]
+    before = windows_of(DynamicGaussians(model().raw, motion))
+    assert [one.seen_frames(FRAMES) for one in before] == [one.frames(FRAMES) for one in windows]
+    assert [one.shown for one in before] == [None] * 3
+
+
 @pytest.mark.parametrize("kind", ["still", "spline", "flexible", "hexplane"])
 def test_a_model_that_is_not_cut_is_one_window(kind: str) -> None:
     whole = models()[kind]
     (window,) = windows_of(whole)
     assert window.model is whole
     assert window.rows == slice(0, len(whole))
+    assert (window.shown, window.seen_frames(7)) == (None, range(7))
     assert (window.local(0.3), window.time(0.3)) == (0.3, 0.3)
     assert there_at(whole, 0.3).all()
     assert np.array_equal(whole_at(whole, 0.3).means, whole.at(0.3).means)

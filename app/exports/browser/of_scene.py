@@ -62,6 +62,6 @@ def page_windows(scene: Scene, tolerance: float | None, rounding: float | None) 
 
     def window(one: ModelWindow, there: range) -> PageWindow:
         sampling = None if nearness is None else Sampling(len(there), nearness, most)
-        return PageWindow(tracks_of(one.model, sampling, rounding), there[0], there[-1])
+        return PageWindow(tracks_of(one.model, sampling, rounding), there[0], there[-1], one.shown)
 
     return tuple(window(one, one.frames(frames)) for one in windows_of(scene.model))

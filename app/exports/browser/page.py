@@ -39,6 +39,8 @@ class PageWindow:
     first: int
     last: int
     """Its frames. Where two windows overlap, one fades into the next."""
+    shown: tuple[float, float] | None = None
+    """Between which frames any of it is seen; None: at all of its own, as in models of before 0.14.0."""
 
 
 def browser_page(
@@ -128,7 +130,8 @@ def _told(windows: Sequence[PageWindow], contents: Sequence[bytes]) -> Iterator[
     start = 0
     for one, content in zip(windows, contents, strict=True):
         tracks = one.tracks.told(start)
-        yield {"first": one.first, "last": one.last, "degree": one.tracks.degree, "tracks": tracks}
+        told = {"first": one.first, "last": one.last, "degree": one.tracks.degree, "tracks": tracks}
+        yield told | ({} if one.shown is None else {"shown": one.shown})
         start += len(content)
 
 

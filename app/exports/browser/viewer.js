@@ -38,13 +38,14 @@ const steps = (track) => track.high.map((high, c) => (high - track.low[c]) / TOP
 // What is there at a time: one window or two, each with its own time and how much of it is seen.
 function present(time) {
   const within = (value) => Math.min(1, Math.max(0, value)), frame = within(time) * scene.frames;
-  const found = windows.filter((one) => one.first <= frame && frame <= one.last);
-  const there = found.length ? found : [windows.filter((one) => one.first <= frame).pop() || windows[0]];
-  const share = there.length < 2 ? 0 : (frame - there[1].first) / Math.max(there[0].last - there[1].first, 1);
+  const from = (one) => one.shown ? one.shown[0] : one.first, to = (one) => one.shown ? one.shown[1] : one.last;
+  const found = windows.filter((one) => from(one) <= frame && frame <= to(one));
+  const there = found.length ? found : [windows.filter((one) => from(one) <= frame).pop() || windows[0]];
+  const share = there.length < 2 ? 0 : (frame - from(there[1])) / Math.max(to(there[0]) - from(there[1]), 1e-3);
   return there.map((one, place) => ({
     ...one, time: within((frame - one.first) / (one.last - one.first + 1)),
     fade: there.length < 2 ? 1 : within(2 * (place ? share : 1 - share)),
-  }));
+  })).filter((one) => one.fade > 0);
 }
 
 // First control value or sample and the weights of four, as of a uniform cubic B-spline or between samples.

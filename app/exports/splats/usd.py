@@ -49,7 +49,7 @@ def write_usd(record: MovingSplats, scene: Scene, target: Path) -> Generator[int
     scene.require_same_tissue()
     frames, windows, done = len(scene.cameras), windows_of(scene.model), 0
     with new_stage(target, scene.unit, frames, record.seconds, record.signed) as stage:
-        shown = [window.frames(frames) for window in windows]
+        shown = [window.seen_frames(frames) for window in windows]
         for window in windows:
             field = defined(stage, UsdVol.ParticleField3DGaussianSplat, SPLATS, shown, window.index)
             for frame in _write_field(field, window, scene):
@@ -63,7 +63,7 @@ def _write_field(field: Any, window: ModelWindow, scene: Scene) -> Iterator[int]
     """Its frames, as they are done."""
     from pxr import Usd
 
-    model, there = window.model, window.frames(len(scene.cameras))
+    model, there = window.model, window.seen_frames(len(scene.cameras))
     field.CreateRadianceSphericalHarmonicsDegreeAttr(BANDS.index(model.raw.harmonics.shape[1]))
     field.CreateSortingModeHintAttr("zDepth")
     field.CreateProjectionModeHintAttr("perspective")

@@ -215,6 +215,7 @@ def test_a_long_clip_is_one_page_whose_camera_goes_with_it(
     assert written.code == 0, written.error
     _, said, content = read_page(page.read_text())
     assert [(one["first"], one["last"]) for one in said["windows"]] == [(0, 47), (32, 79), (64, 111)]
+    assert [one["shown"] for one in said["windows"]] == [[-1, 40], [39, 72], [71, 112]]
     assert sum(one["tracks"][0]["count"] for one in said["windows"]) == len(scene.model)
     ends = [track["start"] + track["count"] * track["moments"] * track["channels"] * track["bytes"]
             for one in said["windows"] for track in one["tracks"]]  # fmt: skip

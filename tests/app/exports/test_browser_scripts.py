@@ -71,6 +71,28 @@ def test_the_order_is_that_of_the_renderers_however_near_depths_are(far: float) 
     assert order(depths.tolist()) == depth_order(depths, "float32")[::-1].tolist()
 
 
+@pytest.mark.parametrize(
+    ("shown", "expected"),
+    [
+        (True, {"39": [[0, 1]], "39.25": [[0, 1], [1, 0.5]], "39.75": [[0, 0.5], [1, 1]], "40": [[1, 1]]}),
+        (False, {"32": [[0, 1]], "36": [[0, 1], [1, 0.5]], "44": [[0, 0.5], [1, 1]], "48": [[1, 1]]}),
+    ],
+)
+def test_windows_give_way_to_each_other_as_in_the_model(shown: bool, expected: dict[str, object]) -> None:
+    """And where a page of before 0.14.0 had them overlap, all over that."""
+    windows = [{"id": 0, "first": 0, "last": 48}, {"id": 1, "first": 32, "last": 79}]
+    if shown:
+        windows = [{**windows[0], "shown": [-1, 40]}, {**windows[1], "shown": [39, 80]}]
+    found = re.search(r"^function present.*?^}", script("viewer.js"), re.DOTALL | re.MULTILINE)
+    assert found is not None
+    code = """
+    const scene = { frames: 80 }, windows = given.windows;
+    const seen = (frame) => present(frame / 80).map((one) => [one.id, one.fade]);
+    const answer = Object.fromEntries(given.frames.map((frame) => [frame, seen(Number(frame))]));"""
+    answer = run(found[0] + code, {"windows": windows, "frames": list(expected)})
+    assert answer == expected
+
+
 def test_keys_of_the_browser_itself_are_left_to_it() -> None:
     assert controls("""
     const held = [{ key: "r", ctrlKey: true }, { key: "r", metaKey: true }, { key: " ", ctrlKey: true },

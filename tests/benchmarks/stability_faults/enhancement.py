@@ -262,7 +262,7 @@ def _hues() -> list[Fault]:
 
 def _contrasts() -> list[Fault]:
     def edit(kind: Kind, what: str, old: str, new: str) -> Fault:
-        return edit_of("contrast", kind, what, "enhance.vessel_density", old, new, "vessel")
+        return edit_of("edges", kind, f"contrast, {what}", "enhance.vessel_density", old, new, "vessel")
 
     return [
         edit("guard", "what is bright counts, too", "beyond = beyond if beyond > ZERO else ZERO", ""),
