@@ -9,6 +9,7 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Ge, Interval, Len
 
+from app.runs.dark_surround import percent
 from renderer.clip import BoolImage, ByteImage, Frame
 from renderer.tools.search import still_pixels, tools_alone
 from renderer.tools.shrinking import shrunk, shrunk_mask
@@ -59,10 +60,9 @@ def burned_in_of(frames: Iterable[Frame]) -> BurnedIn | None:
 
 def omission_of(found: BurnedIn) -> Omission:
     """What leaving it out is, in words and numbers."""
-    said = f"{100 * found.share:.0f} %" if found.share >= 0.005 else "less than 1 %"
     return Omission(
         "burned-in text",
         f"it looks the same beside the masks in {found.frames} of {found.looked_at} frames",
-        f"{said} of the pixels",
+        f"{percent(found.share)} of the pixels",
         "tools",
     )

@@ -81,14 +81,17 @@ def _within(width: int, height: int, borders: tuple[int, int, int, int]) -> Fiel
     return FieldOfView(width=width, height=height, polygon=tuple((float(x), float(y)) for x, y in corners))
 
 
+def percent(share: float) -> str:
+    """Of a share in (0, 1], which is never nothing."""
+    return f"{100 * share:.0f} %" if share >= 0.005 else "less than 1 %"
+
+
 def omission_of(field: FieldOfView) -> Omission:
     """What leaving out all but this field is, in words and numbers."""
-    share = 1 - _lit_share(field)
-    said = f"{100 * share:.0f} %" if share >= 0.005 else "less than 1 %"
     return Omission(
         "dark surround",
         "the endoscope sees nothing there",
-        f"{said} of the pixels and Gaussians",
+        f"{percent(1 - _lit_share(field))} of the pixels and Gaussians",
         "surround",
     )
 

@@ -25,6 +25,10 @@ class ExposureRecord:
     """Brightness of each frame against the clip's common exposure, in which the model is; none where the clip
     does without. That of a frame which is not trained on comes from the frame itself and those beside it."""
 
+    @property
+    def said(self) -> str:
+        return f"brightness changes by {100 * self.jitter:.1f} % from frame to frame"
+
     def through(self, clip: Clip) -> Clip:
         """The clip whose frames know their gains; the very same where there are none. Raises ValueError:
         another number of frames."""

@@ -28,6 +28,8 @@ def with_found(
     frames show, unless they are kept or known; where they are known, without what is burned in beside their
     masks. Where the camera `is_followed` also without the rim of the surround and any bars at the border,
     which stay where it moves."""
+    if {"surround", "tools"} <= set(keep):
+        return part
     looked_at = dark_surround.spread(indices)
     field = part.field_of_view or _field(read_frame, looked_at, is_followed)
     if "surround" not in keep:

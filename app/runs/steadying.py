@@ -52,18 +52,14 @@ def exposure_left_out(found: ExposureRecord | None, config: TrainConfig) -> tupl
         return (Omission("exposure", "as requested", SAVES, None),)
     if found is None or not _is_sought(config) or _is_used(found.jitter, config):
         return ()
-    return (Omission("exposure", _told(found.jitter), SAVES, "exposure"),)
+    return (Omission("exposure", found.said, SAVES, "exposure"),)
 
 
 def exposure_notices(found: ExposureRecord | None) -> tuple[str, ...]:
     """What the start of training says of gains that are used."""
     if found is None or not found.gains:
         return ()
-    return (f"{_told(found.jitter)}: each has a gain, and the model shows all of them in steady light",)
-
-
-def _told(changes: float) -> str:
-    return f"brightness changes by {100 * changes:.1f} % from frame to frame"
+    return (f"{found.said}: each has a gain, and the model shows all of them in steady light",)
 
 
 def _is_sought(config: TrainConfig) -> bool:

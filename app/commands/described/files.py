@@ -141,11 +141,10 @@ def _exposure(found: ExposureRecord | None) -> list[Fact]:
     """Of a run that looked at it."""
     if found is None:
         return []
-    changes = f"brightness changes by {100 * found.jitter:.1f} % from frame to frame"
     if not found.gains:
-        return [Fact("exposure", f"steady: {changes}", {"jitter": found.jitter, "gains": False})]
+        return [Fact("exposure", f"steady: {found.said}", {"jitter": found.jitter, "gains": False})]
     low, high = min(found.gains), max(found.gains)
-    text = f"{changes}: gains from {low:.2f} to {high:.2f}, views and exports show steady light"
+    text = f"{found.said}: gains from {low:.2f} to {high:.2f}, views and exports show steady light"
     facts = {"jitter": found.jitter, "gains": True, "least": low, "most": high}
     return [Fact("exposure", text, facts)]
 
