@@ -39,6 +39,7 @@ from enhance.metrics import (
 from enhance.noise import chroma_noise_gain, flat_tissue, noise_gain
 from enhance.ridges import field_of_view, vessel_mask
 from renderer.metrics import psnr_masked, ssim_masked
+from renderer.readers.image_files.transparency import SAID
 from renderer.readers.image_files.used_bits import said_of_bits
 from renderer.readers.masks.tool_masks import is_lossy, levels, marked_pixels
 
@@ -115,9 +116,9 @@ class Given:
 
 
 def run(flags: argparse.Namespace) -> None:
-    images = [_given(path) for path in flags.images]
+    images = [_given(path, SAID) for path in flags.images]
     pictures = _told_apart(list(chain(*images)))
-    originals = _one_each([_given(path) for path in flags.against or []], images, "original")
+    originals = _one_each([_given(path, SAID) for path in flags.against or []], images, "original")
     masks = _one_each([_given(path) for path in flags.vessels or []], images, "vessel mask")
     measured = []
     with progress("measure", len(pictures)) as report:
@@ -136,10 +137,12 @@ def run(flags: argparse.Namespace) -> None:
             sys.stdout.write(f"{name}: {value:.4g} grey levels per image\n")
 
 
-def _given(path: Path) -> list[Given]:
-    """Every picture of a file, folder or video, in order. Raises UserError or ClipError."""
+def _given(path: Path, *noted: str) -> list[Given]:
+    """Every picture of a file, folder or video, in order. `noted`: notices that are passed on, beside that of
+    bits. Raises UserError or ClipError."""
     found, series = [], open_series(path)
-    sys.stderr.writelines(f"{notice}: {path}\n" for notice in said_of_bits(len(series), series.bits))
+    said = (*said_of_bits(len(series), series.bits), *(one for one in series.notices if one in noted))
+    sys.stderr.writelines(f"{notice}: {path}\n" for notice in said)
     origins = map(plain, series.origins())
     for index, (name, source, origin) in enumerate(zip(series.names, series.sources, origins, strict=True)):
         number = series.frame(index)

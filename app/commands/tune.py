@@ -30,9 +30,11 @@ from app.files.provenance import provenance, strict_json, write_png
 from app.files.records import Source
 from enhance import EnhanceParams, ImageError
 from enhance.image import BoolImage
+from enhance.measured_pixels import kept
 from enhance.surround import inside
 from enhance.vessel import VesselParams
 from renderer.listing import count
+from renderer.readers.image_files.transparency import SAID
 from renderer.readers.image_files.used_bits import said_of_bits
 
 
@@ -134,6 +136,8 @@ def _origin(flags: argparse.Namespace) -> Origin:
     image, path = series.read(flags.frame), series.sources[flags.frame]
     frame = series.frame(flags.frame)
     try:
+        if not kept(image).all():
+            sys.stderr.write(f"{SAID}\n")
         tissue = inside([image]) if flags.pixels == "tissue" else None
     except ImageError as error:
         raise UserError(f"{error}: {path}") from error

@@ -57,6 +57,20 @@ def test_an_enhanced_png_keeps_its_alpha_and_the_command_says_what_it_means(
     assert replay(tmp_path / "out/1.png", (images,), tmp_path / "again.png").difference.is_none
 
 
+def test_what_measures_says_so_of_images_and_not_of_masks(
+    images: Path, tmp_path: Path, vesselsplat: Cli
+) -> None:
+    opaque = tmp_path / "opaque.png"
+    cv2.imwrite(str(opaque), tissue(1))
+    image, size = images / "1.png", ("--vary", "d_factor=0:1:2")
+    told = vesselsplat("metrics", image, "--against", image, "--vessels", image)
+    assert (told.code, told.error.count(f"{SAID}: {image}")) == (0, 2)
+    tuned = vesselsplat("tune", images, *size, "--frame", 1, "--out", tmp_path / "tuned")
+    assert (tuned.code, tuned.error.count(SAID)) == (0, 1)
+    assert SAID not in vesselsplat("metrics", opaque).error
+    assert SAID not in vesselsplat("tune", opaque, *size, "--out", tmp_path / "other").error
+
+
 def test_a_run_leaves_out_what_is_transparent_and_one_of_before_goes_on_as_it_began(
     images: Path, tmp_path: Path
 ) -> None:
