@@ -7,7 +7,7 @@ from pathlib import Path
 
 from app.gui.actions import actions, clip_actions
 from app.gui.state.app_state import AppState
-from app.gui.state.masking import MOST_PAST, THICKEST, THINNEST
+from app.gui.state.masking import MOST_PAST, THICKEST, THINNEST, MaskStep
 from app.gui.work.background import Failure
 from app.gui.work.masking import (
     BY_HAND,
@@ -94,7 +94,6 @@ def take_mask(state: AppState, request: MaskRequest, frame: FrameMask) -> None:
     if request == mask_wish(state):
         _finish_line(state)
         state.masking.shown = frame
-        _forget_steps(state)
 
 
 def paint(state: AppState, at: Point) -> None:
@@ -110,7 +109,7 @@ def paint(state: AppState, at: Point) -> None:
     if masking.line and masking.line[-1] == at:
         return
     if not masking.line:
-        masking.past = (*masking.past, frame)[-MOST_PAST:]
+        _remember(state, frame)
     segment = (*masking.line[-1:], at)
     radius = radius_in(state, frame.mask.shape[1])
     mask = drawn(frame.mask, segment, radius, value=masking.tool != "erase")
@@ -129,7 +128,8 @@ def _finish_line(state: AppState) -> None:
     if not line or frame is None:
         return
     if masking.tool == "grow":
-        masking.growing = GrowRequest(masking.past[-1], line, radius_in(state, frame.mask.shape[1]))
+        before, masking.past = masking.past[-1].taken(frame), masking.past[:-1]
+        masking.growing = GrowRequest(before, line, radius_in(state, frame.mask.shape[1]))
     else:
         _set(state, frame.mask)
 
@@ -138,7 +138,7 @@ def drop_stroke(state: AppState) -> None:
     """The mask is as it was before the stroke under way."""
     masking = state.masking
     if masking.line and masking.shown is not None:
-        masking.shown, masking.past = masking.past[-1], masking.past[:-1]
+        masking.shown, masking.past = masking.past[-1].taken(masking.shown), masking.past[:-1]
     masking.line, masking.hand_on = (), None
 
 
@@ -148,28 +148,31 @@ def take_grown(state: AppState, request: GrowRequest, answer: BoolImage | Failur
     if request is not masking.growing:
         return
     masking.growing = None
+    is_shown = masking.shown is not None and masking.shown.request == request.frame.request
+    masking.shown = request.frame if is_shown else masking.shown
     if isinstance(answer, Failure):
         actions.fail(state, f"the area cannot be grown: {answer.message}")
-    elif masking.shown is not None and masking.shown.request == request.frame.request:
+    elif is_shown:
+        _remember(state, request.frame)
         _set(state, answer)
 
 
 def undo(state: AppState) -> None:
     """The last stroke on this frame: it is as it was, and by whom it was masked. Nothing during a stroke."""
-    masking = state.masking
-    if masking.past and masking.shown is not None and _is_at_rest(state):
-        before, masking.past = masking.past[-1], masking.past[:-1]
-        masking.future = (*masking.future, masking.shown)
-        _return_to(state, before)
+    masking, before = state.masking, state.masking.before
+    if before is not None and masking.shown is not None and _is_at_rest(state):
+        masking.past = _without(masking.past, before)
+        masking.future = (*masking.future, MaskStep.of(masking.shown))[-MOST_PAST:]
+        _return_to(state, before.taken(masking.shown))
 
 
 def redo(state: AppState) -> None:
     """The stroke that was undone last on this frame, unless the mask was changed since; none during one."""
-    masking = state.masking
-    if masking.future and masking.shown is not None and _is_at_rest(state):
-        after, masking.future = masking.future[-1], masking.future[:-1]
-        masking.past = (*masking.past, masking.shown)[-MOST_PAST:]
-        _return_to(state, after)
+    masking, after = state.masking, state.masking.after
+    if after is not None and masking.shown is not None and _is_at_rest(state):
+        masking.future = _without(masking.future, after)
+        _remember(state, masking.shown)
+        _return_to(state, after.taken(masking.shown))
 
 
 def _is_at_rest(state: AppState) -> bool:
@@ -183,8 +186,17 @@ def _return_to(state: AppState, frame: FrameMask) -> None:
     _keep(state, KeepMask(frame.request, mask, frame.origin or BY_HAND))
 
 
-def _forget_steps(state: AppState) -> None:
-    state.masking.past = state.masking.future = ()
+def _remember(state: AppState, frame: FrameMask) -> None:
+    """As it is before a stroke."""
+    state.masking.past = (*state.masking.past, MaskStep.of(frame))[-MOST_PAST:]
+
+
+def _without(steps: tuple[MaskStep, ...], gone: MaskStep) -> tuple[MaskStep, ...]:
+    return tuple(step for step in steps if step is not gone)
+
+
+def _of_others(steps: tuple[MaskStep, ...], request: MaskRequest) -> tuple[MaskStep, ...]:
+    return tuple(step for step in steps if step.request != request)
 
 
 def clear_frame(state: AppState) -> None:
@@ -192,7 +204,7 @@ def clear_frame(state: AppState) -> None:
     _finish_line(state)
     masking = state.masking
     if masking.shown is not None:
-        masking.past = (*masking.past, masking.shown)[-MOST_PAST:]
+        _remember(state, masking.shown)
         _set(state, masking.shown.mask & False)
 
 
@@ -208,16 +220,18 @@ def forget_frame(state: AppState) -> None:
     _finish_line(state)
     masking = state.masking
     if masking.shown is not None:
-        _keep(state, KeepMask(masking.shown.request, None))
+        request = masking.shown.request
+        _keep(state, KeepMask(request, None))
         masking.shown = None
-        _forget_steps(state)
+        masking.past, masking.future = (_of_others(each, request) for each in (masking.past, masking.future))
 
 
 def _set(state: AppState, mask: BoolImage) -> None:
     """The mask of the frame on screen, by hand."""
     masking = state.masking
     assert masking.shown is not None
-    masking.shown, masking.future = replace(masking.shown, mask=mask, origin=BY_HAND), ()
+    masking.shown = replace(masking.shown, mask=mask, origin=BY_HAND)
+    masking.future = _of_others(masking.future, masking.shown.request)
     _keep(state, KeepMask(masking.shown.request, mask))
 
 
@@ -278,7 +292,7 @@ def stop_making(state: AppState) -> None:
     _finish_line(state)
     masking = state.masking
     masking.making = masking.there = masking.shown = None
-    _forget_steps(state)
+    masking.past = masking.future = ()
 
 
 def answer(state: AppState, *, agreed: bool) -> None:

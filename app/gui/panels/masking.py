@@ -156,7 +156,7 @@ def _draw_frame(state: AppState) -> None:
             "Undo",
             masking_actions.undo,
             "Undo the last stroke on this frame. Ctrl+Y redoes it.",
-            bool(masking.past),
+            masking.before is not None,
         ),
         ("Clear", masking_actions.clear_frame, "Mark this frame as free of tools.", shown is not None),
         ("Accept", masking_actions.accept, ACCEPT_TEXT, shown is not None and not by_hand),

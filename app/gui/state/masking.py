@@ -3,20 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Final
 
 from annotated_types import Interval
 
-from app.gui.work.masking import FrameMask, GrowRequest, KeepMask, MakingRequest, MasksThere
+from app.gui.work.masking import FrameMask, GrowRequest, KeepMask, MakingRequest, MaskRequest, MasksThere
 from app.runs.making_masks import MaskReport
+from renderer.clip import BoolImage
 from renderer.tools.brush import Point, Stroke
+from renderer.tools.mask_files import MaskOrigin
 from renderer.tools.onnx_model import Values
 
 THINNEST, THICKEST = 0.002, 0.2
 """Radius of the brush, as a share of the frame's width."""
-MOST_PAST: Final = 20
-"""Masks of a frame that can be gone back to."""
+MOST_PAST: Final = 40
+"""Masks, of whatever frames, that can be gone back to; and as many that can come back."""
+
+
+@dataclass(frozen=True, eq=False)
+class MaskStep:
+    """What the mask of a frame was before or after a stroke."""
+
+    request: MaskRequest
+    mask: BoolImage
+    """(H, W)."""
+    origin: MaskOrigin | None
+
+    @classmethod
+    def of(cls, frame: FrameMask) -> MaskStep:
+        return cls(frame.request, frame.mask, frame.origin)
+
+    def taken(self, frame: FrameMask) -> FrameMask:
+        """The frame with this mask."""
+        return replace(frame, mask=self.mask, origin=self.origin)
 
 
 @dataclass
@@ -34,10 +54,10 @@ class Masking:
     """The frame that the hand went down on; None while nothing is held. It draws on no other one."""
     shown: FrameMask | None = None
     """Of the frame on screen, as it is now, with the stroke."""
-    past: tuple[FrameMask, ...] = ()
-    """That frame before each stroke, oldest first."""
-    future: tuple[FrameMask, ...] = ()
-    """That frame after each stroke that was undone, the next one last."""
+    past: tuple[MaskStep, ...] = ()
+    """Before each stroke on any frame, oldest first."""
+    future: tuple[MaskStep, ...] = ()
+    """After each stroke that was undone, the next one of a frame last."""
     growing: GrowRequest | None = None
     keeping: tuple[KeepMask, ...] = ()
     """Those that are being written."""
@@ -55,6 +75,20 @@ class Masking:
     """How far that is, or how well it went."""
     changes: int = 0
     """How often a mask on disk has changed."""
+
+    @property
+    def before(self) -> MaskStep | None:
+        """The frame on screen before the last stroke on it; None: there was none, or it is forgotten."""
+        return self._last_of(self.past)
+
+    @property
+    def after(self) -> MaskStep | None:
+        """The frame on screen after the stroke that was undone last; None: there is none."""
+        return self._last_of(self.future)
+
+    def _last_of(self, steps: tuple[MaskStep, ...]) -> MaskStep | None:
+        request = None if self.shown is None else self.shown.request
+        return next((step for step in reversed(steps) if step.request == request), None)
 
     @property
     def is_busy(self) -> bool:

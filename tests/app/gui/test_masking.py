@@ -22,9 +22,8 @@ from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.update.update import update
 from app.gui.views.picture_view import PictureView
-from app.gui.work.masking import (
-    FrameMask,
-)
+from app.gui.work.background import Failure
+from app.gui.work.masking import FrameMask
 from app.live.picture import LIVE
 from renderer.clip import BoolImage
 from renderer.tools.brush import Stroke
@@ -172,7 +171,8 @@ def test_an_undone_stroke_leaves_the_frame_as_nobody_had_touched_it(masking: App
     masking_actions.undo(masking)
     settle(masking)
     assert on_disk(masking) == {}
-    assert shown(masking) is before
+    assert shown(masking).origin is None
+    assert shown(masking).mask is before.mask
     assert masking.masking.there is not None
     assert masking.masking.there.frames("by hand") == ()
     write_mask(before.request.path, before.mask, "learned")
@@ -204,6 +204,54 @@ def test_an_undone_stroke_comes_back_unless_another_took_its_place(masking: AppS
     masking_actions.redo(masking)
     settle(masking)
     assert not on_disk(masking)[0].any()
+
+
+def test_strokes_are_undone_and_brought_back_after_a_look_at_other_frames(masking: AppState) -> None:
+    channels = settle(masking)
+
+    def go(index: int) -> None:
+        actions.seek(masking, index)
+        settle(masking, channels)
+
+    first = shown(masking).mask
+    stroke(masking, (10.0, 20.0))
+    one = shown(masking).mask
+    stroke(masking, (40.0, 20.0))
+    both = shown(masking).mask
+    go(3)
+    masking_actions.undo(masking)  # Nothing was drawn here.
+    stroke(masking, (20.0, 10.0))
+    go(0)
+    np.testing.assert_array_equal(on_disk(masking)[0], both)
+    for wanted in (one, first, first):
+        masking_actions.undo(masking)
+        np.testing.assert_array_equal(shown(masking).mask, wanted)
+    settle(masking, channels)
+    assert set(on_disk(masking)) == {3}
+    go(3)
+    masking_actions.redo(masking)
+    go(0)
+    for _ in range(2):
+        masking_actions.redo(masking)
+    settle(masking, channels)
+    np.testing.assert_array_equal(on_disk(masking)[0], both)
+    go(3)
+    masking_actions.forget_frame(masking)
+    settle(masking, channels)
+    masking_actions.undo(masking)
+    settle(masking, channels)
+    assert set(on_disk(masking)) == {0}
+
+
+def test_an_area_that_cannot_be_grown_leaves_the_frame_as_it_was(masking: AppState) -> None:
+    before = shown(masking).mask
+    masking_actions.choose_tool(masking, "grow")
+    stroke(masking, (12.0, 10.0), (12.0, 30.0))
+    request = masking.masking.growing
+    assert request is not None
+    masking_actions.take_grown(masking, request, Failure(MemoryError("no memory")))
+    np.testing.assert_array_equal(shown(masking).mask, before)
+    assert masking.masking.before is None
 
 
 def test_an_area_grows_and_is_dropped_where_the_frame_has_changed(masking: AppState) -> None:
