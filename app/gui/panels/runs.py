@@ -87,7 +87,8 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
     config, shown = run.request.config, state.runs.reconstruction.run_path == run.path
     reason = run_actions.why_not_open(state, run)
     right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
-    imgui.begin_disabled(bool(reason))
+    # The one in training is shown already: its name stays as legible as that of any that is shown.
+    imgui.begin_disabled(bool(reason) and not run_actions.is_present(state, run))
     psnr = f"{run.psnr:.1f} dB" if run.psnr is not None else ""
     left = right - imgui.calc_text_size(psnr).x
     name = shortened(legible(run.path.name), left - em(0.5) - imgui.get_cursor_pos_x())
@@ -108,7 +109,10 @@ def _draw_run(state: AppState, run: ListedRun) -> None:
         explain(PSNR_FINISHED if run.made == "finished" else PSNR_SO_FAR)
     finished, steps = run.made == "finished", f"{run.iterations:,}"
     steps = f"{steps} iterations" if finished else f"{run.iteration:,} of {steps}"
-    muted(f"{named(config.method)} · {run.request.input} frames · {_made(state, run)}")
+    muted(f"{named(config.method)} · {run.request.input} frames · ")
+    imgui.same_line(0, 0)
+    in_training = run_actions.is_in_training(state, run)
+    imgui.text_colored(theme.now().accent if in_training else theme.now().muted, _made(state, run))
     muted(f"{_when(run.created)} · {steps}")
     if run.made != "unfinished":  # Of that, there is View model.
         why = reason or ("It is shown already." if shown and run_actions.is_as_it_is(state, run) else "")

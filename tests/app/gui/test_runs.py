@@ -19,6 +19,7 @@ from app.gui.panels.reconstruction import draw_reconstruction
 from app.gui.panels.runs import draw_runs
 from app.gui.state.app_state import AppState
 from app.gui.state.run_words import doing
+from app.gui.style import theme
 from app.gui.update.channels import Channels
 from app.gui.update.jobs import start_due
 from app.gui.update.update import update
@@ -295,6 +296,27 @@ def test_the_list_draws_every_state(ui: Ui, opened: AppState, model: DynamicGaus
     ui.frame(lambda: draw_reconstruction(opened))
     opened.source.clip = None
     ui.frame(lambda: draw_runs(opened))
+
+
+def test_the_run_in_training_is_named_in_full_ink_and_said_to_be(
+    ui: Ui, opened: AppState, model: DynamicGaussians, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole, dimmed, said = named(opened, "whole"), list[bool](), dict[str, imgui.ImVec4]()
+    start_live(opened, model)
+    monkeypatch.setattr(run_actions, "why_not_open", lambda state, run: "Wait.")
+    begin, colored = imgui.begin_disabled, imgui.text_colored
+    monkeypatch.setattr(imgui, "begin_disabled", lambda off=True: (dimmed.append(off), begin(off))[1])
+    monkeypatch.setattr(
+        imgui, "text_colored", lambda ink, text: (said.update({text: ink}), colored(ink, text))
+    )
+    ui.frame(lambda: runs._draw_run(opened, whole))
+    assert dimmed[0]
+    assert said["finished"] == theme.now().muted
+    opened.runs.reconstruction.request = whole.request
+    dimmed.clear()
+    ui.frame(lambda: runs._draw_run(opened, whole))
+    assert not dimmed[0]
+    assert said["training"] == theme.now().accent
 
 
 def test_of_a_thousand_runs_those_near_sight_are_drawn_and_all_are_scrolled_to(
