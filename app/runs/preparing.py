@@ -109,6 +109,12 @@ class ReadAhead:
         wanted = "expected left and right images of one scene"
         raise ClipError(f"{wanted}, got none that match in {labels} ({way}): {self._source.path}")
 
+    def in_place_of(self, clip: Clip) -> Clip:
+        """The same frames opened otherwise, but for those that are here."""
+        return replace(
+            clip, read_frame=lambda index: (self._read if index in self._places else clip.read_frame)(index)
+        )
+
     def hand_over(self) -> None:
         """From now on a frame that is read is no longer kept here."""
         self._handing = True

@@ -116,7 +116,9 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
     record = run.record() if run.is_run else None
     part = request.part if record is None else record.clip.part.as_asked
     options = request.clip_options if record is None else record.clip.options
-    whole = yield from told_meanwhile("opening the clip", lambda _: _opened(request.clip_path, options, part))
+    bare, whole = yield from told_meanwhile(
+        "opening the clip", lambda _: _opened(request.clip_path, options, part)
+    )
     if record is not None:
         _check_same(request, record, whole)
     masks = request.part.tool_masks
@@ -147,7 +149,7 @@ def _run(request: TrainRequest, clock: WallClock, place: Path) -> Generator[Trai
         record = yield from told_meanwhile(
             "recording the clip", lambda _: _new_record(request, through, device, copies)
         )
-        record = yield from _with_exposure(record, through.clip)
+        record = yield from _with_exposure(record, _by_images(ahead, through, part.of(bare)))
         begin = partial(_begin, run, record, copies)
     ahead.hand_over()
     found = record.exposure
@@ -176,6 +178,16 @@ def _through_cameras(
     return (yield from posed(clip, request.config, start))
 
 
+def _by_images(ahead: ReadAhead, through: Posed, bare: Clip) -> Clip:
+    """The clip for what looks at images alone: two eyes are not matched once more. `bare`: before that, and
+    before cameras were found."""
+    if through.clip.depth_origin != "stereo":
+        return through.clip
+    clip = ahead.in_place_of(bare)
+    clip = clip if through.part is None else clip.between(*through.part)
+    return replace(clip, passed_over=through.clip.passed_over)
+
+
 def _with_exposure(record: RunRecord, clip: Clip) -> Generator[TrainEvent, None, RunRecord]:
     """With the gains of the frames as they are trained on, or why there are none."""
     seen = input_clip(record.clip.part.lit(clip), record)
@@ -183,11 +195,11 @@ def _with_exposure(record: RunRecord, clip: Clip) -> Generator[TrainEvent, None,
     return replace(record, exposure=found)
 
 
-def _opened(path: Path, options: ClipOptions, part: ClipPart) -> Clip:
-    """With depth, which may have to be matched first: of a clip that has no such part it is not."""
+def _opened(path: Path, options: ClipOptions, part: ClipPart) -> tuple[Clip, Clip]:
+    """Bare, and with depth, which may have to be matched first: of a clip that has no such part it is not."""
     bare = open_bare(path, options)
     part.require_within(bare)
-    return with_chosen_depth(bare, options)
+    return bare, with_chosen_depth(bare, options)
 
 
 def device_of(request: TrainRequest) -> Choice:

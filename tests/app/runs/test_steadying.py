@@ -17,12 +17,15 @@ from app.evaluation.evaluate import open_evaluation
 from app.gui.work.omissions import OmissionsRequest
 from app.runs.run_folder import RunFolder
 from app.runs.train_run import run_training
+from renderer.depth import stereo_pairs
+from renderer.depth.stereo import disparity
 from renderer.phantom import Phantom, PhantomParams, write_phantom
 from renderer.sources import open_clip
 from renderer.train.config import TrainConfig
 from renderer.train.events import Evaluated, Progress, Started, Warned
 from tests.app.conftest import request_of
 from tests.app.looking import found_omissions
+from tests.renderer.eyes import write_eyes
 
 PARAMS = PhantomParams(n_frames=17, width=96, height=72, tools=0, pumping=0.15)
 CONFIG = TrainConfig(iterations=60, n_gaussians=900, checkpoint_every=20)
@@ -116,6 +119,34 @@ def test_the_window_says_so_before(trained: Callable[..., Trained], clips: dict[
 def test_a_steady_clip_is_trained_as_without(trained: Callable[..., Trained]) -> None:
     steady, without = trained(STEADY), trained(STEADY, WITHOUT)
     assert steady.run.model_path.read_bytes() == without.run.model_path.read_bytes()
+
+
+def test_the_eyes_of_a_long_clip_are_not_matched_once_more_for_the_gains(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What its first window leaves is read by its images alone."""
+    eyes = tmp_path / "eyes"
+    write_eyes(eyes, "left/{:06d}.png", "right/{:06d}.png", 84, width=96, height=72, tools=0, pumping=0.15)
+    matched = list[bool]()
+    monkeypatch.setattr(stereo_pairs, "disparity", lambda *pair: (matched.append(True), disparity(*pair))[1])
+
+    def begun(name: str, config: TrainConfig) -> RunFolder:
+        matched.clear()
+        run = RunFolder(tmp_path / name)
+        events = run_training(request_of(eyes, run.path, config=config))
+        next(event for event in events if isinstance(event, Started))
+        events.close()
+        return run
+
+    long = replace(CONFIG, method="static", window_frames=48)
+    begun("without", replace(long, leave_out=("exposure",)))
+    needed = len(matched)
+    found = begun("with", long).record().exposure
+    assert found is not None
+    assert len(found.gains) == 84
+    assert len(matched) == needed
+    whole = begun("whole", replace(long, window_frames=400)).record().exposure
+    assert whole == found
 
 
 def test_a_run_that_is_cut_short_goes_on_to_the_same_model(
