@@ -35,6 +35,9 @@ def train(
     renders; without it, the numba kernels do. One seed gives the same bytes on the CPU, whether interrupted
     or not and whatever the number of threads.
 
+    Nobody looks here whether brightness pumps: the gains that frames have count, and the program finds them
+    before it trains (`renderer.frame_gains`).
+
     Raises:
         ClipError: frames cannot be read, or there are none; there is no depth to start from, or a single
             frame to train on with `hold_out`.
