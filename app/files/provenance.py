@@ -9,6 +9,7 @@ import hashlib
 import json
 import os
 import platform
+import tomllib
 from collections.abc import Iterable
 from datetime import UTC, datetime
 from functools import cache
@@ -33,6 +34,9 @@ from renderer.regular_files import read_whole, require_regular
 from renderer.sog_list import is_unpacked_sog
 
 APP = "VesselSplat"
+PACKAGE = "vesselsplat"
+SOURCE = Path(__file__).parents[2] / "pyproject.toml"
+"""Of a checkout; where the program is installed otherwise there is none, or another program's."""
 NOTICE = "Research use only. Not a medical device."
 SCHEMA = 1
 PIXEL_LIBRARIES = ("numpy", "numba", "opencv-contrib-python-headless", "pillow", "av")
@@ -41,11 +45,24 @@ Image = NDArray[np.uint8] | NDArray[np.uint16]
 
 
 def version() -> str:
-    """Raises UserError: the program is run from its source without having been installed."""
+    """That of the checkout that it is run from, if any: an editable install has noted that of an earlier day.
+
+    Raises UserError: the program is run from its source without having been installed.
+    """
     try:
-        return installed_version("vesselsplat")
+        noted = installed_version(PACKAGE)
     except PackageNotFoundError as error:
         raise UserError("expected VesselSplat to be installed: pip install -e . in its folder") from error
+    return _source_version() or noted
+
+
+@cache
+def _source_version() -> str | None:
+    try:
+        project = tomllib.loads(SOURCE.read_text(encoding="utf-8"))["project"]
+        return str(project["version"]) if project["name"] == PACKAGE else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def strict_json(value: object, *, indent: int | None = None) -> str:

@@ -8,6 +8,7 @@ import json
 import math
 import os
 import shutil
+import tomllib
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path, PureWindowsPath
 
@@ -27,6 +28,7 @@ from app.files.provenance import (
     provenance,
     read_provenance,
     strict_json,
+    version,
     write_png,
 )
 from app.files.records import Source
@@ -43,6 +45,28 @@ def test_a_program_that_is_not_installed_says_so(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(module, "installed_version", absent)
     with pytest.raises(UserError, match="expected VesselSplat to be installed"):
         provenance()
+
+
+def test_a_checkout_says_its_own_version_whatever_its_install_noted(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(module, "installed_version", lambda name: "0.1.0")
+    project = tomllib.loads((Path(module.__file__).parents[2] / "pyproject.toml").read_text())["project"]
+    assert version() == project["version"]
+    texts = {
+        "installed": None,
+        "another": '[project]\nname = "other"\nversion = "9"\n',
+        "damaged": "[project",
+        "without": "[tool.ruff]\n",
+    }
+    for name, text in texts.items():
+        path = tmp_path / f"{name}.toml"
+        if text is not None:
+            path.write_text(text)
+        monkeypatch.setattr(module, "SOURCE", path)
+        module._source_version.cache_clear()
+        assert version() == "0.1.0"
+    module._source_version.cache_clear()
 
 
 @given(facts=TEXTS)
