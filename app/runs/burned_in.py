@@ -59,10 +59,10 @@ def burned_in_of(frames: Iterable[Frame]) -> BurnedIn | None:
 
 
 def omission_of(found: BurnedIn) -> Omission:
-    """What leaving it out is, in words and numbers."""
+    """What leaving it out is, in words and numbers; a tool that never moves looks as text does."""
     return Omission(
-        "burned-in text",
-        f"it looks the same beside the masks in {found.frames} of {found.looked_at} frames",
+        "text or tools at rest",
+        f"unchanged beside the masks in {found.frames} of {found.looked_at} frames",
         f"{percent(found.share)} of the pixels",
         "tools",
     )

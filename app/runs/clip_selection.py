@@ -159,7 +159,7 @@ class ClipPart:
         masked = "without masked pixels" if self.mask != NO_MASK else ""
         lit = "without the dark surround" if self.field_of_view is not None else ""
         bare = "without tools" if self.tools is not None or self.tool_masks is not None else ""
-        textless = "without burned-in text" if self.burned_in is not None else ""
+        textless = "without text or tools at rest" if self.burned_in is not None else ""
         return ", ".join(filter(None, (frames + of, masked, lit, bare, textless)))
 
 

@@ -79,5 +79,5 @@ def left_out_of(part: ClipPart) -> tuple[list[Omission], list[str]]:
     if part.burned_in is not None:
         text = burned_in.omission_of(part.burned_in)
         omitted.append(text)
-        lines.append(f"left out: {text.what}, {text.why}: {text.saves} (--keep tools reconstructs it)")
+        lines.append(f"left out: {text.what}, {text.why}: {text.saves} (--keep tools reconstructs them)")
     return omitted, lines

@@ -68,10 +68,10 @@ def test_a_panel_is_left_out_beside_masks_and_no_pixel_more() -> None:
         np.testing.assert_array_equal(seen.tissue_mask | around, frame.tissue_mask | around)
         np.testing.assert_array_equal(seen.evaluation_mask, seen.tissue_mask)
     assert 25 * 90 < part.burned_in.share * 240 * 320 < 35 * 100
-    assert "without burned-in text" in part.told()
+    assert "without text or tools at rest" in part.told()
     (omission,), (line,) = left_out_of(part)
-    assert (omission.what, omission.part) == ("burned-in text", "tools")
-    assert "burned-in text, it looks the same beside the masks in 8 of 8 frames" in line
+    assert (omission.what, omission.part) == ("text or tools at rest", "tools")
+    assert "text or tools at rest, unchanged beside the masks in 8 of 8 frames" in line
 
 
 def test_masks_that_are_said_to_be_of_tools_may_rest() -> None:
@@ -128,7 +128,7 @@ def test_a_run_leaves_it_out_as_the_window_says(with_text: Path, tmp_path: Path)
     record = RunFolder(tmp_path / "run").record()
     assert record.clip.part.burned_in is not None
     assert record.clip.part.tools is None
-    assert started.omitted[0].what == "burned-in text"
+    assert started.omitted[0].what == "text or tools at rest"
     assert found_omissions(OmissionsRequest(open_clip(with_text), CONFIG)).omitted == started.omitted
     seen, own = run_clip(record), open_clip(with_text)
     for index in range(10):
@@ -146,8 +146,8 @@ def test_it_is_kept_where_asked_and_a_run_goes_on_as_it_began(
     again = vesselsplat("train", *flags, "--run", tmp_path / "run", "--resume")
     kept = vesselsplat("train", *flags, "--run", tmp_path / "kept", "--keep", "tools")
     assert (first.code, again.code, kept.code) == (0, 0, 0), first.error + again.error + kept.error
-    assert "left out: burned-in text" in first.error
-    assert "left out: burned-in text" not in kept.error
+    assert "left out: text or tools at rest" in first.error
+    assert "left out: text or tools at rest" not in kept.error
     assert RunFolder(tmp_path / "kept").record().clip.part.burned_in is None
 
 
