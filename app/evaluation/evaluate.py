@@ -81,7 +81,8 @@ DEFINITIONS = {
     "wall_seconds": WALL,
     "edits": "null: the run has no edits; else whether the edited model was measured, and "
     "how many Gaussians the edits remove",
-    "mean": "mean over the frames; values not measured, infinite or undefined are left out",
+    "mean": "mean over the frames; values not measured, infinite or undefined (null in a frame) are left "
+    "out; null: none is left",
 }
 HELD_OUT: Final[Mapping[Split, str]] = {"field": "(index - 1) % 8 == 0", "even-odd": "those of odd index"}
 """The frames, by how a clip is split."""
