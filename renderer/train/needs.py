@@ -9,7 +9,9 @@ from typing import Final
 import numpy as np
 
 from renderer.clip import BoolImage, Clip, Frame
+from renderer.deformation.motion import Motion, Still
 from renderer.deformation.spline import MIN_CONTROLS, controls_for, most_controls
+from renderer.deformation.spline_motion import SplineMotion
 from renderer.harmonics import BANDS
 from renderer.train import outlines
 from renderer.train.config import Method, Part, TrainConfig
@@ -28,6 +30,8 @@ FRAMES_PER_CONTROL_AT_REST = 2
 three phantoms 0.5 dB better than 3.7 frames, and better than with a deformation."""
 OWN: Final[tuple[Method, ...]] = ("vesselsplat", "static")
 """Methods that are not of others' publications, which are trained on all tissue."""
+BEGAN: Final = ", but the run began without"
+"""As earlier versions measured it."""
 RAW_NUMBERS = 14
 """Of a Gaussian without harmonics and motion."""
 
@@ -58,22 +62,41 @@ class Needs:
     omitted: tuple[Omission, ...] = ()
 
 
+@dataclass(frozen=True)
+class Begun:
+    """What a training began with, and goes on with, whatever is measured by now."""
+
+    moves: bool
+    recolors: bool
+    n_controls: int | None = None
+    """None: it has no curves."""
+
+    @classmethod
+    def with_motion(cls, motion: Motion) -> Begun:
+        """What a training with that motion has."""
+        if isinstance(motion, SplineMotion):
+            moves, recolors = (len(each) > 0 for each in (motion.position_controls, motion.color_controls))
+            return cls(moves, recolors, motion.n_controls)
+        return cls(not isinstance(motion, Still), recolors=False)
+
+
 def decide(
     clip: Clip,
     frames: Sequence[Frame],
     config: TrainConfig,
     *,
     follow: Sequence[Frame] | None = None,
-    n_controls: int | None = None,
+    begun: Begun | None = None,
 ) -> Needs:
-    """From the frames to fit, in the order of time; a run that is resumed decides the same again.
+    """From the frames to fit, in the order of time.
 
     follow: the same frames with all depth that there is, through which tissue is followed if it moves.
-    n_controls: as decided before.
+    begun: what a run that is resumed decided; None: nothing yet.
     """
     measured = Stillness(0.0, 0.0) if config.method == "static" else stillness(frames)
-    moves = _moves(clip, measured, config)
-    recolors = _recolors(clip, measured, config)
+    moves = _moves(clip, measured, config) if begun is None else begun.moves
+    recolors = _recolors(clip, measured, config) if begun is None else begun.recolors
+    n_controls = None if begun is None else begun.n_controls
     followed = None
     if follow is not None and _begins_from_tracks(config, moves):
         followed = Followed.of(follow, config.node_columns)
@@ -162,7 +185,8 @@ def _omitted(
         yield Omission("deformation", why, saves, None if asked else "deformation")
     if not needs.recolors and config.method == "vesselsplat":
         asked = "color_curves" in config.leave_out
-        why = "as requested" if asked else f"colours differ by {measured.recoloring:.2f} grey levels"
+        why = f"colours differ by {measured.recoloring:.2f} grey levels"
+        why = "as requested" if asked else why + (BEGAN if _recolors(clip, measured, config) else "")
         yield Omission("colour curves", why, curve, None if asked else "color_curves")
     if needs.moves and config.method == "vesselsplat" and "tracks" in config.leave_out:
         yield Omission("start from tracks", "as requested", "optical flow before the first step", None)
@@ -210,7 +234,8 @@ def _why_no_deformation(clip: Clip, config: TrainConfig, measured: Stillness) ->
         return "as requested"
     moved = f"tissue moves by {measured.displacement:.2f} px"
     n_frames, *size = measured.compared
-    return f"{moved} (all {n_frames} training frames compared, at {size[0]}x{size[1]})" if n_frames else moved
+    moved += f" (all {n_frames} training frames compared, at {size[0]}x{size[1]})" if n_frames else ""
+    return moved + (BEGAN if _moves(clip, measured, config) else "")
 
 
 def _motion_of(config: TrainConfig, curve: str) -> str:

@@ -40,7 +40,7 @@ from renderer.train.initialize import require_resolved, scene_size, with_points
 from renderer.train.meter import Meter
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
-from renderer.train.needs import Needs, decide
+from renderer.train.needs import Begun, Needs, decide
 from renderer.train.outlines import without_outlines
 from renderer.train.recipe import Recipe, Stage
 from renderer.train.unseen import without_unseen
@@ -137,8 +137,8 @@ def _prepared(
     identity = fingerprint(clip, config, fit, frames[0])
     checkpoint = read_newest_checkpoint(folder) if folder and resume else None
     # A checkpoint holds all that tracks would give.
-    follow, known = (None, _controls_of(checkpoint)) if checkpoint else (seeds, None)
-    needs = decide(clip, frames, config, follow=follow, n_controls=known)
+    follow, begun = (None, _begun(checkpoint)) if checkpoint else (seeds, None)
+    needs = decide(clip, frames, config, follow=follow, begun=begun)
     recipe = recipe_for(config, needs)
     judged = clip.camera_is_fixed and recipe.losses.opacity > 0
     if needs.apart is not None:
@@ -315,10 +315,12 @@ def frame_of(iteration: int, frames: Sequence[TrainFrame], seed: int) -> TrainFr
     return frames[int(order[place])]
 
 
-def _controls_of(checkpoint: Checkpoint) -> int | None:
-    """Control values of a curve; None: it has no curves, or is damaged, which is seen when it is restored."""
-    nodes = checkpoint.arrays.get("node_controls")
-    return int(nodes.shape[1]) if nodes is not None and nodes.ndim == 3 and nodes.shape[1] > 3 else None
+def _begun(checkpoint: Checkpoint) -> Begun | None:
+    """None: it is damaged, which is seen when it is restored."""
+    try:
+        return Begun.with_motion(DynamicGaussians.checked(checkpoint.arrays).motion)
+    except ValueError:
+        return None
 
 
 class _Pool:

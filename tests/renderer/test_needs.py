@@ -22,15 +22,17 @@ from renderer.phantom.surface import grow_surface
 from renderer.rasterize.cpu import render
 from renderer.raw_gaussians import RawGaussians
 from renderer.sources import open_clip
+from renderer.train import needs as deciding
 from renderer.train import trainer
 from renderer.train.checkpoint import checkpoint_paths
 from renderer.train.config import TrainConfig
-from renderer.train.events import Finished
+from renderer.train.events import Finished, Started
 from renderer.train.frames import halved, train_frame
 from renderer.train.methods import recipe_for
 from renderer.train.model import TrainModel
 from renderer.train.needs import Needs, decide
 from renderer.train.recipe import Recipe
+from renderer.train.stillness import Stillness, stillness
 from renderer.train.training import train
 from renderer.train.unseen import seen_in, without_unseen
 from tests.renderer.plane import N_FRAMES, plane_clip
@@ -228,6 +230,27 @@ def test_a_run_with_harmonics_goes_on_as_if_it_had_never_stopped(tmp_path: Path,
             break
     resumed, _ = finished(clip, config, folder=tmp_path, resume=True)
     assert same_bytes(whole, resumed)
+
+
+@pytest.mark.parametrize("before", [Stillness(0.0, 0.0), Stillness(0.0, 9.0), Stillness(9.0, 9.0)])
+def test_a_run_goes_on_as_it_began_whatever_is_measured_by_now(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, before: Stillness
+) -> None:
+    """As where another version finds tissue to move, or to rest."""
+    clip = moving_sheet() if before.displacement == 0 else plane_clip()
+    config = replace(SMALL, iterations=20, checkpoint_every=5)
+    monkeypatch.setattr(deciding, "stillness", lambda frames: before)
+    whole, _ = finished(clip, config, folder=tmp_path)
+    checkpoint_paths(tmp_path)[-1].unlink()
+    monkeypatch.setattr(deciding, "stillness", stillness)
+    assert needs_of(clip, config).moves != (before.displacement > 0)
+    first, *_, last = train(clip, config, folder=tmp_path, resume=True)
+    assert isinstance(first, Started)
+    assert isinstance(last, Finished)
+    assert first.iteration == 15
+    assert same_bytes(whole, last.model)
+    why = {each.what: each.why for each in first.omitted}
+    assert why.get("deformation", "").endswith("the run began without") == (before.displacement == 0)
 
 
 def test_unseen_gaussians_change_no_tissue_in_any_frame() -> None:

@@ -21,7 +21,7 @@ from renderer.stored_arrays import Arrays, write_arrays
 from renderer.train.checkpoint import Checkpoint, checkpoint_paths, read_newest_checkpoint, write_checkpoint
 from renderer.train.config import Method, TrainConfig
 from renderer.train.events import Finished
-from renderer.train.needs import Needs, decide
+from renderer.train.needs import Begun, Needs, decide
 from renderer.train.trainer import TrainingError, train_window
 from renderer.train.training import train
 from tests.renderer.plane import plane_clip
@@ -117,12 +117,12 @@ def test_every_array_of_a_checkpoint_is_checked_before_training_goes_on(
     assert checkpoint is not None
     clip = plane_clip(slide=1.0)
     # What each try would find out again of the same frames, and has no part in the check.
-    clip, decided = replace(clip, read_frame=cache(clip.read_frame)), dict[int | None, Needs]()
+    clip, decided = replace(clip, read_frame=cache(clip.read_frame)), dict[Begun | None, Needs]()
 
-    def decide_once(*given: Any, n_controls: int | None, **named: Any) -> Needs:
-        if n_controls not in decided:
-            decided[n_controls] = decide(*given, n_controls=n_controls, **named)
-        return decided[n_controls]
+    def decide_once(*given: Any, begun: Begun | None, **named: Any) -> Needs:
+        if begun not in decided:
+            decided[begun] = decide(*given, begun=begun, **named)
+        return decided[begun]
 
     monkeypatch.setattr(sys.modules[train_window.__module__], "decide", decide_once)
 
