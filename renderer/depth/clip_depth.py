@@ -10,7 +10,8 @@ from typing import Final
 from renderer.clip import Clip, ClipError, Frame
 from renderer.depth.depth_prior import brightness_guess, with_guessed_depth
 from renderer.depth.monocular import FOLDERS, map_files, monocular_guess, monocular_maps
-from renderer.depth.stereo_pairs import right_eye, right_files, with_stereo_depth
+from renderer.depth.stereo_depth import with_stereo_depth
+from renderer.depth.stereo_pairs import right_eye, right_files
 from renderer.poses.parts import SHORTEST
 from renderer.readers.clip_options import ClipOptions, DepthSource
 

@@ -29,6 +29,8 @@ _AGREEMENT = 1.0
 _SPECKLE_SHARE = 5e-4
 """Of the picture: a smaller patch at a disparity of its own is a failed match."""
 
+FEWEST_FEATURES = 20
+"""Recognised in both images of a pair that shows one scene."""
 _COARSE_WIDTH = 320
 _WIDEST = 0.5
 """Largest disparity looked for, as a share of the width."""

@@ -8,7 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from renderer.depth.stereo_pairs import right_eye, with_stereo_depth
+from renderer.depth.stereo_depth import with_stereo_depth
+from renderer.depth.stereo_pairs import right_eye
 from renderer.readers.clip_options import ClipOptions
 from renderer.sources import open_bare
 from tests.renderer.depth.test_stereo_pairs import FIELD_OF_VIEW, LAYOUTS, SIZE, opened

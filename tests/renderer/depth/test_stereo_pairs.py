@@ -13,7 +13,8 @@ import pytest
 from PIL import Image
 
 from renderer.clip import Clip, ClipError
-from renderer.depth import stereo_pairs
+from renderer.depth import stereo_depth
+from renderer.depth.stereo_depth import with_stereo_depth
 from renderer.depth.stereo_pairs import (
     eye_folders,
     is_stereo_folder,
@@ -21,7 +22,6 @@ from renderer.depth.stereo_pairs import (
     right_eye,
     right_name,
     right_pictures,
-    with_stereo_depth,
 )
 from renderer.readers.image_folders.frames import open_images
 from renderer.sources import open_bare, open_case
@@ -267,7 +267,7 @@ def test_a_few_matches_by_chance_move_no_rows(written, monkeypatch):
     good = np.stack([np.full(60, 9.0), rng.normal(0, 0.2, 60)], axis=1)
     poor = np.stack([np.full(12, 9.0), np.linspace(-20, 36, 12)], axis=1)
     chosen = {"first": good, "second": poor}
-    monkeypatch.setattr(stereo_pairs, "feature_shifts", lambda left, right: chosen[next(shifts)])
+    monkeypatch.setattr(stereo_depth, "feature_shifts", lambda left, right: chosen[next(shifts)])
     assert not any("rows" in notice for notice in opened(written[0]).notices)
 
 

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from renderer.clip import ClipError
-from renderer.depth.stereo_pairs import open_stereo_folder, right_eye, with_stereo_depth
+from renderer.depth.stereo_depth import with_stereo_depth
+from renderer.depth.stereo_pairs import open_stereo_folder, right_eye
 from tests.renderer.depth.test_stereo_pairs import FIELD_OF_VIEW, change, copied, opened, two_moments
 from tests.renderer.eyes import BASELINE, Eyes
 
