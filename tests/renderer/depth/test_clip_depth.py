@@ -110,7 +110,9 @@ def test_brightness_replaces_what_is_there(measured, pictures):
 
 def test_one_picture_can_be_guessed(pictures):
     picture = open_image(pictures.path / pictures.labels[0])
-    assert depth_of(picture, "brightness") is not None
+    depth = depth_of(picture, "brightness")
+    assert depth is not None
+    assert np.median(depth[depth > 0]) == pytest.approx(1, abs=0.1)
 
 
 def test_monocular_maps_are_taken_when_asked_for(pictures, tmp_path):
