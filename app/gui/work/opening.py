@@ -12,14 +12,14 @@ from app.errors import UserError
 from app.exports.replay.enhanced_already import enhanced_already
 from app.files.provenance import digest
 from app.gui.session_file import SUFFIX, Session, SessionSource, mended_session
-from app.gui.work.reported import Reported, read, read_sweep_report
+from app.gui.work.opened_run import OpenedRun, clip_of, model_of, place_of, request_of
+from app.gui.work.reported import Reported, read_reported, read_sweep_report
 from app.report.section import holds_report
-from app.runs.progress_log import TrainingLog, told
+from app.runs.progress_log import told
 from app.runs.run_edits import read_edits
-from app.runs.run_folder import RunFolder, RunRecord
+from app.runs.run_folder import RunFolder
 from app.runs.run_lock import holder
-from app.runs.train_run import RECONSTRUCTION_PARAMS, TrainRequest
-from app.scenes.scene import Scene, Training, finished_scene, run_scene, series_scene, splat_scene
+from app.scenes.scene import Scene, series_scene, splat_scene
 from app.sweeps.folder import SWEEP, is_sweep
 from renderer.camera_files import CameraFileError
 from renderer.clip import Clip, ClipError
@@ -30,10 +30,9 @@ from renderer.readers.dicom.opening import is_dicom
 from renderer.readers.image_folders.passed_over import NOT_READABLE
 from renderer.readers.lenses.calibration_files import read_calibration
 from renderer.regular_files import require_file_or_folder
-from renderer.sources import open_bare, open_case, with_chosen_depth
+from renderer.sources import open_case, with_chosen_depth
 from renderer.splat_files import is_named_as_splats
 from renderer.splat_series import series_files
-from renderer.train.window_files import unfinished
 from renderer.view_files import Views, import_views, may_hold_views
 
 Content = Literal["clip", "stills", "run"]
@@ -66,25 +65,6 @@ class SourceLost(UserError):
         """asked: the run or the session; old: where its source was."""
         super().__init__(said)
         self.asked, self.old = asked, old
-
-
-@dataclass(frozen=True, eq=False)
-class OpenedRun:
-    """A run folder with what can be shown of it."""
-
-    path: Path
-    record: RunRecord
-    request: TrainRequest
-    """What it was begun with."""
-    model: Scene | None
-    """Of a run that is not finished: its last checkpoint's, live; None where it left none."""
-    told: TrainingLog
-    is_trained: bool = False
-    """Another process trains it at this moment."""
-
-    @property
-    def is_finished(self) -> bool:
-        return self.model is not None and not self.model.live
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,7 +238,7 @@ def _open_beside(path: Path) -> Opened:
     if path.name == SWEEP and is_sweep(path.parent):
         return Opened(None, report=read_sweep_report(path.parent))
     if holds_report(path):
-        return Opened(None, report=read(path))
+        return Opened(None, report=read_reported(path))
     try:
         return Opened(None, views=import_views(path))
     except CameraFileError as error:
@@ -318,9 +298,9 @@ def _open_run(folder: RunFolder, source: Path | None, beside: Path | None) -> Op
     record, lost = folder.record(), None
     if source is not None and not record.clip.is_of(source):
         raise UserError(f"expected the clip that {folder.path.name} was trained on, got another: {source}")
-    place = source or _place_of(record, beside)
+    place = source or place_of(record, beside)
     try:
-        clip, bare = _clip_of(record, place)
+        clip, bare = clip_of(record, place)
         # Of this name and place it is from now on.
         record = replace(record, clip=replace(record.clip, path=str(place.absolute()), name=clip.name))
     except ClipError as error:
@@ -329,7 +309,7 @@ def _open_run(folder: RunFolder, source: Path | None, beside: Path | None) -> Op
     notices = clip.notices if clip is not None else ()
     finished, warning, said = folder.is_finished, "", told(folder)
     is_trained = not finished and holder(folder.path) is not None
-    model = _model_of(folder, record, clip, said)
+    model = model_of(folder, record, clip, said)
     if model is not None and finished:
         try:
             model = replace(model, saved_edits=read_edits(folder, len(model.model)))
@@ -342,59 +322,3 @@ def _open_run(folder: RunFolder, source: Path | None, beside: Path | None) -> Op
     run = OpenedRun(folder.path, record, request_of(folder, record), model, said, is_trained)
     options = record.clip.options
     return Opened(clip, run, bare, notices=notices, options=options, warning=warning, lost=lost)
-
-
-def _model_of(folder: RunFolder, record: RunRecord, clip: Clip | None, said: TrainingLog) -> Scene | None:
-    """As trained so far, of the clip as it is called now."""
-    finished = folder.is_finished
-    model = finished_scene(folder, record) if finished else last_checkpoint(folder, record, said)
-    if model is not None and model.record.clip is not None:
-        named = replace(model.record.clip, name=record.clip.name)
-        place = None if clip is None else clip.path
-        model = replace(model, record=replace(model.record, clip=named), clip_path=place)
-    if model is not None and clip is not None and model.is_of(clip):
-        # The same objects, so that comparing them is quick; it is done in every frame.
-        cameras = clip.cameras[model.start : model.start + len(model.cameras)]
-        speed = model.frames_per_second or clip.frames_per_second
-        model = replace(model, cameras=cameras, frames_per_second=speed)
-    return model
-
-
-def last_checkpoint(folder: RunFolder, record: RunRecord, said: TrainingLog) -> Scene | None:
-    """The model as it was at the newest checkpoint that can be read; None where there is none."""
-    try:
-        left = unfinished(folder.path, record.clip.frames)
-    except ValueError:
-        return None
-    if left is None:
-        return None
-    done = Training(left.iteration, said.steps(record.config.iterations), live=True)
-    return run_scene(folder, left.model, record, record.config, record.clip.part, done)
-
-
-def request_of(folder: RunFolder, record: RunRecord) -> TrainRequest:
-    """The request that made the run, so that Continue asks for the same again."""
-    params = record.enhancement.params if record.enhancement else RECONSTRUCTION_PARAMS
-    return TrainRequest(
-        clip_path=Path(record.clip.path),
-        run_path=folder.path,
-        config=record.config,
-        clip_options=record.clip.options,
-        part=record.clip.part,
-        input=record.input,
-        enhance_params=params,
-    )
-
-
-def _place_of(record: RunRecord, beside: Path | None) -> Path:
-    """Where the clip of a run lies: where it did, or beside, if nothing is there any more."""
-    place = Path(record.clip.path)
-    if place.exists() or beside is None or not beside.exists():
-        return place
-    return beside if record.clip.is_of(beside) else place
-
-
-def _clip_of(record: RunRecord, path: Path) -> tuple[Clip, Clip]:
-    """As it was trained on, and with no depth but that of its own files. Raises ClipError."""
-    bare = open_bare(path, record.clip.options)
-    return record.clip.through_whole(with_chosen_depth(bare, record.clip.options)), bare

@@ -135,7 +135,7 @@ class Reported:
     """Of a sweep, its jobs."""
 
 
-def read(path: Path) -> Reported:
+def read_reported(path: Path) -> Reported:
     """Raises UserError when the file is no report."""
     report = read_report(path)
     machine: dict[str, Any] = report.machine

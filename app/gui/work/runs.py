@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from app.errors import UserError
 from app.files.provenance import digest, digested_files
-from app.gui.work.opening import request_of
+from app.gui.work.opened_run import request_of
 from app.runs.clip_selection import ClipPart
 from app.runs.progress_log import EMPTY_LOG, TrainingLog, told
 from app.runs.run_folder import RunFolder, RunRecord

@@ -16,7 +16,7 @@ from app.gui.actions import actions, arriving
 from app.gui.panels.report import draw_report
 from app.gui.state.app_state import AppState
 from app.gui.work.opening import OpenRequest, open_path
-from app.gui.work.reported import LEAST, Scale, charts_of, current, read
+from app.gui.work.reported import LEAST, Scale, charts_of, current, read_reported
 from app.report.diagrams import Curve, Diagram, Gain, GainDiagram, Growth, Point
 from app.report.section import Plate, Section
 from enhance import EnhanceParams
@@ -79,7 +79,7 @@ def test_long_run_times_are_counted_in_seconds() -> None:
 
 
 def test_charts_are_ready_to_draw(path: Path) -> None:
-    first, second, *_ = read(path).charts
+    first, second, *_ = read_reported(path).charts
     assert first.logarithmic
     assert not second.logarithmic
     assert first.front is not None
@@ -89,11 +89,11 @@ def test_charts_are_ready_to_draw(path: Path) -> None:
     assert first.up.least < LEAST
     assert second.up.ticks == ()
     assert min(line.up.min() for line in first.series) == LEAST
-    assert (read(path).parts[0].title, read(path).parts[0].sentences) == ("E", ("words",))
+    assert (read_reported(path).parts[0].title, read_reported(path).parts[0].sentences) == ("E", ("words",))
 
 
 def test_growth_is_drawn_through_its_power_law(path: Path) -> None:
-    chart = read(path).charts[2]
+    chart = read_reported(path).charts[2]
     assert (chart.name, chart.against, chart.measure) == ("ms against pixels", "pixels", "ms")
     assert [line.name for line in chart.series] == ["square: exponent 2.00", "flat: exponent 0.00"]
     assert [fit.name for fit in chart.fits] == [line.name for line in chart.series]
@@ -103,7 +103,7 @@ def test_growth_is_drawn_through_its_power_law(path: Path) -> None:
 
 
 def test_contrast_against_noise_has_a_line_for_each_method_and_the_front(path: Path) -> None:
-    chart = read(path).charts[3]
+    chart = read_reported(path).charts[3]
     assert chart.name == "contrast against noise"
     assert [line.name for line in chart.fits] == ["a", "b", "Pareto front"]
     assert (chart.fits[0].across.tolist(), chart.fits[0].up.tolist()) == ([1.1, 1.2], [1.5, 2.0])
@@ -120,7 +120,7 @@ def test_ticks_are_numbers_without_a_power_of_ten_that_say_where_they_are(decade
 
 
 def test_the_present_setting_is_found_among_the_points(path: Path) -> None:
-    first, second, grown, gained = read(path).charts
+    first, second, grown, gained = read_reported(path).charts
     default = EnhanceParams()
     assert current(first, default) == POINTS[0]
     assert current(first, replace(default, subsample=1)) == POINTS[1]
@@ -176,7 +176,7 @@ def test_another_file_is_refused_in_one_line(tmp_path: Path) -> None:
 
 
 def test_a_legend_lies_in_the_corner_only_where_no_point_does(path: Path) -> None:
-    chart = next(chart for chart in read(path).charts if chart.logarithmic)
+    chart = next(chart for chart in read_reported(path).charts if chart.logarithmic)
     fast = Point(series="subsample", setting="s", seconds=0.0021, error=2 * chart.up.least)
     assert chart.corner_is_free
     assert not replace(chart, points=(*chart.points, fast)).corner_is_free

@@ -14,7 +14,7 @@ import pytest
 from app.commands.described.files import of_run
 from app.errors import UserError
 from app.evaluation.evaluate import open_evaluation
-from app.gui.work.opening import request_of
+from app.gui.work.opened_run import request_of
 from app.runs import structuring
 from app.runs.clip_selection import ClipPart
 from app.runs.posing import Posed

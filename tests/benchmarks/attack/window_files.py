@@ -18,7 +18,7 @@ from app.exports.replay.again import replay
 from app.files.image_files import read_image
 from app.files.provenance import read_provenance
 from app.gui.session_file import SUFFIX, mended_session
-from app.gui.work.opening import request_of
+from app.gui.work.opened_run import request_of
 from app.gui.work.presets import OWN
 from app.gui.work.settings import SETTINGS
 from app.runs.run_folder import RunFolder
